@@ -1,0 +1,84 @@
+# make run     everything from nothing: environment, dashboard, gateway and action server
+# make test    every check: lint, types, import rules, Python and frontend tests
+# make help    the rest
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+
+VENV := .venv
+BIN := $(VENV)/bin
+STAMPS := $(VENV)/.stamps
+UV ?= $(shell command -v uv || echo .tools/uv/bin/uv)
+PYTHON_VERSIONS := >=3.10,<3.15
+UP_ARGS ?=
+PYTEST_ARGS ?=
+
+# An environment that is active in the caller's shell must not leak into ours.
+unexport VIRTUAL_ENV PYTHONPATH PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
+export UV_PYTHON_PREFERENCE ?= system
+
+INTERFACES := backend/action_tutorials_interfaces
+INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
+DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
+
+.PHONY: help run setup test check format lock interfaces-wheel clean
+
+help: ## list the targets
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-18s %s\n", $$1, $$2}'
+
+run: setup ## start the gateway and the action server, then open http://127.0.0.1:8000
+	@exec $(BIN)/dock-gateway up $(UP_ARGS)
+
+setup: $(STAMPS)/project frontend/dist/index.html ## make the environment and build the dashboard
+
+test: setup ## lint, format, types, import rules, Python tests, frontend tests
+	@scripts/test $(PYTEST_ARGS)
+
+check: setup ## the fast part of `make test`: everything but the tests
+	@scripts/check
+
+format: setup ## format Python and TypeScript
+	$(BIN)/ruff check --fix --quiet . || true
+	$(BIN)/ruff format --quiet .
+	. scripts/node-env && cd frontend && npx --no-install biome check --write src tests
+
+lock: $(UV) ## write requirements.lock anew from pyproject.toml
+	$(UV) pip compile --quiet --universal --python-version 3.10 --generate-hashes --upgrade \
+	    --no-emit-index-url --no-annotate --no-header \
+	    --no-emit-package action-tutorials-interfaces --group dev pyproject.toml -o requirements.lock
+
+interfaces-wheel: $(UV) ## build and try the interface package on PYTHON=3.12 (or another CPython)
+	scripts/interfaces-wheel $(or $(PYTHON),3.12)
+
+clean: ## remove everything that the other targets made
+	rm -rf .venv .tools dist frontend/dist frontend/node_modules test-results
+
+.tools/uv/bin/uv:
+	@scripts/get-uv .tools/uv
+
+$(STAMPS)/venv: | $(UV)
+	@scripts/preflight
+	@rm -rf $(VENV)
+	$(UV) venv --quiet --python '$(PYTHON_VERSIONS)' $(VENV)
+	@mkdir -p $(STAMPS) && touch $@
+
+$(STAMPS)/lock: requirements.lock $(STAMPS)/venv
+	@echo "Installing the locked packages …"
+	@$(UV) pip sync --quiet --python $(BIN)/python --require-hashes requirements.lock
+	@touch $@
+
+$(STAMPS)/interfaces: $(INTERFACE_SOURCES) $(STAMPS)/lock
+	@scripts/preflight $(BIN)/python
+	@echo "Compiling the ROS interface package (about half a minute, once) …"
+	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall ./$(INTERFACES)
+	@touch $@
+
+$(STAMPS)/project: pyproject.toml backend/hatch_build.py $(wildcard backend/action_tutorials_py/*) $(STAMPS)/interfaces
+	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --editable .
+	@touch $@
+
+frontend/dist/index.html: $(DASHBOARD_SOURCES) | $(STAMPS)/venv
+	@scripts/build-dashboard
+	@touch $@

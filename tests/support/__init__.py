@@ -1,0 +1,1 @@
+"""Helpers for tests of the real thing: ROS domains of their own, processes that end."""

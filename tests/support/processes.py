@@ -1,0 +1,102 @@
+"""Processes under test: started with a ROS environment of their own, read line by line, always ended."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+BIN = Path(sys.executable).parent
+
+
+def ros_environment(domain: int, **more: str) -> dict[str, str]:
+    """The environment of a process that must meet only those on `domain`, on this machine."""
+    return {
+        **os.environ,
+        "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}",
+        "AMENT_PREFIX_PATH": sys.prefix,
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+        "PYTHONUNBUFFERED": "1",
+        **more,
+    }
+
+
+class Process:
+    """A running program whose output (both streams) can be waited for.
+
+    Use it as a context manager: it is ended (SIGTERM, after 5 s SIGKILL) on the way out.
+    """
+
+    def __init__(self, *command: str, env: dict[str, str], cwd: Path | None = None) -> None:
+        self._process = subprocess.Popen(
+            command, env=env, cwd=cwd, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
+        self.pid = self._process.pid
+        self._lines: list[str] = []
+        self._changed = threading.Condition()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self._process.stdout is not None
+        for line in self._process.stdout:
+            with self._changed:
+                self._lines.append(line.rstrip("\n"))
+                self._changed.notify_all()
+        with self._changed:
+            self._changed.notify_all()
+
+    @property
+    def output(self) -> str:
+        """All that was printed so far."""
+        with self._changed:
+            return "\n".join(self._lines)
+
+    def wait_for(self, text: str, timeout: float = 15.0) -> str:
+        """Wait for a line that holds `text` and return it; fail with the whole output otherwise."""
+        deadline = time.monotonic() + timeout
+        seen = 0
+        with self._changed:
+            while True:
+                for line in self._lines[seen:]:
+                    if text in line:
+                        return line
+                seen = len(self._lines)
+                left = deadline - time.monotonic()
+                if left <= 0 or not self._reader.is_alive():
+                    raise AssertionError(f"{text!r} not seen; the output was:\n" + "\n".join(self._lines))
+                self._changed.wait(min(left, 0.2))
+
+    def send_signal(self, number: signal.Signals) -> None:
+        """Send a signal to the process."""
+        self._process.send_signal(number)
+
+    def wait(self, timeout: float = 10.0) -> int:
+        """Wait for the end and return the exit code."""
+        code = self._process.wait(timeout)
+        self._reader.join(2)
+        return code
+
+    @property
+    def running(self) -> bool:
+        """Whether it has not ended yet."""
+        return self._process.poll() is None
+
+    def __enter__(self) -> "Process":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.running:
+            self._process.send_signal(signal.SIGCONT)  # a frozen process cannot end
+            self._process.terminate()
+            try:
+                self._process.wait(5)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+        self._reader.join(2)
+        assert self._process.stdout is not None
+        self._process.stdout.close()
