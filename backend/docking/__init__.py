@@ -1,1 +1,1 @@
-"""ROS 2 nodes of the docking tutorial: action server, action client, battery monitor, Fibonacci."""
+"""Docking for ROS 2: the nodes of the action tutorials, made dependable, and the plain Python they are made of."""

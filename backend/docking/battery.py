@@ -1,0 +1,81 @@
+"""The battery as the nodes of this process share it: its latest message and when that came."""
+
+import enum
+from dataclasses import dataclass
+
+
+class PowerSupplyStatus(enum.IntEnum):
+    """`power_supply_status` of sensor_msgs/BatteryState."""
+
+    UNKNOWN = 0
+    CHARGING = 1
+    DISCHARGING = 2
+    NOT_CHARGING = 3
+    FULL = 4
+
+
+CONNECTED = frozenset({PowerSupplyStatus.CHARGING, PowerSupplyStatus.FULL})
+"""The states of a battery that is connected to its charger; every other number, known or not, is none."""
+
+
+def describe_status(status: int) -> str:
+    """A status as a person reads it: its number, and its name where it has one."""
+    try:
+        return f"{status} ({PowerSupplyStatus(status).name})"
+    except ValueError:
+        return f"{status} (no known status)"
+
+
+@dataclass(frozen=True)
+class BatteryReading:
+    """One battery message.
+
+    Attributes:
+        status: `power_supply_status` as it came, which need not be a known one.
+        received_at: When it reached this process, in seconds of the monotonic clock.
+        message: The sensor_msgs/BatteryState itself, which nothing here looks into.
+    """
+
+    status: int
+    received_at: float
+    message: object = None
+
+    @property
+    def connected(self) -> bool:
+        """Whether the charger is connected: charging, or full."""
+        return self.status in CONNECTED
+
+    def age(self, now: float) -> float:
+        """Seconds since it was received, at least 0."""
+        return max(0.0, now - self.received_at)
+
+
+class Battery:
+    """The latest reading, written by the battery subscriber and read by the action server."""
+
+    def __init__(self) -> None:
+        self.latest: BatteryReading | None = None
+
+    def update(self, reading: BatteryReading) -> None:
+        """Take over a newer reading."""
+        self.latest = reading
+
+
+def received_at(now: float, wall_now: float, received_wall: float) -> float:
+    """When a message that is handled now was received.
+
+    A message may have waited while the process was busy or frozen, and must not look fresh for it. The middleware
+    stamps the reception with the wall clock; only the difference counts, so that a clock set in between
+    harms no other message.
+
+    Args:
+        now: The monotonic clock, in seconds.
+        wall_now: The wall clock at the same moment, in seconds.
+        received_wall: The reception by the wall clock, in seconds; 0 where the middleware gives none.
+
+    Returns:
+        Seconds of the monotonic clock.
+    """
+    if received_wall <= 0.0:
+        return now
+    return now - max(0.0, wall_now - received_wall)

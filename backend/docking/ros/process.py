@@ -1,0 +1,162 @@
+"""A ROS process: nodes spun in a thread of their own, signals awaited in the main thread.
+
+rclpy's wait cannot be interrupted by a signal handler of Python, an event's can; so rclpy gets the other thread.
+All that touches nodes runs there, which spares the nodes every lock.
+"""
+
+import contextlib
+import signal
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
+from types import FrameType, TracebackType
+from typing import Self, TypeVar
+
+import rclpy
+from rclpy.context import Context
+from rclpy.exceptions import ParameterException
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+T = TypeVar("T")
+
+EXIT_USAGE = 2
+"""Exit code: the command line or a parameter is wrong."""
+
+
+class StopSignals:
+    """SIGINT and SIGTERM, counted; waiting for one also ends when `wake` is called.
+
+    The handlers stay until the process is gone, so that a second signal cannot cut its ending short.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._event = threading.Event()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._handle)
+
+    def _handle(self, _number: int, _frame: FrameType | None) -> None:
+        self.count += 1
+        self._event.set()
+
+    def wake(self) -> None:
+        """End a wait, from any thread."""
+        self._event.set()
+
+    def wait(self) -> None:
+        """Wait for a signal, or for `wake`; each ends one wait."""
+        self._event.wait()
+        self._event.clear()
+
+
+@contextlib.contextmanager
+def ros_context(args: Sequence[str] | None = None) -> Iterator[Context]:
+    """A ROS context without signal handlers of its own, for as long as it is held.
+
+    Args:
+        args: The command line with its `--ros-args`; None is that of the process.
+
+    Raises:
+        ValueError: The ROS arguments are wrong.
+    """
+    context = Context()
+    try:
+        rclpy.init(
+            args=None if args is None else list(args), context=context, signal_handler_options=SignalHandlerOptions.NO
+        )
+    except (rclpy_implementation.UnknownROSArgsError, rclpy_implementation.RCLInvalidROSArgsError) as error:
+        raise ValueError(f"wrong ROS arguments: {error}") from error
+    try:
+        yield context
+    finally:
+        context.try_shutdown()
+
+
+class Spinner:
+    """Spins nodes in a thread of its own, and destroys them on the way out.
+
+    Attributes:
+        failure: The exception that ended the thread, if one did.
+    """
+
+    def __init__(self, context: Context, nodes: Sequence[Node], on_failure: Callable[[], None] | None = None) -> None:
+        """Take over the nodes.
+
+        Args:
+            context: The context of the nodes.
+            nodes: The nodes to spin; from now on they belong to the spinner's thread.
+            on_failure: Called in that thread when an exception has ended it.
+        """
+        self.failure: BaseException | None = None
+        self._context = context
+        self._nodes = nodes
+        self._on_failure = on_failure
+        self._stopping = False
+        self._executor = SingleThreadedExecutor(context=context)
+        for node in nodes:
+            self._executor.add_node(node)
+        self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
+
+    def _spin(self) -> None:
+        try:
+            while not self._stopping and self._context.ok():
+                self._executor.spin_once()
+        except BaseException as error:  # noqa: BLE001 - whatever it is, the process must learn of it and end
+            self.failure = error
+            traceback.print_exc()
+            if self._on_failure is not None:
+                self._on_failure()
+
+    def call(self, function: Callable[[], T]) -> "Future[T]":
+        """Run a function in the spinner's thread, or in the caller's when that thread has failed.
+
+        Returns:
+            A future that any thread may wait for; it holds what the function raised.
+        """
+        future: Future[T] = Future()
+
+        def run() -> None:
+            try:
+                future.set_result(function())
+            except Exception as error:  # noqa: BLE001 - it is raised where the future is read
+                future.set_exception(error)
+
+        if self._thread.is_alive():
+            self._executor.create_task(run)
+        else:
+            run()
+        return future
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stopping = True
+        self._executor.wake()
+        self._thread.join(1.0)
+        if self._thread.is_alive():  # a callback hangs; what it uses must not be destroyed under it
+            return
+        self._executor.shutdown()
+        for node in self._nodes:
+            node.destroy_node()
+
+
+def run_process(body: Callable[[Sequence[str] | None], int], args: Sequence[str] | None) -> int:
+    """Run the body of a `main` and say in one line what is wrong with its command line or parameters.
+
+    Returns:
+        The exit code.
+    """
+    try:
+        return body(args)
+    except (ParameterException, ValueError) as error:
+        print(f"error: {error}", file=sys.stderr)  # noqa: T201 - there may be no node to log with
+        return EXIT_USAGE
