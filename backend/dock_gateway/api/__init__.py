@@ -1,0 +1,1 @@
+"""The web side: each module parses a request, calls the gateway and answers."""

@@ -1,0 +1,43 @@
+"""`/healthz` and `/readyz`, for supervisors and load balancers."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends
+from starlette.responses import Response
+
+from dock_gateway import __version__
+from dock_gateway.api.dock import json_response
+from dock_gateway.api.requests import get_gateway
+from dock_gateway.api.schemas import Health, Readiness
+from dock_gateway.errors import Unavailable
+from dock_gateway.gateway import Gateway
+from dock_gateway.ros.bridge import ros_environment
+
+router = APIRouter(tags=["Health"])
+
+TheGateway = Annotated[Gateway, Depends(get_gateway)]
+
+
+@router.get("/healthz", response_model=Health, responses={503: {"model": Health}})
+async def healthz(gateway: TheGateway) -> Response:
+    """Whether the ROS thread lives and does its work."""
+    try:
+        await gateway.bridge.call(lambda: None, timeout=1.0)
+        alive = True
+    except Unavailable:
+        alive = False
+    health = {
+        "status": "ok" if alive else "ros_unavailable",
+        "version": __version__,
+        "ros": ros_environment(),
+        "subscribers": len(gateway.hub),
+    }
+    return json_response(health, 200 if alive else 503)
+
+
+@router.get("/readyz", response_model=Readiness, responses={503: {"model": Readiness}})
+async def readyz(gateway: TheGateway) -> Response:
+    """Whether the action server is there and answers."""
+    state = gateway.watch.state
+    ready = gateway.bridge.alive and state.available and state.answering
+    return json_response({"ready": ready, "action_server": state}, 200 if ready else 503)

@@ -1,0 +1,66 @@
+"""The OpenAPI document: FastAPI's own, with the schemas that come from ROS and those of the WebSocket events."""
+
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+from pydantic.json_schema import models_json_schema
+from sensor_msgs.msg import BatteryState
+
+from dock_gateway.api.schemas import EVENTS
+from dock_gateway.ros.messages import codec
+
+REF = "#/components/schemas/{model}"
+
+
+def install_openapi(app: FastAPI) -> None:
+    """Make the app write its document with our schemas in it."""
+
+    def openapi() -> dict[str, Any]:
+        if app.openapi_schema is None:
+            app.openapi_schema = _build(app)
+        return app.openapi_schema
+
+    app.openapi = openapi  # type: ignore[method-assign]
+
+
+def _build(app: FastAPI) -> dict[str, Any]:
+    document = get_openapi(
+        title=app.title,
+        version=app.version,
+        description=app.description,
+        routes=app.routes,
+        tags=app.openapi_tags,
+    )
+    schemas = document.setdefault("components", {}).setdefault("schemas", {})
+    _, events = models_json_schema([(event, "serialization") for event in EVENTS], ref_template=REF)
+    schemas.update(events["$defs"])
+    schemas["Event"] = {
+        "description": "A message of /ws/feedback.",
+        "oneOf": [{"$ref": REF.format(model=event.__name__)} for event in EVENTS],
+        "discriminator": {"propertyName": "type"},
+    }
+    schemas["BatteryState"] = codec(BatteryState).schema(complete=True) | {
+        "description": "sensor_msgs/BatteryState; null is NaN: not measured."
+    }
+    schemas["BatteryStateInput"] = codec(BatteryState).schema() | {
+        "title": "BatteryStateInput",
+        "description": "sensor_msgs/BatteryState; what is left out is NaN (floats) or the default, null is NaN.",
+    }
+    for unused in ("HTTPValidationError", "ValidationError"):
+        schemas.pop(unused, None)
+    document["components"]["schemas"] = dict(sorted(schemas.items()))
+    return document
+
+
+def battery_body(*, required: bool, wrapped: str | None = None) -> dict[str, Any]:
+    """The `openapi_extra` of a request whose body is read by us, not by FastAPI."""
+    schema: dict[str, Any] = {"$ref": "#/components/schemas/BatteryStateInput"}
+    if wrapped:
+        schema = {"type": "object", "additionalProperties": False, "properties": {wrapped: schema}}
+    return body(schema, required=required)
+
+
+def body(schema: dict[str, Any], *, required: bool) -> dict[str, Any]:
+    """Like `battery_body`, for any schema."""
+    return {"requestBody": {"required": required, "content": {"application/json": {"schema": schema}}}}

@@ -1,0 +1,62 @@
+"""Errors on the way out: the core's, FastAPI's and Starlette's all become the same problem+json."""
+
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+
+from dock_gateway.api.schemas import Problem
+from dock_gateway.errors import FieldError, GatewayError, InvalidField
+from dock_gateway.goals import encode
+
+MEDIA_TYPE = "application/problem+json"
+CODES = {404: "not_found", 405: "method_not_allowed"}
+
+
+def problem_response(error: GatewayError) -> Response:
+    """The answer that tells of an error."""
+    headers = (
+        {"Retry-After": "1"} if error.status in (HTTPStatus.SERVICE_UNAVAILABLE, HTTPStatus.TOO_MANY_REQUESTS) else {}
+    )
+    if error.status in (HTTPStatus.REQUEST_ENTITY_TOO_LARGE, HTTPStatus.REQUEST_TIMEOUT):
+        headers["Connection"] = "close"  # the rest of the body is not read
+    return Response(encode(error.problem()), error.status, headers, MEDIA_TYPE)
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """The `responses=` of a route that can fail so."""
+    return {
+        status: {"model": Problem, "description": HTTPStatus(status).phrase, "content": {MEDIA_TYPE: {}}}
+        for status in statuses
+    }
+
+
+def install_problems(app: FastAPI) -> None:
+    """Register the handlers."""
+
+    @app.exception_handler(GatewayError)
+    async def gateway_error(_: Request, error: GatewayError) -> Response:
+        return problem_response(error)
+
+    @app.exception_handler(RequestValidationError)
+    async def validation_error(_: Request, error: RequestValidationError) -> Response:
+        return problem_response(InvalidField([_field_error(item) for item in error.errors()[:20]]))
+
+    @app.exception_handler(HTTPException)
+    async def http_error(_: Request, error: HTTPException) -> Response:
+        code = CODES.get(error.status_code, "malformed_request")
+        response = problem_response(GatewayError(str(error.detail), code=code, status=HTTPStatus(error.status_code)))
+        response.headers.update(error.headers or {})
+        return response
+
+    @app.exception_handler(Exception)
+    async def bug(_: Request, __: Exception) -> Response:  # uvicorn logs the traceback
+        return problem_response(GatewayError("an error inside of the gateway; its log has the details"))
+
+
+def _field_error(item: dict[str, Any]) -> FieldError:
+    path = ".".join(str(part) for part in item["loc"])
+    return FieldError(path, str(item["msg"]).removeprefix("Input should be "), f"got {item.get('input')!r:.60}")

@@ -1,0 +1,142 @@
+"""Reading requests: bodies within their limits, headers, and nothing that we would have to ignore."""
+
+import asyncio
+from collections.abc import Callable
+from http import HTTPStatus
+from typing import Any
+
+import orjson
+from fastapi import Request
+from starlette.requests import ClientDisconnect, HTTPConnection
+
+from dock_gateway.errors import FieldError, InvalidField, MalformedRequest
+from dock_gateway.gateway import Gateway
+
+# What curl -d says by itself is taken as JSON, too; a page of another origin cannot use that (api/origin.py).
+JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
+MAX_WAIT = 300.0
+MAX_KEY = 200
+
+
+def get_gateway(connection: HTTPConnection) -> Gateway:
+    """The gateway of the running app, for `Depends`."""
+    gateway: Gateway = connection.state.gateway
+    return gateway
+
+
+def known_query(*names: str) -> Callable[[HTTPConnection], None]:
+    """A dependency that refuses query parameters other than these.
+
+    A parameter that is misspelt, or that belongs to another version, must not be ignored where a robot moves.
+
+    Raises:
+        InvalidField: With each unknown parameter.
+    """
+
+    def check(connection: HTTPConnection) -> None:
+        expected = f"one of {', '.join(names)}" if names else "no query parameters"
+        unknown = [name for name in connection.query_params if name not in names]
+        if unknown:
+            raise InvalidField(
+                [FieldError(f"query.{name[:100]}", expected, "got an unknown parameter") for name in unknown[:20]]
+            )
+
+    return check
+
+
+async def read_json(request: Request, *, empty: Any = None) -> Any:
+    """The body as decoded JSON, `empty` where there is none.
+
+    Raises:
+        MalformedRequest: It is not JSON, too large, too slow, not all there, or says that it is something else.
+    """
+    settings = get_gateway(request).settings
+    try:
+        async with asyncio.timeout(settings.body_timeout):
+            raw = await _read(request, settings.max_body_bytes)
+    except TimeoutError:
+        raise MalformedRequest(
+            f"the body did not arrive within {settings.body_timeout:g} s",
+            code="request_timeout",
+            status=HTTPStatus.REQUEST_TIMEOUT,
+        ) from None
+    except ClientDisconnect:
+        raise MalformedRequest("the body was cut off") from None
+    if not raw:
+        return empty
+    content_type = request.headers.get("content-type", JSON_TYPES[0]).partition(";")[0].strip().lower()
+    if content_type not in JSON_TYPES and not content_type.endswith("+json"):
+        raise MalformedRequest(
+            f"the body is {content_type[:100]!r}; application/json is expected",
+            code="unsupported_media_type",
+            status=HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
+        )
+    try:
+        return orjson.loads(raw)
+    except orjson.JSONDecodeError as error:
+        raise MalformedRequest(f"the body is not JSON: {error}") from None
+
+
+async def _read(request: Request, limit: int) -> bytes:
+    raw = bytearray()
+    too_large = MalformedRequest(
+        f"the body is larger than {limit} bytes",
+        code="body_too_large",
+        status=HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+    )
+    declared = request.headers.get("content-length", "")
+    if declared.isdecimal() and int(declared) > limit:
+        raise too_large
+    async for chunk in request.stream():
+        raw += chunk
+        if len(raw) > limit:
+            raise too_large
+    return bytes(raw)
+
+
+def read_object(value: object, *fields: str) -> dict[str, Any]:
+    """A decoded body that must be an object with no fields but these.
+
+    Raises:
+        InvalidField: It is not.
+    """
+    expected = f"an object with {', '.join(fields)}"
+    if not isinstance(value, dict):
+        raise InvalidField([FieldError("", expected, "got something else")])
+    unknown = [name for name in value if name not in fields]
+    if unknown:
+        raise InvalidField(
+            [FieldError(name[:200], f"one of {', '.join(fields)}", "got an unknown field") for name in unknown[:20]]
+        )
+    return value
+
+
+def read_wait(request: Request) -> float:
+    """Seconds to wait for the end of a goal, out of `Prefer: wait=30`; 0 where it is not asked for.
+
+    Raises:
+        InvalidField: It is not a number of seconds from 0 to 300.
+    """
+    for preference in request.headers.get("prefer", "").split(","):
+        name, _, value = preference.partition("=")
+        if name.strip().lower() != "wait":
+            continue
+        seconds = value.partition(";")[0].strip().strip('"')
+        if not seconds.isdecimal() or not 0 <= int(seconds) <= MAX_WAIT:
+            raise InvalidField(
+                [FieldError("header.Prefer", f"wait=0 to wait={MAX_WAIT:.0f}", f"got {preference.strip()[:60]!r}")]
+            )
+        return float(seconds)
+    return 0.0
+
+
+def read_key(request: Request) -> str | None:
+    """The Idempotency-Key.
+
+    Raises:
+        InvalidField: It is empty or too long.
+    """
+    key = request.headers.get("idempotency-key")
+    if key is not None and not 0 < len(key) <= MAX_KEY:
+        raise InvalidField([FieldError("header.Idempotency-Key", f"1 to {MAX_KEY} characters", f"got {len(key)}")])
+    return key

@@ -1,0 +1,292 @@
+"""The shapes of requests, answers and events, for the OpenAPI document and the types generated from it.
+
+Nothing is validated or encoded with these at run time: messages come and go as the ROS definitions have them.
+"""
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import BaseModel, ConfigDict
+
+from dock_gateway.goals import GoalStatus
+
+
+class Schema(BaseModel):
+    """Every field is always there."""
+
+    model_config = ConfigDict(json_schema_serialization_defaults_required=True, extra="forbid")
+
+
+class BatteryState(Schema):
+    """sensor_msgs/BatteryState; the document gets its fields from the ROS definition (api/openapi.py)."""
+
+
+class DockGoal(Schema):
+    """Goal of ConnectToChargingDock."""
+
+    desired_battery_state: BatteryState
+
+
+class DockFeedback(Schema):
+    """Feedback of ConnectToChargingDock."""
+
+    current_battery_state: BatteryState
+
+
+class DockResult(Schema):
+    """Result of ConnectToChargingDock."""
+
+    final_battery_state: BatteryState
+
+
+class GoalError(Schema):
+    """Why a goal did not succeed."""
+
+    code: str
+    detail: str
+
+
+class GoalSummary(Schema):
+    """A goal without its feedback and result."""
+
+    goal_id: str
+    action_name: str
+    action_type: str
+    status: GoalStatus
+    stalled: bool
+    origin: Literal["gateway", "external"]
+    goal: DockGoal | None
+    error: GoalError | None
+    created_at: datetime
+    updated_at: datetime
+    finished_at: datetime | None
+    feedback_count: int
+    last_event_id: str | None
+
+
+class Goal(GoalSummary):
+    """A goal."""
+
+    feedback: DockFeedback | None
+    result: DockResult | None
+
+
+class GoalPage(Schema):
+    """Goals, newest first."""
+
+    goals: list[Goal]
+    next_cursor: str | None
+
+
+class StopFailure(Schema):
+    """An action that could not be stopped."""
+
+    action_name: str
+    code: str
+    detail: str
+
+
+class StopReport(Schema):
+    """What a stop did."""
+
+    canceling: list[str]
+    failed: list[StopFailure]
+
+
+class Battery(Schema):
+    """The latest battery state and its age."""
+
+    state: BatteryState | None
+    age_s: float | None
+    stale: bool
+    received_at: datetime | None
+
+
+class Published(Schema):
+    """The message as it went out."""
+
+    state: BatteryState
+
+
+class Publisher(Schema):
+    """What is being published."""
+
+    active: bool
+    state: BatteryState | None
+    rate_hz: float | None
+    published_count: int
+    started_at: datetime | None
+
+
+class ActionServer(Schema):
+    """Whether an action server is on the graph, and answers."""
+
+    action_name: str
+    available: bool
+    answering: bool
+
+
+class Health(Schema):
+    """Whether the gateway itself works."""
+
+    status: Literal["ok", "ros_unavailable"]
+    version: str
+    ros: dict[str, str]
+    subscribers: int
+
+
+class Readiness(Schema):
+    """Whether a goal sent now would be heard."""
+
+    ready: bool
+    action_server: ActionServer
+
+
+class FieldProblem(Schema):
+    """One field that is wrong."""
+
+    path: str
+    expected: str
+    detail: str
+
+
+class Problem(BaseModel):
+    """RFC 9457 problem document."""
+
+    type: str
+    title: str
+    status: int
+    code: str
+    detail: str
+    errors: list[FieldProblem] | None = None
+    goal_id: str | None = None
+
+
+class Vector3(Schema):
+    """geometry_msgs/Vector3."""
+
+    x: float | None
+    y: float | None
+    z: float | None
+
+
+class Twist(Schema):
+    """geometry_msgs/Twist, in m/s and rad/s."""
+
+    linear: Vector3
+    angular: Vector3
+
+
+class SnapshotEvent(Schema):
+    """The first message of a stream."""
+
+    type: Literal["snapshot"]
+    time: datetime
+    goals: list[Goal]
+    battery: Battery
+    battery_publisher: Publisher
+    action_server: ActionServer
+
+
+class StatusEvent(GoalSummary):
+    """A goal's state changed."""
+
+    type: Literal["status"]
+    id: str
+    time: datetime
+
+
+class FeedbackEvent(Schema):
+    """A goal's feedback."""
+
+    type: Literal["feedback"]
+    id: str
+    time: datetime
+    goal_id: str
+    action_name: str
+    feedback: DockFeedback
+
+
+class ResultEvent(Schema):
+    """A goal ended."""
+
+    type: Literal["result"]
+    id: str
+    time: datetime
+    goal_id: str
+    action_name: str
+    status: GoalStatus
+    result: DockResult | None
+    error: GoalError | None
+
+
+class BatteryEvent(Schema):
+    """A message of the battery topic."""
+
+    type: Literal["battery"]
+    id: str
+    time: datetime
+    battery: BatteryState
+
+
+class CmdVelEvent(Schema):
+    """A message of the velocity topic."""
+
+    type: Literal["cmd_vel"]
+    id: str
+    time: datetime
+    cmd_vel: Twist
+
+
+class PublisherEvent(Schema):
+    """The battery publisher changed, or went on (once a second)."""
+
+    type: Literal["battery_publisher"]
+    time: datetime
+    battery_publisher: Publisher
+
+
+class ActionServerEvent(Schema):
+    """The action server came, went, fell silent or answers again."""
+
+    type: Literal["action_server"]
+    time: datetime
+    action_server: ActionServer
+
+
+class HeartbeatEvent(Schema):
+    """The stream lives."""
+
+    type: Literal["heartbeat"]
+    time: datetime
+
+
+class DroppedEvent(Schema):
+    """So many feedback events were dropped because this reader is slow."""
+
+    type: Literal["dropped"]
+    time: datetime
+    count: int
+
+
+class ClosingEvent(Schema):
+    """The last message of a stream."""
+
+    type: Literal["closing"]
+    time: datetime
+    reason: str
+
+
+EVENTS: tuple[type[BaseModel], ...] = (
+    SnapshotEvent,
+    StatusEvent,
+    FeedbackEvent,
+    ResultEvent,
+    BatteryEvent,
+    CmdVelEvent,
+    PublisherEvent,
+    ActionServerEvent,
+    HeartbeatEvent,
+    DroppedEvent,
+    ClosingEvent,
+)

@@ -1,0 +1,43 @@
+"""The ASGI application."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import TypedDict
+
+from fastapi import FastAPI
+
+from dock_gateway import __version__
+from dock_gateway.api import battery, dock, health, stream
+from dock_gateway.api.dashboard import install_dashboard
+from dock_gateway.api.openapi import install_openapi
+from dock_gateway.api.origin import OriginGuard
+from dock_gateway.api.problems import install_problems
+from dock_gateway.gateway import Gateway, open_gateway
+from dock_gateway.settings import Settings
+
+DESCRIPTION = "Drive ROS 2 actions from a browser, curl or a WebSocket."
+
+
+class State(TypedDict):
+    """What lives as long as the app runs."""
+
+    gateway: Gateway
+
+
+def create_app(settings: Settings) -> FastAPI:
+    """Make the application. It joins the ROS graph when it starts and leaves it when it ends."""
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[State]:
+        async with open_gateway(settings) as gateway:
+            app.state.gateway = gateway
+            yield {"gateway": gateway}
+
+    app = FastAPI(title="dock-gateway", version=__version__, description=DESCRIPTION, lifespan=lifespan, redoc_url=None)
+    install_problems(app)
+    for module in (dock, battery, health, stream):
+        app.include_router(module.router)
+    install_openapi(app)
+    install_dashboard(app, settings)
+    app.add_middleware(OriginGuard, settings=settings)
+    return app

@@ -1,0 +1,138 @@
+"""The battery as it was last heard of, and the publisher that stands in for a robot's battery driver."""
+
+import asyncio
+import logging
+import time
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from dock_gateway.errors import GatewayError
+from dock_gateway.events import message_event, system_event
+from dock_gateway.goals import Json, fragment
+from dock_gateway.hub import Hub
+from dock_gateway.ros.topics import BatteryPort
+from dock_gateway.tracker import utc_now
+
+log = logging.getLogger(__name__)
+
+# The count of published messages is told to subscribers so often, in seconds.
+COUNT_INTERVAL = 1.0
+
+
+@dataclass
+class Publisher:
+    """What is being published, how often, and how many messages have gone out."""
+
+    active: bool = False
+    state: Any = None
+    rate_hz: float | None = None
+    published_count: int = 0
+    started_at: datetime | None = None
+
+
+class Battery:
+    """The latest battery state.
+
+    Args:
+        hub: Where battery events go.
+        stale_after: Age in seconds from which the state is stale.
+    """
+
+    def __init__(self, hub: Hub, stale_after: float) -> None:
+        self._hub = hub
+        self._stale_after = stale_after
+        self._state: Json | None = None
+        self._heard_at = 0.0
+        self._received_at: datetime | None = None
+
+    def on_battery(self, state: Json, stamp_ns: int) -> None:
+        """A message of the battery topic."""
+        self._state = state
+        self._heard_at = time.monotonic()
+        self._received_at = utc_now()
+        self._hub.publish(message_event("battery", state, stamp_ns))
+
+    def document(self) -> dict[str, Any]:
+        """State, age in seconds and whether it is stale, ready for `orjson`."""
+        age = None if self._state is None else round(time.monotonic() - self._heard_at, 3)
+        return {
+            "state": fragment(self._state),
+            "age_s": age,
+            "stale": age is None or age > self._stale_after,
+            "received_at": self._received_at,
+        }
+
+
+class BatteryPublisher:
+    """Publishes battery states, once or at a rate, as `ros2 topic pub` does."""
+
+    def __init__(self, port: BatteryPort, hub: Hub) -> None:
+        self._port = port
+        self._hub = hub
+        self._publisher = Publisher()
+        self._task: asyncio.Task[None] | None = None
+        self._told_at = 0.0
+
+    def document(self) -> dict[str, Any]:
+        """What is being published, ready for `orjson`."""
+        return dict(vars(self._publisher))
+
+    async def publish(self, value: object) -> Json:
+        """Publish one partial BatteryState; returns the message as it went out.
+
+        Raises:
+            InvalidField: It is not a BatteryState.
+        """
+        message = self._port.codec.parse(value)
+        return await self._port.publish(message, stamp=_unstamped(message))
+
+    async def start(self, value: object, rate_hz: float) -> None:
+        """Publish a partial BatteryState from now on, `rate_hz` times a second, in place of what was published before.
+
+        Raises:
+            InvalidField: It is not a BatteryState.
+        """
+        message = self._port.codec.parse(value, "state")
+        await self._cancel()
+        stamp = _unstamped(message)
+        state = fragment(await self._port.publish(message, stamp=stamp))
+        self._publisher = Publisher(True, state, rate_hz, 1, utc_now())
+        self._task = asyncio.create_task(self._run(message, 1 / rate_hz, stamp=stamp))
+        self._tell()
+
+    async def stop(self) -> None:
+        """Publish no more."""
+        was_active = self._publisher.active
+        await self._cancel()
+        self._publisher = Publisher()
+        if was_active:
+            self._tell()
+
+    async def _cancel(self) -> None:
+        task, self._task = self._task, None
+        if task is not None:
+            task.cancel()
+            await asyncio.gather(task, return_exceptions=True)
+
+    async def _run(self, message: Any, period: float, *, stamp: bool) -> None:
+        due = time.monotonic() + period
+        while True:
+            await asyncio.sleep(max(0.0, due - time.monotonic()))
+            due = max(due + period, time.monotonic())  # what was missed is not made up for
+            try:
+                await self._port.publish(message, stamp=stamp)
+            except GatewayError as error:
+                log.warning("the battery state could not be published: %s", error.detail)
+                continue
+            self._publisher.published_count += 1
+            if time.monotonic() - self._told_at >= COUNT_INTERVAL:
+                self._tell()
+
+    def _tell(self) -> None:
+        self._told_at = time.monotonic()
+        self._hub.publish(system_event("battery_publisher", self.document(), utc_now()))
+
+
+def _unstamped(message: Any) -> bool:
+    return bool(message.header.stamp.sec == 0 and message.header.stamp.nanosec == 0)

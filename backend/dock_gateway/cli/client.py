@@ -1,0 +1,239 @@
+"""`dock-gateway dock`, `cancel`, `stop`, `watch`, `battery`: a client of a running gateway."""
+
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+import click
+import httpx
+import orjson
+from websockets.exceptions import ConnectionClosed, InvalidHandshake
+from websockets.sync.client import connect
+
+TERMINAL = ("succeeded", "canceled", "aborted", "rejected", "lost")
+POWER_SUPPLY_STATUS = {0: "UNKNOWN", 1: "CHARGING", 2: "DISCHARGING", 3: "NOT CHARGING", 4: "FULL"}
+BY_NAME = {name.replace(" ", "_").lower(): number for number, name in POWER_SUPPLY_STATUS.items()}
+
+url_option = click.option(
+    "--url",
+    envvar="DOCK_GATEWAY_URL",
+    default="http://127.0.0.1:8000",
+    show_default=True,
+    help="Where the gateway is.",
+)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, a line each.")
+
+
+class StatusChoice(click.ParamType[int]):
+    """A power supply status, by name or number."""
+
+    name = "status"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
+        """The number."""
+        text = str(value).replace("-", "_").lower()
+        if text in BY_NAME:
+            return BY_NAME[text]
+        if text.isdecimal() and int(text) <= 255:
+            return int(text)
+        return self.fail(f"{value!r} is not one of {', '.join(BY_NAME)} or 0 to 255", param, ctx)
+
+
+def call(url: str, method: str, path: str, body: object = None, timeout: float = 15.0) -> Any:
+    """Send a request and return the decoded answer.
+
+    Raises:
+        click.ClickException: The gateway is not there, or refuses; it says why.
+    """
+    try:
+        response = httpx.request(
+            method,
+            f"{url.rstrip('/')}{path}",
+            content=None if body is None else orjson.dumps(body),
+            headers={"Content-Type": "application/json"} if body is not None else {},
+            timeout=timeout,
+        )
+    except httpx.TransportError as error:
+        raise click.ClickException(f"no gateway answers at {url} ({error}); start one with `dock-gateway up`") from None
+    try:
+        answer = orjson.loads(response.content) if response.content else None
+    except orjson.JSONDecodeError:
+        raise click.ClickException(f"{url} is not a dock-gateway") from None
+    if response.is_error:
+        answer = answer if isinstance(answer, dict) else {}
+        raise click.ClickException(
+            f"{answer.get('code', response.status_code)}: {answer.get('detail', 'no reason given')}"
+        )
+    return answer
+
+
+def events(url: str, query: str) -> Iterator[dict[str, Any]]:
+    """The events of a stream, until it ends.
+
+    Raises:
+        click.ClickException: The stream could not be opened, or broke.
+    """
+    address = f"{url.rstrip('/').replace('http', 'ws', 1)}/ws/feedback{query}"
+    try:
+        with connect(address, max_size=None) as stream:
+            for message in stream:
+                yield orjson.loads(message)
+    except InvalidHandshake as error:
+        raise click.ClickException(f"the gateway refused the stream: {error}") from None
+    except (ConnectionClosed, OSError) as error:
+        raise click.ClickException(f"the stream ended: {error}") from None
+
+
+def show(event: dict[str, Any], *, as_json: bool) -> None:
+    """Print an event for a person, or as JSON."""
+    if as_json:
+        click.echo(orjson.dumps(event))
+        return
+    kind, goal_id = event["type"], event.get("goal_id", "")[:8]
+    if kind == "snapshot":
+        for goal in event["goals"]:
+            if goal["status"] not in TERMINAL:
+                click.echo(f"{goal['goal_id'][:8]} {goal['status']} ({goal['origin']})")
+    elif kind == "status":
+        error = event["error"]
+        click.echo(f"{goal_id} {event['status']}" + (f": {error['detail']}" if error else ""))
+    elif kind == "feedback":
+        click.echo(f"{goal_id} feedback {describe(event['feedback'])}")
+    elif kind == "result":
+        click.echo(f"{goal_id} result {describe(event['result'] or {})}")
+    elif kind in ("dropped", "closing"):
+        click.echo(orjson.dumps(event))
+
+
+def describe(message: dict[str, Any]) -> str:
+    """A battery state in words, any other message as JSON."""
+    state = next(iter(message.values()), None)
+    if not isinstance(state, dict) or "power_supply_status" not in state:
+        return orjson.dumps(message).decode()
+    status = state["power_supply_status"]
+    parts = [POWER_SUPPLY_STATUS.get(status, str(status))]
+    if state["percentage"] is not None:
+        parts.append(f"{state['percentage']:.0%}")
+    if state["voltage"] is not None:
+        parts.append(f"{state['voltage']:g} V")
+    return ", ".join(parts)
+
+
+def follow(url: str, goal_id: str, *, as_json: bool) -> dict[str, Any]:
+    """Show a goal's events until it has ended; returns the goal."""
+    path = f"/dock/{goal_id}"
+    for event in events(url, f"?goal_id={goal_id}"):
+        if event["type"] != "heartbeat":
+            show(event, as_json=as_json)
+        ended = event["type"] == "result" or (event["type"] == "status" and event["status"] in ("rejected", "lost"))
+        if ended or (event["type"] == "snapshot" and event["goals"][0]["status"] in TERMINAL):
+            break
+    goal: dict[str, Any] = call(url, "GET", path)
+    return goal
+
+
+@click.command()
+@click.option("--status", type=StatusChoice(), default=1, help="Desired power supply status: charging or full.")
+@click.option("--voltage", type=float, help="Desired voltage in V.")
+@click.option("--percentage", type=float, help="Desired charge, 0 to 1.")
+@click.option("--no-wait", is_flag=True, help="Do not wait for the end; print the goal id.")
+@json_option
+@url_option
+def dock(url: str, status: int, voltage: float | None, percentage: float | None, no_wait: bool, as_json: bool) -> None:
+    """Send the robot to its charging dock and show its feedback. Ctrl-C cancels the goal."""
+    desired = {"power_supply_status": status, "voltage": voltage, "percentage": percentage}
+    goal = call(url, "POST", "/dock", {"desired_battery_state": desired})
+    if no_wait:
+        click.echo(orjson.dumps(goal) if as_json else goal["goal_id"])
+        return
+    if not as_json:
+        click.echo(f"goal {goal['goal_id']} accepted")
+    try:
+        goal = follow(url, goal["goal_id"], as_json=as_json)
+    except KeyboardInterrupt:
+        click.echo("canceling …", err=True)
+        call(url, "POST", f"/dock/{goal['goal_id']}/cancel")
+        goal = follow(url, goal["goal_id"], as_json=as_json)
+    if goal["status"] != "succeeded":
+        sys.exit(1)
+
+
+@click.command()
+@click.argument("goal_id", required=False)
+@url_option
+def cancel(url: str, goal_id: str | None) -> None:
+    """Cancel a goal; without GOAL_ID, the one that runs."""
+    if goal_id is None:
+        query = "&".join(f"status={status}" for status in ("pending", "accepted", "executing", "canceling"))
+        running = call(url, "GET", f"/dock?{query}")["goals"]
+        if not running:
+            raise click.ClickException("no goal is running")
+        goal_id = running[0]["goal_id"]
+    goal = call(url, "POST", f"/dock/{goal_id}/cancel")
+    click.echo(f"goal {goal['goal_id']} {goal['status']}")
+
+
+@click.command()
+@url_option
+def stop(url: str) -> None:
+    """Stop the robot: zero velocity, and every goal is canceled."""
+    report = call(url, "POST", "/stop")
+    click.echo(f"zero velocity published; canceling {', '.join(report['canceling']) or 'no goal'}")
+    for failure in report["failed"]:
+        click.echo(f"{failure['action_name']}: {failure['detail']}", err=True)
+    if report["failed"]:
+        sys.exit(1)
+
+
+@click.command()
+@click.argument("goal_id", required=False)
+@json_option
+@url_option
+def watch(url: str, goal_id: str | None, as_json: bool) -> None:
+    """Show events as they happen: of every goal, or of GOAL_ID until it has ended."""
+    try:
+        if goal_id is not None:
+            follow(url, goal_id, as_json=as_json)
+            return
+        for event in events(url, ""):
+            show(event, as_json=as_json)
+    except KeyboardInterrupt:
+        pass
+
+
+@click.command()
+@click.option("--status", type=StatusChoice(), help="Power supply status, by name or number.")
+@click.option("--voltage", type=float, help="Voltage in V.")
+@click.option("--percentage", type=float, help="Charge, 0 to 1.")
+@click.option("--rate", type=float, help="Publish repeatedly, so many times a second.")
+@click.option("--stop", "stop_publishing", is_flag=True, help="Publish no more.")
+@url_option
+def battery(
+    url: str,
+    status: int | None,
+    voltage: float | None,
+    percentage: float | None,
+    rate: float | None,
+    stop_publishing: bool,
+) -> None:
+    """Show the battery state; with --status, publish one."""
+    if stop_publishing:
+        call(url, "DELETE", "/battery/publisher")
+        click.echo("publishing has stopped")
+    elif status is None:
+        if voltage is not None or percentage is not None or rate is not None:
+            raise click.UsageError("--status is needed to publish a battery state")
+        answer = call(url, "GET", "/battery")
+        if answer["state"] is None:
+            click.echo("no battery state yet")
+        else:
+            click.echo(f"{describe(answer)} ({answer['age_s']:.1f} s ago{', stale' if answer['stale'] else ''})")
+    else:
+        state = {"power_supply_status": status, "voltage": voltage, "percentage": percentage}
+        if rate is None:
+            call(url, "POST", "/battery", state)
+        else:
+            call(url, "PUT", "/battery/publisher", {"state": state, "rate_hz": rate})
+        click.echo(
+            f"published: {describe({'state': state})}" + (f", {rate:g} times a second from now on" if rate else "")
+        )

@@ -1,0 +1,42 @@
+"""Settings as options of the command line: each field of `Settings` is one."""
+
+from collections.abc import Callable
+from typing import Any
+
+import click
+from pydantic import ValidationError
+
+from dock_gateway.settings import Settings
+
+Command = Callable[..., Any]
+
+
+def option_name(field: str) -> str:
+    """`server_wait` is `--server-wait`."""
+    return f"--{field.replace('_', '-')}"
+
+
+def settings_options(command: Command) -> Command:
+    """Add an option for each setting; those that are given arrive as keyword arguments, the others as None."""
+    for name, field in reversed(Settings.model_fields.items()):
+        variable = f"DOCK_GATEWAY_{name.upper()}"
+        command = click.option(
+            option_name(name),
+            name,
+            metavar="VALUE",
+            help=f"{field.description}  [env: {variable}; default: {field.default}]",
+        )(command)
+    return command
+
+
+def read_settings(options: dict[str, str | None]) -> Settings:
+    """Settings out of options, the environment and defaults, in this order.
+
+    Raises:
+        click.UsageError: A value is wrong; it says which.
+    """
+    try:
+        return Settings(**{name: value for name, value in options.items() if value is not None})  # type: ignore[arg-type]
+    except ValidationError as error:
+        lines = [f"{'.'.join(map(str, item['loc'])) or 'settings'}: {item['msg']}" for item in error.errors()]
+        raise click.UsageError("; ".join(lines)) from None

@@ -1,0 +1,134 @@
+"""`dock-gateway up`: the whole, each part a process of its own, supervised; one Ctrl-C ends all."""
+
+import ctypes
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+import httpx
+
+from dock_gateway.cli.options import option_name, read_settings, settings_options
+
+# The parts get so many seconds to end by themselves.
+END_TIMEOUT = 2.3
+# A gateway that ends within so many seconds has not started at all: its port is taken, its settings are wrong.
+START_WINDOW = 5.0
+MAX_BACKOFF = 10.0
+PR_SET_PDEATHSIG = 1
+ACTION_SERVER = "connect_to_charging_dock_server"
+
+
+class Part:
+    """One supervised process; it is started again when it dies."""
+
+    def __init__(self, name: str, command: Sequence[str]) -> None:
+        self.name = name
+        self._command = command
+        self._backoff = 1.0
+        self._restart_at: float | None = None
+        self.start()
+
+    def start(self) -> None:
+        """Start it, in a session of its own: Ctrl-C reaches us alone, and we end the parts in order."""
+        self._restart_at = None
+        self.started_at = time.monotonic()
+        self.process = subprocess.Popen(self._command, start_new_session=True, preexec_fn=_die_with_parent)
+
+    def look(self) -> None:
+        """Start it again when it has died, after a while that grows."""
+        now = time.monotonic()
+        if self._restart_at is not None:
+            if now >= self._restart_at:
+                self.start()
+        elif (code := self.process.poll()) is not None:
+            self._backoff = 1.0 if now - self.started_at > 4 * self._backoff else min(2 * self._backoff, MAX_BACKOFF)
+            click.echo(
+                f"dock-gateway: {self.name} ended ({code}); starting it again in {self._backoff:g} s",
+                err=True,
+            )
+            self._restart_at = now + self._backoff
+
+    def never_started(self) -> bool:
+        """Whether it ended so soon that trying again is no use."""
+        return self.process.poll() is not None and time.monotonic() - self.started_at < START_WINDOW
+
+
+def _die_with_parent() -> None:
+    """Runs in the child: should the supervisor be killed, the kernel ends the parts."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+def _end(parts: Sequence[Part]) -> None:
+    deadline = time.monotonic() + END_TIMEOUT
+    for part in parts:
+        if part.process.poll() is None:
+            part.process.terminate()
+    for part in parts:
+        try:
+            part.process.wait(max(0.0, deadline - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            click.echo(f"dock-gateway: {part.name} does not end and is killed", err=True)
+            part.process.kill()
+            part.process.wait()
+
+
+def _find(name: str) -> str:
+    beside = Path(sys.executable).parent / name
+    found = str(beside) if beside.exists() else shutil.which(name)
+    if found is None:
+        raise click.ClickException(f"{name} is not installed")
+    return found
+
+
+def _announce(url: str, ended: threading.Event) -> None:
+    while not ended.wait(0.1):
+        try:
+            ready = httpx.get(f"{url}/readyz", timeout=1.0, trust_env=False).json()["ready"]
+        except (httpx.HTTPError, ValueError, KeyError):
+            continue
+        if ready:
+            click.secho(f"\n  dock-gateway is ready: open {url}   (Ctrl-C ends it)\n", bold=True)
+            return
+
+
+@click.command()
+@click.option("--no-sim", is_flag=True, help="No simulated robot: battery states are published by hand.")
+@settings_options
+def up(no_sim: bool, **options: str | None) -> None:
+    """Run gateway and action server together, and keep them running.
+
+    They meet only ROS nodes on this machine unless ROS_AUTOMATIC_DISCOVERY_RANGE says otherwise: trying it out must
+    not move a robot that happens to be on the same network.
+    """
+    settings = read_settings(options)
+    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    arguments = [f"{option_name(name)}={value}" for name, value in options.items() if value is not None]
+    namespace = ["--ros-args", "-r", f"__ns:=/{settings.namespace.strip('/')}"] if settings.namespace.strip("/") else []
+    action_server = [_find(ACTION_SERVER), *namespace]
+
+    ended = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, lambda *_: ended.set())
+    gateway = Part("the gateway", [sys.executable, "-m", "dock_gateway", "serve", *arguments])
+    parts = [gateway, Part("the action server", action_server)]
+    host = "127.0.0.1" if settings.host in ("0.0.0.0", "::") else settings.host  # noqa: S104 - where to reach ourselves
+    threading.Thread(target=_announce, args=(f"http://{host}:{settings.port}", ended), daemon=True).start()
+    failed = False
+    try:
+        while not ended.wait(0.1):
+            if failed := gateway.never_started():
+                break
+            for part in parts:
+                part.look()
+    finally:
+        ended.set()
+        _end(parts)
+    if failed:
+        raise click.ClickException("the gateway could not be started; the lines above say why")

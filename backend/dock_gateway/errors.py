@@ -1,0 +1,124 @@
+"""Everything that can be refused or go wrong, each with a stable `code`.
+
+GatewayError
+├── MalformedRequest            400 malformed_json, 408 request_timeout, 413 body_too_large, 415 unsupported_media_type
+├── InvalidField                422 invalid_field
+├── NotAllowed                  403 origin_not_allowed, host_not_allowed
+├── NotFound                    404 goal_not_found, not_found
+├── Conflict                    409 goal_rejected, dock_busy, goal_terminal, cancel_rejected, idempotency_key_reused
+├── TooManyRequests             429 too_many_requests
+├── Unavailable                 503 action_server_unavailable, ros_unavailable, shutting_down
+└── ServerTimeout               504 action_server_timeout
+
+The core raises these; `api/problems.py` turns them into problem+json, streams into a denial with the same body.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Any
+
+
+@dataclass(frozen=True)
+class FieldError:
+    """One field that is wrong: its dotted path, what was expected, and what came instead."""
+
+    path: str
+    expected: str
+    detail: str
+
+    def __str__(self) -> str:
+        return f"{self.path or 'body'}: expected {self.expected}, {self.detail}"
+
+
+class GatewayError(Exception):
+    """A refusal or a failure that the caller is told about.
+
+    Args:
+        detail: A sentence for a person.
+        code: The stable name for programs; each class has a default.
+        extra: More members of the problem document, such as `goal_id`.
+    """
+
+    status = HTTPStatus.INTERNAL_SERVER_ERROR
+    code = "internal_error"
+
+    def __init__(self, detail: str, *, code: str | None = None, status: HTTPStatus | None = None, **extra: Any) -> None:
+        super().__init__(detail)
+        self.detail = detail
+        self.code = code or self.code
+        self.status = status or self.status
+        self.extra = extra
+
+    def problem(self) -> dict[str, Any]:
+        """The RFC 9457 problem document."""
+        return {
+            "type": "about:blank",
+            "title": self.code.replace("_", " ").capitalize(),
+            "status": int(self.status),
+            "code": self.code,
+            "detail": self.detail,
+            **self.extra,
+        }
+
+
+class MalformedRequest(GatewayError):
+    """The request could not be read."""
+
+    status = HTTPStatus.BAD_REQUEST
+    code = "malformed_json"
+
+
+class InvalidField(GatewayError):
+    """The request was read, and fields of it are wrong."""
+
+    status = HTTPStatus.UNPROCESSABLE_ENTITY
+    code = "invalid_field"
+
+    def __init__(self, errors: Sequence[FieldError]) -> None:
+        super().__init__(
+            "; ".join(map(str, errors)),
+            errors=[{"path": e.path, "expected": e.expected, "detail": e.detail} for e in errors],
+        )
+
+
+class NotAllowed(GatewayError):
+    """A browser page of another origin, or a host name that is not ours."""
+
+    status = HTTPStatus.FORBIDDEN
+    code = "origin_not_allowed"
+
+
+class NotFound(GatewayError):
+    """Nothing by that name."""
+
+    status = HTTPStatus.NOT_FOUND
+    code = "not_found"
+
+
+class Conflict(GatewayError):
+    """The state of a goal or of the action server does not allow it."""
+
+    status = HTTPStatus.CONFLICT
+    code = "goal_rejected"
+
+
+class TooManyRequests(GatewayError):
+    """A queue is full."""
+
+    status = HTTPStatus.TOO_MANY_REQUESTS
+    code = "too_many_requests"
+
+
+class Unavailable(GatewayError):
+    """A part that is needed is not there."""
+
+    status = HTTPStatus.SERVICE_UNAVAILABLE
+    code = "action_server_unavailable"
+
+
+class ServerTimeout(GatewayError):
+    """The action server did not answer in time."""
+
+    status = HTTPStatus.GATEWAY_TIMEOUT
+    code = "action_server_timeout"

@@ -1,0 +1,88 @@
+"""Events: what the hub sends to subscribers, encoded once however many there are. Plain functions of plain data.
+
+An event's id is built on the ROS source timestamp of the message that caused it, which is the same at every reader on
+the network: nanoseconds, padded so that ids sort as text, then what it is and whose it is.
+"""
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import cached_property
+from typing import Any
+
+from dock_gateway.goals import Goal, Json, encode, fragment
+
+
+@dataclass(frozen=True)
+class Event:
+    """An encoded event and what is needed to route it.
+
+    `topic` is `goals`, or what `?include=` names: `battery`, `cmd_vel`, `system`. Only `droppable` ones may be lost
+    to a slow subscriber.
+    """
+
+    data: bytes
+    topic: str
+    goal_id: str | None = None
+    action_name: str | None = None
+    droppable: bool = False
+
+    @cached_property
+    def text(self) -> str:
+        """The data as a WebSocket text message has it."""
+        return self.data.decode()
+
+
+def event_id(stamp_ns: int, kind: str, goal_id: str = "") -> str:
+    """The id of an event, sortable as text."""
+    return f"{stamp_ns:020d}-{kind}{goal_id[:8]}"
+
+
+def moment(stamp_ns: int) -> datetime:
+    """A ROS timestamp, nanoseconds since 1970, as a UTC time."""
+    return datetime.fromtimestamp(stamp_ns / 1e9, UTC)
+
+
+def status_event(goal: Goal, stamp_ns: int) -> Event:
+    """The goal's state changed."""
+    goal.last_event_id = event_id(stamp_ns, "s", goal.goal_id)
+    return _goal_event("status", goal, stamp_ns, goal.summary())
+
+
+def feedback_event(goal: Goal, stamp_ns: int) -> Event:
+    """The goal's feedback, as it stands in the goal."""
+    goal.last_event_id = event_id(stamp_ns, "f", goal.goal_id)
+    return _goal_event("feedback", goal, stamp_ns, {"feedback": fragment(goal.feedback)}, droppable=True)
+
+
+def result_event(goal: Goal, stamp_ns: int) -> Event:
+    """The goal ended; the result is null where the action server did not give one."""
+    goal.last_event_id = event_id(stamp_ns, "z", goal.goal_id)
+    payload = {"status": goal.status.value, "result": fragment(goal.result), "error": goal.error}
+    return _goal_event("result", goal, stamp_ns, payload)
+
+
+def _goal_event(kind: str, goal: Goal, stamp_ns: int, payload: dict[str, Any], *, droppable: bool = False) -> Event:
+    head = {
+        "type": kind,
+        "id": goal.last_event_id,
+        "time": moment(stamp_ns),
+        "goal_id": goal.goal_id,
+        "action_name": goal.action_name,
+    }
+    return Event(encode(head | payload), "goals", goal.goal_id, goal.action_name, droppable)
+
+
+def message_event(kind: str, message: Json, stamp_ns: int) -> Event:
+    """A message of a topic, `battery` or `cmd_vel`."""
+    head = {"type": kind, "id": event_id(stamp_ns, kind), "time": moment(stamp_ns)}
+    return Event(encode({**head, kind: fragment(message)}), kind, droppable=True)
+
+
+def system_event(kind: str, payload: object, now: datetime) -> Event:
+    """A change in the gateway's surroundings, `battery_publisher` or `action_server`."""
+    return Event(encode({"type": kind, "time": now, kind: payload}), "system")
+
+
+def notice(kind: str, now: datetime, **payload: Any) -> str:
+    """A message of a stream about itself: `heartbeat`, `dropped`, `closing`, `snapshot`."""
+    return encode({"type": kind, "time": now, **payload}).decode()

@@ -1,0 +1,144 @@
+"""A goal as the gateway knows it: plain data and the rules for how it changes. No ROS, no socket, no clock."""
+
+from dataclasses import dataclass, field
+from datetime import datetime
+from enum import StrEnum
+from typing import Any, Literal
+
+import orjson
+
+# A ROS message that has been encoded to JSON, once. It is embedded as it is wherever it goes.
+Json = bytes
+
+Origin = Literal["gateway", "external"]
+
+
+class GoalStatus(StrEnum):
+    """ROS's states of a goal, and ours before and beyond ROS (`pending`, `rejected`, `lost`)."""
+
+    PENDING = "pending"
+    ACCEPTED = "accepted"
+    EXECUTING = "executing"
+    CANCELING = "canceling"
+    SUCCEEDED = "succeeded"
+    CANCELED = "canceled"
+    ABORTED = "aborted"
+    REJECTED = "rejected"
+    LOST = "lost"
+
+    @property
+    def terminal(self) -> bool:
+        """Whether the goal has ended. `lost` is left again when the action server returns and knows the goal."""
+        return self in _TERMINAL
+
+    @property
+    def final(self) -> bool:
+        """Whether nothing can follow any more."""
+        return self in _TERMINAL and self is not GoalStatus.LOST
+
+
+_TERMINAL = frozenset(
+    {GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED, GoalStatus.REJECTED, GoalStatus.LOST}
+)
+_RANK = {status: rank for rank, status in enumerate(GoalStatus)}
+
+# action_msgs/GoalStatus
+FROM_ROS = {
+    1: GoalStatus.ACCEPTED,
+    2: GoalStatus.EXECUTING,
+    3: GoalStatus.CANCELING,
+    4: GoalStatus.SUCCEEDED,
+    5: GoalStatus.CANCELED,
+    6: GoalStatus.ABORTED,
+}
+
+
+@dataclass(frozen=True)
+class GoalError:
+    """Why a goal did not succeed: a stable code and a sentence."""
+
+    code: str
+    detail: str
+
+
+@dataclass(slots=True, eq=False)
+class Goal:
+    """One goal on one action, whoever sent it.
+
+    `goal`, `feedback` and `result` are messages encoded to JSON, or None where they are not known (yet).
+    """
+
+    goal_id: str
+    action_name: str
+    action_type: str
+    created_at: datetime
+    origin: Origin = "gateway"
+    status: GoalStatus = GoalStatus.PENDING
+    goal: Json | None = None
+    feedback: Json | None = None
+    result: Json | None = None
+    error: GoalError | None = None
+    stalled: bool = False
+    updated_at: datetime = field(init=False)
+    finished_at: datetime | None = None
+    feedback_count: int = 0
+    last_event_id: str | None = None
+
+    def __post_init__(self) -> None:
+        self.updated_at = self.created_at
+
+    def advance(self, status: GoalStatus, now: datetime) -> bool:
+        """Move on to `status`; False, and no change, where that would be a step back.
+
+        Messages overtake one another on DDS: an `executing` that comes after `succeeded` is old news. Only `lost`
+        may be left for a state that stands before it.
+        """
+        if self.status.final or status is self.status:
+            return False
+        if self.status is not GoalStatus.LOST and _RANK[status] < _RANK[self.status]:
+            return False
+        if self.status is GoalStatus.LOST:
+            self.error = None
+        self.status = status
+        self.stalled = False
+        self.updated_at = now
+        self.finished_at = now if status.terminal else None
+        return True
+
+    def hear(self, feedback: Json, now: datetime) -> None:
+        """Take up a feedback message."""
+        self.feedback = feedback
+        self.feedback_count += 1
+        self.updated_at = now
+
+    def summary(self) -> dict[str, Any]:
+        """Every field but feedback and result, ready for `orjson`."""
+        return {
+            "goal_id": self.goal_id,
+            "action_name": self.action_name,
+            "action_type": self.action_type,
+            "status": self.status.value,
+            "stalled": self.stalled,
+            "origin": self.origin,
+            "goal": fragment(self.goal),
+            "error": self.error,
+            "created_at": self.created_at,
+            "updated_at": self.updated_at,
+            "finished_at": self.finished_at,
+            "feedback_count": self.feedback_count,
+            "last_event_id": self.last_event_id,
+        }
+
+    def document(self) -> dict[str, Any]:
+        """The whole goal, ready for `orjson`."""
+        return {**self.summary(), "feedback": fragment(self.feedback), "result": fragment(self.result)}
+
+
+def fragment(message: Json | None) -> orjson.Fragment | None:
+    """A message that is JSON already, for embedding."""
+    return None if message is None else orjson.Fragment(message)
+
+
+def encode(document: Any) -> bytes:
+    """JSON as the gateway writes it everywhere: times as RFC 3339 UTC, NaN as null."""
+    return orjson.dumps(document, option=orjson.OPT_UTC_Z | orjson.OPT_SERIALIZE_NUMPY)

@@ -1,0 +1,123 @@
+"""Fan-out: every event goes to every subscriber that asked for it, and a slow one harms only itself."""
+
+import asyncio
+from collections import deque
+from collections.abc import Iterable
+
+from dock_gateway.errors import TooManyRequests, Unavailable
+from dock_gateway.events import Event
+
+
+class Subscriber:
+    """One reader's queue.
+
+    Feedback beyond `limit` is dropped, oldest first, and counted; what must not be lost (status, result) is kept up to
+    a hard limit, beyond which the reader is `overrun` and has to be cut off.
+    """
+
+    HARD_LIMIT = 10_000
+
+    def __init__(self, limit: int, *, goal_id: str | None, action_name: str | None, topics: frozenset[str]) -> None:
+        self.goal_id = goal_id
+        self.action_name = action_name
+        self.topics = topics
+        self.overrun = False
+        self._limit = limit
+        self._queue: deque[Event] = deque()
+        self._droppable = 0
+        self._dropped = 0
+        self._wake = asyncio.Event()
+
+    def wants(self, event: Event) -> bool:
+        """Whether the event is one that this subscriber asked for."""
+        if event.topic not in self.topics:
+            return False
+        if event.topic != "goals":
+            return True
+        return self.goal_id in (None, event.goal_id) and self.action_name in (None, event.action_name)
+
+    def put(self, event: Event) -> None:
+        """Queue an event; never waits."""
+        if event.droppable:
+            if self._droppable >= self._limit:
+                self._drop_oldest()
+            self._droppable += 1
+        elif len(self._queue) - self._droppable >= self.HARD_LIMIT:
+            self.overrun = True
+            self._wake.set()
+            return
+        self._queue.append(event)
+        self._wake.set()
+
+    def _drop_oldest(self) -> None:
+        index = next(i for i, queued in enumerate(self._queue) if queued.droppable)
+        del self._queue[index]
+        self._droppable -= 1
+        self._dropped += 1
+
+    def wake(self) -> None:
+        """Let `take` return, with nothing if there is nothing."""
+        self._wake.set()
+
+    async def take(self, timeout: float) -> tuple[list[Event], int]:
+        """Wait for events; return all that are queued and how many were dropped: `([], 0)` at a time-out."""
+        try:
+            async with asyncio.timeout(timeout):
+                await self._wake.wait()
+        except TimeoutError:
+            return [], 0
+        self._wake.clear()
+        events, dropped = list(self._queue), self._dropped
+        self._queue.clear()
+        self._droppable = self._dropped = 0
+        return events, dropped
+
+
+class Hub:
+    """All subscribers of this process."""
+
+    def __init__(self, *, queue_limit: int, max_subscribers: int) -> None:
+        self._queue_limit = queue_limit
+        self._max_subscribers = max_subscribers
+        self._subscribers: set[Subscriber] = set()
+        self.closing = False
+
+    def __len__(self) -> int:
+        return len(self._subscribers)
+
+    def subscribe(
+        self,
+        *,
+        goal_id: str | None = None,
+        action_name: str | None = None,
+        topics: Iterable[str] = ("goals",),
+    ) -> Subscriber:
+        """Add a subscriber; what is published from now on reaches it.
+
+        Raises:
+            TooManyRequests: There are too many already.
+            Unavailable: The gateway is shutting down.
+        """
+        if self.closing:
+            raise Unavailable("the gateway is shutting down", code="shutting_down")
+        if len(self._subscribers) >= self._max_subscribers:
+            raise TooManyRequests(f"{self._max_subscribers} subscribers are connected already")
+        subscriber = Subscriber(self._queue_limit, goal_id=goal_id, action_name=action_name, topics=frozenset(topics))
+        self._subscribers.add(subscriber)
+        return subscriber
+
+    def unsubscribe(self, subscriber: Subscriber) -> None:
+        """Forget a subscriber; doing it twice does no harm."""
+        self._subscribers.discard(subscriber)
+
+    def publish(self, event: Event) -> None:
+        """Hand an event to everyone who wants it."""
+        for subscriber in self._subscribers:
+            if subscriber.wants(event):
+                subscriber.put(event)
+
+    def close(self) -> None:
+        """Let every stream say goodbye; no new ones are taken."""
+        self.closing = True
+        for subscriber in self._subscribers:
+            subscriber.wake()

@@ -1,0 +1,144 @@
+"""Whether the action server is there and answers: a peer's death is not signalled on DDS, so it is looked for.
+
+Silence alone is no proof: a server that works inside its only executor thread answers nothing meanwhile, and a killed
+one stays on the graph for a while. So a silent goal is `stalled` first, and `lost` when the time is up or the server
+has left.
+"""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from dock_gateway.errors import GatewayError, ServerTimeout, Unavailable
+from dock_gateway.goals import GoalError
+from dock_gateway.settings import Settings
+from dock_gateway.tracker import GoalTracker
+
+log = logging.getLogger(__name__)
+
+PING_TIMEOUT = 1.0
+# A server that has left the graph may be on its way back (a restart) for so long.
+GONE_GRACE = 2.0
+# A goal without news is asked for again after so many seconds, then after twice as many, …
+FIRST_PROBE = 5.0
+
+
+@dataclass(frozen=True)
+class ServerState:
+    """`available`: on the ROS graph. `answering`: it answered lately."""
+
+    action_name: str
+    available: bool
+    answering: bool
+
+
+class ServerWatch:
+    """Looks after one action server.
+
+    Args:
+        tracker: The goals on that action.
+        settings: The deadlines.
+        on_change: Called when the server's state has changed.
+    """
+
+    def __init__(self, tracker: GoalTracker, settings: Settings, on_change: Callable[[ServerState], None]) -> None:
+        self._tracker = tracker
+        self._settings = settings
+        self._on_change = on_change
+        self._gone_since: float | None = None
+        self._next_probe: dict[str, float] = {}
+        self.state = ServerState(tracker.port.action_name, available=False, answering=False)
+
+    async def run(self) -> None:
+        """Look again and again, until canceled."""
+        while True:
+            try:
+                await self.look()
+            except GatewayError as error:
+                log.warning("cannot look after the action server: %s", error.detail)
+                self._set(available=False, answering=False)
+            await asyncio.sleep(self._settings.ping_interval)
+
+    async def look(self) -> ServerState:
+        """Look once, now."""
+        port = self._tracker.port
+        available = await port.available()
+        answering = False
+        if available:
+            answering = time.monotonic() - self._tracker.last_heard < self._settings.ping_interval
+            if not answering and (answering := await self._ping()):
+                self._tracker.heard()
+        self._gone_since = None if available else self._gone_since or time.monotonic()
+        came_back = answering and not self.state.answering
+        self._set(available=available, answering=answering)
+        self._judge()
+        if came_back:
+            self._reconcile()
+        self._probe_quiet_goals()
+        return self.state
+
+    async def _ping(self) -> bool:
+        try:
+            return await self._tracker.port.ping(PING_TIMEOUT)
+        except Unavailable:
+            return False
+
+    async def require(self) -> None:
+        """Make sure that a goal sent now would be heard.
+
+        Raises:
+            Unavailable: No action server appeared in time.
+            ServerTimeout: It is there and does not answer.
+        """
+        if self.state.available and self.state.answering:
+            return
+        deadline = time.monotonic() + self._settings.server_wait
+        while not await self._tracker.port.available():
+            if time.monotonic() >= deadline:
+                raise Unavailable(f"no action server for {self.state.action_name}; is it started, on this ROS domain?")
+            await asyncio.sleep(0.05)
+        if not (await self.look()).answering:
+            raise ServerTimeout(
+                f"the action server of {self.state.action_name} does not answer; it may be busy, frozen or dead"
+            )
+
+    def _set(self, *, available: bool, answering: bool) -> None:
+        state = ServerState(self.state.action_name, available, answering)
+        if state != self.state:
+            log.info("action server %s: available %s, answering %s", state.action_name, available, answering)
+            self.state = state
+            self._on_change(state)
+
+    def _judge(self) -> None:
+        now = time.monotonic()
+        silence = now - self._tracker.last_heard
+        left = self._gone_since is not None and now - self._gone_since > GONE_GRACE
+        for goal in self._tracker.running():
+            if left:
+                self._tracker.lose(goal, GoalError("action_server_lost", "the action server left the ROS graph"))
+            elif silence > self._settings.lost_after:
+                detail = f"the action server has been silent for {silence:.0f} s and does not answer"
+                self._tracker.lose(goal, GoalError("action_server_lost", detail))
+            else:
+                self._tracker.stall(goal, stalled=silence > self._settings.stalled_after)
+
+    def _reconcile(self) -> None:
+        """The server is back: does it know the goals that it had?"""
+        for goal in list(self._tracker.live.values()):
+            if goal.status.value != "pending":
+                self._tracker.request_result_again(goal)
+
+    def _probe_quiet_goals(self) -> None:
+        """A server may have been restarted so fast that nobody noticed: goals without news are asked for again."""
+        quiet = {goal.goal_id: goal for goal in self._tracker.running() if goal.status.value != "pending"}
+        self._next_probe = {goal_id: due for goal_id, due in self._next_probe.items() if goal_id in quiet}
+        for goal_id, goal in quiet.items():
+            silence = self._tracker.silence_of(goal)
+            due = self._next_probe.setdefault(goal_id, FIRST_PROBE)
+            if silence < FIRST_PROBE:
+                self._next_probe[goal_id] = FIRST_PROBE
+            elif silence >= due and self.state.answering:
+                self._next_probe[goal_id] = due * 2
+                self._tracker.request_result_again(goal)

@@ -1,0 +1,1 @@
+"""The ROS side: the only part of the gateway that imports rclpy."""

@@ -1,0 +1,206 @@
+"""The only place where the ROS thread and the asyncio loop meet: one crossing each way.
+
+rclpy's clients, publishers and subscriptions are touched on the ROS thread alone; the loop is touched from there
+through `call_soon_threadsafe` alone. Nobody else needs to know that there are two threads.
+"""
+
+import asyncio
+import logging
+import os
+import threading
+import time
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import rclpy
+from rclpy.client import Client
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+from rclpy.task import Future as RosFuture
+
+from dock_gateway.errors import Unavailable
+
+log = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+# So many crashes of the spinning thread within so many seconds, and it is given up.
+MAX_CRASHES, CRASH_WINDOW = 5, 10.0
+
+
+class PendingCall:
+    """A service request on its way; `response` is settled on the loop, whenever the answer comes."""
+
+    def __init__(self, bridge: "Bridge", client: Client, response: "asyncio.Future[Any]") -> None:
+        self.response = response
+        self._bridge = bridge
+        self._client = client
+        self._ros_future: RosFuture | None = None
+
+    def start(self, request: Any) -> None:
+        """Send the request; runs on the ROS thread."""
+        self._ros_future = self._client.call_async(request)
+        self._ros_future.add_done_callback(self._answered)
+
+    def _answered(self, ros_future: RosFuture) -> None:
+        error = ros_future.exception()
+        self._bridge.to_loop(_settle, self.response, None if error else ros_future.result(), error)
+
+    def forget(self) -> None:
+        """Stop waiting: an answer that comes later is dropped."""
+        self.response.cancel()
+        self._bridge.to_ros(lambda: self._ros_future and self._client.remove_pending_request(self._ros_future))
+
+
+class Bridge:
+    """An rclpy context, node and executor, spun in a thread of their own.
+
+    Args:
+        node_name: Name of the node.
+        namespace: Namespace of the node.
+    """
+
+    def __init__(self, node_name: str, namespace: str) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._context = Context()
+        rclpy.init(args=None, context=self._context, signal_handler_options=SignalHandlerOptions.NO)
+        self.node = Node(node_name, namespace=namespace or None, context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
+        self._stopping = False
+
+    @property
+    def alive(self) -> bool:
+        """Whether the ROS thread runs."""
+        return self._thread.is_alive() and not self._stopping
+
+    def start(self) -> None:
+        """Spin from now on. Publishers, clients and subscriptions are best created before."""
+        self._thread.start()
+
+    def _spin(self) -> None:
+        crashes: list[float] = []
+        while not self._stopping:
+            try:
+                self._executor.spin()
+            except ExternalShutdownException:
+                return
+            except Exception:
+                if self._stopping:
+                    return
+                log.exception("the ROS thread hit an error and goes on")
+                now = time.monotonic()
+                crashes = [at for at in crashes if now - at < CRASH_WINDOW] + [now]
+                if len(crashes) >= MAX_CRASHES:
+                    log.critical("the ROS thread failed %d times in %.0f s and is given up", len(crashes), CRASH_WINDOW)
+                    return
+
+    def close(self) -> None:
+        """Stop spinning and leave the ROS graph; blocks for a moment."""
+        self._stopping = True
+        self._executor.shutdown(timeout_sec=0.5)
+        if self._thread.is_alive():
+            self._thread.join(1.0)
+        if self._thread.is_alive():
+            log.warning("the ROS thread did not end; leaving it behind")
+            return
+        self.node.destroy_node()
+        self._context.try_shutdown()
+
+    def to_ros(self, function: Callable[[], object]) -> None:
+        """Run a function on the ROS thread, soon; what it raises is logged."""
+        self._executor.create_task(_guarded, function)
+
+    def to_loop(self, function: Callable[..., object], *args: object) -> None:
+        """Run a function on the loop, soon; for the ROS thread. After the loop has closed nothing happens."""
+        try:
+            self._loop.call_soon_threadsafe(function, *args)
+        except RuntimeError:
+            if not self._loop.is_closed():
+                raise
+
+    async def call(self, function: Callable[[], T], timeout: float = 2.0) -> T:
+        """Run a function on the ROS thread and wait for what it returns.
+
+        Raises:
+            Unavailable: `ros_unavailable`, when the ROS thread is down or does not get to it in time.
+        """
+        self._require_alive()
+        done: asyncio.Future[T] = self._loop.create_future()
+
+        def run() -> None:
+            try:
+                result = function()
+            except Exception as error:  # noqa: BLE001 - it is raised again where it was asked for
+                self.to_loop(_settle, done, None, error)
+            else:
+                self.to_loop(_settle, done, result, None)
+
+        self.to_ros(run)
+        try:
+            async with asyncio.timeout(timeout):
+                return await done
+        except TimeoutError:
+            raise Unavailable("the ROS thread does not answer", code="ros_unavailable") from None
+
+    def request(self, client: Client, request: Any) -> PendingCall:
+        """Send a service request; the response fails with `Unavailable` where no server is there to hear it.
+
+        Raises:
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        self._require_alive()
+        pending = PendingCall(self, client, self._loop.create_future())
+
+        def start() -> None:
+            try:
+                if not client.service_is_ready():
+                    raise Unavailable(f"nobody serves {client.service_name}")
+                pending.start(request)
+            except Exception as error:  # noqa: BLE001 - it is raised again where the response is awaited
+                self.to_loop(_settle, pending.response, None, error)
+
+        self.to_ros(start)
+        return pending
+
+    def _require_alive(self) -> None:
+        if not self.alive:
+            raise Unavailable("the ROS thread is down; restart the gateway", code="ros_unavailable")
+
+
+def _guarded(function: Callable[[], object]) -> None:
+    """Exceptions must not leave the executor: they would end its thread."""
+    try:
+        function()
+    except Exception:
+        log.exception("an error on the ROS thread")
+
+
+def _settle(future: "asyncio.Future[T]", result: T, error: BaseException | None) -> None:
+    if future.done():  # whoever waited has gone
+        return
+    if error is not None:
+        future.set_exception(error)
+    else:
+        future.set_result(result)
+
+
+def guard(callback: Callable[..., None]) -> Callable[..., None]:
+    """Wrap a subscription's callback so that an exception in it is logged and harms nothing else."""
+
+    def guarded(message: Any, info: Any) -> None:
+        try:
+            callback(message, info)
+        except Exception:
+            log.exception("an error in a ROS callback")
+
+    return guarded
+
+
+def ros_environment() -> dict[str, str]:
+    """What of the environment decides whom this process meets, for logs and /healthz."""
+    names = ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS", "RMW_IMPLEMENTATION")
+    return {name: os.environ[name] for name in names if name in os.environ}

@@ -1,0 +1,84 @@
+"""The topics around an action: battery state in and out, velocity in and zero out, diagnostics in."""
+
+from collections.abc import Callable
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import Twist
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from sensor_msgs.msg import BatteryState
+
+from dock_gateway.goals import GoalError, Json
+from dock_gateway.ros.bridge import Bridge, guard
+from dock_gateway.ros.messages import codec
+
+# Best effort and volatile matches every publisher: some send batteries with sensor data QoS, others reliably.
+LISTEN = QoSProfile(depth=50, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
+TALK = QoSProfile(depth=10)
+
+OnMessage = Callable[[Json, int], None]
+OnReason = Callable[[str, GoalError], None]
+
+
+class BatteryPort:
+    """`sensor_msgs/BatteryState`, heard and published."""
+
+    def __init__(self, bridge: Bridge, topic: str, on_battery: OnMessage) -> None:
+        self._bridge = bridge
+        self.codec = codec(BatteryState)
+        overrides = QoSOverridingOptions.with_default_policies()
+        self._publisher = bridge.node.create_publisher(BatteryState, topic, TALK, qos_overriding_options=overrides)
+
+        def hear(message: BatteryState, info: dict[str, Any]) -> None:
+            bridge.to_loop(on_battery, self.codec.encode(message), info["source_timestamp"])
+
+        bridge.node.create_subscription(BatteryState, topic, guard(hear), LISTEN, qos_overriding_options=overrides)
+
+    async def publish(self, message: BatteryState, *, stamp: bool) -> Json:
+        """Publish a message, with the time of now where `stamp`; returns it as it went out."""
+
+        def publish() -> Json:
+            if stamp:
+                message.header.stamp = self._bridge.node.get_clock().now().to_msg()
+            self._publisher.publish(message)
+            return self.codec.encode(message)
+
+        return await self._bridge.call(publish)
+
+
+class VelocityPort:
+    """`geometry_msgs/Twist`: what the robot is told, in m/s and rad/s, and our zero for it."""
+
+    def __init__(self, bridge: Bridge, topic: str, on_velocity: OnMessage) -> None:
+        self._bridge = bridge
+        twist_codec = codec(Twist)
+        overrides = QoSOverridingOptions.with_default_policies()
+        self._publisher = bridge.node.create_publisher(Twist, topic, TALK, qos_overriding_options=overrides)
+
+        def hear(message: Twist, info: dict[str, Any]) -> None:
+            bridge.to_loop(on_velocity, twist_codec.encode(message), info["source_timestamp"])
+
+        bridge.node.create_subscription(Twist, topic, guard(hear), LISTEN, qos_overriding_options=overrides)
+
+    async def publish_zero(self) -> None:
+        """Tell the robot to stand still."""
+        await self._bridge.call(lambda: self._publisher.publish(Twist()))
+
+
+class DiagnosticsPort:
+    """`diagnostic_msgs/DiagnosticArray`: why an action server rejected or aborted a goal.
+
+    ROS's action protocol has no place for a reason. A server that wants to say it publishes a DiagnosticStatus whose
+    values (REP 107) hold `goal_id`, `error_code` and `error_msg`.
+    """
+
+    def __init__(self, bridge: Bridge, topic: str, on_reason: OnReason) -> None:
+        def hear(message: DiagnosticArray, _: dict[str, Any]) -> None:
+            for status in message.status:
+                values = {pair.key: pair.value for pair in status.values}
+                goal_id, code = values.get("goal_id"), values.get("error_code")
+                if goal_id and code and code not in ("0", "none"):
+                    bridge.to_loop(on_reason, goal_id, GoalError(code, values.get("error_msg") or status.message))
+
+        bridge.node.create_subscription(DiagnosticArray, topic, guard(hear), LISTEN)

@@ -1,0 +1,285 @@
+"""What can be done with goals: the way in. Mints ids, records goals, keeps every deadline."""
+
+import asyncio
+import logging
+import time
+import uuid
+from collections.abc import Collection
+from dataclasses import dataclass, field
+from typing import Any
+
+from dock_gateway.errors import Conflict, GatewayError, NotFound, ServerTimeout, TooManyRequests, Unavailable
+from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.history import History
+from dock_gateway.liveness import ServerWatch
+from dock_gateway.ros.bridge import PendingCall
+from dock_gateway.ros.topics import VelocityPort
+from dock_gateway.settings import Settings
+from dock_gateway.tracker import GoalTracker, utc_now
+
+log = logging.getLogger(__name__)
+
+STOP_TIMEOUT = 1.0
+TOO_LATE = "the action server accepted the goal only after the gateway had given up on it, so it was canceled"
+STOPPED = "a stop was asked for while the goal was on its way"
+
+
+@dataclass
+class StopReport:
+    """What `/stop` did: the goals that are being canceled, and what could not be reached."""
+
+    canceling: list[str] = field(default_factory=list)
+    failed: list[dict[str, str]] = field(default_factory=list)
+
+
+class GoalService:
+    """Submits, cancels and finds goals of one action; stops the robot."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        history: History,
+        tracker: GoalTracker,
+        watch: ServerWatch,
+        velocity: VelocityPort,
+    ) -> None:
+        self._settings = settings
+        self._history = history
+        self._tracker = tracker
+        self._watch = watch
+        self._velocity = velocity
+        self._submitting: dict[str, tuple[Any, asyncio.Task[Goal]]] = {}
+        self._pending = 0
+        self._stops = 0
+        self._disowned: dict[str, str] = {}  # goals to be canceled as soon as they turn up, and why
+
+    # ------------------------------------------------------------------ submit
+
+    async def submit(self, message: Any, idempotency_key: str | None = None) -> Goal:
+        """Send a goal and wait until the action server has accepted it.
+
+        Args:
+            message: The goal as a ROS message.
+            idempotency_key: Another submission with this key gets the goal of the first.
+
+        Raises:
+            Conflict: The server rejected it (`goal_rejected`, `dock_busy`), or the key was used for another goal.
+            Unavailable: There is no action server.
+            ServerTimeout: It did not answer in time. Should it accept the goal later, the goal is canceled at once.
+            TooManyRequests: Too many goals wait for an answer.
+        """
+        if idempotency_key is None:
+            return await asyncio.shield(asyncio.create_task(self._submit(message, None)))
+        under_way = self._submitting.get(idempotency_key)
+        if under_way is None:
+            first = await self._history.by_key(idempotency_key)
+            if first is not None:
+                self._require_same(first.goal, self._tracker.port.encode_goal(message))
+                return _outcome(first)
+            under_way = self._submitting.get(idempotency_key)
+        if under_way is None:
+            task = asyncio.create_task(self._submit(message, idempotency_key))
+            self._submitting[idempotency_key] = (message, task)
+            task.add_done_callback(lambda _: self._submitting.pop(idempotency_key))
+        else:
+            first_message, task = under_way
+            encode = self._tracker.port.encode_goal
+            self._require_same(encode(first_message), encode(message))
+        return await asyncio.shield(task)
+
+    @staticmethod
+    def _require_same(first: bytes | None, second: bytes) -> None:
+        if first != second:
+            raise Conflict("this Idempotency-Key was used for another goal", code="idempotency_key_reused")
+
+    async def _submit(self, message: Any, idempotency_key: str | None) -> Goal:
+        if self._pending >= self._settings.max_pending_goals:
+            raise TooManyRequests(f"{self._pending} goals are waiting for the action server's answer already")
+        self._pending += 1
+        try:
+            return await self._send(message, idempotency_key)
+        finally:
+            self._pending -= 1
+
+    async def _send(self, message: Any, idempotency_key: str | None) -> Goal:
+        deadline = time.monotonic() + self._settings.accept_timeout
+        stops = self._stops
+        await self._watch.require()
+        port = self._tracker.port
+        goal = Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now(), goal=port.encode_goal(message))
+        await self._history.add(goal, idempotency_key)
+        self._tracker.add(goal)
+        if self._stops != stops:
+            self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError("goal_rejected", STOPPED))
+            return _outcome(goal)
+        call = port.send(goal.goal_id, message)
+        try:
+            async with asyncio.timeout(max(0.1, deadline - time.monotonic())):
+                response = await asyncio.shield(call.response)
+        except TimeoutError:
+            self._give_up(goal, call)
+            return _outcome(goal)
+        except GatewayError as error:
+            self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
+            raise
+        self._tracker.heard()
+        if not response.accepted:
+            await self._reject(goal)
+        else:
+            self._accept(goal)
+        return _outcome(goal)
+
+    def _accept(self, goal: Goal) -> None:
+        self._tracker.move(goal, GoalStatus.ACCEPTED)
+        self._tracker.request_result(goal)
+        if goal.goal_id in self._disowned:
+            self.on_return(goal)
+
+    async def _reject(self, goal: Goal) -> None:
+        reason = await self._tracker.reason(goal.goal_id)
+        busy = [other for other in self._tracker.running() if other is not goal and other.status.value != "pending"]
+        if busy:
+            detail = f"goal {busy[0].goal_id} is running; cancel it first"
+            error = GoalError("dock_busy", reason.detail if reason else detail)
+        else:
+            error = GoalError(
+                "goal_rejected",
+                reason.detail if reason else "the action server rejected the goal and did not say why",
+            )
+        self._tracker.end(goal, GoalStatus.REJECTED, error=error)
+
+    def _give_up(self, goal: Goal, call: PendingCall) -> None:
+        self._disowned[goal.goal_id] = TOO_LATE
+        detail = f"the action server did not accept or reject the goal within {self._settings.accept_timeout:g} s"
+        self._tracker.lose(goal, GoalError("action_server_timeout", detail))
+
+        def answered(response: "asyncio.Future[Any]") -> None:
+            if response.cancelled() or response.exception():
+                return
+            self._tracker.heard()
+            if response.result().accepted:
+                self._accept(goal)
+            else:
+                self._disowned.pop(goal.goal_id, None)
+                self._tracker.end(goal, GoalStatus.REJECTED, error=goal.error)
+
+        call.response.add_done_callback(answered)
+
+    def on_return(self, goal: Goal) -> None:
+        """A goal that was given up is there after all: it must not run."""
+        if detail := self._disowned.pop(goal.goal_id, None):
+            log.warning("canceling goal %s: %s", goal.goal_id, detail)
+            goal.error = GoalError("action_server_timeout" if detail is TOO_LATE else "stopped", detail)
+            self._tracker.spawn(self._cancel_quietly(goal))
+
+    async def _cancel_quietly(self, goal: Goal) -> None:
+        try:
+            await self.cancel(goal.goal_id)
+        except GatewayError as error:
+            log.warning("goal %s could not be canceled: %s", goal.goal_id, error.detail)
+
+    # ------------------------------------------------------------------ cancel and stop
+
+    async def cancel(self, goal_id: str) -> Goal:
+        """Ask the server to cancel a goal, whoever sent it.
+
+        Raises:
+            NotFound: There is no such goal.
+            Conflict: It has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
+            Unavailable: The action server is gone.
+            ServerTimeout: It did not answer in time.
+        """
+        goal = await self.get(goal_id)
+        if goal.status.terminal:
+            raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal_id)
+        if goal.status is GoalStatus.CANCELING:
+            return goal
+        try:
+            answer = await self._tracker.port.cancel(goal_id, self._settings.cancel_timeout)
+        except TimeoutError:
+            detail = f"the action server did not answer the cancel request within {self._settings.cancel_timeout:g} s"
+            raise ServerTimeout(detail, goal_id=goal_id) from None
+        self._tracker.heard()
+        if goal_id in answer.goal_ids:
+            self._tracker.move(goal, GoalStatus.CANCELING)
+            return goal
+        if goal.status is GoalStatus.PENDING:
+            self._disowned[goal_id] = "it was canceled before it was accepted"
+            return goal
+        if goal.status.terminal:
+            raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal_id)
+        raise Conflict("the action server refuses to cancel the goal", code="cancel_rejected", goal_id=goal_id)
+
+    async def stop(self) -> StopReport:
+        """Tell the robot to stand still, and cancel every goal on the action, other clients' too."""
+        self._stops += 1
+        for goal in self._tracker.running():
+            if goal.status is GoalStatus.PENDING:
+                self._disowned[goal.goal_id] = STOPPED
+        report = StopReport()
+        await self._velocity.publish_zero()
+        action_name = self._tracker.port.action_name
+        try:
+            answer = await self._tracker.port.cancel(None, STOP_TIMEOUT)
+        except TimeoutError:
+            detail = "the action server does not answer; it was sent the request to cancel every goal"
+            report.failed.append({"action_name": action_name, "code": ServerTimeout.code, "detail": detail})
+        except Unavailable as error:
+            if self._tracker.running():
+                report.failed.append({"action_name": action_name, "code": error.code, "detail": error.detail})
+        else:
+            self._tracker.heard()
+            report.canceling = sorted(answer.goal_ids)
+            for goal_id in answer.goal_ids & self._tracker.live.keys():
+                self._tracker.move(self._tracker.live[goal_id], GoalStatus.CANCELING)
+        await self._velocity.publish_zero()
+        log.info("stop: zero velocity, canceling %s", report.canceling or "no goal")
+        return report
+
+    # ------------------------------------------------------------------ look
+
+    async def get(self, goal_id: str) -> Goal:
+        """One goal.
+
+        Raises:
+            NotFound: There is no such goal.
+        """
+        goal = self._tracker.live.get(goal_id) or await self._history.get(goal_id)
+        if goal is None:
+            raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
+        return goal
+
+    async def page(
+        self, statuses: Collection[GoalStatus] = (), limit: int = 50, before: str | None = None
+    ) -> tuple[list[Goal], str | None]:
+        """Goals, newest first, and the cursor of the next page."""
+        goals = await self._history.page(
+            action_name=self._tracker.port.action_name, statuses=statuses, limit=limit + 1, before=before
+        )
+        return goals[:limit], goals[limit - 1].goal_id if len(goals) > limit else None
+
+    async def wait(self, goal: Goal, timeout: float) -> None:
+        """Wait until the goal has ended or the time is up."""
+        await self._tracker.wait_terminal(goal, timeout)
+
+    async def recent(self, goal_id: str | None, ended: int = 20) -> list[Goal]:
+        """What a new subscriber sees first: the running goals and the newest ended ones, newest first."""
+        if goal_id is not None:
+            return [await self.get(goal_id)]
+        newest, _ = await self.page(limit=ended)
+        goals = {goal.goal_id: goal for goal in [*newest, *self._tracker.running()]}
+        return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)
+
+
+def _outcome(goal: Goal) -> Goal:
+    """The goal, or the error that the sender of it gets: the same one for each retry with the same key."""
+    error = goal.error
+    if error is None:
+        return goal
+    if goal.status is GoalStatus.REJECTED:
+        if error.code == Unavailable.code:
+            raise Unavailable(error.detail, goal_id=goal.goal_id)
+        raise Conflict(error.detail, code=error.code, goal_id=goal.goal_id)
+    if error.code == ServerTimeout.code and goal.status is GoalStatus.LOST:
+        raise ServerTimeout(error.detail, goal_id=goal.goal_id)
+    return goal

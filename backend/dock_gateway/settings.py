@@ -1,0 +1,101 @@
+"""What can be set, each by an environment variable `DOCK_GATEWAY_…` or an option of the command line."""
+
+from pathlib import Path
+from typing import Annotated, Self
+
+from pydantic import Field, field_validator, model_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
+
+LOOPBACK_HOSTS = frozenset({"127.0.0.1", "::1", "localhost"})
+
+Seconds = Annotated[float, Field(gt=0, le=3600)]
+
+
+class Settings(BaseSettings):
+    """The gateway's settings, fixed once it runs. docs/configuration.md lists them; a test keeps the list complete."""
+
+    model_config = SettingsConfigDict(env_prefix="DOCK_GATEWAY_", frozen=True, extra="forbid")
+
+    host: str = Field("127.0.0.1", description="Address to listen on. `0.0.0.0` opens the gateway to the network.")
+    port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
+    allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
+        (),
+        description="Host names that requests may be addressed to, separated by commas; `*` for any. "
+        "Empty: the loopback names while listening on loopback, else any.",
+    )
+    allowed_origins: Annotated[tuple[str, ...], NoDecode] = Field(
+        (),
+        description="Origins of web pages that may use the gateway besides its own dashboard, "
+        "separated by commas (`https://ops.example.com`); `*` for any.",
+    )
+    log_level: str = Field("info", pattern="^(debug|info|warning|error)$", description="How much is logged.")
+    dashboard_dir: Path | None = Field(
+        None,
+        description="Folder of the built dashboard. Empty: the installed one, or `frontend/dist` of a checkout.",
+    )
+
+    node_name: str = Field("dock_gateway", description="Name of the gateway's ROS node.")
+    namespace: str = Field("", description="ROS namespace of the robot, such as `/robot1`.")
+    dock_action: str = Field(
+        "connect_to_charging_dock", description="The action behind `/dock`, relative to the namespace."
+    )
+    dock_action_type: str = Field(
+        "action_tutorials_interfaces/action/ConnectToChargingDock", description="The type of that action."
+    )
+    battery_topic: str = Field("battery_status", description="Topic of `sensor_msgs/BatteryState`.")
+    cmd_vel_topic: str = Field(
+        "cmd_vel", description="Topic of `geometry_msgs/Twist`, which `/stop` publishes zeros on."
+    )
+    diagnostics_topic: str = Field(
+        "/diagnostics",
+        description="Topic of `diagnostic_msgs/DiagnosticArray`, where action servers say why a goal ended.",
+    )
+
+    server_wait: Seconds = Field(
+        1.5, description="Seconds to wait for an action server to appear before a goal is refused (503)."
+    )
+    accept_timeout: Seconds = Field(5.0, description="Seconds an action server has to accept or reject a goal (504).")
+    cancel_timeout: Seconds = Field(5.0, description="Seconds an action server has to answer a cancel request (504).")
+    ping_interval: Seconds = Field(1.0, description="Seconds between two looks at whether the action server lives.")
+    stalled_after: Seconds = Field(
+        3.0, description="Seconds of silence after which a running goal is shown as stalled."
+    )
+    lost_after: Seconds = Field(8.0, description="Seconds of silence after which a running goal is `lost`.")
+    battery_stale_after: Seconds = Field(
+        2.0, description="Seconds without a message after which the battery state is stale."
+    )
+
+    max_body_bytes: int = Field(1_000_000, ge=1024, description="Largest request body, in bytes (413).")
+    body_timeout: Seconds = Field(10.0, description="Seconds a client has to send its body (408).")
+    max_pending_goals: int = Field(32, ge=1, description="Goals that may wait for acceptance at the same time (429).")
+    max_goals: int = Field(1000, ge=10, description="Ended goals that are kept; the oldest are forgotten first.")
+    max_subscribers: int = Field(1000, ge=1, description="WebSocket subscribers at the same time (429).")
+    subscriber_queue: int = Field(
+        256,
+        ge=1,
+        description="Feedback events that wait for a slow subscriber before the oldest are dropped.",
+    )
+    subscriber_timeout: Seconds = Field(30.0, description="Seconds a subscriber may not read before it is cut off.")
+    heartbeat_interval: Seconds = Field(5.0, description="Seconds between heartbeats on a stream.")
+
+    @field_validator("allowed_hosts", "allowed_origins", mode="before")
+    @classmethod
+    def _split(cls, value: object) -> object:
+        return tuple(part.strip() for part in value.split(",") if part.strip()) if isinstance(value, str) else value
+
+    @model_validator(mode="after")
+    def _check(self) -> Self:
+        if self.lost_after <= self.stalled_after:
+            raise ValueError("lost_after must be longer than stalled_after")
+        return self
+
+    @property
+    def host_names(self) -> frozenset[str]:
+        """The names a request may be addressed to; empty for any."""
+        if self.allowed_hosts:
+            return frozenset() if "*" in self.allowed_hosts else frozenset(self.allowed_hosts)
+        return LOOPBACK_HOSTS if self.host in LOOPBACK_HOSTS else frozenset()
+
+    def resolve(self, name: str) -> str:
+        """A ROS name as the graph has it: absolute, under the namespace where it was relative."""
+        return name if name.startswith("/") else f"/{self.namespace.strip('/')}/{name}".replace("//", "/")

@@ -1,0 +1,289 @@
+"""The way out: what comes from ROS becomes changes of goals, events for the hub and entries in the history.
+
+Runs on the event loop alone and never waits for anybody but the action server.
+"""
+
+import asyncio
+import logging
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Coroutine
+from datetime import UTC, datetime
+from typing import Any
+
+from dock_gateway.errors import Unavailable
+from dock_gateway.events import feedback_event, moment, result_event, status_event
+from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
+from dock_gateway.history import History
+from dock_gateway.hub import Hub
+from dock_gateway.ros.actions import ActionPort, StatusReport
+
+log = logging.getLogger(__name__)
+
+# A goal that the status topic says has ended waits so long for its result.
+RESULT_WAIT = 2.0
+# A rejected or aborted goal waits so long for a server that says why.
+REASON_WAIT = 0.3
+MAX_REMEMBERED = 2000
+MAX_LOST = 100
+
+
+def utc_now() -> datetime:
+    """The time now."""
+    return datetime.now(UTC)
+
+
+class GoalTracker:
+    """Every goal on one action, from its first sign to its end.
+
+    Args:
+        hub: Where events go.
+        history: Where goals are kept.
+        on_return: Called with a goal that was `lost` and shows signs of life.
+    """
+
+    def __init__(self, hub: Hub, history: History, *, on_return: Callable[[Goal], None]) -> None:
+        self.live: dict[str, Goal] = {}  # running ones, and lost ones that may return
+        self.last_heard = time.monotonic()
+        self._hub = hub
+        self._history = history
+        self._on_return = on_return
+        self._port: ActionPort | None = None
+        self._ended: OrderedDict[str, Goal] = OrderedDict()
+        self._reasons: OrderedDict[str, GoalError] = OrderedDict()
+        self._reason_came = asyncio.Condition()
+        self._waiters: dict[str, asyncio.Event] = {}
+        self._result_requested: set[str] = set()
+        self._goal_heard: dict[str, float] = {}
+        self._tasks: set[asyncio.Task[Any]] = set()
+
+    def attach(self, port: ActionPort) -> None:
+        """Name the action that goals and results are asked of."""
+        self._port = port
+
+    @property
+    def port(self) -> ActionPort:
+        """The action."""
+        assert self._port is not None, "attach() comes first"
+        return self._port
+
+    def running(self) -> list[Goal]:
+        """The goals that have not ended, oldest first."""
+        return [goal for goal in self.live.values() if not goal.status.terminal]
+
+    def heard(self) -> None:
+        """The action server gave a sign of life."""
+        self.last_heard = time.monotonic()
+
+    def silence_of(self, goal: Goal) -> float:
+        """Seconds since there was news of this goal."""
+        return time.monotonic() - self._goal_heard.get(goal.goal_id, self.last_heard)
+
+    # ------------------------------------------------------------------ what ROS says
+
+    def on_status(self, reports: list[StatusReport], stamp_ns: int) -> None:
+        """A message of `_action/status`: the state of every goal that the server remembers."""
+        self.heard()
+        for report in reports:
+            if report.goal_id in self._ended:
+                continue
+            goal = self.live.get(report.goal_id) or self._adopt(report.goal_id, report.accepted_ns or stamp_ns)
+            if report.status.terminal:
+                self.spawn(self._end_without_result(goal, report.status))
+            else:
+                self.move(goal, report.status, stamp_ns)
+            self.request_result(goal)
+
+    def on_feedback(self, goal_id: str, feedback: Json, stamp_ns: int) -> None:
+        """A message of `_action/feedback`."""
+        self.heard()
+        if goal_id in self._ended:
+            return
+        goal = self.live.get(goal_id)
+        if goal is None:
+            goal = self._adopt(goal_id, stamp_ns)
+            self.request_result(goal)
+        if goal.status in (GoalStatus.LOST, GoalStatus.ACCEPTED):
+            self.move(goal, GoalStatus.EXECUTING, stamp_ns)
+        self._goal_heard[goal_id] = time.monotonic()
+        goal.hear(feedback, utc_now())
+        self._hub.publish(feedback_event(goal, stamp_ns))
+
+    def on_reason(self, goal_id: str, error: GoalError) -> None:
+        """A server said on /diagnostics why a goal ended as it did."""
+        if goal_id in self._reasons:
+            return
+        self._reasons[goal_id] = error
+        if len(self._reasons) > MAX_REMEMBERED:
+            self._reasons.popitem(last=False)
+        self.spawn(self._announce_reason())
+
+    async def _announce_reason(self) -> None:
+        async with self._reason_came:
+            self._reason_came.notify_all()
+
+    async def reason(self, goal_id: str) -> GoalError | None:
+        """Why a goal was rejected or aborted, as far as the server says; waits a moment for it."""
+        try:
+            async with asyncio.timeout(REASON_WAIT), self._reason_came:
+                await self._reason_came.wait_for(lambda: goal_id in self._reasons)
+        except TimeoutError:
+            return None
+        return self._reasons[goal_id]
+
+    # ------------------------------------------------------------------ goals
+
+    def add(self, goal: Goal) -> None:
+        """Track a goal that is about to be sent."""
+        self.live[goal.goal_id] = goal
+        self._publish_status(goal, time.time_ns())
+
+    def _adopt(self, goal_id: str, created_ns: int) -> Goal:
+        goal = Goal(goal_id, self.port.action_name, self.port.action_type, moment(created_ns), origin="external")
+        self.live[goal_id] = goal
+        self._history.record(goal)
+        log.info("goal %s of another client on %s", goal_id, goal.action_name)
+        return goal
+
+    def move(self, goal: Goal, status: GoalStatus, stamp_ns: int | None = None) -> None:
+        """Move a goal on to a state that is not terminal, where that is not a step back."""
+        was_lost = goal.status is GoalStatus.LOST
+        self._goal_heard[goal.goal_id] = time.monotonic()
+        if not goal.advance(status, utc_now()):
+            return
+        self._publish_status(goal, stamp_ns or time.time_ns())
+        self._history.record(goal)
+        if was_lost:
+            log.info("goal %s is back", goal.goal_id)
+            self._on_return(goal)
+
+    def stall(self, goal: Goal, *, stalled: bool) -> None:
+        """Show a goal as stalled, or no longer."""
+        if goal.stalled is not stalled:
+            goal.stalled = stalled
+            self._publish_status(goal, time.time_ns())
+
+    def lose(self, goal: Goal, error: GoalError) -> None:
+        """The action server is gone. The goal stays in sight: it may return."""
+        if not goal.advance(GoalStatus.LOST, utc_now()):
+            return
+        goal.error = error
+        log.warning("goal %s is lost: %s", goal.goal_id, error.detail)
+        self._publish_status(goal, time.time_ns())
+        self._history.record(goal)
+        self._release(goal)
+        lost = [other for other in self.live.values() if other.status is GoalStatus.LOST]
+        for oldest in lost[:-MAX_LOST]:
+            self._retire(oldest)
+
+    def end(
+        self, goal: Goal, status: GoalStatus, *, result: Json | None = None, error: GoalError | None = None
+    ) -> None:
+        """The goal ended for good."""
+        late_result = goal.status is status and goal.result is None and result is not None
+        if not late_result and not goal.advance(status, utc_now()):
+            return
+        goal.result = result
+        goal.error = error or goal.error
+        stamp_ns = time.time_ns()
+        if not late_result:
+            self._publish_status(goal, stamp_ns)
+        if status is not GoalStatus.REJECTED:
+            self._hub.publish(result_event(goal, stamp_ns))
+        self._history.record(goal)
+        self._release(goal)
+        self._retire(goal)
+
+    def _publish_status(self, goal: Goal, stamp_ns: int) -> None:
+        self._hub.publish(status_event(goal, stamp_ns))
+
+    def _retire(self, goal: Goal) -> None:
+        self.live.pop(goal.goal_id, None)
+        self._goal_heard.pop(goal.goal_id, None)
+        self._ended[goal.goal_id] = goal
+        if len(self._ended) > MAX_REMEMBERED:
+            self._ended.popitem(last=False)
+
+    # ------------------------------------------------------------------ results
+
+    def request_result(self, goal: Goal) -> None:
+        """Ask for the goal's result, once; whoever sent the goal, the answer tells how it ended."""
+        if goal.goal_id not in self._result_requested:
+            self._result_requested.add(goal.goal_id)
+            self.spawn(self._await_result(goal))
+
+    def request_result_again(self, goal: Goal) -> None:
+        """Ask once more: the server may have been restarted, and the first request died with it."""
+        self.spawn(self._await_result(goal))
+
+    async def _await_result(self, goal: Goal) -> None:
+        call = self.port.request_result(goal.goal_id)
+        try:
+            response = await call.response
+        except Unavailable:
+            return  # asked again when the server is back
+        finally:
+            self._result_requested.discard(goal.goal_id)
+            if not call.response.done():
+                call.forget()
+        self.heard()
+        status, result = self.port.read_result(response)
+        if status is None:
+            if not goal.status.terminal:
+                self.lose(
+                    goal,
+                    GoalError("action_server_lost", "the action server was restarted and does not know the goal"),
+                )
+            return
+        error = None
+        if status is GoalStatus.ABORTED:
+            error = await self.reason(goal.goal_id)
+            error = error or GoalError("goal_aborted", "the action server aborted the goal and did not say why")
+        self.end(goal, status, result=result, error=error)
+
+    async def _end_without_result(self, goal: Goal, status: GoalStatus) -> None:
+        await asyncio.sleep(RESULT_WAIT)
+        if not goal.status.final:
+            error = GoalError("result_unavailable", "the goal ended and the action server did not give its result")
+            self.end(goal, status, error=error)
+
+    # ------------------------------------------------------------------ waiting, and the end
+
+    async def wait_terminal(self, goal: Goal, timeout: float) -> None:
+        """Wait until the goal has ended, or the time is up, or the gateway closes."""
+        if goal.status.terminal or self._hub.closing:
+            return
+        event = self._waiters.setdefault(goal.goal_id, asyncio.Event())
+        try:
+            async with asyncio.timeout(timeout):
+                await event.wait()
+        except TimeoutError:
+            return
+
+    def _release(self, goal: Goal) -> None:
+        if event := self._waiters.pop(goal.goal_id, None):
+            event.set()
+
+    def release_all(self) -> None:
+        """Let everyone who waits for a goal go."""
+        for event in self._waiters.values():
+            event.set()
+        self._waiters.clear()
+
+    def spawn(self, work: Coroutine[Any, Any, None]) -> None:
+        """Run something beside; what it raises is logged."""
+        task = asyncio.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._finished)
+
+    def _finished(self, task: "asyncio.Task[Any]") -> None:
+        self._tasks.discard(task)
+        if not task.cancelled() and (error := task.exception()):
+            log.error("while tracking goals", exc_info=error)
+
+    async def close(self) -> None:
+        """Stop waiting for anything."""
+        self.release_all()
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
