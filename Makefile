@@ -18,6 +18,7 @@ PYTEST_ARGS ?=
 # An environment that is active in the caller's shell must not leak into ours.
 unexport VIRTUAL_ENV PYTHONPATH PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
 export UV_PYTHON_PREFERENCE ?= system
+export UV
 
 INTERFACES := backend/action_tutorials_interfaces
 INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
@@ -44,10 +45,11 @@ format: setup ## format Python and TypeScript
 	$(BIN)/ruff format --quiet .
 	. scripts/node-env && cd frontend && npx --no-install biome check --write src tests
 
-lock: $(UV) ## write requirements.lock anew from pyproject.toml
+lock: $(UV) ## write both locks anew from the pyproject.toml files
 	$(UV) pip compile --quiet --universal --python-version 3.10 --generate-hashes --upgrade \
 	    --no-emit-index-url --no-annotate --no-header \
 	    --no-emit-package action-tutorials-interfaces --group dev pyproject.toml -o requirements.lock
+	scripts/lock-build-requirements
 
 interfaces-wheel: $(UV) ## build and try the interface package on PYTHON=3.12 (or another CPython)
 	scripts/interfaces-wheel $(or $(PYTHON),3.12)
@@ -69,14 +71,16 @@ $(STAMPS)/lock: requirements.lock $(STAMPS)/venv
 	@$(UV) pip sync --quiet --python $(BIN)/python --require-hashes requirements.lock
 	@touch $@
 
-$(STAMPS)/interfaces: $(INTERFACE_SOURCES) $(STAMPS)/lock
+$(STAMPS)/interfaces: $(INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
 	@scripts/preflight $(BIN)/python
 	@echo "Compiling the ROS interface package (about half a minute, once) …"
-	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall ./$(INTERFACES)
+	@rm -rf $(STAMPS)/wheel && scripts/build-interfaces $(BIN)/python $(STAMPS)/wheel
+	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/wheel/*.whl
 	@touch $@
 
 $(STAMPS)/project: pyproject.toml backend/hatch_build.py $(wildcard backend/action_tutorials_py/*) $(STAMPS)/interfaces
-	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --editable .
+	@$(UV) pip install --quiet --python $(BIN)/python --no-deps \
+	    --build-constraints build-requirements.lock --editable .
 	@touch $@
 
 frontend/dist/index.html: $(DASHBOARD_SOURCES) | $(STAMPS)/venv
