@@ -39,7 +39,7 @@ from docking.ros.process import Spinner, StopSignals, ros_context, run_process
 CONTROL_PERIOD = 0.1
 DIAGNOSTICS_PERIOD = 1.0
 ACKNOWLEDGEMENT_TIMEOUT = 0.5
-CLOSE_TIMEOUT = 1.0
+CLOSE_TIMEOUT = 0.8
 LINGER = 0.2
 
 

@@ -5,6 +5,7 @@ All that touches nodes runs there, which spares the nodes every lock.
 """
 
 import contextlib
+import os
 import signal
 import sys
 import threading
@@ -24,6 +25,7 @@ from rclpy.signals import SignalHandlerOptions
 
 T = TypeVar("T")
 
+JOIN_TIMEOUT = 0.5
 EXIT_USAGE = 2
 """Exit code: the command line or a parameter is wrong."""
 
@@ -140,10 +142,11 @@ class Spinner:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._stopping = True
-        self._executor.wake()
-        self._thread.join(1.0)
-        if self._thread.is_alive():  # a callback hangs; what it uses must not be destroyed under it
-            return
+        self._executor.create_task(lambda: None)  # `wake` alone leaves it waiting inside `spin_once`
+        self._thread.join(JOIN_TIMEOUT)
+        if self._thread.is_alive():
+            print("error: a callback hangs", file=sys.stderr, flush=True)  # noqa: T201 - its node cannot be used
+            os._exit(1)  # any other way out waits for the callback, or ends in a crash inside rclpy
         self._executor.shutdown()
         for node in self._nodes:
             node.destroy_node()
