@@ -59,6 +59,11 @@ class Subscriber:
         """Let `take` return, with nothing if there is nothing."""
         self._wake.set()
 
+    def clear(self) -> None:
+        """Forget what is queued, for a reader that is about to get a snapshot instead."""
+        self._queue.clear()
+        self._droppable = self._dropped = 0
+
     async def take(self, timeout: float) -> tuple[list[Event], int]:
         """Wait for events; return all that are queued and how many were dropped: `([], 0)` at a time-out."""
         try:
@@ -68,8 +73,7 @@ class Subscriber:
             return [], 0
         self._wake.clear()
         events, dropped = list(self._queue), self._dropped
-        self._queue.clear()
-        self._droppable = self._dropped = 0
+        self.clear()
         return events, dropped
 
 

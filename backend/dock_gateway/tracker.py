@@ -111,7 +111,7 @@ class GoalTracker:
 
     def on_reason(self, goal_id: str, error: GoalError) -> None:
         """A server said on /diagnostics why a goal ended as it did."""
-        if goal_id in self._reasons:
+        if self._reasons.get(goal_id) == error:
             return
         self._reasons[goal_id] = error
         if len(self._reasons) > MAX_REMEMBERED:

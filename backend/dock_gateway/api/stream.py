@@ -86,6 +86,7 @@ async def _ignore_input(websocket: WebSocket) -> None:
 
 async def _write(websocket: WebSocket, gateway: Gateway, subscriber: Subscriber) -> None:
     interval = gateway.settings.heartbeat_interval
+    subscriber.clear()  # all that happened up to now is in the snapshot
     await _send(websocket, gateway, await _snapshot(gateway, subscriber))
     next_heartbeat = time.monotonic() + interval
     while not (gateway.hub.closing or subscriber.overrun):

@@ -91,9 +91,9 @@ def show(event: dict[str, Any], *, as_json: bool) -> None:
         return
     kind, goal_id = event["type"], event.get("goal_id", "")[:8]
     if kind == "snapshot":
-        for goal in event["goals"]:
-            if goal["status"] not in TERMINAL:
-                click.echo(f"{goal['goal_id'][:8]} {goal['status']} ({goal['origin']})")
+        running = [goal for goal in event["goals"] if goal["status"] not in TERMINAL]
+        for goal in running or event["goals"][:1]:
+            click.echo(f"{goal['goal_id'][:8]} {goal['status']}" + (" (external)" if goal["origin"] == "external" else ""))
     elif kind == "status":
         error = event["error"]
         click.echo(f"{goal_id} {event['status']}" + (f": {error['detail']}" if error else ""))
@@ -121,14 +121,14 @@ def describe(message: dict[str, Any]) -> str:
 
 def follow(url: str, goal_id: str, *, as_json: bool) -> dict[str, Any]:
     """Show a goal's events until it has ended; returns the goal."""
-    path = f"/dock/{goal_id}"
     for event in events(url, f"?goal_id={goal_id}"):
         if event["type"] != "heartbeat":
             show(event, as_json=as_json)
-        ended = event["type"] == "result" or (event["type"] == "status" and event["status"] in ("rejected", "lost"))
-        if ended or (event["type"] == "snapshot" and event["goals"][0]["status"] in TERMINAL):
+        if event["type"] == "snapshot" and event["goals"][0]["status"] in TERMINAL:
             break
-    goal: dict[str, Any] = call(url, "GET", path)
+        if event["type"] == "result" or event.get("status") in ("rejected", "lost"):
+            break
+    goal: dict[str, Any] = call(url, "GET", f"/dock/{goal_id}")
     return goal
 
 

@@ -70,7 +70,8 @@ class DiagnosticsPort:
     """`diagnostic_msgs/DiagnosticArray`: why an action server rejected or aborted a goal.
 
     ROS's action protocol has no place for a reason. A server that wants to say it publishes a DiagnosticStatus whose
-    values (REP 107) hold `goal_id`, `error_code` and `error_msg`.
+    values (REP 107) hold `goal_id`, `error_code` and `error_msg`; where they hold a `stage`, it is the end of a goal that
+    counts, not what a running one waits for.
     """
 
     def __init__(self, bridge: Bridge, topic: str, on_reason: OnReason) -> None:
@@ -78,7 +79,9 @@ class DiagnosticsPort:
             for status in message.status:
                 values = {pair.key: pair.value for pair in status.values}
                 goal_id, code = values.get("goal_id"), values.get("error_code")
-                if goal_id and code and code not in ("0", "none"):
-                    bridge.to_loop(on_reason, goal_id, GoalError(code, values.get("error_msg") or status.message))
+                ended = values.get("stage", "ABORTED") in ("ABORTED", "REJECTED")
+                if goal_id and code and ended and code not in ("0", "NONE"):
+                    error = GoalError(code.lower(), values.get("error_msg") or status.message)
+                    bridge.to_loop(on_reason, goal_id, error)
 
         bridge.node.create_subscription(DiagnosticArray, topic, guard(hear), LISTEN)

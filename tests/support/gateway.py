@@ -1,0 +1,102 @@
+"""The real gateway as a process, and clients that speak to it as users do."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import httpx
+import orjson
+from websockets.sync.client import ClientConnection, connect
+
+from tests.support.processes import BIN, Process, ros_environment
+
+LOW = {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}
+CHARGING = {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 1}
+ACTION = "/connect_to_charging_dock"
+
+
+class Stream:
+    """A reader of /ws/feedback."""
+
+    def __init__(self, connection: ClientConnection) -> None:
+        self.connection = connection
+        self.seen: list[dict[str, Any]] = []
+
+    def next(self, timeout: float = 10.0) -> dict[str, Any]:
+        event: dict[str, Any] = orjson.loads(self.connection.recv(timeout))
+        self.seen.append(event)
+        return event
+
+    def until(self, matches: Callable[[dict[str, Any]], bool], timeout: float = 20.0) -> dict[str, Any]:
+        """Read on to the first event that matches."""
+        deadline = time.monotonic() + timeout
+        while (left := deadline - time.monotonic()) > 0:
+            try:
+                event = self.next(left)
+            except TimeoutError:
+                break
+            if matches(event):
+                return event
+        raise AssertionError(f"no such event; the last ones were {self.seen[-5:]}")
+
+    def until_type(self, kind: str, timeout: float = 20.0) -> dict[str, Any]:
+        return self.until(lambda event: event["type"] == kind, timeout)
+
+    def until_status(self, status: str, timeout: float = 20.0) -> dict[str, Any]:
+        return self.until(lambda event: event["type"] == "status" and event["status"] == status, timeout)
+
+
+@dataclass
+class RunningGateway:
+    """A gateway, its address and an HTTP client for it."""
+
+    process: Process
+    url: str
+    http: httpx.Client
+
+    @contextmanager
+    def stream(self, query: str = "") -> Iterator[Stream]:
+        with connect(f"{self.url.replace('http', 'ws')}/ws/feedback{query}", max_size=None) as connection:
+            yield Stream(connection)
+
+    def goal(self, goal_id: str) -> dict[str, Any]:
+        answer: dict[str, Any] = self.http.get(f"/dock/{goal_id}").raise_for_status().json()
+        return answer
+
+    def wait_for_goal(self, goal_id: str, *statuses: str, timeout: float = 20.0) -> dict[str, Any]:
+        """Poll a goal until it has one of these states."""
+        deadline = time.monotonic() + timeout
+        while (goal := self.goal(goal_id))["status"] not in statuses:
+            assert time.monotonic() < deadline, f"still {goal['status']}, not {statuses}"
+            time.sleep(0.05)
+        return goal
+
+    def wait_until_ready(self, timeout: float = 15.0) -> None:
+        deadline = time.monotonic() + timeout
+        while self.http.get("/readyz").status_code != 200:
+            assert time.monotonic() < deadline, "not ready"
+            time.sleep(0.05)
+
+    def publish(self, state: dict[str, Any], rate_hz: float = 5.0) -> None:
+        self.http.put("/battery/publisher", json={"state": state, "rate_hz": rate_hz}).raise_for_status()
+
+
+@contextmanager
+def running_gateway(domain: int, **settings: str) -> Iterator[RunningGateway]:
+    """`dock-gateway serve` on a free port; settings as in DOCK_GATEWAY_<NAME>."""
+    variables = {f"DOCK_GATEWAY_{name.upper()}": value for name, value in {"port": "0", **settings}.items()}
+    with Process(str(BIN / "dock-gateway"), "serve", env=ros_environment(domain, **variables)) as process:
+        url = process.wait_for("listening on ").rpartition(" ")[2]
+        with httpx.Client(base_url=url, timeout=15.0, trust_env=False) as http:
+            yield RunningGateway(process, url, http)
+
+
+@contextmanager
+def running_dock_server(domain: int, *ros_args: str) -> Iterator[Process]:
+    """Our action server."""
+    arguments = ("--ros-args", *ros_args) if ros_args else ()
+    command = (str(BIN / "connect_to_charging_dock_server"), *arguments)
+    with Process(*command, env=ros_environment(domain)) as process:
+        yield process

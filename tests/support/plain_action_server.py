@@ -1,0 +1,50 @@
+"""An action server that is not ours: rclpy's ActionServer as the official tutorial uses it, blocking while it works.
+
+Sends `--feedbacks` feedback messages, 20 a second, and succeeds with the state that was desired. Rejects a desired status
+of 9, aborts one of 8, without a word about why.
+"""
+
+import argparse
+import time
+from typing import Any
+
+import rclpy
+from action_tutorials_interfaces.action import ConnectToChargingDock
+from rclpy.action import ActionServer, GoalResponse
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--feedbacks", type=int, default=10)
+    arguments = parser.parse_args()
+    rclpy.init()
+    node = rclpy.create_node("plain_action_server")
+
+    def decide(goal: Any) -> GoalResponse:
+        status = goal.desired_battery_state.power_supply_status
+        return GoalResponse.REJECT if status == 9 else GoalResponse.ACCEPT
+
+    def execute(handle: Any) -> Any:
+        feedback = ConnectToChargingDock.Feedback()
+        for count in range(arguments.feedbacks):
+            feedback.current_battery_state.percentage = count / 100
+            handle.publish_feedback(feedback)
+            time.sleep(0.05)
+        desired = handle.request.desired_battery_state
+        result = ConnectToChargingDock.Result(final_battery_state=desired)
+        if desired.power_supply_status == 8:
+            handle.abort()
+        else:
+            handle.succeed()
+        return result
+
+    ActionServer(node, ConnectToChargingDock, "connect_to_charging_dock", execute, goal_callback=decide)
+    print("serving", flush=True)
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
+        pass
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,300 @@
+"""The docking action server over DDS."""
+
+import math
+
+import pytest
+from geometry_msgs.msg import Twist
+from rcl_interfaces.msg import Log, ParameterType
+from rcl_interfaces.srv import DescribeParameters
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import BatteryState
+
+from docking.controllers import Velocity
+from docking.parameters import DOCK_SERVER, DockSettings
+from docking.ros.action_server import RESULT_TIMEOUT
+from tests.support.docking import (
+    ABORTED,
+    CANCELED,
+    CHARGING,
+    LOW,
+    SUCCEEDED,
+    Reports,
+    battery_state,
+    dock_server,
+    send_dock_goal,
+    watch_wheels,
+)
+from tests.support.observer import Observer, wait_until
+
+pytestmark = pytest.mark.ros
+
+BATTERY = "battery_status"
+
+
+@pytest.mark.parametrize("status", [1, 4])
+def test_it_drives_until_the_battery_is_charging_or_full(domain: int, observer: Observer, status: int) -> None:
+    with dock_server(domain):
+        wheels = watch_wheels(observer)
+        with observer.publishing(LOW, BATTERY):
+            goal = send_dock_goal(observer)
+            assert goal.accepted
+            wait_until(lambda: len(wheels.messages) > 5 and len(goal.feedback) > 5, "ten messages a second")
+        assert {(message.linear.x, message.angular.z) for message in wheels.messages[1:]} == {(0.0, 0.15)}
+        final = battery_state(status)
+        observer.publish(final, BATTERY)
+        answer = goal.result()
+        assert answer.status == SUCCEEDED
+        assert answer.result.final_battery_state == final
+        wait_until(lambda: goal.feedback[-1].current_battery_state == final, "a last feedback")
+        wait_until(lambda: wheels.standing, "zero velocity")
+        assert wheels.messages.count(Twist()) <= 2  # one before the first battery message, if the goal was faster
+
+
+def test_a_battery_that_is_charging_already_ends_the_goal_without_a_move(domain: int, observer: Observer) -> None:
+    with dock_server(domain):
+        wheels = watch_wheels(observer)
+        with observer.publishing(CHARGING, BATTERY):
+            assert send_dock_goal(observer, status=0).result().status == SUCCEEDED
+        assert all(message == Twist() for message in wheels.messages)
+
+
+def test_a_stale_charging_does_not_end_the_goal(domain: int, observer: Observer) -> None:
+    with dock_server(domain, "battery_stale_after:=0.2"):
+        reports = Reports(observer)
+        observer.publish(CHARGING, BATTERY)
+        goal = send_dock_goal(observer)  # takes longer than 0.2 s, as it looks for the server first
+        reports.wait_for(stage="WAIT_FOR_BATTERY", goal_id=goal.goal_id)
+        assert not goal.ended
+        observer.publish(CHARGING, BATTERY)
+        assert goal.result().status == SUCCEEDED
+
+
+def test_cancel_stops_the_robot(domain: int, observer: Observer) -> None:
+    with dock_server(domain):
+        wheels = watch_wheels(observer)
+        reports = Reports(observer)
+        with observer.publishing(LOW, BATTERY):
+            goal = send_dock_goal(observer)
+            wait_until(lambda: wheels.moving, "a move")
+            assert goal.cancel()
+            answer = goal.result()
+            assert answer.status == CANCELED
+            assert answer.result.final_battery_state.power_supply_status == 3
+            wait_until(lambda: wheels.standing, "zero velocity")
+            reports.wait_for(stage="CANCELED", error_code="NONE", goal_id=goal.goal_id)
+            assert not goal.cancel(), "a goal that has ended is not canceled again"
+
+
+def test_a_second_goal_is_rejected_with_a_reason(domain: int, observer: Observer) -> None:
+    with dock_server(domain):
+        reports = Reports(observer)
+        log = observer.record(Log, "/rosout")
+        with observer.publishing(LOW, BATTERY):
+            first = send_dock_goal(observer)
+            second = send_dock_goal(observer)
+            assert (first.accepted, second.accepted) == (True, False)
+            report = reports.wait_for(goal_id=second.goal_id)
+            assert (report["stage"], report["error_code"], report["level"]) == ("REJECTED", "DOCK_BUSY", 1)
+            assert first.goal_id in report["error_msg"]
+            log.wait_for(lambda entry: second.goal_id in entry.msg and "DOCK_BUSY" in entry.msg)
+            reports.wait_for(stage="CONTROLLING", goal_id=first.goal_id)
+        observer.publish(CHARGING, BATTERY)
+        assert first.result().status == SUCCEEDED
+
+
+@pytest.mark.parametrize("status", [2, 3, 200])
+def test_a_goal_that_docking_cannot_bring_about_is_rejected(domain: int, observer: Observer, status: int) -> None:
+    with dock_server(domain):
+        reports = Reports(observer)
+        goal = send_dock_goal(observer, status=status)
+        assert not goal.accepted
+        assert str(status) in reports.wait_for(goal_id=goal.goal_id, error_code="INVALID_GOAL")["error_msg"]
+
+
+def test_a_second_goal_preempts_where_the_policy_says_so(domain: int, observer: Observer) -> None:
+    with dock_server(domain, "goal_policy:=preempt"):
+        wheels = watch_wheels(observer)
+        reports = Reports(observer)
+        with observer.publishing(LOW, BATTERY):
+            first = send_dock_goal(observer)
+            wait_until(lambda: wheels.moving, "a move")
+            moves = len(wheels.messages)
+            second = send_dock_goal(observer)
+            assert first.result().status == ABORTED
+            reports.wait_for(goal_id=first.goal_id, stage="ABORTED", error_code="PREEMPTED")
+            wait_until(lambda: Twist() in wheels.messages[moves:], "zero velocity in between")
+            wait_until(lambda: wheels.moving, "a move for the second goal")
+        observer.publish(CHARGING, BATTERY)
+        assert second.result().status == SUCCEEDED
+        wait_until(lambda: wheels.standing, "zero velocity")
+
+
+def test_a_silent_battery_stops_the_wheels_and_keeps_the_goal(domain: int, observer: Observer) -> None:
+    with dock_server(domain, "battery_stale_after:=0.5"):
+        wheels = watch_wheels(observer)
+        reports = Reports(observer)
+        with observer.publishing(LOW, BATTERY):
+            goal = send_dock_goal(observer)
+            wait_until(lambda: wheels.moving, "a move")
+        wait_until(lambda: wheels.standing, "zero velocity")
+        reports.wait_for(goal_id=goal.goal_id, stage="WAIT_FOR_BATTERY", error_code="BATTERY_STALE")
+        assert not goal.ended
+        with observer.publishing(LOW, BATTERY):
+            wait_until(lambda: wheels.moving, "a move after the silence")
+        observer.publish(CHARGING, BATTERY)
+        assert goal.result().status == SUCCEEDED
+
+
+def test_a_lost_battery_aborts_the_goal(domain: int, observer: Observer) -> None:
+    with dock_server(domain, "battery_stale_after:=0.3", "battery_lost_after:=0.6"):
+        wheels = watch_wheels(observer)
+        reports = Reports(observer)
+        log = observer.record(Log, "/rosout")
+        goal = send_dock_goal(observer)
+        answer = goal.result()
+        assert answer.status == ABORTED
+        assert math.isnan(answer.result.final_battery_state.percentage), "no battery was ever heard of"
+        reports.wait_for(goal_id=goal.goal_id, stage="ABORTED", error_code="BATTERY_LOST")
+        log.wait_for(lambda entry: goal.goal_id in entry.msg and "BATTERY_LOST" in entry.msg)
+        wait_until(lambda: wheels.standing, "zero velocity")
+
+
+def test_a_goal_that_takes_too_long_is_aborted(domain: int, observer: Observer) -> None:
+    with dock_server(domain, "goal_timeout:=0.5"):
+        wheels = watch_wheels(observer)
+        reports = Reports(observer)
+        with observer.publishing(LOW, BATTERY):
+            goal = send_dock_goal(observer)
+            assert goal.result().status == ABORTED
+        reports.wait_for(goal_id=goal.goal_id, error_code="TIMEOUT")
+        wait_until(lambda: wheels.standing, "zero velocity")
+
+
+class RaisesAtFirst:
+    """A controller that drives twice and then breaks; the one of the next goal does not."""
+
+    made = 0
+
+    def __init__(self, _settings: DockSettings) -> None:
+        self.steps = 0
+        type(self).made += 1
+        self.breaks = self.made == 1
+
+    def step(self, _now: float) -> Velocity:
+        self.steps += 1
+        if self.breaks and self.steps > 2:
+            raise ZeroDivisionError("the dock is nowhere")
+        return Velocity(0.1, 0.0)
+
+
+def test_an_exception_stops_the_robot_and_the_server_goes_on(domain: int, observer: Observer) -> None:
+    with dock_server(domain, make_controller=RaisesAtFirst):
+        wheels = watch_wheels(observer)
+        reports = Reports(observer)
+        with observer.publishing(LOW, BATTERY):
+            goal = send_dock_goal(observer)
+            assert goal.result().status == ABORTED
+            wait_until(lambda: wheels.standing and len(wheels.messages) >= 3, "zero velocity after some moves")
+            report = reports.wait_for(goal_id=goal.goal_id, stage="ABORTED")
+            assert (report["error_code"], report["error_msg"]) == ("UNKNOWN", "ZeroDivisionError: the dock is nowhere")
+            second = send_dock_goal(observer)
+            wait_until(lambda: wheels.moving, "a move for the second goal")
+        observer.publish(CHARGING, BATTERY)
+        assert second.result().status == SUCCEEDED
+
+
+class NotANumber:
+    """A controller that lost its mind."""
+
+    def __init__(self, _settings: DockSettings) -> None:
+        pass
+
+    def step(self, _now: float) -> Velocity:
+        return Velocity(math.nan, 0.0)
+
+
+def test_a_velocity_that_is_no_number_is_never_published(domain: int, observer: Observer) -> None:
+    with dock_server(domain, make_controller=NotANumber):
+        wheels = watch_wheels(observer)
+        with observer.publishing(LOW, BATTERY):
+            assert send_dock_goal(observer).result().status == ABORTED
+        wait_until(lambda: wheels.standing, "zero velocity")
+        assert all(message == Twist() for message in wheels.messages)
+
+
+def test_a_garbage_battery_is_shown_and_does_no_harm(domain: int, observer: Observer) -> None:
+    garbage = BatteryState(
+        voltage=math.nan,
+        percentage=2400.0,
+        current=math.inf,
+        power_supply_status=250,
+        cell_voltage=[math.nan] * 1000,
+        location="\N{BATTERY}" * 1000,
+    )
+    with dock_server(domain):
+        with observer.publishing(garbage, BATTERY):
+            goal = send_dock_goal(observer)
+            wait_until(
+                lambda: goal.feedback and goal.feedback[-1].current_battery_state.percentage == 2400.0, "feedback"
+            )
+            assert goal.feedback[-1].current_battery_state.power_supply_status == 250
+        observer.publish(CHARGING, BATTERY)
+        assert goal.result().status == SUCCEEDED
+
+
+def test_the_report_is_repeated_while_nothing_happens(domain: int, observer: Observer) -> None:
+    with dock_server(domain):
+        reports = Reports(observer)
+        wait_until(lambda: len(reports.all) >= 2, "two reports")
+        assert reports.all[-1] == {
+            "level": 0,
+            "name": "connect_to_charging_dock_action_server: connect_to_charging_dock",
+            "stage": "IDLE",
+            "error_code": "NONE",
+            "error_msg": "",
+            "goal_id": "",
+        }
+
+
+def test_parameters_are_described_and_guarded(domain: int, observer: Observer) -> None:
+    names = [parameter.name for parameter in DOCK_SERVER]
+    with dock_server(domain) as server:
+        client = observer.call(
+            lambda: observer.node.create_client(
+                DescribeParameters, "/connect_to_charging_dock_action_server/describe_parameters"
+            )
+        )
+        wait_until(client.service_is_ready, "the parameter service")
+        asked = observer.call(lambda: client.call_async(DescribeParameters.Request(names=names)))
+        descriptors = observer.result_of(asked, "the descriptors").descriptors
+        for parameter, descriptor in zip(DOCK_SERVER, descriptors, strict=True):
+            assert descriptor.description == parameter.description
+            if descriptor.type == ParameterType.PARAMETER_DOUBLE:
+                assert descriptor.floating_point_range[0].to_value == parameter.maximum
+        refused = {
+            "goal_timeout": -1.0,
+            "battery_stale_after": math.nan,
+            "rotate_speed": math.inf,
+            "battery_lost_after": 1.0,
+            "goal_policy": "queue",
+        }
+        for name, value in refused.items():
+            (answer,) = server.set_parameters([Parameter(name, value=value)])
+            assert not answer.successful
+            assert name in answer.reason
+
+
+def test_a_changed_parameter_counts_from_the_next_goal(domain: int, observer: Observer) -> None:
+    with dock_server(domain) as server:
+        wheels = watch_wheels(observer)
+        (answer,) = server.set_parameters([Parameter("rotate_speed", value=-0.5)])
+        assert answer.successful
+        with observer.publishing(LOW, BATTERY):
+            goal = send_dock_goal(observer)
+            wait_until(lambda: wheels.moving, "a move")
+            assert wheels.messages[-1].angular.z == -0.5
+            assert goal.cancel()
+
+
+def test_results_are_not_kept_for_long() -> None:
+    assert RESULT_TIMEOUT == 10

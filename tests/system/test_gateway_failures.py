@@ -1,0 +1,193 @@
+"""The action server is absent, foreign, killed or frozen: each has its answer within its deadline, and nothing hangs."""
+
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from tests.support.domain import ros_domain
+from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.processes import Process, ros_environment
+
+pytestmark = pytest.mark.ros
+
+
+@pytest.fixture
+def domain() -> Iterator[int]:
+    with ros_domain() as domain:
+        yield domain
+
+
+@pytest.fixture
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    with running_gateway(domain) as gateway:
+        yield gateway
+
+
+@contextmanager
+def plain_server(domain: int, *arguments: str) -> Iterator[Process]:
+    command = (sys.executable, "-m", "tests.support.plain_action_server", *arguments)
+    with Process(*command, env=ros_environment(domain)) as process:
+        process.wait_for("serving")
+        yield process
+
+
+def post_timed(gateway: RunningGateway) -> tuple[int, str, float]:
+    started = time.monotonic()
+    response = gateway.http.post("/dock")
+    return response.status_code, response.json().get("code", ""), time.monotonic() - started
+
+
+def test_without_a_server_a_goal_is_refused_and_works_once_it_is_there(gateway: RunningGateway, domain: int) -> None:
+    assert gateway.http.get("/healthz").status_code == 200
+    assert gateway.http.get("/readyz").status_code == 503
+    assert gateway.http.post("/stop").json() == {"canceling": [], "failed": []}
+    status, code, _ = post_timed(gateway)
+    assert (status, code) == (503, "action_server_unavailable")
+    with running_dock_server(domain):
+        gateway.wait_until_ready()
+        assert post_timed(gateway)[0] == 202
+
+
+def test_a_server_that_is_not_ours(gateway: RunningGateway, domain: int) -> None:
+    with plain_server(domain), gateway.stream() as stream:
+        gateway.wait_until_ready()
+        goal = gateway.http.post("/dock", json={"desired_battery_state": {"power_supply_status": 4}}).json()
+        first = stream.until_type("feedback")["feedback"]["current_battery_state"]
+        assert first["percentage"] == 0
+        result = stream.until_type("result")
+        assert (result["goal_id"], result["status"]) == (goal["goal_id"], "succeeded")
+        assert result["result"]["final_battery_state"]["power_supply_status"] == 4
+        assert gateway.goal(goal["goal_id"])["feedback_count"] == 10
+
+        rejected = gateway.http.post("/dock", json={"desired_battery_state": {"power_supply_status": 9}})
+        assert (rejected.status_code, rejected.json()["code"]) == (409, "goal_rejected")
+        aborted = gateway.http.post(
+            "/dock", json={"desired_battery_state": {"power_supply_status": 8}}, headers={"Prefer": "wait=10"}
+        ).json()
+        assert (aborted["status"], aborted["error"]["code"]) == ("aborted", "goal_aborted")
+
+
+def test_a_server_that_blocks_while_it_works_is_not_taken_for_dead(gateway: RunningGateway, domain: int) -> None:
+    with plain_server(domain, "--feedbacks", "80"), gateway.stream() as stream:
+        gateway.wait_until_ready()
+        goal_id = gateway.http.post("/dock").json()["goal_id"]
+        stream.until_type("feedback")
+        refused = gateway.http.post(f"/dock/{goal_id}/cancel", timeout=10)
+        assert refused.status_code in (409, 504)
+        assert stream.until_type("result")["status"] == "succeeded"
+        statuses = [event["status"] for event in stream.seen if event["type"] == "status"]
+        assert "lost" not in statuses
+        assert not any(event.get("stalled") for event in stream.seen)
+
+
+def test_a_killed_server(gateway: RunningGateway, domain: int) -> None:
+    with running_dock_server(domain) as server, gateway.stream() as stream:
+        gateway.wait_until_ready()
+        gateway.publish(LOW)
+        goal_id = gateway.http.post("/dock").json()["goal_id"]
+        stream.until_type("feedback")
+        server.send_signal(signal.SIGKILL)
+        server.wait()
+        lost = stream.until_status("lost", timeout=15)
+        assert lost["goal_id"] == goal_id
+        assert lost["error"]["code"] == "action_server_lost"
+        assert any(event.get("stalled") for event in stream.seen)
+        status, code, took = post_timed(gateway)
+        assert (status, code) in ((503, "action_server_unavailable"), (504, "action_server_timeout"))
+        assert took < 10
+        assert gateway.http.get("/readyz").status_code == 503
+    with running_dock_server(domain):
+        gateway.wait_until_ready()
+        response = gateway.http.post("/dock")
+        assert response.status_code == 202
+        assert gateway.goal(goal_id)["status"] == "lost"
+
+
+def test_a_frozen_server_and_its_return(gateway: RunningGateway, domain: int) -> None:
+    with running_dock_server(domain) as server, gateway.stream("?include=system") as stream:
+        gateway.wait_until_ready()
+        gateway.publish(LOW)
+        goal_id = gateway.http.post("/dock").json()["goal_id"]
+        stream.until_type("feedback")
+        server.send_signal(signal.SIGSTOP)
+        stream.until_status("lost", timeout=15)
+        assert gateway.http.get("/readyz").json()["action_server"]["answering"] is False
+        status, code, took = post_timed(gateway)
+        assert (status, code) == (504, "action_server_timeout")
+        assert took < 10
+        stop = gateway.http.post("/stop").json()
+        assert stop["failed"][0]["code"] == "action_server_timeout"
+        server.send_signal(signal.SIGCONT)
+        # The stop was waiting for it: the goal is left as canceled, and the robot does not go on.
+        assert stream.until_type("result", timeout=15)["status"] == "canceled"
+        assert gateway.goal(goal_id)["status"] == "canceled"
+        gateway.wait_until_ready()
+        assert gateway.http.post("/dock").status_code == 202
+
+
+def test_a_lost_goal_goes_on_when_its_server_thaws(gateway: RunningGateway, domain: int) -> None:
+    with running_dock_server(domain) as server, gateway.stream() as stream:
+        gateway.wait_until_ready()
+        gateway.publish(LOW)
+        goal_id = gateway.http.post("/dock").json()["goal_id"]
+        stream.until_type("feedback")
+        server.send_signal(signal.SIGSTOP)
+        stream.until_status("lost", timeout=15)
+        server.send_signal(signal.SIGCONT)
+        stream.until_status("executing", timeout=15)
+        stream.until_type("feedback")
+        gateway.publish(LOW | {"power_supply_status": 1})
+        assert stream.until_type("result")["status"] == "succeeded"
+        assert gateway.goal(goal_id)["error"] is None
+
+
+def test_a_goal_accepted_too_late_is_canceled(domain: int) -> None:
+    """The server freezes before the gateway has noticed: the goal waits in its queue, and must not run afterwards."""
+    with (
+        running_gateway(domain, accept_timeout="2", ping_interval="30") as gateway,
+        running_dock_server(domain) as server,
+        gateway.stream() as stream,
+    ):
+        assert gateway.http.post("/dock", headers={"Prefer": "wait=0"}).status_code == 202
+        gateway.http.post("/stop").raise_for_status()
+        stream.until_type("result")
+        server.send_signal(signal.SIGSTOP)
+        status, code, took = post_timed(gateway)
+        assert (status, code) == (504, "action_server_timeout")
+        assert took < 6
+        server.send_signal(signal.SIGCONT)
+        result = stream.until_type("result", timeout=15)
+        assert result["status"] == "canceled"
+        assert "canceled" in result["error"]["detail"]
+
+
+def test_a_server_that_ends_cleanly_aborts_its_goal(gateway: RunningGateway, domain: int) -> None:
+    with running_dock_server(domain) as server, gateway.stream("?include=cmd_vel") as stream:
+        gateway.wait_until_ready()
+        gateway.publish(LOW)
+        gateway.http.post("/dock")
+        stream.until(lambda e: e["type"] == "cmd_vel" and e["cmd_vel"]["angular"]["z"] != 0)
+        server.send_signal(signal.SIGTERM)
+        assert server.wait() == 0
+        result = stream.until_type("result")
+        assert (result["status"], result["error"]["code"]) == ("aborted", "shutting_down")
+        stream.until_type("heartbeat")
+        assert [e["cmd_vel"]["angular"]["z"] for e in stream.seen if e["type"] == "cmd_vel"][-1] == 0
+
+
+def test_a_restarted_server_does_not_know_the_goal(gateway: RunningGateway, domain: int) -> None:
+    with gateway.stream() as stream:
+        with running_dock_server(domain) as server:
+            gateway.wait_until_ready()
+            gateway.publish(LOW)
+            gateway.http.post("/dock")
+            stream.until_type("feedback")
+            server.send_signal(signal.SIGKILL)
+            server.wait()
+        with running_dock_server(domain):
+            lost = stream.until_status("lost", timeout=20)
+            assert lost["error"]["code"] == "action_server_lost"
