@@ -1,6 +1,7 @@
 """The battery as the nodes of this process share it: its latest message and when that came."""
 
 import enum
+from collections.abc import Callable
 from dataclasses import dataclass
 
 
@@ -51,14 +52,22 @@ class BatteryReading:
 
 
 class Battery:
-    """The latest reading, written by the battery subscriber and read by the action server."""
+    """The latest reading, written by the battery subscriber and read by the action server.
+
+    Attributes:
+        latest: None until the first message has come.
+        on_connected: Called with each reading of a connected charger, so that nobody has to wait for it.
+    """
 
     def __init__(self) -> None:
         self.latest: BatteryReading | None = None
+        self.on_connected: Callable[[], None] | None = None
 
     def update(self, reading: BatteryReading) -> None:
         """Take over a newer reading."""
         self.latest = reading
+        if reading.connected and self.on_connected is not None:
+            self.on_connected()
 
 
 def received_at(now: float, wall_now: float, received_wall: float) -> float:

@@ -103,6 +103,7 @@ class DockServer(Node):  # type: ignore[misc] # rclpy has no types
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._control_timer = self.create_timer(CONTROL_PERIOD, self._control, clock=steady)
         self._control_timer.cancel()
+        battery.on_connected = self._control  # at once, not at the next turn of the timer
         self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._repeat_report, clock=steady)
 
     def _take_settings(self, values: dict[str, object]) -> None:

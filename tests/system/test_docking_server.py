@@ -40,11 +40,15 @@ def test_it_drives_until_the_battery_is_charging_or_full(domain: int, observer: 
             assert goal.accepted
             wait_until(lambda: len(wheels.messages) > 5 and len(goal.feedback) > 5, "ten messages a second")
         assert {(message.linear.x, message.angular.z) for message in wheels.messages[1:]} == {(0.0, 0.15)}
-        final = battery_state(status)
-        observer.publish(final, BATTERY)
+        observer.publish(battery_state(status), BATTERY)
         answer = goal.result()
         assert answer.status == SUCCEEDED
-        assert answer.result.final_battery_state == final
+        final = answer.result.final_battery_state
+        assert (final.power_supply_status, final.voltage, final.percentage) == (
+            status,
+            pytest.approx(2.16),
+            pytest.approx(0.24),
+        )
         wait_until(lambda: goal.feedback[-1].current_battery_state == final, "a last feedback")
         wait_until(lambda: wheels.standing, "zero velocity")
         assert wheels.messages.count(Twist()) <= 2  # one before the first battery message, if the goal was faster

@@ -57,11 +57,12 @@ class StopSignals:
 
 
 @contextlib.contextmanager
-def ros_context(args: Sequence[str] | None = None) -> Iterator[Context]:
+def ros_context(args: Sequence[str] | None = None, *, domain_id: int | None = None) -> Iterator[Context]:
     """A ROS context without signal handlers of its own, for as long as it is held.
 
     Args:
         args: The command line with its `--ros-args`; None is that of the process.
+        domain_id: None is the ROS_DOMAIN_ID of the environment.
 
     Raises:
         ValueError: The ROS arguments are wrong.
@@ -69,7 +70,10 @@ def ros_context(args: Sequence[str] | None = None) -> Iterator[Context]:
     context = Context()
     try:
         rclpy.init(
-            args=None if args is None else list(args), context=context, signal_handler_options=SignalHandlerOptions.NO
+            args=None if args is None else list(args),
+            context=context,
+            domain_id=domain_id,
+            signal_handler_options=SignalHandlerOptions.NO,
         )
     except (rclpy_implementation.UnknownROSArgsError, rclpy_implementation.RCLInvalidROSArgsError) as error:
         raise ValueError(f"wrong ROS arguments: {error}") from error

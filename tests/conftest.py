@@ -1,0 +1,27 @@
+"""Fixtures for every test that needs ROS."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from tests.support.domain import ros_domain
+from tests.support.observer import Observer, ros_observer
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Bear with the one warning that importing ROS messages brings: its parser is older than Python's new `re`."""
+    config.addinivalue_line("filterwarnings", "ignore:module 'sre_.*' is deprecated:DeprecationWarning")
+
+
+@pytest.fixture
+def domain() -> Iterator[int]:
+    """A ROS domain that this test has for itself."""
+    with ros_domain() as number:
+        yield number
+
+
+@pytest.fixture
+def observer(domain: int) -> Iterator[Observer]:
+    """A node on that domain: listens, publishes, sends goals."""
+    with ros_observer(domain) as node:
+        yield node

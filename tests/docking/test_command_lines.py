@@ -1,0 +1,44 @@
+import math
+
+import pytest
+
+from docking import dock_client_node, fibonacci_client_node
+
+
+def test_the_dock_client_sends_the_tutorials_goal_by_default() -> None:
+    options = dock_client_node.parse_arguments([])
+    assert (options.voltage, options.percentage, options.status) == (2.16, 0.24, 1)
+
+
+def test_the_dock_client_sends_what_it_is_told() -> None:
+    options = dock_client_node.parse_arguments(["--voltage", "12", "--percentage", "nan", "--status", "4"])
+    assert (options.voltage, options.status) == (12.0, 4)
+    assert math.isnan(options.percentage)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--status", "256"],
+        ["--status", "-1"],
+        ["--voltage", "1e39"],
+        ["--voltage", "inf"],
+        ["--timeout", "0"],
+        ["extra"],
+    ],
+)
+def test_the_dock_client_refuses_nonsense(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as refusal:
+        dock_client_node.parse_arguments(arguments)
+    assert refusal.value.code == 2
+    assert arguments[-1] in capsys.readouterr().err
+
+
+def test_the_fibonacci_client_counts_to_the_tenth_by_default() -> None:
+    assert fibonacci_client_node.parse_arguments([]).order == 10
+    assert fibonacci_client_node.parse_arguments(["--order", "-3"]).order == -3
+
+
+def test_the_fibonacci_client_refuses_what_is_no_int32() -> None:
+    with pytest.raises(SystemExit):
+        fibonacci_client_node.parse_arguments(["--order", str(2**31)])

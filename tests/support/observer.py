@@ -1,0 +1,159 @@
+"""A ROS node in the test process that listens to topics, publishes, and sends goals."""
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, TypeVar
+
+from rclpy.action import ActionClient
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from docking.ros.action_server import goal_id_text
+from docking.ros.process import Spinner, ros_context
+
+T = TypeVar("T")
+
+EVERYTHING = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
+
+
+def wait_until(condition: Callable[[], T], what: str, timeout: float = 15.0) -> T:
+    """Poll until the condition holds (is true) and return its value; fail after `timeout` seconds."""
+    deadline = time.monotonic() + timeout
+    while True:
+        value = condition()
+        if value:
+            return value
+        if time.monotonic() > deadline:
+            raise AssertionError(f"not seen within {timeout:g} s: {what}")
+        time.sleep(0.02)
+
+
+class Recording:
+    """What came on one topic, oldest first."""
+
+    def __init__(self, observer: "Observer", topic: str) -> None:
+        self.messages: list[Any] = []
+        self._observer = observer
+        self._topic = topic
+
+    def wait_for(self, predicate: Callable[[Any], bool], since: int = 0, timeout: float = 15.0) -> Any:
+        """The first message from index `since` on that fulfils the predicate."""
+        found = wait_until(
+            lambda: [message for message in self.messages[since:] if predicate(message)],
+            f"the message awaited on {self._topic}, among {self.messages[-3:]}",
+            timeout,
+        )
+        return found[0]
+
+    def wait_for_publisher(self, timeout: float = 15.0) -> None:
+        """Wait until someone publishes on the topic, so that nothing of what follows is missed."""
+        node = self._observer.node
+        wait_until(lambda: node.count_publishers(self._topic), f"a publisher of {self._topic}", timeout)
+
+
+class GoalOfTest:
+    """A goal sent by a test."""
+
+    def __init__(self, observer: "Observer", client: ActionClient, goal: Any, timeout: float) -> None:
+        self.feedback: list[Any] = []
+        self._observer = observer
+        sent = observer.call(lambda: client.send_goal_async(goal, self._receive_feedback))
+        self.handle = observer.result_of(sent, "the answer to the goal", timeout)
+        self.accepted: bool = self.handle.accepted
+        self.goal_id = goal_id_text(self.handle.goal_id)
+        self._result = observer.call(self.handle.get_result_async) if self.accepted else None
+
+    def _receive_feedback(self, message: Any) -> None:
+        self.feedback.append(message.feedback)
+
+    def result(self, timeout: float = 15.0) -> Any:
+        """Wait for the end: the response with `status` (action_msgs/GoalStatus) and `result`."""
+        assert self._result is not None, "the goal was rejected"
+        return self._observer.result_of(self._result, "the result", timeout)
+
+    def cancel(self, timeout: float = 15.0) -> bool:
+        """Ask for a cancel; whether the server goes along."""
+        response = self._observer.call(self.handle.cancel_goal_async)
+        return bool(self._observer.result_of(response, "the answer to the cancel", timeout).goals_canceling)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the result is there."""
+        return self._result is not None and self._result.done()
+
+
+class Observer:
+    """A node of the test process in a ROS context of its own, spun in a thread of its own."""
+
+    def __init__(self, node: Node, spinner: Spinner) -> None:
+        self.node = node
+        self._spinner = spinner
+        self._publishers: dict[str, Any] = {}
+        self._clients: dict[str, ActionClient] = {}
+
+    def call(self, function: Callable[[], T], timeout: float = 10.0) -> T:
+        """Run a function in the thread that spins the node, and return what it returns."""
+        return self._spinner.call(function).result(timeout)
+
+    def result_of(self, future: Any, what: str, timeout: float = 15.0) -> Any:
+        """Wait for an rclpy future."""
+        wait_until(future.done, what, timeout)
+        return future.result()
+
+    def record(self, message_type: type, topic: str, qos: QoSProfile = EVERYTHING) -> Recording:
+        """Subscribe, and collect what comes."""
+        recording = Recording(self, topic)
+        self.call(lambda: self.node.create_subscription(message_type, topic, recording.messages.append, qos))
+        return recording
+
+    def publish(self, message: Any, topic: str, qos: QoSProfile | int = 10) -> None:
+        """Publish one message; the first on a topic waits for a subscriber."""
+        if topic not in self._publishers:
+            self._publishers[topic] = self.call(lambda: self.node.create_publisher(type(message), topic, qos))
+        publisher = self._publishers[topic]
+        wait_until(publisher.get_subscription_count, f"a subscriber of {topic}")
+        self.call(lambda: publisher.publish(message))
+
+    @contextmanager
+    def publishing(self, message: Any, topic: str, period: float = 0.1) -> Iterator[None]:
+        """Publish a message again and again, from now to the end of the block."""
+        self.publish(message, topic)
+        publisher = self._publishers[topic]
+        timer = self.call(lambda: self.node.create_timer(period, lambda: publisher.publish(message)))
+        try:
+            yield
+        finally:
+            self.call(lambda: self.node.destroy_timer(timer))
+
+    def send_goal(self, action_type: type, action_name: str, goal: Any, timeout: float = 15.0) -> GoalOfTest:
+        """Send a goal, once a server is there, and wait until it is accepted or rejected."""
+        if action_name not in self._clients:
+            self._clients[action_name] = self.call(lambda: ActionClient(self.node, action_type, action_name))
+            wait_until(self._clients[action_name].server_is_ready, f"an action server {action_name}", timeout)
+            time.sleep(0.3)  # until the server has found the client, too
+        return GoalOfTest(self, self._clients[action_name], goal, timeout)
+
+
+@contextmanager
+def ros_nodes(domain: int, *ros_args: str) -> Iterator[Context]:
+    """A ROS context on a domain, on this machine only, for nodes in the test process.
+
+    Args:
+        domain: The ROS domain.
+        ros_args: What would follow `--ros-args` on a command line.
+    """
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    with ros_context(["test", "--ros-args", *ros_args], domain_id=domain) as context:
+        yield context
+
+
+@contextmanager
+def ros_observer(domain: int, name: str = "observer") -> Iterator[Observer]:
+    """An Observer on a ROS domain."""
+    with ros_nodes(domain) as context:
+        node = Node(name, context=context, enable_rosout=False)
+        with Spinner(context, [node]) as spinner:
+            yield Observer(node, spinner)

@@ -1,0 +1,98 @@
+"""The docking action server as the process that users start: signals, command line, `ros2 run`."""
+
+import os
+import signal
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from geometry_msgs.msg import Twist
+
+from tests.support.docking import ABORTED, LOW, SUCCEEDED, Reports, battery_state, send_dock_goal, watch_wheels
+from tests.support.observer import Observer, wait_until
+from tests.support.processes import Process, ros_environment
+
+pytestmark = pytest.mark.ros
+
+SERVER = "connect_to_charging_dock_server"
+
+
+@pytest.mark.parametrize("signals", [[signal.SIGTERM], [signal.SIGINT, signal.SIGTERM, signal.SIGINT]])
+def test_a_signal_in_the_middle_of_a_goal_stops_the_robot(
+    domain: int, observer: Observer, signals: list[signal.Signals]
+) -> None:
+    with Process(SERVER, env=ros_environment(domain)) as server:
+        wheels = watch_wheels(observer)
+        reports = Reports(observer)
+        with observer.publishing(LOW, "battery_status"):
+            goal = send_dock_goal(observer)
+            wait_until(lambda: wheels.moving, "a move")
+            for number in signals:
+                server.send_signal(number)
+                time.sleep(0.05)
+            answer = goal.result()
+            assert server.wait() == 0
+        assert answer.status == ABORTED
+        assert wheels.messages[-1] == Twist()
+        reports.wait_for(goal_id=goal.goal_id, stage="ABORTED", error_code="SHUTTING_DOWN")
+        assert "Traceback" not in server.output
+
+
+def test_names_namespaces_and_parameters_come_from_the_command_line(domain: int, observer: Observer) -> None:
+    arguments = (
+        *("-r", "__ns:=/robot1"),
+        *("-r", "cmd_vel:=wheels/cmd_vel"),
+        *("-p", "rotate_speed:=-0.3"),
+        *("-p", "qos_overrides./robot1/wheels/cmd_vel.publisher.depth:=3"),
+    )
+    with Process(SERVER, "--ros-args", *arguments, env=ros_environment(domain)):
+        wheels = watch_wheels(observer, "/robot1/wheels/cmd_vel")
+        reports = Reports(observer)
+        with observer.publishing(LOW, "/robot1/battery_status"):
+            goal = send_dock_goal(observer, action="/robot1/connect_to_charging_dock")
+            wait_until(lambda: wheels.moving, "a move")
+        assert wheels.messages[-1].angular.z == -0.3
+        observer.publish(battery_state(1), "/robot1/battery_status")
+        assert goal.result().status == SUCCEEDED
+        report = reports.wait_for(goal_id=goal.goal_id, stage="SUCCEEDED")
+        assert report["name"] == "robot1/connect_to_charging_dock_action_server: connect_to_charging_dock"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (("-p", "goal_timeout:=-4.0"), "goal_timeout out of range"),
+        (("-p", "goal_timeout:=4"), "expecting type 'DOUBLE'"),
+        (("-p", "goal_policy:=queue"), "must be one of: reject, preempt"),
+        (("-p", "battery_stale_after:=90.0"), "must not be below battery_stale_after"),
+        (("--no-such-argument",), "wrong ROS arguments"),
+    ],
+)
+def test_a_wrong_command_line_is_refused_in_one_line(domain: int, arguments: tuple[str, ...], complaint: str) -> None:
+    with Process(SERVER, "--ros-args", *arguments, env=ros_environment(domain)) as server:
+        assert server.wait() == 2
+        assert complaint in server.output
+        assert len(server.output.splitlines()) == 1
+
+
+def test_a_frozen_time_changes_nothing(domain: int, observer: Observer) -> None:
+    """With use_sim_time and no /clock, ROS time stands still for ever."""
+    with Process(SERVER, "--ros-args", "-p", "use_sim_time:=true", env=ros_environment(domain)):
+        wheels = watch_wheels(observer)
+        with observer.publishing(LOW, "battery_status"):
+            goal = send_dock_goal(observer)
+            wait_until(lambda: len(wheels.messages) > 3, "moves")
+            assert goal.cancel()
+
+
+@pytest.mark.parametrize(
+    "name",
+    [SERVER, "connect_to_charging_dock_client", "fibonacci_action_server", "fibonacci_action_client"],
+)
+def test_ros2_run_finds_each_program(name: str) -> None:
+    """`ros2 run` looks for the package in the ament index and for an executable in lib/<package>."""
+    prefix = Path(sys.prefix)
+    assert (prefix / "share/ament_index/resource_index/packages/action_tutorials_py").is_file()
+    assert (prefix / "share/action_tutorials_py/package.xml").is_file()
+    assert os.access(prefix / "lib/action_tutorials_py" / name, os.X_OK)
