@@ -33,7 +33,14 @@ def create_app(settings: Settings) -> FastAPI:
             app.state.gateway = gateway
             yield {"gateway": gateway}
 
-    app = FastAPI(title="dock-gateway", version=__version__, description=DESCRIPTION, lifespan=lifespan, redoc_url=None)
+    app = FastAPI(
+        title="dock-gateway",
+        version=__version__,
+        description=DESCRIPTION,
+        lifespan=lifespan,
+        redoc_url=None,
+        generate_unique_id_function=lambda route: route.name,
+    )
     install_problems(app)
     for module in (dock, battery, health, stream):
         app.include_router(module.router)

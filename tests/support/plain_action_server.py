@@ -1,16 +1,18 @@
 """An action server that is not ours: rclpy's ActionServer as the official tutorial uses it, blocking while it works.
 
-Sends `--feedbacks` feedback messages, 20 a second, and succeeds with the state that was desired. Rejects a desired status
-of 9, aborts one of 8, without a word about why.
+Sends `--feedbacks` feedback messages, 20 a second, and succeeds with the state that was desired. Rejects a desired
+status of 9, aborts one of 8, without a word about why.
 """
 
 import argparse
+import contextlib
 import time
 from typing import Any
 
 import rclpy
-from action_tutorials_interfaces.action import ConnectToChargingDock
 from rclpy.action import ActionServer, GoalResponse
+
+from action_tutorials_interfaces.action import ConnectToChargingDock
 
 
 def main() -> None:
@@ -40,10 +42,8 @@ def main() -> None:
 
     ActionServer(node, ConnectToChargingDock, "connect_to_charging_dock", execute, goal_callback=decide)
     print("serving", flush=True)
-    try:
+    with contextlib.suppress(KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
         rclpy.spin(node)
-    except (KeyboardInterrupt, rclpy.executors.ExternalShutdownException):
-        pass
 
 
 if __name__ == "__main__":

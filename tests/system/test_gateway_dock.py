@@ -163,9 +163,10 @@ def test_pages_of_goals(gateway: RunningGateway) -> None:
 
 def test_the_tutorials_client_beside_the_gateway(gateway: RunningGateway, domain: int) -> None:
     gateway.publish(LOW)
-    with gateway.stream() as stream, Process(
-        str(BIN / "connect_to_charging_dock_client"), env=ros_environment(domain)
-    ) as client:
+    with (
+        gateway.stream() as stream,
+        Process(str(BIN / "connect_to_charging_dock_client"), env=ros_environment(domain)) as client,
+    ):
         client.wait_for("Goal accepted")
         event = stream.until(lambda e: e["type"] == "feedback")
         goal = gateway.goal(event["goal_id"])
@@ -180,9 +181,10 @@ def test_the_tutorials_client_beside_the_gateway(gateway: RunningGateway, domain
 
 def test_a_goal_of_someone_else_can_be_canceled(gateway: RunningGateway, domain: int) -> None:
     gateway.publish(LOW)
-    with gateway.stream() as stream, Process(
-        str(BIN / "connect_to_charging_dock_client"), env=ros_environment(domain)
-    ) as client:
+    with (
+        gateway.stream() as stream,
+        Process(str(BIN / "connect_to_charging_dock_client"), env=ros_environment(domain)) as client,
+    ):
         goal_id = stream.until(lambda e: e["type"] == "feedback")["goal_id"]
         assert gateway.http.post(f"/dock/{goal_id}/cancel").status_code == 202
         assert stream.until_type("result")["status"] == "canceled"

@@ -1,4 +1,4 @@
-"""The action server is absent, foreign, killed or frozen: each has its answer within its deadline, and nothing hangs."""
+"""The action server is absent, foreign, killed or frozen: each has its answer within its deadline."""
 
 import signal
 import sys

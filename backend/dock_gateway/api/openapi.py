@@ -4,10 +4,11 @@ from typing import Any
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
+from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 from sensor_msgs.msg import BatteryState
 
-from dock_gateway.api.schemas import EVENTS
+from dock_gateway.api.schemas import EVENTS, Problem
 from dock_gateway.ros.messages import codec
 
 REF = "#/components/schemas/{model}"
@@ -33,8 +34,9 @@ def _build(app: FastAPI) -> dict[str, Any]:
         tags=app.openapi_tags,
     )
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
-    _, events = models_json_schema([(event, "serialization") for event in EVENTS], ref_template=REF)
-    schemas.update(events["$defs"])
+    models: list[type[BaseModel]] = [*EVENTS, Problem]
+    _, ours = models_json_schema([(model, "serialization") for model in models], ref_template=REF)
+    schemas.update(ours["$defs"])
     schemas["Event"] = {
         "description": "A message of /ws/feedback.",
         "oneOf": [{"$ref": REF.format(model=event.__name__)} for event in EVENTS],

@@ -4,7 +4,7 @@ A page of another site must not move the robot behind its user's back: neither b
 name that it lets point to this machine (Host, DNS rebinding). Programs that are not browsers send no Origin and pass.
 """
 
-from urllib.parse import urlsplit
+from urllib.parse import SplitResult, urlsplit
 
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
@@ -44,7 +44,7 @@ class OriginGuard:
     def _check(self, scope: Scope) -> None:
         headers = Headers(scope=scope)
         host = headers.get("host", "")
-        name = urlsplit(f"//{host}").hostname or ""
+        name = _split(f"//{host}").hostname or ""
         if self._hosts and name not in self._hosts:
             raise NotAllowed(
                 f"this gateway does not answer to the name {name[:100]!r}; DOCK_GATEWAY_ALLOWED_HOSTS can allow it",
@@ -53,8 +53,15 @@ class OriginGuard:
         origin = headers.get("origin")
         if origin is None or (scope["type"] == "http" and scope["method"] in SAFE_METHODS):
             return
-        if "*" in self._origins or origin in self._origins or urlsplit(origin).netloc == host:
+        if "*" in self._origins or origin in self._origins or _split(origin).netloc == host:
             return
         raise NotAllowed(
             f"pages of {origin[:100]!r} may not use this gateway; DOCK_GATEWAY_ALLOWED_ORIGINS can allow them"
         )
+
+
+def _split(url: str) -> SplitResult:
+    try:
+        return urlsplit(url)
+    except ValueError:  # such as a bracket that is not closed
+        return SplitResult("", "", "", "", "")

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import click
-import httpx
+import httpx2
 import orjson
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 from websockets.sync.client import connect
@@ -46,14 +46,14 @@ def call(url: str, method: str, path: str, body: object = None, timeout: float =
         click.ClickException: The gateway is not there, or refuses; it says why.
     """
     try:
-        response = httpx.request(
+        response = httpx2.request(
             method,
             f"{url.rstrip('/')}{path}",
             content=None if body is None else orjson.dumps(body),
             headers={"Content-Type": "application/json"} if body is not None else {},
             timeout=timeout,
         )
-    except httpx.TransportError as error:
+    except httpx2.TransportError as error:
         raise click.ClickException(f"no gateway answers at {url} ({error}); start one with `dock-gateway up`") from None
     try:
         answer = orjson.loads(response.content) if response.content else None
@@ -93,7 +93,9 @@ def show(event: dict[str, Any], *, as_json: bool) -> None:
     if kind == "snapshot":
         running = [goal for goal in event["goals"] if goal["status"] not in TERMINAL]
         for goal in running or event["goals"][:1]:
-            click.echo(f"{goal['goal_id'][:8]} {goal['status']}" + (" (external)" if goal["origin"] == "external" else ""))
+            click.echo(
+                f"{goal['goal_id'][:8]} {goal['status']}" + (" (external)" if goal["origin"] == "external" else "")
+            )
     elif kind == "status":
         error = event["error"]
         click.echo(f"{goal_id} {event['status']}" + (f": {error['detail']}" if error else ""))

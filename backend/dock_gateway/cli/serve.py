@@ -40,7 +40,7 @@ class Server(uvicorn.Server):
 
 def _log_config(level: str) -> None:
     logging.basicConfig(level=level.upper(), format="[%(levelname)s] [%(asctime)s] [%(name)s]: %(message)s")
-    for noisy in ("asyncio", "websockets", "httpx", "httpcore"):
+    for noisy in ("asyncio", "websockets", "httpx2", "httpcore"):
         logging.getLogger(noisy).setLevel(logging.WARNING)
     if level != "debug":
         logging.getLogger("uvicorn").setLevel(logging.WARNING)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import click
-import httpx
+import httpx2
 
 from dock_gateway.cli.options import option_name, read_settings, settings_options
 
@@ -90,8 +90,8 @@ def _find(name: str) -> str:
 def _announce(url: str, ended: threading.Event) -> None:
     while not ended.wait(0.1):
         try:
-            ready = httpx.get(f"{url}/readyz", timeout=1.0, trust_env=False).json()["ready"]
-        except (httpx.HTTPError, ValueError, KeyError):
+            ready = httpx2.get(f"{url}/readyz", timeout=1.0, trust_env=False).json()["ready"]
+        except (httpx2.HTTPError, ValueError, KeyError):
             continue
         if ready:
             click.secho(f"\n  dock-gateway is ready: open {url}   (Ctrl-C ends it)\n", bold=True)

@@ -46,10 +46,12 @@ def load_action(type_name: str) -> Any:
         ImportError: The package is not installed, or has no such action.
     """
     package, _, name = type_name.partition("/action/")
+    if not (package.isidentifier() and name.isidentifier()):
+        raise ImportError(f"{type_name!r} is not an action type such as package/action/Name")
     try:
         return getattr(importlib.import_module(f"{package}.action"), name)
-    except (AttributeError, ValueError) as error:
-        raise ImportError(f"there is no action type {type_name!r}") from error
+    except AttributeError:
+        raise ImportError(f"the package {package} has no action {name}") from None
 
 
 @cache

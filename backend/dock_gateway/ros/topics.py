@@ -70,8 +70,8 @@ class DiagnosticsPort:
     """`diagnostic_msgs/DiagnosticArray`: why an action server rejected or aborted a goal.
 
     ROS's action protocol has no place for a reason. A server that wants to say it publishes a DiagnosticStatus whose
-    values (REP 107) hold `goal_id`, `error_code` and `error_msg`; where they hold a `stage`, it is the end of a goal that
-    counts, not what a running one waits for.
+    values (REP 107) hold `goal_id`, `error_code` and `error_msg`; where they hold a `stage`, it is the end of a goal
+    that counts, not what a running one waits for.
     """
 
     def __init__(self, bridge: Bridge, topic: str, on_reason: OnReason) -> None:

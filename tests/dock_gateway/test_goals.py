@@ -1,0 +1,79 @@
+"""A goal never steps back, whatever order messages come in."""
+
+from datetime import UTC, datetime, timedelta
+
+import orjson
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dock_gateway.goals import FROM_ROS, Goal, GoalError, GoalStatus, encode
+
+NOW = datetime(2026, 11, 21, 3, 32, 40, 123456, tzinfo=UTC)
+S = GoalStatus
+
+
+def make(status: GoalStatus = S.PENDING) -> Goal:
+    return Goal("3f0c8a52-0000-4000-8000-000000000000", "/dock", "pkg/action/Dock", NOW, status=status)
+
+
+def test_the_way_of_a_goal() -> None:
+    goal = make()
+    for step, status in enumerate((S.ACCEPTED, S.EXECUTING, S.CANCELING, S.CANCELED), 1):
+        assert goal.advance(status, NOW + timedelta(seconds=step))
+    assert goal.finished_at == NOW + timedelta(seconds=4)
+    assert goal.updated_at == goal.finished_at
+
+
+def test_old_news_are_ignored() -> None:
+    goal = make(S.EXECUTING)
+    assert not goal.advance(S.ACCEPTED, NOW)
+    assert not goal.advance(S.EXECUTING, NOW)
+    assert goal.advance(S.SUCCEEDED, NOW)
+    assert not goal.advance(S.EXECUTING, NOW)
+    assert not goal.advance(S.LOST, NOW)
+    assert goal.status is S.SUCCEEDED
+
+
+def test_lost_is_left_again_and_its_error_forgotten() -> None:
+    goal = make(S.EXECUTING)
+    assert goal.advance(S.LOST, NOW)
+    goal.error = GoalError("action_server_lost", "gone")
+    assert goal.finished_at == NOW
+    assert goal.advance(S.EXECUTING, NOW)
+    assert goal.error is None
+    assert goal.finished_at is None
+
+
+@given(st.lists(st.sampled_from(list(S))))
+def test_nothing_follows_a_final_state(statuses: list[GoalStatus]) -> None:
+    goal = make()
+    ended: GoalStatus | None = None
+    for status in statuses:
+        goal.advance(status, NOW)
+        if ended is not None:
+            assert goal.status is ended
+        elif goal.status.final:
+            ended = goal.status
+        assert (goal.finished_at is not None) == goal.status.terminal
+
+
+def test_every_state_of_ros_is_known() -> None:
+    assert sorted(FROM_ROS) == [1, 2, 3, 4, 5, 6]
+    assert [status for status in S if status.terminal] == [S.SUCCEEDED, S.CANCELED, S.ABORTED, S.REJECTED, S.LOST]
+
+
+def test_the_document_embeds_messages_as_they_are() -> None:
+    goal = make()
+    goal.goal = b'{"order":10}'
+    goal.hear(b'{"partial_sequence":[0,1,1]}', NOW)
+    document = orjson.loads(encode(goal.document()))
+    assert document["goal"] == {"order": 10}
+    assert document["feedback"] == {"partial_sequence": [0, 1, 1]}
+    assert document["feedback_count"] == 1
+    assert document["result"] is None
+    assert document["created_at"] == "2026-11-21T03:32:40.123456Z"
+    assert set(document) - set(goal.summary()) == {"feedback", "result"}
+
+
+def test_nan_is_null() -> None:
+    assert encode({"x": float("nan")}) == b'{"x":null}'

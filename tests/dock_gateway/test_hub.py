@@ -1,0 +1,93 @@
+"""Fan-out: who gets what, and what a slow reader loses."""
+
+import pytest
+
+from dock_gateway.errors import TooManyRequests, Unavailable
+from dock_gateway.events import Event
+from dock_gateway.hub import Hub, Subscriber
+
+A, B = "goal-a", "goal-b"
+
+
+def feedback(number: int, goal_id: str = A) -> Event:
+    return Event(f"f{number}".encode(), "goals", goal_id, "/dock", droppable=True)
+
+
+def status(text: str, goal_id: str = A) -> Event:
+    return Event(text.encode(), "goals", goal_id, "/dock")
+
+
+def make(limit: int = 3, subscribers: int = 2) -> Hub:
+    return Hub(queue_limit=limit, max_subscribers=subscribers)
+
+
+async def texts(subscriber: Subscriber) -> tuple[list[str], int]:
+    events, dropped = await subscriber.take(0.01)
+    return [event.text for event in events], dropped
+
+
+async def test_everyone_gets_what_was_asked_for() -> None:
+    hub = make(subscribers=4)
+    everything = hub.subscribe(topics=("goals", "battery"))
+    of_b = hub.subscribe(goal_id=B)
+    of_fibonacci = hub.subscribe(action_name="/fibonacci")
+    for event in (feedback(1), feedback(2, B), Event(b"battery", "battery", droppable=True)):
+        hub.publish(event)
+    assert await texts(everything) == (["f1", "f2", "battery"], 0)
+    assert await texts(of_b) == (["f2"], 0)
+    assert await texts(of_fibonacci) == ([], 0)
+
+
+async def test_a_slow_reader_loses_the_oldest_feedback_and_is_told() -> None:
+    hub = make(limit=3)
+    slow = hub.subscribe()
+    for event in (
+        feedback(1),
+        status("executing"),
+        feedback(2),
+        feedback(3),
+        feedback(4),
+        status("succeeded"),
+        feedback(5),
+    ):
+        hub.publish(event)
+    assert await texts(slow) == (["executing", "f3", "f4", "succeeded", "f5"], 2)
+    hub.publish(feedback(6))
+    assert await texts(slow) == (["f6"], 0)
+
+
+async def test_what_must_arrive_is_never_dropped_and_memory_stays_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Subscriber, "HARD_LIMIT", 5)
+    hub = make(limit=1)
+    stuck = hub.subscribe()
+    for number in range(20):
+        hub.publish(status(f"s{number}"))
+        hub.publish(feedback(number))
+    assert stuck.overrun
+    received, dropped = await texts(stuck)
+    assert [text for text in received if text[0] == "s"] == ["s0", "s1", "s2", "s3", "s4"]
+    assert dropped == 19
+
+
+async def test_after_clear_only_what_is_new_arrives() -> None:
+    hub = make()
+    subscriber = hub.subscribe()
+    hub.publish(feedback(1))
+    subscriber.clear()
+    hub.publish(feedback(2))
+    assert await texts(subscriber) == (["f2"], 0)
+
+
+async def test_too_many_subscribers_and_a_closing_hub() -> None:
+    hub = make(subscribers=1)
+    subscriber = hub.subscribe()
+    with pytest.raises(TooManyRequests):
+        hub.subscribe()
+    hub.unsubscribe(subscriber)
+    hub.unsubscribe(subscriber)
+    waiting = hub.subscribe()
+    hub.close()
+    assert await waiting.take(5) == ([], 0)
+    with pytest.raises(Unavailable) as refused:
+        hub.subscribe()
+    assert refused.value.code == "shutting_down"

@@ -1,0 +1,74 @@
+"""The OpenAPI document describes what is really sent, and the copy that the dashboard's types come from is fresh."""
+
+from pathlib import Path
+from typing import Any
+
+import orjson
+import pytest
+
+from dock_gateway.app import create_app
+from dock_gateway.settings import Settings
+
+COPY = Path(__file__).parents[2] / "frontend" / "openapi.json"
+
+
+@pytest.fixture(scope="module")
+def document() -> dict[str, Any]:
+    return create_app(Settings()).openapi()
+
+
+def references(value: object) -> set[str]:
+    if isinstance(value, dict):
+        own = {value["$ref"]} if isinstance(value.get("$ref"), str) else set()
+        return own.union(*(references(item) for item in value.values()))
+    return set().union(*(references(item) for item in value)) if isinstance(value, list) else set()
+
+
+def test_every_reference_has_its_schema(document: dict[str, Any]) -> None:
+    names = {f"#/components/schemas/{name}" for name in document["components"]["schemas"]}
+    assert references(document) <= names
+
+
+def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
+    operations = {(method, path) for path, item in document["paths"].items() for method in item}
+    assert operations == {
+        ("post", "/dock"),
+        ("get", "/dock"),
+        ("get", "/dock/{goal_id}"),
+        ("post", "/dock/{goal_id}/cancel"),
+        ("post", "/stop"),
+        ("get", "/battery"),
+        ("post", "/battery"),
+        ("get", "/battery/publisher"),
+        ("put", "/battery/publisher"),
+        ("delete", "/battery/publisher"),
+        ("get", "/healthz"),
+        ("get", "/readyz"),
+    }
+
+
+def test_errors_are_problem_documents(document: dict[str, Any]) -> None:
+    for item in document["paths"].values():
+        for operation in item.values():
+            for status, response in operation["responses"].items():
+                if status >= "400" and status != "503":
+                    assert list(response["content"]) == ["application/problem+json"], operation["operationId"]
+
+
+def test_the_battery_comes_from_the_ros_definition(document: dict[str, Any]) -> None:
+    schemas = document["components"]["schemas"]
+    assert schemas["BatteryState"]["required"] == list(schemas["BatteryStateInput"]["properties"])
+    assert "required" not in schemas["BatteryStateInput"]
+
+
+def test_events_are_told_apart_by_their_type(document: dict[str, Any]) -> None:
+    schemas = document["components"]["schemas"]
+    kinds = [
+        schemas[option["$ref"].rpartition("/")[2]]["properties"]["type"]["const"]
+        for option in schemas["Event"]["oneOf"]
+    ]
+    assert len(set(kinds)) == len(kinds) == 11
+
+
+def test_the_dashboards_copy_is_fresh(document: dict[str, Any]) -> None:
+    assert orjson.loads(COPY.read_bytes()) == document, "run: dock-gateway openapi > frontend/openapi.json"

@@ -1,0 +1,81 @@
+"""Settings: from the environment and options, checked, and every one documented."""
+
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+from pydantic import ValidationError
+
+from dock_gateway.cli import main
+from dock_gateway.cli.options import option_name, read_settings
+from dock_gateway.settings import LOOPBACK_HOSTS, Settings
+
+DOCUMENT = Path(__file__).parents[2] / "docs" / "configuration.md"
+
+
+@pytest.fixture(autouse=True)
+def clean_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in Settings.model_fields:
+        monkeypatch.delenv(f"DOCK_GATEWAY_{name.upper()}", raising=False)
+
+
+def test_every_setting_is_documented_as_it_is() -> None:
+    rows = [line for line in DOCUMENT.read_text().splitlines() if line.startswith("| `DOCK_GATEWAY_")]
+    expected = [
+        f"| `DOCK_GATEWAY_{name.upper()}` | `{option_name(name)}` "
+        f"| {describe_default(field.default)} | {field.description} |"
+        for name, field in Settings.model_fields.items()
+    ]
+    assert rows == expected
+
+
+def describe_default(default: object) -> str:
+    return f"`{default}`" if default not in ("", (), None) else "empty"
+
+
+def test_the_environment_is_read_and_options_win(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DOCK_GATEWAY_PORT", "9000")
+    monkeypatch.setenv("DOCK_GATEWAY_ALLOWED_ORIGINS", "https://a.example, https://b.example")
+    assert Settings().port == 9000
+    assert Settings().allowed_origins == ("https://a.example", "https://b.example")
+    assert read_settings({"port": "9001", "host": None}).port == 9001
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("port", "70000"),
+        ("port", "x"),
+        ("lost_after", "-1"),
+        ("log_level", "loud"),
+        ("lost_after", "2"),
+        ("max_goals", "0"),
+    ],
+)
+def test_wrong_settings_are_refused_by_name(name: str, value: str) -> None:
+    with pytest.raises(click.UsageError, match=name):
+        read_settings({name: value})
+
+
+def test_settings_are_frozen() -> None:
+    with pytest.raises(ValidationError):
+        Settings().port = 1  # type: ignore[misc]
+
+
+def test_only_loopback_names_are_answered_on_loopback() -> None:
+    assert Settings().host_names == LOOPBACK_HOSTS
+    assert Settings(host="0.0.0.0").host_names == frozenset()
+    assert Settings(host="0.0.0.0", allowed_hosts="robot.local").host_names == {"robot.local"}  # type: ignore[arg-type]
+    assert Settings(allowed_hosts="*").host_names == frozenset()  # type: ignore[arg-type]
+
+
+def test_names_are_resolved_as_ros_does() -> None:
+    assert Settings().resolve("connect_to_charging_dock") == "/connect_to_charging_dock"
+    assert Settings(namespace="/robot1").resolve("dock") == "/robot1/dock"
+    assert Settings(namespace="robot1/").resolve("/dock") == "/dock"
+
+
+def test_help_names_every_setting() -> None:
+    text = CliRunner().invoke(main, ["serve", "--help"]).output
+    assert all(option_name(name) in text for name in Settings.model_fields)

@@ -1,0 +1,189 @@
+"""On every way out: streams are told, requests are answered, the robot stands still, and the process is gone."""
+
+import os
+import signal
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import httpx2
+import pytest
+from websockets.exceptions import ConnectionClosed
+
+from tests.support.domain import ros_domain
+from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.processes import BIN, Process, ros_environment
+
+pytestmark = pytest.mark.ros
+
+# The promise is 3 s; a machine that is shared gets twice that.
+GONE_WITHIN = 6.0
+
+
+@pytest.fixture
+def domain() -> Iterator[int]:
+    with ros_domain() as domain:
+        yield domain
+
+
+def free_port() -> int:
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        port: int = listener.getsockname()[1]
+        return port
+
+
+def alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def wait_gone(pids: list[int], timeout: float) -> None:
+    deadline = time.monotonic() + timeout
+    while any(alive(pid) for pid in pids):
+        assert time.monotonic() < deadline, "a process is left behind"
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_with_streams_and_a_goal_and_a_waiting_request(domain: int, number: signal.Signals) -> None:
+    answers: list[httpx2.Response] = []
+    with running_dock_server(domain) as server, running_gateway(domain) as gateway, gateway.stream() as stream:
+        gateway.wait_until_ready()
+        gateway.publish(LOW)
+
+        def wait_for_the_end() -> None:
+            answers.append(
+                httpx2.post(f"{gateway.url}/dock", headers={"Prefer": "wait=60"}, timeout=30, trust_env=False)
+            )
+
+        waiting = threading.Thread(target=wait_for_the_end)
+        waiting.start()
+        stream.until_type("feedback")
+        started = time.monotonic()
+        gateway.process.send_signal(number)
+        closing = stream.until_type("closing")
+        assert closing["reason"] == "shutting_down"
+        with pytest.raises(ConnectionClosed) as closed:
+            stream.next()
+        assert closed.value.rcvd is not None
+        assert closed.value.rcvd.code == 1012
+        gateway.process.wait(10)
+        assert time.monotonic() - started < GONE_WITHIN
+        waiting.join(5)
+        assert answers[0].status_code == 202
+        assert answers[0].json()["status"] == "executing"
+        assert "Traceback" not in gateway.process.output
+        assert server.running
+
+
+def test_a_reader_that_never_reads_is_cut_off_and_harms_nobody(domain: int) -> None:
+    with (
+        running_dock_server(domain),
+        running_gateway(domain, subscriber_timeout="2", subscriber_queue="16") as gateway,
+        gateway.stream() as reader,
+    ):
+        gateway.wait_until_ready()
+        host, port = gateway.url.removeprefix("http://").split(":")
+        with socket.socket() as sleeper:
+            sleeper.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            sleeper.connect((host, int(port)))
+            sleeper.sendall(
+                b"GET /ws/feedback?include=battery HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\n"
+                b"Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+            )
+            gateway.http.put(
+                "/battery/publisher", json={"state": LOW | {"location": "x" * 60_000}, "rate_hz": 100}
+            ).raise_for_status()
+            goal_id = gateway.http.post("/dock").json()["goal_id"]
+            deadline = time.monotonic() + 30
+            while gateway.http.get("/healthz").json()["subscribers"] > 1:
+                assert time.monotonic() < deadline, "the sleeper was not cut off"
+                reader.until_type("feedback")
+        gateway.http.post(f"/dock/{goal_id}/cancel").raise_for_status()
+        assert reader.until_type("result")["status"] == "canceled"
+
+
+@contextmanager
+def up(domain: int, port: int, **more: str) -> Iterator[tuple[Process, RunningGateway]]:
+    environment = ros_environment(domain, **more)
+    with Process(str(BIN / "dock-gateway"), "up", "--no-sim", "--port", str(port), env=environment) as process:
+        process.wait_for("dock-gateway is ready", timeout=30)
+        url = f"http://127.0.0.1:{port}"
+        with httpx2.Client(base_url=url, timeout=15.0, trust_env=False) as http:
+            yield process, RunningGateway(process, url, http)
+
+
+def children(pid: int) -> list[int]:
+    with open(f"/proc/{pid}/task/{pid}/children") as listing:  # noqa: PTH123
+        return [int(child) for child in listing.read().split()]
+
+
+def test_up_runs_the_whole_and_one_ctrl_c_ends_it(domain: int) -> None:
+    with up(domain, free_port()) as (process, gateway):
+        gateway.publish(LOW)
+        with gateway.stream("?include=cmd_vel") as stream:
+            gateway.http.post("/dock").raise_for_status()
+            stream.until(lambda e: e["type"] == "cmd_vel" and e["cmd_vel"]["angular"]["z"] != 0)
+            parts = children(process.pid)
+            assert len(parts) == 2
+            started = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            assert process.wait() == 0
+            assert time.monotonic() - started < GONE_WITHIN
+        wait_gone(parts, 1)
+        assert "Traceback" not in process.output
+
+
+def test_up_starts_a_dead_action_server_again(domain: int) -> None:
+    with up(domain, free_port()) as (process, gateway):
+        gateway_pid, server_pid = children(process.pid)
+        os.kill(server_pid, signal.SIGKILL)
+        process.wait_for("the action server ended (-9)")
+        gateway.wait_until_ready()
+        assert gateway_pid in children(process.pid)
+        deadline = time.monotonic() + 15
+        while gateway.http.post("/dock").status_code != 202:
+            assert time.monotonic() < deadline
+
+
+def test_the_parts_do_not_outlive_a_killed_up(domain: int) -> None:
+    with up(domain, free_port()) as (process, _):
+        parts = children(process.pid)
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        wait_gone(parts, 10)
+
+
+def test_up_on_a_port_that_is_taken_says_so(domain: int) -> None:
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
+        port = str(listener.getsockname()[1])
+        with Process(str(BIN / "dock-gateway"), "up", "--port", port, env=ros_environment(domain)) as process:
+            assert process.wait(20) == 1
+            assert "address already in use" in process.output
+            assert "could not be started" in process.output
+
+
+def test_up_stays_on_this_machine_unless_told_otherwise(domain: int) -> None:
+    environment = ros_environment(domain)
+    del environment["ROS_AUTOMATIC_DISCOVERY_RANGE"]
+    port = free_port()
+    with Process(str(BIN / "dock-gateway"), "up", "--port", str(port), env=environment) as process:
+        process.wait_for("dock-gateway is ready", timeout=30)
+        health = httpx2.get(f"http://127.0.0.1:{port}/healthz", trust_env=False).json()
+        assert health["ros"]["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
+
+
+def test_wrong_settings_are_said_plainly(domain: int) -> None:
+    with Process(str(BIN / "dock-gateway"), "serve", "--port", "eighty", env=ros_environment(domain)) as process:
+        assert process.wait() == 2
+        assert "port" in process.output
+        assert "Traceback" not in process.output
