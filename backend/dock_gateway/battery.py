@@ -8,11 +8,10 @@ from datetime import datetime
 from typing import Any
 
 from dock_gateway.errors import GatewayError
-from dock_gateway.events import message_event, system_event
+from dock_gateway.events import message_event, system_event, utc_now
 from dock_gateway.goals import Json, fragment
 from dock_gateway.hub import Hub
 from dock_gateway.ros.topics import BatteryPort
-from dock_gateway.tracker import utc_now
 
 log = logging.getLogger(__name__)
 

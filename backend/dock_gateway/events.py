@@ -37,6 +37,11 @@ def event_id(stamp_ns: int, kind: str, goal_id: str = "") -> str:
     return f"{stamp_ns:020d}-{kind}{goal_id[:8]}"
 
 
+def utc_now() -> datetime:
+    """The time now."""
+    return datetime.now(UTC)
+
+
 def moment(stamp_ns: int) -> datetime:
     """A ROS timestamp, nanoseconds since 1970, as a UTC time."""
     return datetime.fromtimestamp(stamp_ns / 1e9, UTC)

@@ -6,7 +6,7 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 
 from dock_gateway.battery import Battery, BatteryPublisher
-from dock_gateway.events import message_event, system_event
+from dock_gateway.events import message_event, system_event, utc_now
 from dock_gateway.goals import Goal
 from dock_gateway.history import MemoryHistory
 from dock_gateway.hub import Hub
@@ -16,7 +16,7 @@ from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.topics import BatteryPort, DiagnosticsPort, VelocityPort
 from dock_gateway.service import GoalService
 from dock_gateway.settings import Settings
-from dock_gateway.tracker import GoalTracker, utc_now
+from dock_gateway.tracker import GoalTracker
 
 
 @dataclass(frozen=True)

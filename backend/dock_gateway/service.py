@@ -9,13 +9,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from dock_gateway.errors import Conflict, GatewayError, NotFound, ServerTimeout, TooManyRequests, Unavailable
+from dock_gateway.events import utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import History
 from dock_gateway.liveness import ServerWatch
 from dock_gateway.ros.bridge import PendingCall
 from dock_gateway.ros.topics import VelocityPort
 from dock_gateway.settings import Settings
-from dock_gateway.tracker import GoalTracker, utc_now
+from dock_gateway.tracker import GoalTracker
 
 log = logging.getLogger(__name__)
 

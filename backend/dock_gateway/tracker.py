@@ -8,11 +8,10 @@ import logging
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Coroutine
-from datetime import UTC, datetime
 from typing import Any
 
 from dock_gateway.errors import Unavailable
-from dock_gateway.events import feedback_event, moment, result_event, status_event
+from dock_gateway.events import feedback_event, moment, result_event, status_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
 from dock_gateway.history import History
 from dock_gateway.hub import Hub
@@ -26,11 +25,6 @@ RESULT_WAIT = 2.0
 REASON_WAIT = 0.3
 MAX_REMEMBERED = 2000
 MAX_LOST = 100
-
-
-def utc_now() -> datetime:
-    """The time now."""
-    return datetime.now(UTC)
 
 
 class GoalTracker:

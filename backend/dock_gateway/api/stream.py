@@ -12,10 +12,9 @@ from dock_gateway.api.dock import read_goal_id
 from dock_gateway.api.problems import problem_response
 from dock_gateway.api.requests import get_gateway, known_query
 from dock_gateway.errors import FieldError, GatewayError, InvalidField
-from dock_gateway.events import notice
+from dock_gateway.events import notice, utc_now
 from dock_gateway.gateway import Gateway
 from dock_gateway.hub import Subscriber
-from dock_gateway.tracker import utc_now
 
 log = logging.getLogger(__name__)
 
