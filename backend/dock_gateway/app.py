@@ -5,6 +5,7 @@ from contextlib import asynccontextmanager
 from typing import TypedDict
 
 from fastapi import FastAPI
+from fastapi_swagger import patch_fastapi
 
 from dock_gateway import __version__
 from dock_gateway.api import battery, dock, health, stream
@@ -38,13 +39,16 @@ def create_app(settings: Settings) -> FastAPI:
         version=__version__,
         description=DESCRIPTION,
         lifespan=lifespan,
+        docs_url=None,
         redoc_url=None,
+        swagger_ui_oauth2_redirect_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
     install_problems(app)
     for module in (dock, battery, health, stream):
         app.include_router(module.router)
     install_openapi(app)
+    patch_fastapi(app, redirect_from_root_to_docs=False)  # /docs without a CDN: robots are often offline
     install_dashboard(app, settings)
     app.add_middleware(OriginGuard, settings=settings)
     return app
