@@ -30,8 +30,6 @@ class ErrorCode(enum.StrEnum):
     """Rejected: another goal is running and goal_policy is `reject`."""
     INVALID_GOAL = "INVALID_GOAL"
     """Rejected: the desired power_supply_status is not one that docking can bring about."""
-    DUPLICATE_GOAL = "DUPLICATE_GOAL"
-    """Rejected: the goal_id is that of a goal the server still knows."""
     SHUTTING_DOWN = "SHUTTING_DOWN"
     """Rejected or aborted: the action server is ending."""
     BATTERY_STALE = "BATTERY_STALE"

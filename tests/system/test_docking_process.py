@@ -39,6 +39,26 @@ def test_a_signal_in_the_middle_of_a_goal_stops_the_robot(
         assert "Traceback" not in server.output
 
 
+HANGING_CONTROLLER = """
+import sys, time
+from docking import controllers, dock_server_node
+controllers.Rotate.step = lambda self, now: time.sleep(600)
+sys.exit(dock_server_node.main())
+"""
+
+
+def test_a_callback_that_hangs_cannot_keep_the_process(domain: int, observer: Observer) -> None:
+    with Process(sys.executable, "-c", HANGING_CONTROLLER, env=ros_environment(domain)) as server:
+        wheels = watch_wheels(observer)
+        with observer.publishing(LOW, "battery_status"):
+            send_dock_goal(observer)
+            server.wait_for("Executing goal...")
+            before = len(wheels.messages)
+            server.send_signal(signal.SIGTERM)
+            assert server.wait() == 1
+        wait_until(lambda: len(wheels.messages) > before and wheels.standing, "zero velocity")
+
+
 def test_names_namespaces_and_parameters_come_from_the_command_line(domain: int, observer: Observer) -> None:
     arguments = (
         *("-r", "__ns:=/robot1"),

@@ -65,6 +65,7 @@ class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
         self._goal = goal
         self._goal_id = _random_uuid()
         self._handle: ClientGoalHandle | None = None
+        self._early_feedback: list[Any] = []
         self._reason = ""
         self._on_over = on_over
         self._client = ActionClient(self, action_type, action_name)
@@ -127,12 +128,16 @@ class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
         if handle.accepted:
             self.get_logger().info(self.accepted_text())
             self._handle = handle
+            for message in self._early_feedback:
+                self._feed_back(message)
             handle.get_result_async().add_done_callback(self._take_result)
         self._end_if_over()
 
     def _feed_back(self, message: Any) -> None:
         self._session.heard(time.monotonic())
-        if self._session.phase is not Phase.OVER:
+        if self._session.phase is Phase.SENT:
+            self._early_feedback.append(message)  # feedback can overtake the acceptance
+        elif self._session.phase is Phase.RUNNING:
             self.get_logger().info(self.feedback_text(message.feedback))
 
     def _take_result(self, future: Future) -> None:

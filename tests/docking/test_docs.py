@@ -1,0 +1,54 @@
+"""docs/docking.md lists all that there is, and nothing else."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from docking.failures import ErrorCode, Stage
+from docking.parameters import DOCK_SERVER, FIBONACCI_SERVER, ChoiceParameter, Parameter
+from docking.report import LEVELS
+from docking.session import ExitCode
+
+PAGE = (Path(__file__).parents[2] / "docs" / "docking.md").read_text()
+
+
+def rows(heading: str) -> list[list[str]]:
+    """The cells of the table that follows a line."""
+    lines = PAGE.split(heading, 1)[1].split("|---", 1)[1].splitlines()[1:]
+    table = lines[: next((n for n, line in enumerate(lines) if not line.startswith("|")), len(lines))]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
+
+
+def documented(parameter: Parameter) -> list[str]:
+    if isinstance(parameter, ChoiceParameter):
+        choices = ", ".join(f"`{choice}`" for choice in parameter.choices)
+        cells = ["string", "", choices, f"`{parameter.default}`"]
+    else:
+        limits = f"{parameter.minimum:.10g} … {parameter.maximum:.10g}"
+        cells = ["double", parameter.unit, limits, f"{parameter.default:g}"]
+    return [f"`{parameter.name}`", *cells, parameter.description]
+
+
+@pytest.mark.parametrize(
+    ("node", "table"),
+    [("connect_to_charging_dock_action_server", DOCK_SERVER), ("fibonacci_action_server", FIBONACCI_SERVER)],
+)
+def test_every_parameter_is_documented(node: str, table: tuple[Parameter, ...]) -> None:
+    assert rows(f"### {node}\n") == [documented(parameter) for parameter in table]
+
+
+def test_every_stage_is_documented_with_its_level() -> None:
+    assert {row[0]: row[1] for row in rows("| stage |")} == {f"`{stage}`": LEVELS[stage].name for stage in Stage}
+
+
+def test_every_error_code_is_documented() -> None:
+    assert [row[0] for row in rows("| error_code |")] == [f"`{code}`" for code in ErrorCode]
+
+
+def test_every_exit_code_is_documented() -> None:
+    assert {int(row[0]) for row in rows("| exit code |")} == {*ExitCode, 2}
+
+
+def test_every_option_of_the_clients_is_documented() -> None:
+    assert set(re.findall(r"\[(--[a-z]+) ", PAGE)) == {"--voltage", "--percentage", "--status", "--timeout", "--order"}

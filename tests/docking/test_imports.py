@@ -1,0 +1,31 @@
+"""The rules that keep the core plain Python."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import docking
+
+PACKAGE = Path(docking.__file__).parent
+MODULES = sorted(PACKAGE.rglob("*.py"))
+ROS = {"rclpy", "action_msgs", "action_tutorials_interfaces", "diagnostic_msgs", "geometry_msgs", "rcl_interfaces"}
+ROS |= {"sensor_msgs", "unique_identifier_msgs"}
+
+
+def imported(module: Path) -> set[str]:
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(module.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names |= {node.module.split(".")[0]} | ({"docking.ros"} if node.module.startswith("docking.ros") else set())
+    return names
+
+
+@pytest.mark.parametrize("module", MODULES, ids=lambda module: str(module.relative_to(PACKAGE)))
+def test_only_nodes_import_ros_and_nothing_the_gateway(module: Path) -> None:
+    names = imported(module)
+    assert "dock_gateway" not in names
+    if not (module.name.endswith("_node.py") or module.parent.name == "ros"):
+        assert not names & (ROS | {"docking.ros"})
