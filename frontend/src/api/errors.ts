@@ -1,0 +1,127 @@
+import type { Problem } from "./types";
+
+/** A command that did not work: a stable code, what happened, and what can be done about it. */
+export class CommandError extends Error {
+  override readonly name = "CommandError";
+
+  constructor(
+    readonly code: string,
+    readonly title: string,
+    readonly detail: string,
+    readonly fields: readonly { path: string; detail: string }[] = [],
+  ) {
+    super(`${title}: ${detail}`);
+  }
+
+  get advice(): string | null {
+    return adviceFor(this.code);
+  }
+}
+
+interface Words {
+  title: string;
+  advice: string | null;
+}
+
+const START_SERVER =
+  "Start the action server on the robot (connect_to_charging_dock_server, or dock-gateway up), then try again.";
+
+const WORDS: Record<string, Words> = {
+  action_server_unavailable: { title: "There is no action server", advice: START_SERVER },
+  action_server_timeout: {
+    title: "The action server did not answer",
+    advice:
+      "It may be frozen or overloaded: look at its log and restart it. A late acceptance is canceled at once.",
+  },
+  body_too_large: { title: "The request is too large", advice: null },
+  cancel_rejected: {
+    title: "The action server refused to cancel",
+    advice: "Press Stop: it also publishes zero velocity.",
+  },
+  dock_busy: {
+    title: "The dock is busy with another goal",
+    advice: "Wait for it to end, or cancel it and press Dock again.",
+  },
+  gateway_timeout: {
+    title: "The gateway did not answer",
+    advice: "The command may have arrived. Look at the goals before you send it again.",
+  },
+  gateway_unreachable: {
+    title: "The gateway cannot be reached",
+    advice:
+      "Check that dock-gateway runs and that this computer is on its network. Nothing is sent again by itself.",
+  },
+  goal_not_found: {
+    title: "The gateway does not know this goal",
+    advice: "It may have been restarted, or the goal is too old to be kept.",
+  },
+  goal_rejected: {
+    title: "The action server rejected the goal",
+    advice: "The reason is also in the action server's log and on /diagnostics.",
+  },
+  goal_terminal: { title: "The goal had already ended", advice: null },
+  internal_error: {
+    title: "The gateway made a mistake",
+    advice: "This is a bug in dock-gateway; its log says more. Please report it.",
+  },
+  invalid_field: { title: "A value is not valid", advice: null },
+  origin_not_allowed: {
+    title: "This page may not command the gateway",
+    advice:
+      "Open the dashboard at the gateway's own address, or allow this one in DOCK_GATEWAY_ALLOWED_ORIGINS.",
+  },
+  host_not_allowed: {
+    title: "The gateway does not answer to this host name",
+    advice: "Add the name to DOCK_GATEWAY_ALLOWED_HOSTS.",
+  },
+  ros_unavailable: {
+    title: "The gateway has lost ROS",
+    advice: "Restart dock-gateway; its log says why the ROS thread ended.",
+  },
+  shutting_down: {
+    title: "The gateway is shutting down",
+    advice: "Wait until it is back; nothing is sent again by itself.",
+  },
+  too_many_requests: {
+    title: "The gateway is too busy",
+    advice: "Too many goals wait for an answer. Try again in some seconds.",
+  },
+};
+
+export function adviceFor(code: string): string | null {
+  return WORDS[code]?.advice ?? null;
+}
+
+function isProblem(body: unknown): body is Problem {
+  return typeof body === "object" && body !== null && "code" in body && typeof body.code === "string";
+}
+
+/** The error that an HTTP answer tells of, also where it is no problem+json (a proxy's page, say). */
+export function fromProblem(status: number, body: unknown): CommandError {
+  if (isProblem(body)) {
+    return new CommandError(
+      body.code,
+      WORDS[body.code]?.title ?? body.title,
+      body.detail ?? "",
+      body.errors ?? [],
+    );
+  }
+  if (status >= 502 && status <= 504) return unreachable(`HTTP ${status} from something before the gateway`);
+  return new CommandError("http_error", "The gateway refused", `It answered with HTTP status ${status}.`);
+}
+
+/** The error of a request that got no answer. */
+export function unreachable(cause: unknown): CommandError {
+  const timedOut = cause instanceof DOMException && cause.name === "TimeoutError";
+  const code = timedOut ? "gateway_timeout" : "gateway_unreachable";
+  const detail = timedOut
+    ? "There was no answer within 12 seconds."
+    : "The request did not get through; the command was not carried out as far as this page knows.";
+  return new CommandError(code, WORDS[code]?.title ?? code, detail);
+}
+
+export function toCommandError(error: unknown): CommandError {
+  return error instanceof CommandError
+    ? error
+    : new CommandError("page_error", "This page made a mistake", String(error));
+}

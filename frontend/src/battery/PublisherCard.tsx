@@ -1,0 +1,154 @@
+import { Button, Collapse, Group, NumberInput, Stack, Text } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
+import { useId, useState } from "react";
+import { useLive, useServices, useTopic } from "../store/context";
+import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { Section } from "../ui/Section";
+import { Time } from "../ui/Time";
+import { useCommand } from "../ui/useCommand";
+import { MainFields, MoreFields } from "./BatteryFields";
+import { type BatteryForm, type NumberInputValue, PRESETS, sameForm, toMessage, toNumber } from "./form";
+import { PublisherStatus } from "./PublisherStatus";
+import { summarize } from "./words";
+
+const MIN_RATE_HZ = 0.1;
+const MAX_RATE_HZ = 100;
+
+/** Publishes battery states, as `ros2 topic pub` does: once, or again and again. */
+export function PublisherCard() {
+  const { gateway, store } = useServices();
+  const live = useLive();
+  const active = useTopic("publisher")?.active === true;
+  const [form, setForm] = useState<BatteryForm>(PRESETS[0].form);
+  const [rateInput, setRateInput] = useState<NumberInputValue>(1);
+  const [done, setDone] = useState<{ at: number; text: string; once: boolean } | null>(null);
+  const [moreOpen, more] = useDisclosure(false);
+  const reasonId = useId();
+  const moreId = useId();
+
+  const message = toMessage(form);
+  const rate = toNumber(rateInput);
+  const finish = (text: string, once = false) => setDone({ at: store.gatewayNow(), text, once });
+  const once = useCommand(async (state: NonNullable<typeof message>) => {
+    await gateway.publishOnce(state);
+    finish(`Published once: ${summarize(state)}.`, true);
+  });
+  const repeatedly = useCommand(async (input: { state: NonNullable<typeof message>; rate: number }) => {
+    await gateway.publishRepeatedly(input.state, input.rate);
+    finish(`Publishing ${summarize(input.state)} at ${input.rate} Hz.`);
+  });
+  const stop = useCommand(async () => {
+    await gateway.stopPublishing();
+    finish("Stopped publishing.");
+  });
+  const commands = [once, repeatedly, stop];
+  const begin = () => {
+    setDone(null);
+    for (const command of commands) command.reset();
+  };
+
+  const busy = commands.some((command) => command.isPending);
+  const rateWrong = rate === null || rate < MIN_RATE_HZ || rate > MAX_RATE_HZ;
+  const reason = !live
+    ? "Publishing needs the gateway, which is not connected."
+    : message === null
+      ? "A field is not valid."
+      : rateWrong
+        ? `Publish repeatedly: the rate has to be ${MIN_RATE_HZ} to ${MAX_RATE_HZ} Hz.`
+        : active
+          ? "Publish repeatedly replaces what is published now."
+          : "Stop publishing: nothing is being published.";
+
+  return (
+    <Section title="Publish a battery state">
+      <PublisherStatus publishedOnceAt={done?.once ? done.at : null} />
+      <Group gap="xs" role="group" aria-label="Presets">
+        {PRESETS.map((preset) => {
+          const chosen = sameForm(form, preset.form);
+          return (
+            <Button
+              key={preset.name}
+              variant={chosen ? "filled" : "default"}
+              aria-pressed={chosen}
+              onClick={() => setForm(preset.form)}
+            >
+              {preset.name}
+            </Button>
+          );
+        })}
+      </Group>
+      <MainFields form={form} onChange={(change) => setForm((before) => ({ ...before, ...change }))} />
+      <div>
+        <Button
+          variant="subtle"
+          size="compact-md"
+          aria-expanded={moreOpen}
+          aria-controls={moreId}
+          onClick={more.toggle}
+        >
+          {moreOpen ? "Fewer fields" : "More fields"}
+        </Button>
+      </div>
+      <Collapse expanded={moreOpen} id={moreId}>
+        <MoreFields form={form} onChange={(change) => setForm((before) => ({ ...before, ...change }))} />
+      </Collapse>
+      <Stack gap="xs">
+        <Group gap="sm" align="end">
+          <NumberInput
+            label="Rate (Hz)"
+            w={110}
+            min={MIN_RATE_HZ}
+            max={MAX_RATE_HZ}
+            value={rateInput}
+            onChange={setRateInput}
+          />
+          <Button
+            disabled={!live || message === null || rateWrong || busy}
+            aria-describedby={reasonId}
+            onClick={() => {
+              begin();
+              if (message !== null && rate !== null) repeatedly.mutate({ state: message, rate });
+            }}
+          >
+            Publish repeatedly
+          </Button>
+          <Button
+            variant="default"
+            disabled={!live || message === null || busy}
+            aria-describedby={reasonId}
+            onClick={() => {
+              begin();
+              if (message !== null) once.mutate(message);
+            }}
+          >
+            Publish once
+          </Button>
+          <Button
+            variant="default"
+            disabled={!live || !active || busy}
+            aria-describedby={reasonId}
+            onClick={() => {
+              begin();
+              stop.mutate();
+            }}
+          >
+            Stop publishing
+          </Button>
+        </Group>
+        <Text size="sm" c="dimmed" id={reasonId}>
+          {reason}
+        </Text>
+        <Text size="sm" role="status">
+          {done !== null && (
+            <>
+              {done.text} <Time value={done.at} />
+            </>
+          )}
+        </Text>
+      </Stack>
+      <CommandErrorAlert command="Publish once" error={once.error} onClose={once.reset} />
+      <CommandErrorAlert command="Publish repeatedly" error={repeatedly.error} onClose={repeatedly.reset} />
+      <CommandErrorAlert command="Stop publishing" error={stop.error} onClose={stop.reset} />
+    </Section>
+  );
+}

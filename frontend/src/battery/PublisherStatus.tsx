@@ -1,0 +1,55 @@
+import { Badge, Group, Text } from "@mantine/core";
+import type { Publisher } from "../api/types";
+import { useLive, useTopic } from "../store/context";
+import { useGatewayNow } from "../store/useGatewayNow";
+import { Time } from "../ui/Time";
+import { summarize } from "./words";
+
+/** A battery message this fresh, with nothing published by the gateway, comes from someone else. */
+const FRESH_MS = 3000;
+
+/** What the gateway publishes now, or who else does. */
+export function PublisherStatus({ publishedOnceAt }: { publishedOnceAt: number | null }) {
+  const publisher = useTopic("publisher");
+  const live = useLive();
+  if (!live) return <Text size="sm">What is being published is not known while disconnected.</Text>;
+  if (publisher?.active) return <Active publisher={publisher} />;
+  return <Inactive publishedOnceAt={publishedOnceAt} />;
+}
+
+function Active({ publisher }: { publisher: Publisher }) {
+  return (
+    <Group gap="xs" data-testid="publisher-status">
+      <Badge color="green">publishing</Badge>
+      <Text size="sm" className="tabular">
+        This gateway publishes {publisher.state === null ? "a state" : summarize(publisher.state)} at{" "}
+        {publisher.rate_hz} Hz: {publisher.published_count}{" "}
+        {publisher.published_count === 1 ? "message" : "messages"}
+        {publisher.started_at !== null && (
+          <>
+            {" "}
+            since <Time value={publisher.started_at} />
+          </>
+        )}
+        .
+      </Text>
+    </Group>
+  );
+}
+
+function Inactive({ publishedOnceAt }: { publishedOnceAt: number | null }) {
+  const { receivedAt } = useTopic("battery");
+  const now = useGatewayNow(500);
+  const fresh = receivedAt !== null && now - receivedAt < FRESH_MS;
+  const ours = publishedOnceAt !== null && now - publishedOnceAt < 2 * FRESH_MS;
+  return (
+    <Group gap="xs" data-testid="publisher-status">
+      <Badge color="gray">not publishing</Badge>
+      <Text size="sm">
+        {fresh && !ours
+          ? "Someone else publishes battery states: a robot, or ros2 topic pub. What you publish here mixes with theirs."
+          : "This gateway publishes nothing by itself now."}
+      </Text>
+    </Group>
+  );
+}

@@ -1,0 +1,62 @@
+import type { BatteryState } from "../api/types";
+
+/** sensor_msgs/BatteryState POWER_SUPPLY_STATUS_… */
+export const CHARGING = 1;
+export const NOT_CHARGING = 3;
+export const FULL = 4;
+
+export const STATUS_WORDS = ["Unknown", "Charging", "Discharging", "Not charging", "Full"] as const;
+
+export const HEALTH_WORDS = [
+  "Unknown",
+  "Good",
+  "Overheated",
+  "Dead",
+  "Overvoltage",
+  "Unspecified failure",
+  "Cold",
+  "Watchdog timer expired",
+  "Safety timer expired",
+] as const;
+
+export const TECHNOLOGY_WORDS = [
+  "Unknown",
+  "NiMH",
+  "Li-ion",
+  "LiPo",
+  "LiFePO4",
+  "NiCd",
+  "LiMn",
+  "Ternary lithium",
+  "VRLA (lead-acid)",
+] as const;
+
+export function statusWords(status: number): string {
+  return STATUS_WORDS[status] ?? `Status ${status}`;
+}
+
+const NOT_MEASURED = "not measured";
+
+const number = new Intl.NumberFormat(undefined, { maximumFractionDigits: 2 });
+const percent = new Intl.NumberFormat(undefined, { maximumFractionDigits: 1 });
+
+export function formatQuantity(value: number | null | undefined, unit: string): string {
+  return value === null || value === undefined ? NOT_MEASURED : `${number.format(value)} ${unit}`;
+}
+
+/** `percentage` is 0 to 1. */
+export function formatPercentage(percentage: number | null | undefined): string {
+  return percentage === null || percentage === undefined
+    ? NOT_MEASURED
+    : `${percent.format(percentage * 100)} %`;
+}
+
+/** `24 %, 2.16 V, not charging` */
+export function summarize(
+  state: Partial<Pick<BatteryState, "percentage" | "voltage" | "power_supply_status">>,
+): string {
+  const parts = [statusWords(state.power_supply_status ?? 0).toLowerCase()];
+  if (typeof state.voltage === "number") parts.unshift(formatQuantity(state.voltage, "V"));
+  if (typeof state.percentage === "number") parts.unshift(formatPercentage(state.percentage));
+  return parts.join(", ");
+}

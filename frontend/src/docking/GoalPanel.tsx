@@ -1,0 +1,97 @@
+import { Alert, Badge, Group, Stack, Text } from "@mantine/core";
+import type { Goal } from "../api/types";
+import { summarize } from "../battery/words";
+import { GoalStatusBadge } from "../goals/GoalStatusBadge";
+import { useLive, useTopic } from "../store/context";
+import { isTerminal } from "../store/goals";
+import { useGatewayNow } from "../store/useGatewayNow";
+import { Fact, FactList } from "../ui/Fact";
+import { Time } from "../ui/Time";
+import { formatDuration } from "../ui/time";
+import { advice, meaning } from "./goalWords";
+import { rate } from "./rate";
+import { VelocityFact } from "./VelocityFact";
+
+/** The goal that runs, or how the last one ended. */
+export function GoalPanel({ goal }: { goal: Goal }) {
+  const live = useLive();
+  const ended = isTerminal(goal.status);
+  return (
+    <Stack gap="sm">
+      <Group gap="xs">
+        <Text fw={600}>{ended ? "Last goal" : "Running goal"}</Text>
+        <span aria-live="polite">
+          <GoalStatusBadge status={goal.status} testId="goal-status" />
+        </span>
+        {goal.stalled && !ended && <Badge color="orange">stalled</Badge>}
+        {goal.origin === "external" && (
+          <Badge color="grape" variant="outline">
+            sent by someone else
+          </Badge>
+        )}
+        {!live && <Badge color="gray">Not live</Badge>}
+      </Group>
+      <Explanation goal={goal} />
+      <FactList>
+        <Fact name="Started">
+          <Time value={goal.created_at} />
+        </Fact>
+        <Elapsed goal={goal} />
+        <FeedbackFact goal={goal} />
+        <BatteryFact goal={goal} />
+        {!ended && <VelocityFact />}
+      </FactList>
+    </Stack>
+  );
+}
+
+/** Why it stands as it does: an alert where something is wrong, a quiet line otherwise. */
+function Explanation({ goal }: { goal: Goal }) {
+  const wrong = goal.error !== null || goal.stalled || goal.status === "lost";
+  if (!wrong) {
+    return (
+      <Text size="sm" c="dimmed">
+        {meaning(goal)}
+      </Text>
+    );
+  }
+  const hint = advice(goal);
+  return (
+    <Alert color={goal.status === "canceled" || goal.stalled ? "orange" : "red"} title={meaning(goal)}>
+      {goal.error !== null && <Text size="sm">{goal.error.detail}</Text>}
+      {hint !== null && <Text size="sm">{hint}</Text>}
+      {goal.error !== null && <Text size="sm">Code: {goal.error.code}</Text>}
+    </Alert>
+  );
+}
+
+function Elapsed({ goal }: { goal: Goal }) {
+  const now = useGatewayNow();
+  const live = useLive();
+  const start = Date.parse(goal.created_at);
+  if (goal.finished_at !== null) {
+    return <Fact name="Took">{formatDuration(Date.parse(goal.finished_at) - start)}</Fact>;
+  }
+  return <Fact name="Elapsed">{live ? formatDuration(now - start) : "not live"}</Fact>;
+}
+
+function FeedbackFact({ goal }: { goal: Goal }) {
+  const arrivals = useTopic("arrivals").get(goal.goal_id) ?? [];
+  const dropped = useTopic("dropped");
+  const now = useGatewayNow();
+  const perSecond = isTerminal(goal.status) ? null : rate(arrivals, now);
+  return (
+    <Fact name="Feedback">
+      {goal.feedback_count} {goal.feedback_count === 1 ? "message" : "messages"}
+      {perSecond !== null && `, ${perSecond.toFixed(1)} per second`}
+      {dropped > 0 && ` (${dropped} skipped: this page was too slow)`}
+    </Fact>
+  );
+}
+
+function BatteryFact({ goal }: { goal: Goal }) {
+  const final = goal.result?.final_battery_state;
+  const current = final ?? goal.feedback?.current_battery_state;
+  if (current === undefined) return null;
+  return <Fact name={final ? "Battery at the end" : "Battery in feedback"}>{summarize(current)}</Fact>;
+}

@@ -1,0 +1,24 @@
+import { useLive, useTopic } from "../store/context";
+import { useGatewayNow } from "../store/useGatewayNow";
+import { Fact } from "../ui/Fact";
+import { formatDuration } from "../ui/time";
+import { describeVelocity } from "./velocity";
+
+/** Commands older than this are history, not what the robot does. */
+const RECENT_MS = 1000;
+
+/** The velocity command that the robot is given. */
+export function VelocityFact() {
+  const { twist, receivedAt } = useTopic("cmdVel");
+  const live = useLive();
+  const now = useGatewayNow(500);
+  return <Fact name="Velocity command">{text()}</Fact>;
+
+  function text(): string {
+    if (!live) return "not live";
+    if (twist === null || receivedAt === null) return "none so far";
+    const age = now - receivedAt;
+    const words = describeVelocity(twist);
+    return age <= RECENT_MS ? words : `none for ${formatDuration(age)} (last: ${words})`;
+  }
+}

@@ -1,0 +1,62 @@
+import type { Goal, GoalStatus } from "../api/types";
+import { isTerminal } from "../store/goals";
+
+export const STATUS_COLORS: Record<GoalStatus, string> = {
+  pending: "gray",
+  accepted: "blue",
+  executing: "blue",
+  canceling: "orange",
+  succeeded: "green",
+  canceled: "gray",
+  aborted: "red",
+  rejected: "red",
+  lost: "red",
+};
+
+const MEANINGS: Record<GoalStatus, string> = {
+  pending: "Sent; the action server has not answered yet.",
+  accepted: "The action server accepted the goal and will start it.",
+  executing: "The action server is working on the goal until the battery says that it is charging.",
+  canceling: "The cancellation was accepted; the robot is being stopped.",
+  succeeded: "The robot is on the dock.",
+  canceled: "Canceled as asked.",
+  aborted: "The action server gave up on the goal.",
+  rejected: "The action server did not accept the goal.",
+  lost: "The action server went away while the goal ran. Where the robot is now has to be looked at on the spot. If the server comes back and still knows the goal, its outcome appears here.",
+};
+
+/** What the status means, in a sentence. */
+export function meaning(goal: Goal): string {
+  if (goal.stalled && !isTerminal(goal.status)) {
+    return "Stalled: the action server has been silent for some seconds and does not answer. It may come back; otherwise the goal is called lost in a few seconds. Press Stop to be safe.";
+  }
+  return MEANINGS[goal.status];
+}
+
+const ADVICE: Record<string, string> = {
+  action_server_lost: "Look at the robot, then start its action server again.",
+  action_server_timeout: "Look at the action server's log; it may be frozen.",
+  battery_lost: "Check the battery driver, or publish a battery state from this page, then dock again.",
+  dock_busy: "Wait for the running goal to end, or cancel it first.",
+  failed_to_control: "The server's controller is broken; its log says more.",
+  preempted: "A newer goal took its place: see Recent goals.",
+  shutting_down: "Start the action server again, then dock again.",
+  timeout: "Check the robot's way to the dock, or raise the server's goal_timeout.",
+};
+
+/** What can be done about a goal that did not succeed. */
+export function advice(goal: Goal): string | null {
+  return goal.error === null ? null : (ADVICE[goal.error.code] ?? null);
+}
+
+/** One line for a table: the reason where there is one, else nothing to add. */
+export function outcome(goal: Goal): string {
+  if (goal.error !== null) return goal.error.detail;
+  if (goal.status === "succeeded") return "On the dock";
+  return goal.stalled ? "Stalled: the server is silent" : "–";
+}
+
+/** The goal to show: the newest that runs, else the newest. */
+export function currentGoal(newestFirst: readonly Goal[]): Goal | null {
+  return newestFirst.find((goal) => !isTerminal(goal.status)) ?? newestFirst[0] ?? null;
+}

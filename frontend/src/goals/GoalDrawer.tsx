@@ -1,0 +1,94 @@
+import { Badge, Code, Drawer, Stack, Text } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { type CommandError, toCommandError } from "../api/errors";
+import type { Goal } from "../api/types";
+import { meaning } from "../docking/goalWords";
+import { useServices, useTopic } from "../store/context";
+import { isTerminal } from "../store/goals";
+import { CopyButton } from "../ui/CopyButton";
+import { Fact, FactList } from "../ui/Fact";
+import { JsonBlock } from "../ui/JsonBlock";
+import { Time } from "../ui/Time";
+import { GoalStatusBadge } from "./GoalStatusBadge";
+import classes from "./goals.module.css";
+
+/** A goal in full: what was asked, the latest feedback, the result. */
+export function GoalDrawer({ goalId, onClose }: { goalId: string | null; onClose: () => void }) {
+  return (
+    <Drawer
+      opened={goalId !== null}
+      onClose={onClose}
+      position="right"
+      size="lg"
+      title="Goal"
+      closeButtonProps={{ "aria-label": "Close the details" }}
+    >
+      {goalId !== null && <GoalDetails goalId={goalId} />}
+    </Drawer>
+  );
+}
+
+function GoalDetails({ goalId }: { goalId: string }) {
+  const { gateway } = useServices();
+  const known = useTopic("goals").get(goalId);
+  // The stream leaves some fields out; the goal itself has them all. Asked for again when the status changes.
+  const query = useQuery<Goal, CommandError>({
+    queryKey: ["goal", goalId, known?.status],
+    queryFn: () =>
+      gateway.goal(goalId).catch((error: unknown) => {
+        throw toCommandError(error);
+      }),
+    placeholderData: (previous) => previous,
+  });
+  const goal = known && !isTerminal(known.status) ? known : (query.data ?? known);
+  if (goal === undefined) return <Text>{query.error?.message ?? "Loading …"}</Text>;
+
+  return (
+    <Stack gap="md">
+      <div className={classes.id}>
+        <Code>{goal.goal_id}</Code>
+        <CopyButton value={goal.goal_id} what="the goal id" />
+      </div>
+      <Text size="sm">
+        <GoalStatusBadge status={goal.status} /> {meaning(goal)}
+      </Text>
+      {goal.error !== null && (
+        <Text size="sm">
+          {goal.error.detail} <Code>{goal.error.code}</Code>
+        </Text>
+      )}
+      {query.error !== null && (
+        <Text size="sm" c="dimmed">
+          Not all of it could be loaded: {query.error.title.toLowerCase()}. This is what the page knows.
+        </Text>
+      )}
+      <FactList>
+        <Fact name="Origin">
+          <Badge variant="outline" color={goal.origin === "external" ? "grape" : "blue"}>
+            {goal.origin}
+          </Badge>
+        </Fact>
+        <Fact name="Started">
+          <Time value={goal.created_at} />
+        </Fact>
+        <Fact name="Ended">{goal.finished_at === null ? "–" : <Time value={goal.finished_at} />}</Fact>
+        <Fact name="Feedback messages">{goal.feedback_count}</Fact>
+        <Fact name="Action">{goal.action_name}</Fact>
+        <Fact name="Type">{goal.action_type}</Fact>
+      </FactList>
+      <JsonBlock
+        title="Goal message"
+        value={goal.goal}
+        absent={
+          goal.origin === "external" ? "Not known: ROS does not tell what others asked for." : "Not known."
+        }
+      />
+      <JsonBlock title="Latest feedback" value={goal.feedback} absent="There was no feedback." />
+      <JsonBlock
+        title="Result"
+        value={goal.result}
+        absent={isTerminal(goal.status) ? "There is no result." : "The goal has not ended."}
+      />
+    </Stack>
+  );
+}

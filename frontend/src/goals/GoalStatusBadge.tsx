@@ -1,0 +1,11 @@
+import { Badge } from "@mantine/core";
+import type { GoalStatus } from "../api/types";
+import { STATUS_COLORS } from "../docking/goalWords";
+
+export function GoalStatusBadge({ status, testId }: { status: GoalStatus; testId?: string }) {
+  return (
+    <Badge color={STATUS_COLORS[status]} data-testid={testId}>
+      {status}
+    </Badge>
+  );
+}

@@ -1,0 +1,36 @@
+import { Badge, Tooltip } from "@mantine/core";
+import type { ActionServer } from "../api/types";
+import { useLive, useTopic } from "../store/context";
+
+export function ActionServerStatus() {
+  const server = useTopic("actionServer");
+  const live = useLive();
+  const { label, color, hint } = describe(live ? server : null);
+  return (
+    <Tooltip label={hint} multiline maw={280}>
+      <Badge color={color} data-testid="action-server" role="status">
+        {label}
+      </Badge>
+    </Tooltip>
+  );
+}
+
+function describe(server: ActionServer | null): { label: string; color: string; hint: string } {
+  if (server === null) {
+    return { label: "server unknown", color: "gray", hint: "Known again when the gateway is connected." };
+  }
+  if (!server.available) {
+    return {
+      label: "server not there",
+      color: "red",
+      hint: `Nobody offers ${server.action_name}. Start connect_to_charging_dock_server.`,
+    };
+  }
+  return server.answering
+    ? { label: "server answering", color: "green", hint: `${server.action_name} answers.` }
+    : {
+        label: "server silent",
+        color: "orange",
+        hint: `${server.action_name} is on the graph but does not answer. It may be frozen.`,
+      };
+}

@@ -1,0 +1,30 @@
+import { Badge, Tooltip } from "@mantine/core";
+import { useTopic } from "../store/context";
+import type { ConnectionPhase } from "../stream/connection";
+
+const PHASES: Record<ConnectionPhase, { label: string; color: string; hint: string }> = {
+  connecting: { label: "connecting", color: "gray", hint: "Waiting for the gateway's first message." },
+  live: { label: "live", color: "green", hint: "What you see is what the gateway says now." },
+  reconnecting: {
+    label: "reconnecting",
+    color: "orange",
+    hint: "The connection to the gateway was lost; trying again by itself.",
+  },
+  gone: {
+    label: "gateway gone",
+    color: "red",
+    hint: "The gateway has not answered for 10 seconds or more; still trying.",
+  },
+};
+
+export function ConnectionStatus() {
+  const { phase } = useTopic("connection");
+  const { label, color, hint } = PHASES[phase];
+  return (
+    <Tooltip label={hint} multiline maw={280}>
+      <Badge color={color} data-testid="connection" role="status">
+        {label}
+      </Badge>
+    </Tooltip>
+  );
+}

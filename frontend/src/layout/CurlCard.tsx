@@ -1,0 +1,41 @@
+import { Stack, Text } from "@mantine/core";
+import { useTopic } from "../store/context";
+import { newestFirst } from "../store/goals";
+import { Command } from "../ui/Command";
+import { Section } from "../ui/Section";
+
+/** The same from a terminal. */
+export function CurlCard() {
+  const [newest] = newestFirst(useTopic("goals"));
+  return (
+    <Section title="From a terminal">
+      <Stack gap="sm">
+        {commands(window.location, newest?.goal_id ?? "GOAL_ID").map(({ what, line }) => (
+          <div key={what}>
+            <Text size="sm" mb={2}>
+              {what}
+            </Text>
+            <Command line={line} what={`the command: ${what}`} />
+          </div>
+        ))}
+      </Stack>
+    </Section>
+  );
+}
+
+function commands(location: Location, goalId: string): { what: string; line: string }[] {
+  const { origin, host, protocol } = location;
+  const stream = `${protocol === "https:" ? "wss" : "ws"}://${host}/ws/feedback`;
+  return [
+    { what: "Dock", line: `curl -sX POST ${origin}/dock` },
+    { what: "Dock, and wait for the end", line: `curl -sX POST ${origin}/dock -H 'Prefer: wait=60'` },
+    { what: "Look at the newest goal", line: `curl -s ${origin}/dock/${goalId}` },
+    { what: "Cancel it", line: `curl -sX POST ${origin}/dock/${goalId}/cancel` },
+    { what: "Stop the robot", line: `curl -sX POST ${origin}/stop` },
+    {
+      what: "Publish a low battery once a second",
+      line: `curl -sX PUT ${origin}/battery/publisher -d '{"state": {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}, "rate_hz": 1}' -H 'Content-Type: application/json'`,
+    },
+    { what: "Watch the feedback", line: `websocat ${stream}` },
+  ];
+}

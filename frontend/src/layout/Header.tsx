@@ -1,0 +1,31 @@
+import { Anchor, Container, Group, Title } from "@mantine/core";
+import { ActionServerStatus } from "./ActionServerStatus";
+import { ColorSchemeSwitch } from "./ColorSchemeSwitch";
+import { ConnectionStatus } from "./ConnectionStatus";
+import classes from "./layout.module.css";
+import { StopButton } from "./StopButton";
+
+export function Header() {
+  return (
+    <header className={classes.header}>
+      <Container size="xl" py="xs">
+        <div className={classes.bar}>
+          <Title order={1} size="h3" className={classes.name}>
+            dock-gateway
+          </Title>
+          <Group gap="xs" className={classes.states}>
+            <ConnectionStatus />
+            <ActionServerStatus />
+          </Group>
+          <Group gap="sm" wrap="nowrap" className={classes.actions}>
+            <Anchor href="/docs" size="sm" visibleFrom="sm">
+              API
+            </Anchor>
+            <ColorSchemeSwitch />
+            <StopButton />
+          </Group>
+        </div>
+      </Container>
+    </header>
+  );
+}

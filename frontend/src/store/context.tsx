@@ -1,0 +1,32 @@
+import { createContext, useCallback, useContext, useSyncExternalStore } from "react";
+import type { Gateway } from "../api/client";
+import type { BatterySeries } from "../battery/series";
+import type { Store, Topic, Topics } from "./store";
+
+export interface Services {
+  gateway: Gateway;
+  store: Store;
+  series: BatterySeries;
+}
+
+const ServicesContext = createContext<Services | null>(null);
+
+export const ServicesProvider = ServicesContext.Provider;
+
+export function useServices(): Services {
+  const services = useContext(ServicesContext);
+  if (services === null) throw new Error("ServicesProvider is missing");
+  return services;
+}
+
+/** A topic of the store; renders anew when that topic changes, at most ten times a second. */
+export function useTopic<T extends Topic>(topic: T): Topics[T] {
+  const { store } = useServices();
+  const subscribe = useCallback((listener: () => void) => store.subscribe(topic, listener), [store, topic]);
+  return useSyncExternalStore(subscribe, () => store.get(topic));
+}
+
+/** Whether what is shown is what the gateway says now. */
+export function useLive(): boolean {
+  return useTopic("connection").phase === "live";
+}

@@ -1,0 +1,119 @@
+import type { EventOf, Goal, GoalStatus } from "../api/types";
+import { MAX_ARRIVALS, MAX_GOALS, type State } from "./state";
+
+const FINAL: ReadonlySet<GoalStatus> = new Set(["succeeded", "canceled", "aborted", "rejected"]);
+
+/** Nothing can follow. `lost` is not final: the action server may come back and answer. */
+export function isFinal(status: GoalStatus): boolean {
+  return FINAL.has(status);
+}
+
+/** The goal has ended as far as is known. */
+export function isTerminal(status: GoalStatus): boolean {
+  return status === "lost" || isFinal(status);
+}
+
+/** Newest first. */
+export function newestFirst(goals: ReadonlyMap<string, Goal>): Goal[] {
+  return [...goals.values()].sort((a, b) => Date.parse(b.created_at) - Date.parse(a.created_at));
+}
+
+export function applyStatus(state: State, event: EventOf<"status">): State {
+  const { type: _type, id: _id, time: _time, ...summary } = event;
+  const known = state.goals.get(event.goal_id);
+  if (known && isFinal(known.status) && known.status !== event.status) return state;
+  return withGoal(state, {
+    ...summary,
+    feedback: known?.feedback ?? null,
+    result: known?.result ?? null,
+  });
+}
+
+export function applyFeedback(state: State, event: EventOf<"feedback">): State {
+  const known = state.goals.get(event.goal_id) ?? unknownGoal(event, "executing");
+  const next = withGoal(state, {
+    ...known,
+    feedback: event.feedback,
+    feedback_count: known.feedback_count + 1,
+    stalled: false,
+    updated_at: event.time,
+    last_event_id: event.id,
+  });
+  const times = [...(state.arrivals.get(event.goal_id) ?? []), Date.parse(event.time)].slice(-MAX_ARRIVALS);
+  return { ...next, arrivals: new Map(next.arrivals).set(event.goal_id, times) };
+}
+
+export function applyResult(state: State, event: EventOf<"result">): State {
+  const known = state.goals.get(event.goal_id) ?? unknownGoal(event, event.status);
+  if (isFinal(known.status) && known.status !== event.status) return state;
+  return withGoal(state, {
+    ...known,
+    status: event.status,
+    result: event.result,
+    error: event.error,
+    stalled: false,
+    updated_at: event.time,
+    finished_at: event.status === "lost" ? known.finished_at : (known.finished_at ?? event.time),
+    last_event_id: event.id,
+  });
+}
+
+/** Takes up goals that came as an answer over HTTP, unless events have told something newer. */
+export function mergeGoals(state: State, goals: readonly Goal[]): State {
+  let next = state;
+  for (const goal of goals) {
+    const known = next.goals.get(goal.goal_id);
+    if (known && isFinal(known.status) && !isFinal(goal.status)) continue;
+    if (!known || Date.parse(goal.updated_at) > Date.parse(known.updated_at)) next = withGoal(next, goal);
+  }
+  return next;
+}
+
+/** The snapshot's goals are the truth; ended ones that are older than those it holds are kept. */
+export function snapshotGoals(state: State, goals: readonly Goal[]): State {
+  const kept = [...state.goals].filter(([, goal]) => isFinal(goal.status));
+  const map = new Map([...kept, ...goals.map((goal) => [goal.goal_id, goal] as const)]);
+  return prune({ ...state, goals: map, arrivals: new Map() });
+}
+
+function withGoal(state: State, goal: Goal): State {
+  return prune({ ...state, goals: new Map(state.goals).set(goal.goal_id, goal) });
+}
+
+function prune(state: State): State {
+  const arrivals = new Map(
+    [...state.arrivals].filter(([id]) => {
+      const goal = state.goals.get(id);
+      return goal !== undefined && !isTerminal(goal.status);
+    }),
+  );
+  if (state.goals.size <= MAX_GOALS) return { ...state, arrivals };
+  const ended = newestFirst(state.goals).filter((goal) => isTerminal(goal.status));
+  const goals = new Map(state.goals);
+  for (const goal of ended.slice(ended.length - (state.goals.size - MAX_GOALS))) goals.delete(goal.goal_id);
+  return { ...state, goals, arrivals };
+}
+
+/** A goal that is known from one event only. */
+function unknownGoal(
+  event: { goal_id: string; action_name: string; time: string },
+  status: GoalStatus,
+): Goal {
+  return {
+    goal_id: event.goal_id,
+    action_name: event.action_name,
+    action_type: "",
+    status,
+    stalled: false,
+    origin: "external",
+    goal: null,
+    feedback: null,
+    result: null,
+    error: null,
+    created_at: event.time,
+    updated_at: event.time,
+    finished_at: null,
+    feedback_count: 0,
+    last_event_id: null,
+  };
+}

@@ -1,0 +1,69 @@
+import type { EventOf, GatewayEvent } from "../api/types";
+import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "./goals";
+import { MAX_SEEN, type State } from "./state";
+
+/**
+ * The state after an event. Pure; returns the same object where the event changes nothing, and keeps every part that it
+ * does not touch.
+ *
+ * @param now This computer's time when the event came (ms).
+ */
+export function reduce(state: State, event: GatewayEvent, now: number): State {
+  if ("id" in event) {
+    if (state.seen.has(event.id)) return state;
+    return applyEvent({ ...state, seen: remember(state.seen, event.id) }, event, now);
+  }
+  return applyEvent(state, event, now);
+}
+
+function applyEvent(state: State, event: GatewayEvent, now: number): State {
+  switch (event.type) {
+    case "snapshot":
+      return applySnapshot(state, event, now);
+    case "status":
+      return applyStatus(state, event);
+    case "feedback":
+      return applyFeedback(state, event);
+    case "result":
+      return applyResult(state, event);
+    case "battery":
+      return { ...state, battery: { state: event.battery, receivedAt: Date.parse(event.time) } };
+    case "cmd_vel":
+      return { ...state, cmdVel: { twist: event.cmd_vel, receivedAt: Date.parse(event.time) } };
+    case "battery_publisher":
+      return { ...state, publisher: event.battery_publisher };
+    case "action_server":
+      return { ...state, actionServer: event.action_server };
+    case "heartbeat":
+      // The smallest difference is the one with the least delay on the way.
+      return { ...state, clockSkew: Math.min(state.clockSkew, now - Date.parse(event.time)) };
+    case "dropped":
+      return { ...state, dropped: state.dropped + event.count };
+    default:
+      return state;
+  }
+}
+
+function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): State {
+  const { state: battery, received_at } = event.battery;
+  return snapshotGoals(
+    {
+      ...state,
+      battery: { state: battery, receivedAt: received_at === null ? null : Date.parse(received_at) },
+      cmdVel: { twist: null, receivedAt: null },
+      publisher: event.battery_publisher,
+      actionServer: event.action_server,
+      clockSkew: now - Date.parse(event.time),
+    },
+    event.goals,
+  );
+}
+
+function remember(seen: ReadonlySet<string>, id: string): ReadonlySet<string> {
+  const next = new Set(seen).add(id);
+  for (const oldest of next) {
+    if (next.size <= MAX_SEEN) break;
+    next.delete(oldest);
+  }
+  return next;
+}

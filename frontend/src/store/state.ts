@@ -1,0 +1,52 @@
+import type { ActionServer, BatteryState, Goal, Publisher, Twist } from "../api/types";
+
+/** Ended goals beyond this number are forgotten, the oldest first; running ones never are. */
+export const MAX_GOALS = 200;
+
+/** Ids of events that were seen, to know a duplicate by. */
+export const MAX_SEEN = 512;
+
+/** Arrival times that a feedback rate is made of. */
+export const MAX_ARRIVALS = 32;
+
+export interface Battery {
+  /** Null until a first message has come. */
+  state: BatteryState | null;
+  /** When it came, in the gateway's time (ms). */
+  receivedAt: number | null;
+}
+
+export interface CmdVel {
+  twist: Twist | null;
+  /** When it came, in the gateway's time (ms). */
+  receivedAt: number | null;
+}
+
+/** The goal's id → when its latest feedback messages came, in the gateway's time (ms), oldest first. */
+export type Arrivals = ReadonlyMap<string, readonly number[]>;
+
+export interface State {
+  goals: ReadonlyMap<string, Goal>;
+  arrivals: Arrivals;
+  battery: Battery;
+  cmdVel: CmdVel;
+  publisher: Publisher | null;
+  actionServer: ActionServer | null;
+  /** Feedback messages that the gateway did not send because this page was too slow. */
+  dropped: number;
+  /** This computer's clock minus the gateway's (ms), as well as is known. */
+  clockSkew: number;
+  seen: ReadonlySet<string>;
+}
+
+export const initialState: State = {
+  goals: new Map(),
+  arrivals: new Map(),
+  battery: { state: null, receivedAt: null },
+  cmdVel: { twist: null, receivedAt: null },
+  publisher: null,
+  actionServer: null,
+  dropped: 0,
+  clockSkew: 0,
+  seen: new Set(),
+};

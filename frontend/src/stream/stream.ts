@@ -1,0 +1,77 @@
+import ReconnectingWebSocket, { type Options } from "partysocket/ws";
+import type { GatewayEvent } from "../api/types";
+import { type ConnectionInput, SILENCE_MS } from "./connection";
+
+const WATCH_INTERVAL_MS = 500;
+
+export interface StreamHandlers {
+  onEvent(event: GatewayEvent): void;
+  onConnection(input: ConnectionInput): void;
+}
+
+/** Where the events are, for a page at `location`. */
+export function streamUrl(location: Pick<Location, "protocol" | "host">): string {
+  const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+  return `${scheme}//${location.host}/ws/feedback?include=battery,cmd_vel,system`;
+}
+
+/** Half a second, growing to eight; drawn anew for each attempt, so that a hundred open pages do not return as one. */
+const backoff: Options = {
+  get minReconnectionDelay() {
+    return 400 + Math.random() * 600;
+  },
+  maxReconnectionDelay: 8_000,
+  reconnectionDelayGrowFactor: 1.5,
+  connectionTimeout: 4_000,
+  minUptime: 3_000,
+  // This socket is only read. Commands go over REST; nothing may be replayed after a reconnect.
+  maxEnqueuedMessages: 0,
+};
+
+/** Reads events until the returned function is called; reconnects by itself. */
+export function openStream(url: string, handlers: StreamHandlers, options: Options = {}): () => void {
+  const merged = Object.create(backoff, Object.getOwnPropertyDescriptors(options)) as Options;
+  const socket = new ReconnectingWebSocket(url, null, merged);
+  let lastHeard = Date.now();
+
+  socket.addEventListener("open", () => {
+    lastHeard = Date.now();
+  });
+  socket.addEventListener("close", () => handlers.onConnection({ kind: "closed" }));
+  socket.addEventListener("message", (message) => {
+    lastHeard = Date.now();
+    const event = parse(message.data);
+    if (event === null) return;
+    handlers.onEvent(event);
+    if (event.type === "snapshot") handlers.onConnection({ kind: "snapshot" });
+    if (event.type === "closing") handlers.onConnection({ kind: "closing", reason: event.reason });
+  });
+
+  const watch = setInterval(() => {
+    handlers.onConnection({ kind: "tick" });
+    if (socket.readyState === socket.OPEN && Date.now() - lastHeard >= SILENCE_MS) {
+      lastHeard = Date.now();
+      socket.reconnect();
+    }
+  }, WATCH_INTERVAL_MS);
+  const retryNow = () => {
+    if (socket.readyState !== socket.OPEN) socket.reconnect();
+  };
+  window.addEventListener("online", retryNow);
+
+  return () => {
+    clearInterval(watch);
+    window.removeEventListener("online", retryNow);
+    socket.close();
+  };
+}
+
+function parse(data: unknown): GatewayEvent | null {
+  if (typeof data !== "string") return null;
+  try {
+    const event: unknown = JSON.parse(data);
+    return typeof event === "object" && event !== null && "type" in event ? (event as GatewayEvent) : null;
+  } catch {
+    return null;
+  }
+}

@@ -1,0 +1,23 @@
+import react from "@vitejs/plugin-react";
+import { defineConfig } from "vitest/config";
+
+const gateway = process.env.DOCK_GATEWAY_URL ?? "http://127.0.0.1:8000";
+const apiPaths = ["/dock", "/stop", "/battery", "/healthz", "/readyz", "/docs", "/openapi.json"];
+
+export default defineConfig({
+  plugins: [react()],
+  server: {
+    // The Host header is passed on as it is, so that the gateway's check of the Origin holds here too.
+    proxy: {
+      ...Object.fromEntries(apiPaths.map((path) => [path, { target: gateway }])),
+      "/ws": { target: gateway, ws: true },
+    },
+  },
+  build: { target: "es2022", chunkSizeWarningLimit: 800 },
+  test: {
+    environment: "jsdom",
+    include: ["tests/**/*.test.{ts,tsx}"],
+    setupFiles: ["tests/setup.ts"],
+    restoreMocks: true,
+  },
+});
