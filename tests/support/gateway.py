@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-import httpx
+import httpx2
 import orjson
 from websockets.sync.client import ClientConnection, connect
 
@@ -54,7 +54,7 @@ class RunningGateway:
 
     process: Process
     url: str
-    http: httpx.Client
+    http: httpx2.Client
 
     @contextmanager
     def stream(self, query: str = "") -> Iterator[Stream]:
@@ -89,7 +89,7 @@ def running_gateway(domain: int, **settings: str) -> Iterator[RunningGateway]:
     variables = {f"DOCK_GATEWAY_{name.upper()}": value for name, value in {"port": "0", **settings}.items()}
     with Process(str(BIN / "dock-gateway"), "serve", env=ros_environment(domain, **variables)) as process:
         url = process.wait_for("listening on ").rpartition(" ")[2]
-        with httpx.Client(base_url=url, timeout=15.0, trust_env=False) as http:
+        with httpx2.Client(base_url=url, timeout=15.0, trust_env=False) as http:
             yield RunningGateway(process, url, http)
 
 

@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import Self
 
 BIN = Path(sys.executable).parent
 
@@ -20,6 +21,8 @@ def ros_environment(domain: int, **more: str) -> dict[str, str]:
         "ROS_DOMAIN_ID": str(domain),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "PYTHONUNBUFFERED": "1",
+        # Shared memory of killed processes stays behind and disturbs later ones on the same domain.
+        "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
         **more,
     }
 
@@ -32,7 +35,13 @@ class Process:
 
     def __init__(self, *command: str, env: dict[str, str], cwd: Path | None = None) -> None:
         self._process = subprocess.Popen(
-            command, env=env, cwd=cwd, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            command,
+            env=env,
+            cwd=cwd,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
         )
         self.pid = self._process.pid
         self._lines: list[str] = []
@@ -85,7 +94,7 @@ class Process:
         """Whether it has not ended yet."""
         return self._process.poll() is None
 
-    def __enter__(self) -> "Process":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
