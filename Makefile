@@ -11,7 +11,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMPS := $(VENV)/.stamps
 UV ?= $(shell command -v uv || echo .tools/uv/bin/uv)
-PYTHON_VERSIONS := >=3.10,<3.15
+PYTHON_VERSIONS := >=3.11,<3.15
 UP_ARGS ?=
 PYTEST_ARGS ?=
 
@@ -46,7 +46,7 @@ format: setup ## format Python and TypeScript
 	. scripts/node-env && cd frontend && npx --no-install biome check --write src tests
 
 lock: $(UV) ## write both locks anew from the pyproject.toml files
-	$(UV) pip compile --quiet --universal --python-version 3.10 --generate-hashes --upgrade \
+	$(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
 	    --no-emit-index-url --no-annotate --no-header \
 	    --no-emit-package action-tutorials-interfaces --group dev pyproject.toml -o requirements.lock
 	scripts/lock-build-requirements

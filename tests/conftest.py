@@ -1,11 +1,15 @@
 """Fixtures for every test that needs ROS."""
 
+import os
 from collections.abc import Iterator
 
 import pytest
 
 from tests.support.domain import ros_domain
 from tests.support.observer import Observer, ros_observer
+
+# Nodes in the test process, too, stay on this machine.
+os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 
 
 def pytest_configure(config: pytest.Config) -> None:

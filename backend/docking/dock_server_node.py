@@ -252,6 +252,11 @@ class DockServer(Node):  # type: ignore[misc] # rclpy has no types
 
     # The server ends.
 
+    def destroy_node(self) -> None:
+        """Leave the ROS graph, with the action server, which rclpy would leave behind."""
+        self._server.destroy()
+        super().destroy_node()
+
     def close(self) -> None:
         """Let no more goals in, stop the robot, abort the goal that runs, and wait until all readers know.
 

@@ -101,6 +101,11 @@ class FibonacciServer(Node):  # type: ignore[misc] # rclpy has no types
         if pause is not None:
             pause.set_result(None)
 
+    def destroy_node(self) -> None:
+        """Leave the ROS graph, with the action server, which rclpy would leave behind."""
+        self._server.destroy()
+        super().destroy_node()
+
     def close(self) -> None:
         """Let no more goals in and abort those that run; the node must be spun for another moment."""
         self._closing = True

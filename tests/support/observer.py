@@ -1,6 +1,5 @@
 """A ROS node in the test process that listens to topics, publishes, and sends goals."""
 
-import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -109,6 +108,11 @@ class Observer:
         self.call(lambda: self.node.create_subscription(message_type, topic, recording.messages.append, qos))
         return recording
 
+    def close(self) -> None:
+        """Leave the ROS graph with the action clients, too, which a node does not destroy by itself."""
+        for client in self._clients.values():
+            client.destroy()
+
     def publish(self, message: Any, topic: str, qos: QoSProfile | int = 10) -> None:
         """Publish one message; the first on a topic waits for a subscriber."""
         if topic not in self._publishers:
@@ -145,7 +149,6 @@ def ros_nodes(domain: int, *ros_args: str) -> Iterator[Context]:
         domain: The ROS domain.
         ros_args: What would follow `--ros-args` on a command line.
     """
-    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     with ros_context(["test", "--ros-args", *ros_args], domain_id=domain) as context:
         yield context
 
@@ -156,4 +159,8 @@ def ros_observer(domain: int, name: str = "observer") -> Iterator[Observer]:
     with ros_nodes(domain) as context:
         node = Node(name, context=context, enable_rosout=False)
         with Spinner(context, [node]) as spinner:
-            yield Observer(node, spinner)
+            observer = Observer(node, spinner)
+            try:
+                yield observer
+            finally:
+                spinner.call(observer.close).result(5.0)

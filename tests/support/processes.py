@@ -21,8 +21,6 @@ def ros_environment(domain: int, **more: str) -> dict[str, str]:
         "ROS_DOMAIN_ID": str(domain),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "PYTHONUNBUFFERED": "1",
-        # Shared memory of killed processes stays behind and disturbs later ones on the same domain.
-        "FASTDDS_BUILTIN_TRANSPORTS": "UDPv4",
         **more,
     }
 

@@ -85,10 +85,7 @@ def test_without_a_server_it_ends_after_the_timeout(domain: int) -> None:
 
 @pytest.fixture
 def server_process(domain: int) -> Iterator[Process]:
-    # Without shared memory, of which a killed process would leave files behind.
-    with Process(
-        "connect_to_charging_dock_server", env=ros_environment(domain, FASTDDS_BUILTIN_TRANSPORTS="UDPv4")
-    ) as process:
+    with Process("connect_to_charging_dock_server", env=ros_environment(domain)) as process:
         yield process
 
 

@@ -109,8 +109,6 @@ def up(no_sim: bool, **options: str | None) -> None:
     """
     settings = read_settings(options)
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    # Fast DDS leaves the shared memory of a killed process behind, which disturbs the next ones for many seconds.
-    os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
     arguments = [f"{option_name(name)}={value}" for name, value in options.items() if value is not None]
     namespace = ["--ros-args", "-r", f"__ns:=/{settings.namespace.strip('/')}"] if settings.namespace.strip("/") else []
     action_server = [_find(ACTION_SERVER), *namespace]
