@@ -10,7 +10,7 @@ import { createGateway } from "./api/client";
 import { createQueryClient } from "./api/queryClient";
 import { BatterySeries } from "./battery/series";
 import { App } from "./layout/App";
-import { theme } from "./layout/theme";
+import { cssVariables, theme } from "./layout/theme";
 import { ServicesProvider } from "./store/context";
 import { Store } from "./store/store";
 import { openStream, streamUrl } from "./stream/stream";
@@ -26,8 +26,8 @@ const root = document.getElementById("root");
 if (root === null) throw new Error("index.html has no #root");
 createRoot(root).render(
   <StrictMode>
-    <MantineProvider theme={theme} defaultColorScheme="auto">
-      <Notifications position="top-center" zIndex={400} />
+    <MantineProvider theme={theme} cssVariablesResolver={cssVariables} defaultColorScheme="auto">
+      <Notifications position="bottom-right" zIndex={400} />
       <QueryClientProvider client={createQueryClient()}>
         <ServicesProvider value={{ gateway: createGateway(window.location.origin), store, series }}>
           <App />

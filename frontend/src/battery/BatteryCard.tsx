@@ -41,7 +41,7 @@ export function BatteryCard() {
               </Text>
               <Text className="tabular">{formatQuantity(state.voltage, "V")}</Text>
               <Text size="sm" c="dimmed" className="tabular">
-                {age < 1000 ? "just now" : `${formatDuration(age)} ago`}, at <Time value={receivedAt} />
+                {age < 1500 ? "just now" : `${formatDuration(age)} ago`}, at <Time value={receivedAt} />
               </Text>
             </Stack>
           </Group>
@@ -60,8 +60,8 @@ export function BatteryCard() {
 }
 
 function Freshness({ live, known, stale }: { live: boolean; known: boolean; stale: boolean }) {
-  if (!live) return <Badge color="gray">Not live</Badge>;
-  if (!known) return <Badge color="gray">No data</Badge>;
+  if (!live) return <Badge color="gray.7">Not live</Badge>;
+  if (!known) return <Badge color="gray.7">No data</Badge>;
   return stale ? <Badge color="orange">Stale</Badge> : <Badge color="green">Live</Badge>;
 }
 
@@ -106,7 +106,7 @@ function Gauge({ state, faded }: { state: BatteryState; faded: boolean }) {
 }
 
 function gaugeColor(state: BatteryState, value: number, faded: boolean): string {
-  if (faded) return "gray";
+  if (faded) return "gray.5";
   if (state.power_supply_status === CHARGING || state.power_supply_status === FULL) return "green";
   return value < 25 ? "orange" : "blue";
 }

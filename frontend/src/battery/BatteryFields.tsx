@@ -14,11 +14,11 @@ type Texts = "location" | "serial_number" | "frame_id" | "cell_voltage" | "cell_
 /** The fields that matter most. */
 export function MainFields(props: FieldsProps) {
   return (
-    <SimpleGrid cols={{ base: 1, xs: 3 }} spacing="sm">
+    <>
       <FloatField {...props} field="percent" label="Percentage (%)" min={0} max={100} step={1} />
       <FloatField {...props} field="voltage" label="Voltage (V)" step={0.1} />
       <ChoiceField {...props} field="power_supply_status" label="Status" words={STATUS_WORDS} />
-    </SimpleGrid>
+    </>
   );
 }
 
@@ -26,8 +26,20 @@ export function MainFields(props: FieldsProps) {
 export function MoreFields(props: FieldsProps) {
   return (
     <SimpleGrid cols={{ base: 1, xs: 2 }} spacing="sm">
-      <FloatField {...props} field="current" label="Current (A), negative when discharging" step={0.1} />
-      <FloatField {...props} field="temperature" label="Temperature (°C)" step={1} />
+      <FloatField
+        {...props}
+        field="current"
+        label="Current (A)"
+        description="Negative when discharging"
+        step={0.1}
+      />
+      <FloatField
+        {...props}
+        field="temperature"
+        label="Temperature (°C)"
+        description="Of the battery"
+        step={1}
+      />
       <FloatField {...props} field="charge" label="Charge (Ah)" step={0.1} />
       <FloatField {...props} field="capacity" label="Capacity (Ah)" step={0.1} />
       <FloatField {...props} field="design_capacity" label="Design capacity (Ah)" step={0.1} />
@@ -51,6 +63,7 @@ interface FloatFieldProps extends FieldsProps {
   field: Floats;
   label: string;
   step: number;
+  description?: string;
   min?: number;
   max?: number;
 }
@@ -79,7 +92,7 @@ function ChoiceField({ form, onChange, field, label, words }: ChoiceFieldProps) 
       label={label}
       value={form[field]}
       onChange={(event) => onChange({ [field]: Number(event.currentTarget.value) })}
-      data={words.map((word, value) => ({ label: `${word} (${value})`, value: String(value) }))}
+      data={words.map((word, value) => ({ label: word, value: String(value) }))}
     />
   );
 }

@@ -7,7 +7,7 @@ import { useServices } from "../store/context";
 import classes from "./BatteryPlot.module.css";
 import { PLOT_COLORS, plotOptions } from "./plotOptions";
 
-const HEIGHT = 190;
+const HEIGHT = 230;
 /** uPlot's time is its redraws: ten a second for new messages, one a second to move on. */
 const REDRAW_MS = 100;
 const SCROLL_MS = 1000;
@@ -23,7 +23,13 @@ export function BatteryPlot() {
   useEffect(() => {
     if (canvasRef.current === null || width === 0) return;
     const options = plotOptions(width, HEIGHT, PLOT_COLORS[scheme], () => store.gatewayNow() / 1000);
-    const plot = new uPlot(options, series.data, canvasRef.current);
+    const plot = new uPlot(options, undefined, canvasRef.current);
+    const draw = () => {
+      plot.setData(series.data);
+      // Without a pointer on it, the legend tells the latest values.
+      if ((plot.cursor.left ?? -1) < 0 && series.length > 0) plot.setLegend({ idx: series.length - 1 });
+    };
+    draw();
     let drawnVersion = series.version;
     let drawnAt = Date.now();
     const timer = setInterval(
@@ -32,7 +38,7 @@ export function BatteryPlot() {
         if (idle || document.hidden) return;
         drawnVersion = series.version;
         drawnAt = Date.now();
-        plot.setData(series.data);
+        draw();
       },
       reducedMotion ? SCROLL_MS : REDRAW_MS,
     );

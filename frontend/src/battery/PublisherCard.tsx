@@ -1,4 +1,4 @@
-import { Button, Collapse, Group, NumberInput, Stack, Text } from "@mantine/core";
+import { Button, Collapse, Group, NumberInput, SimpleGrid, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useId, useState } from "react";
 import { useLive, useServices, useTopic } from "../store/context";
@@ -26,6 +26,7 @@ export function PublisherCard() {
   const reasonId = useId();
   const moreId = useId();
 
+  const change = (part: Partial<BatteryForm>) => setForm((before) => ({ ...before, ...part }));
   const message = toMessage(form);
   const rate = toNumber(rateInput);
   const finish = (text: string, once = false) => setDone({ at: store.gatewayNow(), text, once });
@@ -77,10 +78,19 @@ export function PublisherCard() {
           );
         })}
       </Group>
-      <MainFields form={form} onChange={(change) => setForm((before) => ({ ...before, ...change }))} />
+      <SimpleGrid cols={{ base: 2, xs: 4 }} spacing="sm">
+        <MainFields form={form} onChange={change} />
+        <NumberInput
+          label="Rate (Hz)"
+          min={MIN_RATE_HZ}
+          max={MAX_RATE_HZ}
+          value={rateInput}
+          onChange={setRateInput}
+        />
+      </SimpleGrid>
       <div>
         <Button
-          variant="subtle"
+          variant="default"
           size="compact-md"
           aria-expanded={moreOpen}
           aria-controls={moreId}
@@ -90,18 +100,10 @@ export function PublisherCard() {
         </Button>
       </div>
       <Collapse expanded={moreOpen} id={moreId}>
-        <MoreFields form={form} onChange={(change) => setForm((before) => ({ ...before, ...change }))} />
+        <MoreFields form={form} onChange={change} />
       </Collapse>
       <Stack gap="xs">
-        <Group gap="sm" align="end">
-          <NumberInput
-            label="Rate (Hz)"
-            w={110}
-            min={MIN_RATE_HZ}
-            max={MAX_RATE_HZ}
-            value={rateInput}
-            onChange={setRateInput}
-          />
+        <Group gap="sm">
           <Button
             disabled={!live || message === null || rateWrong || busy}
             aria-describedby={reasonId}

@@ -5,8 +5,10 @@ import { useGatewayNow } from "../store/useGatewayNow";
 import { Time } from "../ui/Time";
 import { summarize } from "./words";
 
-/** A battery message this fresh, with nothing published by the gateway, comes from someone else. */
+/** A battery message this fresh means that someone publishes now. */
 const FRESH_MS = 3000;
+/** A message that comes within this time of the gateway's own publishing is its own. */
+const OURS_MS = 1500;
 
 /** What the gateway publishes now, or who else does. */
 export function PublisherStatus({ publishedOnceAt }: { publishedOnceAt: number | null }) {
@@ -39,14 +41,15 @@ function Active({ publisher }: { publisher: Publisher }) {
 
 function Inactive({ publishedOnceAt }: { publishedOnceAt: number | null }) {
   const { receivedAt } = useTopic("battery");
+  const toldAt = useTopic("publisherToldAt");
   const now = useGatewayNow(500);
-  const fresh = receivedAt !== null && now - receivedAt < FRESH_MS;
-  const ours = publishedOnceAt !== null && now - publishedOnceAt < 2 * FRESH_MS;
+  const oursUntil = Math.max(toldAt, publishedOnceAt ?? 0) + OURS_MS;
+  const someoneElse = receivedAt !== null && now - receivedAt < FRESH_MS && receivedAt > oursUntil;
   return (
     <Group gap="xs" data-testid="publisher-status">
-      <Badge color="gray">not publishing</Badge>
+      <Badge color="gray.7">not publishing</Badge>
       <Text size="sm">
-        {fresh && !ours
+        {someoneElse
           ? "Someone else publishes battery states: a robot, or ros2 topic pub. What you publish here mixes with theirs."
           : "This gateway publishes nothing by itself now."}
       </Text>

@@ -13,6 +13,8 @@ export const PLOT_COLORS: Record<"light" | "dark", PlotColors> = {
   dark: { text: "#dee2e6", grid: "#424242", percentage: "#74c0fc", voltage: "#ffa8c5" },
 };
 
+const MINUTES = WINDOW_S / 60;
+const ROWS = 4;
 const FONT = "12px system-ui, sans-serif";
 const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit" });
 
@@ -21,6 +23,11 @@ export function voltageRange(min: number | null, max: number | null): [number, n
   if (min === null || max === null) return [0, 1];
   const room = Math.max((max - min) * 0.15, Math.abs(max) * 0.05, 0.1);
   return [min - room, max + room];
+}
+
+/** `parts` + 1 marks from `min` to `max`, so that both scales share the grid's lines. */
+export function evenly(min: number, max: number, parts: number): number[] {
+  return Array.from({ length: parts + 1 }, (_, index) => min + ((max - min) * index) / parts);
 }
 
 /** @param now The right edge of the plot, s since 1970. */
@@ -45,16 +52,16 @@ export function plotOptions(
     axes: [
       {
         ...axis,
-        space: 90,
         grid: { stroke: colors.grid, width: 1 },
-        values: (_plot, splits) => splits.map((split) => clock.format(split * 1000)),
+        splits: (_plot, _axis, min, max) => evenly(min, max, MINUTES),
+        values: () => ["−5 min", "−4", "−3", "−2", "−1", "now"],
       },
       {
         ...axis,
         scale: "percent",
         size: 56,
         grid: { stroke: colors.grid, width: 1 },
-        incrs: [25, 50, 100],
+        splits: (_plot, _axis, min, max) => evenly(min, max, ROWS),
         values: (_plot, splits) => splits.map((split) => `${split} %`),
       },
       {
@@ -63,7 +70,8 @@ export function plotOptions(
         side: 1,
         size: 62,
         grid: { show: false },
-        values: (_plot, splits) => splits.map((split) => `${Number(split.toFixed(2))} V`),
+        splits: (_plot, _axis, min, max) => evenly(min, max, ROWS),
+        values: (_plot, splits) => splits.map((split) => `${split.toFixed(2)} V`),
       },
     ],
     series: [

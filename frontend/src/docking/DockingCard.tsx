@@ -33,24 +33,10 @@ export function DockingCard() {
 
   return (
     <Section title="Docking">
-      <Group align="end" gap="md">
-        <Stack gap={4}>
-          <Text size="sm" id={targetId}>
-            Done when the battery is
-          </Text>
-          <SegmentedControl
-            aria-labelledby={targetId}
-            value={target}
-            onChange={setTarget}
-            data={[
-              { label: "Charging", value: String(CHARGING) },
-              { label: "Full", value: String(FULL) },
-            ]}
-          />
-        </Stack>
+      <Group gap="md" align="center">
         <Group gap="sm">
           <Button
-            size="md"
+            size="lg"
             disabled={dockReason !== null}
             aria-describedby={reasonId}
             onClick={() => {
@@ -61,7 +47,7 @@ export function DockingCard() {
             Dock
           </Button>
           <Button
-            size="md"
+            size="lg"
             variant="default"
             disabled={cancelReason !== null}
             aria-describedby={reasonId}
@@ -70,9 +56,23 @@ export function DockingCard() {
             Cancel
           </Button>
         </Group>
+        <Group gap="xs">
+          <Text size="sm" id={targetId}>
+            until the battery is
+          </Text>
+          <SegmentedControl
+            aria-labelledby={targetId}
+            value={target}
+            onChange={setTarget}
+            data={[
+              { label: "Charging", value: String(CHARGING) },
+              { label: "Full", value: String(FULL) },
+            ]}
+          />
+        </Group>
       </Group>
       <Text size="sm" c="dimmed" id={reasonId} role="status">
-        {[...new Set(reasons)].join(" ")}
+        {[...new Set(reasons)].join(" ")}{" "}
         {dockReason === null && server?.answering === false && (
           <strong>The action server is there but does not answer: a goal may time out.</strong>
         )}

@@ -6,6 +6,7 @@ import { useLive, useTopic } from "../store/context";
 import { isTerminal } from "../store/goals";
 import { useGatewayNow } from "../store/useGatewayNow";
 import { Fact, FactList } from "../ui/Fact";
+import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
 import { formatDuration } from "../ui/time";
 import { advice, meaning } from "./goalWords";
@@ -29,7 +30,7 @@ export function GoalPanel({ goal }: { goal: Goal }) {
             sent by someone else
           </Badge>
         )}
-        {!live && <Badge color="gray">Not live</Badge>}
+        {!live && <Badge color="gray.7">Not live</Badge>}
       </Group>
       <Explanation goal={goal} />
       <FactList>
@@ -58,7 +59,7 @@ function Explanation({ goal }: { goal: Goal }) {
   const hint = advice(goal);
   return (
     <Alert color={goal.status === "canceled" || goal.stalled ? "orange" : "red"} title={meaning(goal)}>
-      {goal.error !== null && <Text size="sm">{goal.error.detail}</Text>}
+      {goal.error !== null && <Text size="sm">{sentence(goal.error.detail)}</Text>}
       {hint !== null && <Text size="sm">{hint}</Text>}
       {goal.error !== null && <Text size="sm">Code: {goal.error.code}</Text>}
     </Alert>

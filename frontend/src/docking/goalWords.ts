@@ -2,12 +2,12 @@ import type { Goal, GoalStatus } from "../api/types";
 import { isTerminal } from "../store/goals";
 
 export const STATUS_COLORS: Record<GoalStatus, string> = {
-  pending: "gray",
+  pending: "gray.7",
   accepted: "blue",
   executing: "blue",
   canceling: "orange",
   succeeded: "green",
-  canceled: "gray",
+  canceled: "gray.7",
   aborted: "red",
   rejected: "red",
   lost: "red",
@@ -22,19 +22,23 @@ const MEANINGS: Record<GoalStatus, string> = {
   canceled: "Canceled as asked.",
   aborted: "The action server gave up on the goal.",
   rejected: "The action server did not accept the goal.",
-  lost: "The action server went away while the goal ran. Where the robot is now has to be looked at on the spot. If the server comes back and still knows the goal, its outcome appears here.",
+  lost: "The action server went away while the goal ran.",
 };
 
 /** What the status means, in a sentence. */
 export function meaning(goal: Goal): string {
   if (goal.stalled && !isTerminal(goal.status)) {
-    return "Stalled: the action server has been silent for some seconds and does not answer. It may come back; otherwise the goal is called lost in a few seconds. Press Stop to be safe.";
+    return "Stalled: the action server is silent and does not answer.";
   }
   return MEANINGS[goal.status];
 }
 
+const LOST =
+  "Look at the robot: where it is now is not known here. Start its action server again; if that still knows the goal, the outcome appears here.";
+const STALLED =
+  "It may come back; otherwise the goal is called lost in some seconds. Press Stop to be on the safe side.";
+
 const ADVICE: Record<string, string> = {
-  action_server_lost: "Look at the robot, then start its action server again.",
   action_server_timeout: "Look at the action server's log; it may be frozen.",
   battery_lost: "Check the battery driver, or publish a battery state from this page, then dock again.",
   dock_busy: "Wait for the running goal to end, or cancel it first.",
@@ -44,9 +48,11 @@ const ADVICE: Record<string, string> = {
   timeout: "Check the robot's way to the dock, or raise the server's goal_timeout.",
 };
 
-/** What can be done about a goal that did not succeed. */
+/** What can be done about a goal that does not go as it should. */
 export function advice(goal: Goal): string | null {
-  return goal.error === null ? null : (ADVICE[goal.error.code] ?? null);
+  if (goal.status === "lost") return LOST;
+  if (goal.error !== null) return ADVICE[goal.error.code] ?? null;
+  return goal.stalled ? STALLED : null;
 }
 
 /** One line for a table: the reason where there is one, else nothing to add. */

@@ -1,4 +1,4 @@
-import { Badge, Code, Drawer, Stack, Text } from "@mantine/core";
+import { Badge, CloseButton, Code, Drawer, Group, Stack, Text, Title } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { type CommandError, toCommandError } from "../api/errors";
 import type { Goal } from "../api/types";
@@ -8,6 +8,7 @@ import { isTerminal } from "../store/goals";
 import { CopyButton } from "../ui/CopyButton";
 import { Fact, FactList } from "../ui/Fact";
 import { JsonBlock } from "../ui/JsonBlock";
+import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
 import { GoalStatusBadge } from "./GoalStatusBadge";
 import classes from "./goals.module.css";
@@ -15,16 +16,20 @@ import classes from "./goals.module.css";
 /** A goal in full: what was asked, the latest feedback, the result. */
 export function GoalDrawer({ goalId, onClose }: { goalId: string | null; onClose: () => void }) {
   return (
-    <Drawer
-      opened={goalId !== null}
-      onClose={onClose}
-      position="right"
-      size="lg"
-      title="Goal"
-      closeButtonProps={{ "aria-label": "Close the details" }}
-    >
-      {goalId !== null && <GoalDetails goalId={goalId} />}
-    </Drawer>
+    <Drawer.Root opened={goalId !== null} onClose={onClose} position="right" size="lg">
+      <Drawer.Overlay className={classes.belowHeader} />
+      <Drawer.Content aria-label="Goal" classNames={{ inner: classes.belowHeader, content: classes.drawer }}>
+        <Drawer.Body pt="md">
+          <Group justify="space-between" mb="sm">
+            <Title order={2} size="h4">
+              Goal
+            </Title>
+            <CloseButton aria-label="Close the details" onClick={onClose} data-autofocus />
+          </Group>
+          {goalId !== null && <GoalDetails goalId={goalId} />}
+        </Drawer.Body>
+      </Drawer.Content>
+    </Drawer.Root>
   );
 }
 
@@ -54,7 +59,7 @@ function GoalDetails({ goalId }: { goalId: string }) {
       </Text>
       {goal.error !== null && (
         <Text size="sm">
-          {goal.error.detail} <Code>{goal.error.code}</Code>
+          {sentence(goal.error.detail)} <Code>{goal.error.code}</Code>
         </Text>
       )}
       {query.error !== null && (

@@ -1,4 +1,4 @@
-import { Badge, Button, Group, Table, Text } from "@mantine/core";
+import { Badge, Button, Table, Text } from "@mantine/core";
 import { useMemo, useState } from "react";
 import type { Goal } from "../api/types";
 import { outcome } from "../docking/goalWords";
@@ -8,6 +8,7 @@ import { MAX_GOALS } from "../store/state";
 import { useGatewayNow } from "../store/useGatewayNow";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Section } from "../ui/Section";
+import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
 import { formatDuration } from "../ui/time";
 import { useCommand } from "../ui/useCommand";
@@ -32,7 +33,7 @@ export function GoalsCard() {
           ROS nodes. Press Dock, or type <em>curl -X POST {window.location.origin}/dock</em>
         </Text>
       ) : (
-        <Table verticalSpacing="xs" highlightOnHover>
+        <Table verticalSpacing="xs" horizontalSpacing={8} highlightOnHover>
           <Table.Thead>
             <Table.Tr>
               <Table.Th>Started</Table.Th>
@@ -78,7 +79,7 @@ function GoalRow({ goal, onOpen }: { goal: Goal; onOpen: () => void }) {
       </Table.Td>
       <Table.Td>
         <Text size="sm" lineClamp={2} title={goal.error?.detail}>
-          {outcome(goal)}
+          {sentence(outcome(goal))}
         </Text>
       </Table.Td>
     </Table.Tr>
@@ -115,30 +116,25 @@ function MoreGoals({ loaded, shown, onShow }: MoreGoalsProps) {
   const full = loaded >= MAX_GOALS;
   const canLoad = hidden <= 0 && cursor !== null && !full && loaded >= PAGE;
 
+  if (hidden <= 0 && !canLoad && !full) return null;
+
   return (
     <>
-      <Group gap="sm">
-        {hidden > 0 && (
-          <Button variant="default" size="compact-md" onClick={onShow}>
-            Show {Math.min(hidden, PAGE)} more
-          </Button>
-        )}
-        {canLoad && (
-          <Button
-            variant="default"
-            size="compact-md"
-            disabled={!live || load.isPending}
-            onClick={() => load.mutate()}
-          >
-            Load older goals
-          </Button>
-        )}
-        {hidden <= 0 && full && (
-          <Text size="sm" c="dimmed">
-            The newest {MAX_GOALS} are kept on this page; GET /dock has the older ones.
-          </Text>
-        )}
-      </Group>
+      {hidden > 0 && (
+        <Button variant="default" onClick={onShow}>
+          Show {Math.min(hidden, PAGE)} more
+        </Button>
+      )}
+      {canLoad && (
+        <Button variant="default" disabled={!live || load.isPending} onClick={() => load.mutate()}>
+          Load older goals
+        </Button>
+      )}
+      {hidden <= 0 && full && (
+        <Text size="sm" c="dimmed">
+          The newest {MAX_GOALS} are kept on this page; GET /dock has the older ones.
+        </Text>
+      )}
       <CommandErrorAlert command="Loading older goals" error={load.error} onClose={load.reset} />
     </>
   );

@@ -17,19 +17,23 @@ export function ActionServerStatus() {
 
 function describe(server: ActionServer | null): { label: string; color: string; hint: string } {
   if (server === null) {
-    return { label: "server unknown", color: "gray", hint: "Known again when the gateway is connected." };
+    return {
+      label: "action server unknown",
+      color: "gray.7",
+      hint: "Known again when the gateway is connected.",
+    };
   }
   if (!server.available) {
     return {
-      label: "server not there",
+      label: "action server not there",
       color: "red",
       hint: `Nobody offers ${server.action_name}. Start connect_to_charging_dock_server.`,
     };
   }
   return server.answering
-    ? { label: "server answering", color: "green", hint: `${server.action_name} answers.` }
+    ? { label: "action server answering", color: "green", hint: `${server.action_name} answers.` }
     : {
-        label: "server silent",
+        label: "action server silent",
         color: "orange",
         hint: `${server.action_name} is on the graph but does not answer. It may be frozen.`,
       };

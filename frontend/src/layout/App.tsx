@@ -16,16 +16,12 @@ export function App() {
         <Stack gap="md">
           <ConnectionBanner />
           <div className={classes.grid}>
-            <div className={classes.column}>
-              <DockingCard />
-              <GoalsCard />
-              <CurlCard />
-            </div>
-            <div className={classes.column}>
-              <BatteryCard />
-              <PublisherCard />
-            </div>
+            <DockingCard />
+            <BatteryCard />
+            <PublisherCard />
+            <GoalsCard />
           </div>
+          <CurlCard />
         </Stack>
       </Container>
     </>

@@ -3,7 +3,7 @@ import { useTopic } from "../store/context";
 import type { ConnectionPhase } from "../stream/connection";
 
 const PHASES: Record<ConnectionPhase, { label: string; color: string; hint: string }> = {
-  connecting: { label: "connecting", color: "gray", hint: "Waiting for the gateway's first message." },
+  connecting: { label: "connecting", color: "gray.7", hint: "Waiting for the gateway's first message." },
   live: { label: "live", color: "green", hint: "What you see is what the gateway says now." },
   reconnecting: {
     label: "reconnecting",

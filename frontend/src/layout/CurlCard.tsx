@@ -1,15 +1,16 @@
-import { Stack, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { useTopic } from "../store/context";
 import { newestFirst } from "../store/goals";
 import { Command } from "../ui/Command";
 import { Section } from "../ui/Section";
+import classes from "./layout.module.css";
 
 /** The same from a terminal. */
 export function CurlCard() {
   const [newest] = newestFirst(useTopic("goals"));
   return (
     <Section title="From a terminal">
-      <Stack gap="sm">
+      <div className={classes.commands}>
         {commands(window.location, newest?.goal_id ?? "GOAL_ID").map(({ what, line }) => (
           <div key={what}>
             <Text size="sm" mb={2}>
@@ -18,7 +19,7 @@ export function CurlCard() {
             <Command line={line} what={`the command: ${what}`} />
           </div>
         ))}
-      </Stack>
+      </div>
     </Section>
   );
 }

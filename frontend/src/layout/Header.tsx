@@ -8,7 +8,7 @@ import { StopButton } from "./StopButton";
 export function Header() {
   return (
     <header className={classes.header}>
-      <Container size="xl" py="xs">
+      <Container size="xl" w="100%">
         <div className={classes.bar}>
           <Title order={1} size="h3" className={classes.name}>
             dock-gateway

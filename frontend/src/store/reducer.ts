@@ -31,7 +31,7 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
     case "cmd_vel":
       return { ...state, cmdVel: { twist: event.cmd_vel, receivedAt: Date.parse(event.time) } };
     case "battery_publisher":
-      return { ...state, publisher: event.battery_publisher };
+      return { ...state, publisher: event.battery_publisher, publisherToldAt: Date.parse(event.time) };
     case "action_server":
       return { ...state, actionServer: event.action_server };
     case "heartbeat":
@@ -52,6 +52,7 @@ function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): S
       battery: { state: battery, receivedAt: received_at === null ? null : Date.parse(received_at) },
       cmdVel: { twist: null, receivedAt: null },
       publisher: event.battery_publisher,
+      publisherToldAt: Date.parse(event.time),
       actionServer: event.action_server,
       clockSkew: now - Date.parse(event.time),
     },

@@ -31,6 +31,8 @@ export interface State {
   battery: Battery;
   cmdVel: CmdVel;
   publisher: Publisher | null;
+  /** When that was told, in the gateway's time (ms): while it runs, about once a second. */
+  publisherToldAt: number;
   actionServer: ActionServer | null;
   /** Feedback messages that the gateway did not send because this page was too slow. */
   dropped: number;
@@ -45,6 +47,7 @@ export const initialState: State = {
   battery: { state: null, receivedAt: null },
   cmdVel: { twist: null, receivedAt: null },
   publisher: null,
+  publisherToldAt: 0,
   actionServer: null,
   dropped: 0,
   clockSkew: 0,

@@ -1,5 +1,6 @@
 import { Alert, List, Text } from "@mantine/core";
 import type { CommandError } from "../api/errors";
+import { sentence } from "./sentence";
 
 interface CommandErrorAlertProps {
   /** What was tried, as in "Dock did not work". */
@@ -19,7 +20,7 @@ export function CommandErrorAlert({ command, error, onClose }: CommandErrorAlert
       closeButtonLabel="Dismiss the error"
       onClose={onClose}
     >
-      <Text size="sm">{error.detail}</Text>
+      <Text size="sm">{sentence(error.detail)}</Text>
       {error.fields.length > 1 && (
         <List size="sm">
           {error.fields.map((field) => (

@@ -1,0 +1,4 @@
+/** The gateway's and the action server's words as a sentence of this page: begins with a capital. */
+export function sentence(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

@@ -1,0 +1,229 @@
+import { notifications } from "@mantine/notifications";
+import { act, screen, waitFor, within } from "@testing-library/react";
+import { afterEach, describe, expect, it, vi } from "vitest";
+import { CommandError } from "../src/api/errors";
+import { battery, goal, idlePublisher, server } from "./events";
+import { fakeGateway, renderPage } from "./page";
+
+const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
+const now = () => new Date().toISOString();
+const running = goal("a", { created_at: now(), updated_at: now(), feedback_count: 3 });
+
+afterEach(() => act(() => notifications.clean()));
+
+describe("connection", () => {
+  it("is said in the header, and below that what is shown is not live", async () => {
+    const { store } = renderPage(fakeGateway());
+    expect(screen.getByTestId("connection").textContent).toBe("live");
+    act(() => store.onConnection({ kind: "closed" }));
+    expect(screen.getByTestId("connection").textContent).toBe("reconnecting");
+    expect(screen.getByText("Reconnecting to the gateway")).toBeDefined();
+    expect(screen.getAllByText("Not live").length).toBeGreaterThan(0);
+  });
+
+  it("lost: commands are disabled and say why, Stop is not", () => {
+    const { store } = renderPage(fakeGateway(), { goals: [running] });
+    act(() => store.onConnection({ kind: "closed" }));
+    for (const name of ["Dock", "Cancel", "Publish once", "Publish repeatedly", "Stop publishing"]) {
+      expect(button(name).disabled, name).toBe(true);
+    }
+    expect(screen.getByText(/Dock and Cancel need the gateway/)).toBeDefined();
+    expect(screen.getByText(/Publishing needs the gateway/)).toBeDefined();
+    expect(button("Stop").disabled).toBe(false);
+  });
+});
+
+describe("Stop", () => {
+  it("works by click, again while one is under way, and by keyboard from a text field", async () => {
+    const gateway = fakeGateway({ stop: vi.fn(() => new Promise<never>(() => {})) });
+    const { user } = renderPage(gateway, null);
+    await user.click(button("Stop"));
+    await user.click(button("Stop"));
+    await user.click(screen.getByLabelText("Voltage (V)"));
+    await user.keyboard("{Control>}{Shift>}X{/Shift}{/Control}");
+    expect(gateway.stop).toHaveBeenCalledTimes(3);
+  });
+
+  it("says what it did", async () => {
+    const { user } = renderPage(fakeGateway());
+    await user.click(button("Stop"));
+    expect(await screen.findByText("Zero velocity was sent. One goal is being canceled.")).toBeDefined();
+  });
+
+  it("says loudly where it did not get through, and where a goal was not canceled", async () => {
+    const error = new CommandError("gateway_unreachable", "The gateway cannot be reached", "No answer.");
+    const stop = vi.fn().mockRejectedValueOnce(error);
+    stop.mockResolvedValueOnce({
+      canceling: [],
+      failed: [{ action_name: "/dock", code: "action_server_timeout", detail: "no answer" }],
+    });
+    const { user } = renderPage(fakeGateway({ stop }));
+    await user.click(button("Stop"));
+    expect(await screen.findByText("Stop did not get through")).toBeDefined();
+    await user.click(button("Stop"));
+    expect(await screen.findByText(/not every goal is canceled/)).toBeDefined();
+  });
+
+  it("is sent at once while the browser thinks that it is offline, and not once more later", async () => {
+    vi.spyOn(navigator, "onLine", "get").mockReturnValue(false);
+    window.dispatchEvent(new Event("offline"));
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway);
+    await user.click(button("Stop"));
+    expect(gateway.stop).toHaveBeenCalledTimes(1);
+    window.dispatchEvent(new Event("online"));
+    expect(gateway.stop).toHaveBeenCalledTimes(1);
+  });
+});
+
+describe("docking", () => {
+  it("sends a goal and shows it", async () => {
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway);
+    expect(button("Cancel").disabled).toBe(true);
+    await user.click(screen.getByText("Full", { selector: "label *" }));
+    await user.click(button("Dock"));
+    expect(gateway.dock).toHaveBeenCalledWith(4);
+    expect((await screen.findByTestId("goal-status")).textContent).toBe("accepted");
+  });
+
+  it("cancels the goal that runs, and does not dock meanwhile", async () => {
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway, { goals: [running] });
+    expect(button("Dock").disabled).toBe(true);
+    expect(screen.getByText(/a goal is running; cancel it first/)).toBeDefined();
+    await user.click(button("Cancel"));
+    expect(gateway.cancel).toHaveBeenCalledWith("a");
+  });
+
+  it("says why a goal was rejected and what to do", async () => {
+    const error = new CommandError("dock_busy", "The dock is busy with another goal", "goal 7 is running");
+    const { user } = renderPage(fakeGateway({ dock: vi.fn().mockRejectedValue(error) }));
+    await user.click(button("Dock"));
+    const alert = await screen.findByRole("alert");
+    expect(alert.textContent).toMatch(/Dock did not work: the dock is busy/);
+    expect(alert.textContent).toMatch(/Goal 7 is running/);
+    expect(alert.textContent).toMatch(/cancel it and press Dock again/);
+    await user.click(button("Dismiss the error"));
+    expect(screen.queryByRole("alert")).toBeNull();
+  });
+
+  it("names the action server that is not there", () => {
+    renderPage(fakeGateway(), { action_server: { ...server, available: false, answering: false } });
+    expect(screen.getByTestId("action-server").textContent).toBe("action server not there");
+    expect(button("Dock").disabled).toBe(true);
+    expect(screen.getByText(/nobody offers the action \/dock/)).toBeDefined();
+  });
+
+  it("warns where the action server is silent, and explains a stall and a loss", () => {
+    renderPage(fakeGateway(), {
+      action_server: { ...server, answering: false },
+      goals: [{ ...running, status: "lost", error: { code: "action_server_lost", detail: "it left" } }],
+    });
+    expect(screen.getByText(/does not answer: a goal may time out/)).toBeDefined();
+    expect(screen.getByText(/it left/i, { selector: "[role=alert] *" })).toBeDefined();
+    expect(screen.getByText(/Look at the robot/)).toBeDefined();
+  });
+});
+
+describe("battery", () => {
+  it("teaches what to do where there is no state", () => {
+    renderPage(fakeGateway());
+    expect(screen.getByTestId("battery-status").textContent).toMatch(/No battery state yet/);
+  });
+
+  it("is said in words, and stale in plain sight", () => {
+    const received_at = new Date(Date.now() - 9000).toISOString();
+    renderPage(fakeGateway(), {
+      battery: { state: { ...battery, current: -1.5 }, age_s: 9, stale: true, received_at },
+    });
+    expect(screen.getByTestId("battery-status").textContent).toBe("Not charging");
+    expect(screen.getByText("24 %")).toBeDefined();
+    expect(screen.getByText("-1.5 A")).toBeDefined();
+    expect(screen.getByText("Stale")).toBeDefined();
+  });
+});
+
+describe("publishing", () => {
+  it("publishes a preset once, and the other one repeatedly", async () => {
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway);
+    await user.click(button("Publish once"));
+    expect(gateway.publishOnce).toHaveBeenCalledWith({
+      voltage: 2.16,
+      percentage: 0.24,
+      power_supply_status: 3,
+    });
+    expect(await screen.findByText(/Published once: 24 %, 2.16 V, not charging/)).toBeDefined();
+    await user.click(button("On the dock, charging"));
+    await user.click(button("Publish repeatedly"));
+    expect(gateway.publishRepeatedly).toHaveBeenCalledWith(
+      { voltage: 2.16, percentage: 0.24, power_supply_status: 1 },
+      1,
+    );
+  });
+
+  it("shows what is published, and stops it", async () => {
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway, {
+      battery_publisher: { active: true, state: battery, rate_hz: 2, published_count: 17, started_at: now() },
+    });
+    expect(screen.getByTestId("publisher-status").textContent).toMatch(
+      /24 %, 2.16 V, not charging at 2 Hz: 17 messages/,
+    );
+    await user.click(button("Stop publishing"));
+    expect(gateway.stopPublishing).toHaveBeenCalledTimes(1);
+  });
+
+  it("warns where someone else publishes, and not of its own last message", async () => {
+    const { store } = renderPage(fakeGateway(), { battery_publisher: idlePublisher });
+    const event = (ms: number) => new Date(Date.now() + ms).toISOString();
+    act(() => store.onEvent({ type: "battery", id: "own", time: event(200), battery }));
+    expect(screen.getByTestId("publisher-status").textContent).toMatch(/publishes nothing by itself/);
+    act(() => store.onEvent({ type: "battery", id: "other", time: event(2000), battery }));
+    await waitFor(() =>
+      expect(screen.getByTestId("publisher-status").textContent).toMatch(/Someone else publishes/),
+    );
+  });
+
+  it("says what is wrong with a field, and does not publish it", async () => {
+    const { user } = renderPage(fakeGateway());
+    await user.click(button("More fields"));
+    await user.type(screen.getByLabelText("Cell voltages (V)"), "full");
+    expect(screen.getByText(/Numbers between commas/)).toBeDefined();
+    expect(button("Publish once").disabled).toBe(true);
+  });
+});
+
+describe("recent goals", () => {
+  it("show where a goal came from and open its details", async () => {
+    const ended = goal("b", {
+      origin: "external",
+      status: "aborted",
+      error: { code: "battery_lost", detail: "no battery for 60 s" },
+      finished_at: now(),
+    });
+    const gateway = fakeGateway({ goal: vi.fn(async () => ended) });
+    const { user } = renderPage(gateway, { goals: [ended] });
+    const row = within(screen.getByRole("table")).getAllByRole("row")[1];
+    if (!row) throw new Error("no row");
+    expect(row.textContent).toMatch(/aborted.*external.*No battery for 60 s/);
+    await user.click(within(row).getByRole("button"));
+    const dialog = await screen.findByRole("dialog", { name: "Goal" });
+    expect(dialog.textContent).toMatch(/ROS does not tell what others asked for/);
+    expect(gateway.goal).toHaveBeenCalledWith("b");
+    await user.click(button("Close the details"));
+    await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
+  });
+
+  it("load older ones", async () => {
+    const many = Array.from({ length: 12 }, (_, index) => goal(`g${index}`, { status: "succeeded" }));
+    const older = [goal("older", { status: "canceled" })];
+    const gateway = fakeGateway({ goals: vi.fn(async () => ({ goals: older, next_cursor: null })) });
+    const { user } = renderPage(gateway, { goals: many });
+    await user.click(button("Show 2 more"));
+    await user.click(button("Load older goals"));
+    expect(await screen.findByText("canceled", { selector: "td *" })).toBeDefined();
+    expect(screen.queryByRole("button", { name: "Load older goals" })).toBeNull();
+  });
+});

@@ -1,0 +1,96 @@
+import { describe, expect, it, vi } from "vitest";
+import { createGateway } from "../src/api/client";
+import { CommandError, fromProblem } from "../src/api/errors";
+import { goal } from "./events";
+
+function answer(status: number, body: unknown, type = "application/json") {
+  const fetch = vi.fn(async (_request: Request) =>
+    status === 204
+      ? new Response(null, { status })
+      : new Response(typeof body === "string" ? body : JSON.stringify(body), {
+          status,
+          headers: { "Content-Type": type },
+        }),
+  );
+  vi.stubGlobal("fetch", fetch);
+  return fetch;
+}
+
+const gateway = createGateway("http://gateway:8000");
+
+async function failure(promise: Promise<unknown>): Promise<CommandError> {
+  const error = await promise.then(
+    () => null,
+    (reason: unknown) => reason,
+  );
+  if (!(error instanceof CommandError)) throw new Error(`not a CommandError: ${String(error)}`);
+  return error;
+}
+
+describe("commands", () => {
+  it("dock with the desired status", async () => {
+    const fetch = answer(202, goal("a"));
+    expect((await gateway.dock(4)).goal_id).toBe("a");
+    const request = fetch.mock.calls[0]?.[0];
+    expect(request?.method).toBe("POST");
+    expect(request?.url).toBe("http://gateway:8000/dock");
+    expect(await request?.json()).toEqual({ desired_battery_state: { power_supply_status: 4 } });
+  });
+
+  it("stop without a body", async () => {
+    const fetch = answer(200, { canceling: ["a"], failed: [] });
+    expect(await gateway.stop()).toEqual({ canceling: ["a"], failed: [] });
+    expect(await fetch.mock.calls[0]?.[0].text()).toBe("");
+  });
+
+  it("publish, repeatedly and no more", async () => {
+    const fetch = answer(204, null);
+    await gateway.stopPublishing();
+    expect(fetch.mock.calls[0]?.[0].method).toBe("DELETE");
+    answer(200, { active: true });
+    await gateway.publishRepeatedly({ voltage: 2 }, 5);
+  });
+
+  it("are sent once, also when they fail", async () => {
+    const fetch = vi.fn(async () => Promise.reject(new TypeError("Failed to fetch")));
+    vi.stubGlobal("fetch", fetch);
+    expect((await failure(gateway.dock(1))).code).toBe("gateway_unreachable");
+    expect(fetch).toHaveBeenCalledTimes(1);
+  });
+});
+
+describe("errors", () => {
+  it("carry the gateway's code and sentence, and what to do", async () => {
+    answer(
+      409,
+      { type: "about:blank", title: "Dock busy", status: 409, code: "dock_busy", detail: "goal 1 runs" },
+      "application/problem+json",
+    );
+    const error = await failure(gateway.dock(1));
+    expect(error).toMatchObject({ code: "dock_busy", detail: "goal 1 runs" });
+    expect(error.advice).toMatch(/cancel it/);
+  });
+
+  it("name the fields that are wrong", () => {
+    const errors = [{ path: "voltage", expected: "float32", detail: "got a string" }];
+    const error = fromProblem(422, { code: "invalid_field", title: "t", status: 422, detail: "d", errors });
+    expect(error.fields).toEqual(errors);
+  });
+
+  it("keep an unknown code and its title", () => {
+    const error = fromProblem(418, { code: "teapot", title: "Teapot", detail: "short and stout" });
+    expect(error).toMatchObject({ code: "teapot", title: "Teapot", advice: null });
+  });
+
+  it("tell a proxy's page from the gateway", async () => {
+    answer(502, "<html>Bad gateway</html>", "text/html");
+    expect((await failure(gateway.stop())).code).toBe("gateway_unreachable");
+    answer(404, "nothing", "text/plain");
+    expect((await failure(gateway.stop())).code).toBe("http_error");
+  });
+
+  it("tell a time-out from a refused connection", async () => {
+    vi.stubGlobal("fetch", async () => Promise.reject(new DOMException("late", "TimeoutError")));
+    expect((await failure(gateway.dock(1))).code).toBe("gateway_timeout");
+  });
+});

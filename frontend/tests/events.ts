@@ -1,0 +1,115 @@
+import type { ActionServer, BatteryState, EventOf, Goal, Publisher } from "../src/api/types";
+
+export const START = Date.parse("2026-11-21T03:32:40Z");
+
+export function at(seconds: number): string {
+  return new Date(START + seconds * 1000).toISOString();
+}
+
+export const battery: BatteryState = {
+  header: { stamp: { sec: 0, nanosec: 0 }, frame_id: "" },
+  voltage: 2.16,
+  temperature: null,
+  current: null,
+  charge: null,
+  capacity: null,
+  design_capacity: null,
+  percentage: 0.24,
+  power_supply_status: 3,
+  power_supply_health: 0,
+  power_supply_technology: 0,
+  present: false,
+  cell_voltage: [],
+  cell_temperature: [],
+  location: "",
+  serial_number: "",
+};
+
+export const idlePublisher: Publisher = {
+  active: false,
+  state: null,
+  rate_hz: null,
+  published_count: 0,
+  started_at: null,
+};
+
+export const server: ActionServer = { action_name: "/dock", available: true, answering: true };
+
+export function goal(id: string, change: Partial<Goal> = {}): Goal {
+  return {
+    goal_id: id,
+    action_name: "/dock",
+    action_type: "t",
+    status: "executing",
+    stalled: false,
+    origin: "gateway",
+    goal: null,
+    feedback: null,
+    result: null,
+    error: null,
+    created_at: at(0),
+    updated_at: at(0),
+    finished_at: null,
+    feedback_count: 0,
+    last_event_id: null,
+    ...change,
+  };
+}
+
+export function snapshot(change: Partial<EventOf<"snapshot">> = {}): EventOf<"snapshot"> {
+  return {
+    type: "snapshot",
+    time: at(0),
+    goals: [],
+    battery: { state: null, age_s: null, stale: false, received_at: null },
+    battery_publisher: idlePublisher,
+    action_server: server,
+    ...change,
+  };
+}
+
+let serial = 0;
+function head(id: string, seconds: number) {
+  serial += 1;
+  return { id: `e${serial}`, time: at(seconds), goal_id: id, action_name: "/dock" };
+}
+
+export function status(id: string, change: Partial<Goal> = {}, seconds = 1): EventOf<"status"> {
+  const {
+    feedback: _feedback,
+    result: _result,
+    ...summary
+  } = goal(id, { updated_at: at(seconds), ...change });
+  return { ...summary, ...head(id, seconds), type: "status" };
+}
+
+export function feedback(id: string, seconds = 2): EventOf<"feedback"> {
+  return { ...head(id, seconds), type: "feedback", feedback: { current_battery_state: battery } };
+}
+
+export function result(id: string, change: Partial<EventOf<"result">> = {}, seconds = 3): EventOf<"result"> {
+  return {
+    ...head(id, seconds),
+    type: "result",
+    status: "succeeded",
+    result: { final_battery_state: battery },
+    error: null,
+    ...change,
+  };
+}
+
+export function batteryEvent(change: Partial<BatteryState> = {}, seconds = 1): EventOf<"battery"> {
+  serial += 1;
+  return { type: "battery", id: `e${serial}`, time: at(seconds), battery: { ...battery, ...change } };
+}
+
+export function cmdVel(x: number, turn: number, seconds = 1): EventOf<"cmd_vel"> {
+  serial += 1;
+  const zero = { x: 0, y: 0, z: 0 };
+  return {
+    type: "cmd_vel",
+    id: `e${serial}`,
+    time: at(seconds),
+    cmd_vel: { linear: { ...zero, x }, angular: { ...zero, z: turn } },
+  };
+}

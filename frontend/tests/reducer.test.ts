@@ -1,0 +1,209 @@
+import { describe, expect, it } from "vitest";
+import type { GatewayEvent } from "../src/api/types";
+import { mergeGoals, newestFirst } from "../src/store/goals";
+import { reduce } from "../src/store/reducer";
+import { initialState, MAX_ARRIVALS, MAX_GOALS, MAX_SEEN, type State } from "../src/store/state";
+import {
+  at,
+  battery,
+  batteryEvent,
+  cmdVel,
+  feedback,
+  goal,
+  idlePublisher,
+  result,
+  START,
+  server,
+  snapshot,
+  status,
+} from "./events";
+
+function stateAfter(events: GatewayEvent[], state: State = initialState): State {
+  return events.reduce((each, event) => reduce(each, event, START), state);
+}
+
+describe("snapshot", () => {
+  it("shows all that the gateway knows", () => {
+    const state = stateAfter([
+      snapshot({
+        goals: [goal("a")],
+        battery: { state: battery, age_s: 1, stale: false, received_at: at(-1) },
+        battery_publisher: { ...idlePublisher, active: true, rate_hz: 1, state: battery },
+      }),
+    ]);
+    expect(state.goals.get("a")?.status).toBe("executing");
+    expect(state.battery).toEqual({ state: battery, receivedAt: START - 1000 });
+    expect(state.publisher?.active).toBe(true);
+    expect(state.actionServer).toEqual(server);
+  });
+
+  it("of a restarted gateway replaces running goals and keeps ended ones", () => {
+    const before = stateAfter([snapshot({ goals: [goal("ran"), goal("ended", { status: "succeeded" })] })]);
+    const state = stateAfter([snapshot({ goals: [goal("new")] })], before);
+    expect([...state.goals.keys()].sort()).toEqual(["ended", "new"]);
+  });
+
+  it("forgets velocity commands and battery states that are no longer known", () => {
+    const state = stateAfter([snapshot(), batteryEvent(), cmdVel(0, 0.15), snapshot()]);
+    expect(state.cmdVel.twist).toBeNull();
+    expect(state.battery.state).toBeNull();
+  });
+
+  it("tells the difference between the clocks, and heartbeats make it better only", () => {
+    const skewed = reduce(initialState, snapshot({ time: at(0) }), START + 5000);
+    expect(skewed.clockSkew).toBe(5000);
+    expect(reduce(skewed, { type: "heartbeat", time: at(1) }, START + 5200).clockSkew).toBe(4200);
+    expect(reduce(skewed, { type: "heartbeat", time: at(1) }, START + 9000).clockSkew).toBe(5000);
+  });
+});
+
+describe("events of a goal", () => {
+  it("lead from acceptance to the result", () => {
+    const state = stateAfter([
+      snapshot(),
+      status("a", { status: "accepted" }),
+      status("a", { status: "executing" }),
+      feedback("a"),
+      feedback("a"),
+      status("a", { status: "succeeded", finished_at: at(3), feedback_count: 2 }),
+      result("a"),
+    ]);
+    expect(state.goals.get("a")).toMatchObject({
+      status: "succeeded",
+      feedback_count: 2,
+      finished_at: at(3),
+      feedback: { current_battery_state: battery },
+      result: { final_battery_state: battery },
+    });
+  });
+
+  it("count once though they come twice", () => {
+    const event = feedback("a");
+    const once = stateAfter([status("a"), event]);
+    const twice = reduce(once, event, START);
+    expect(twice).toBe(once);
+    expect(twice.goals.get("a")?.feedback_count).toBe(1);
+  });
+
+  it("make an unknown goal known", () => {
+    expect(stateAfter([feedback("x")]).goals.get("x")).toMatchObject({
+      status: "executing",
+      feedback_count: 1,
+    });
+    expect(stateAfter([result("y")]).goals.get("y")).toMatchObject({
+      status: "succeeded",
+      finished_at: at(3),
+    });
+    expect(stateAfter([status("z", { origin: "external" })]).goals.get("z")?.origin).toBe("external");
+  });
+
+  it("do not lead back from the end", () => {
+    const ended = stateAfter([status("a"), result("a")]);
+    for (const late of [status("a", { status: "executing" }), result("a", { status: "aborted" })]) {
+      expect(reduce(ended, late, START).goals.get("a")).toMatchObject({ status: "succeeded" });
+    }
+  });
+
+  it("bring a lost goal to its result after all", () => {
+    const lost = stateAfter([
+      status("a"),
+      status("a", {
+        status: "lost",
+        finished_at: at(2),
+        error: { code: "action_server_lost", detail: "gone" },
+      }),
+      result("a", { status: "lost", result: null, error: { code: "action_server_lost", detail: "gone" } }),
+    ]);
+    expect(lost.goals.get("a")).toMatchObject({ status: "lost", error: { code: "action_server_lost" } });
+    const back = stateAfter([status("a", { status: "executing" }), result("a", {}, 9)], lost);
+    expect(back.goals.get("a")).toMatchObject({ status: "succeeded", error: null, finished_at: at(9) });
+  });
+
+  it("say why a goal did not succeed", () => {
+    const error = { code: "battery_lost", detail: "no battery for 60 s" };
+    const state = stateAfter([status("a"), result("a", { status: "aborted", result: null, error })]);
+    expect(state.goals.get("a")).toMatchObject({ status: "aborted", error, result: null });
+  });
+
+  it("keep the times of a running goal's feedback, and those only", () => {
+    const events = Array.from({ length: 100 }, (_, index) => feedback("a", index));
+    const running = stateAfter([status("a"), ...events]);
+    expect(running.arrivals.get("a")).toHaveLength(MAX_ARRIVALS);
+    expect(stateAfter([result("a")], running).arrivals.size).toBe(0);
+  });
+
+  it("feedback ends a stall", () => {
+    const state = stateAfter([status("a", { stalled: true }), feedback("a")]);
+    expect(state.goals.get("a")?.stalled).toBe(false);
+  });
+});
+
+describe("other events", () => {
+  it("renew the battery, the velocity command, the publisher and the action server", () => {
+    const publisher = { ...idlePublisher, active: true, rate_hz: 2, published_count: 7, state: battery };
+    const state = stateAfter([
+      snapshot(),
+      batteryEvent({ percentage: 0.5 }, 4),
+      cmdVel(0.1, 0.15, 5),
+      { type: "battery_publisher", time: at(6), battery_publisher: publisher },
+      { type: "action_server", time: at(6), action_server: { ...server, answering: false } },
+    ]);
+    expect(state.battery.state?.percentage).toBe(0.5);
+    expect(state.battery.receivedAt).toBe(START + 4000);
+    expect(state.cmdVel.twist?.linear.x).toBe(0.1);
+    expect(state.publisher).toEqual(publisher);
+    expect(state.publisherToldAt).toBe(START + 6000);
+    expect(state.actionServer?.answering).toBe(false);
+  });
+
+  it("add up what was dropped", () => {
+    const dropped = (count: number): GatewayEvent => ({ type: "dropped", time: at(1), count });
+    expect(stateAfter([dropped(12), dropped(3)]).dropped).toBe(15);
+  });
+
+  it("of a kind that is not known change nothing", () => {
+    const unknown = { type: "weather", time: at(1) } as unknown as GatewayEvent;
+    expect(reduce(initialState, unknown, START)).toBe(initialState);
+  });
+
+  it("leave the parts that they do not touch as they are", () => {
+    const before = stateAfter([snapshot({ goals: [goal("a")] })]);
+    const next = reduce(before, batteryEvent(), START);
+    expect(next.goals).toBe(before.goals);
+    expect(next.arrivals).toBe(before.arrivals);
+  });
+});
+
+describe("memory", () => {
+  it("holds a bounded number of goals, without the oldest ended ones", () => {
+    const events = Array.from({ length: MAX_GOALS + 50 }, (_, index) =>
+      status(`g${index}`, { status: "succeeded", created_at: at(index) }, index),
+    );
+    const state = stateAfter([status("runs", { created_at: at(-100) }), ...events]);
+    expect(state.goals.size).toBe(MAX_GOALS);
+    expect(state.goals.has("runs")).toBe(true);
+    expect(state.goals.has("g0")).toBe(false);
+    expect(newestFirst(state.goals)[0]?.goal_id).toBe(`g${MAX_GOALS + 49}`);
+  });
+
+  it("holds a bounded number of event ids", () => {
+    const state = stateAfter(Array.from({ length: MAX_SEEN + 100 }, (_, index) => batteryEvent({}, index)));
+    expect(state.seen.size).toBe(MAX_SEEN);
+  });
+});
+
+describe("goals from an answer over HTTP", () => {
+  it("are taken up where they are new", () => {
+    expect(mergeGoals(initialState, [goal("a"), goal("b")]).goals.size).toBe(2);
+  });
+
+  it("do not undo what events have told", () => {
+    const state = stateAfter([status("a", { status: "executing" }, 5), result("a", {}, 6)]);
+    const merged = mergeGoals(state, [goal("a", { status: "canceling", updated_at: at(9) })]);
+    expect(merged.goals.get("a")?.status).toBe("succeeded");
+    const older = mergeGoals(stateAfter([status("b", { status: "executing" }, 5)]), [
+      goal("b", { status: "accepted", updated_at: at(4) }),
+    ]);
+    expect(older.goals.get("b")?.status).toBe("executing");
+  });
+});
