@@ -207,7 +207,7 @@ describe("recent goals", () => {
     const { user } = renderPage(gateway, { goals: [ended] });
     const row = within(screen.getByRole("table")).getAllByRole("row")[1];
     if (!row) throw new Error("no row");
-    expect(row.textContent).toMatch(/aborted.*external.*No battery for 60 s/);
+    expect(row.textContent).toMatch(/aborted.*external.*Battery fell silent/);
     await user.click(within(row).getByRole("button"));
     const dialog = await screen.findByRole("dialog", { name: "Goal" });
     expect(dialog.textContent).toMatch(/ROS does not tell what others asked for/);

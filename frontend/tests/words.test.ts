@@ -6,11 +6,14 @@ import { formatDuration, formatTime } from "../src/ui/time";
 import { at, cmdVel, goal } from "./events";
 
 describe("a goal in words", () => {
-  it("shows the newest that runs, else the newest", () => {
+  it("shows the newest that runs, else the one that ended last", () => {
     const ended = goal("new", { status: "rejected" });
     const running = goal("old");
     expect(currentGoal([ended, running])).toBe(running);
     expect(currentGoal([ended])).toBe(ended);
+    const refused = goal("refused", { status: "rejected", finished_at: at(5) });
+    const aborted = goal("aborted", { status: "aborted", finished_at: at(9) });
+    expect(currentGoal([refused, aborted])).toBe(aborted);
     expect(currentGoal([])).toBeNull();
   });
 
@@ -19,7 +22,8 @@ describe("a goal in words", () => {
     expect(advice(goal("a", { stalled: true }))).toMatch(/Stop/);
     expect(advice(goal("a", { status: "lost" }))).toMatch(/Look at the robot/);
     const aborted = goal("a", { status: "aborted", error: { code: "battery_lost", detail: "no battery" } });
-    expect(outcome(aborted)).toBe("no battery");
+    expect(outcome(aborted)).toBe("Battery fell silent");
+    expect(outcome(goal("a", { error: { code: "else", detail: "so it is" } }))).toBe("so it is");
     expect(advice(aborted)).toMatch(/battery driver/);
     expect(advice(goal("a", { error: { code: "else", detail: "" } }))).toBeNull();
   });

@@ -55,14 +55,35 @@ export function advice(goal: Goal): string | null {
   return goal.stalled ? STALLED : null;
 }
 
-/** One line for a table: the reason where there is one, else nothing to add. */
+const SHORT: Record<string, string> = {
+  action_server_lost: "Action server went away",
+  action_server_timeout: "Action server did not answer",
+  battery_lost: "Battery fell silent",
+  dock_busy: "Dock was busy",
+  failed_to_control: "Controller failed",
+  goal_aborted: "No reason given",
+  preempted: "A newer goal took over",
+  shutting_down: "Action server shut down",
+  timeout: "Took too long",
+};
+
+/** A few words for a table; the details say more. */
 export function outcome(goal: Goal): string {
-  if (goal.error !== null) return goal.error.detail;
+  if (goal.error !== null) return SHORT[goal.error.code] ?? goal.error.detail;
   if (goal.status === "succeeded") return "On the dock";
-  return goal.stalled ? "Stalled: the server is silent" : "–";
+  return goal.stalled ? "Server is silent" : "–";
 }
 
-/** The goal to show: the newest that runs, else the newest. */
+/** The goal to show: the newest that runs, else the one that ended last. */
 export function currentGoal(newestFirst: readonly Goal[]): Goal | null {
-  return newestFirst.find((goal) => !isTerminal(goal.status)) ?? newestFirst[0] ?? null;
+  const running = newestFirst.find((goal) => !isTerminal(goal.status));
+  if (running !== undefined) return running;
+  return newestFirst.reduce<Goal | null>(
+    (last, goal) => (last === null || endOf(goal) > endOf(last) ? goal : last),
+    null,
+  );
+}
+
+function endOf(goal: Goal): number {
+  return Date.parse(goal.finished_at ?? goal.updated_at);
 }
