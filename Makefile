@@ -68,7 +68,8 @@ $(STAMPS)/venv: | $(UV)
 
 $(STAMPS)/lock: requirements.lock $(STAMPS)/venv
 	@echo "Installing the locked packages …"
-	@$(UV) pip sync --quiet --python $(BIN)/python --require-hashes requirements.lock
+	@$(UV) pip sync --quiet --python $(BIN)/python --require-hashes \
+	    --build-constraints build-requirements.lock requirements.lock
 	@touch $@
 
 $(STAMPS)/interfaces: $(INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
