@@ -1,0 +1,87 @@
+"""A real browser on the real dashboard of a real gateway."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
+
+from tests.support.domain import ros_domain
+from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
+
+RESULTS = Path(__file__).parents[2] / "test-results"
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+CHROMIUM = next((path for name in NAMES if (path := shutil.which(name))), None)
+MISSING = "no Chromium is installed (on Debian: sudo apt-get install chromium)"
+ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if "browser" in Path(item.fspath).parts:
+            item.add_marker(pytest.mark.browser)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    if CHROMIUM is None:
+        terminalreporter.write_sep("!", f"THE BROWSER TESTS DID NOT RUN: {MISSING}", red=True, bold=True)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    if CHROMIUM is None:
+        if os.environ.get("CI") == "true":
+            pytest.fail(MISSING)
+        pytest.skip(MISSING)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def domain() -> Iterator[int]:
+    with ros_domain() as domain:
+        yield domain
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    with running_dock_server(domain), running_gateway(domain) as gateway:
+        gateway.wait_until_ready()
+        yield gateway
+
+
+@pytest.fixture
+def page(browser: Browser, gateway: RunningGateway, request: pytest.FixtureRequest) -> Iterator[Page]:
+    """The dashboard, open; a test fails where the page logged an error."""
+    context = browser.new_context(reduced_motion="reduce", viewport={"width": 1440, "height": 1000})
+    page = context.new_page()
+    errors: list[str] = []
+
+    def hear(message: ConsoleMessage) -> None:
+        if message.type == "error":
+            errors.append(f"{message.text} ({message.location.get('url')})")
+
+    page.on("console", hear)
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.set_default_timeout(15_000)
+    page.goto(gateway.url)
+    yield page
+    RESULTS.mkdir(exist_ok=True)
+    page.screenshot(path=RESULTS / f"{request.node.name}.png", full_page=True)
+    context.close()
+    gateway.http.post("/stop")
+    gateway.http.delete("/battery/publisher")
+    if not request.node.get_closest_marker("expect_page_errors"):
+        assert errors == []

@@ -1,0 +1,85 @@
+"""The dashboard by clicking, as its users do."""
+
+import signal
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from tests.support.domain import ros_domain
+from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+
+
+def press(page: Page, name: str) -> None:
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def publish(page: Page, preset: str) -> None:
+    page.get_by_text(preset, exact=True).first.click()
+    press(page, "Publish repeatedly")
+
+
+def expect_status(page: Page, status: str) -> None:
+    expect(page.get_by_test_id("goal-status")).to_have_text(status, ignore_case=True)
+
+
+def test_the_tutorial_by_clicking(page: Page) -> None:
+    expect(page.get_by_test_id("connection")).to_contain_text("live", ignore_case=True)
+    publish(page, "Low battery, not charging")
+    expect(page.get_by_test_id("battery-status")).to_contain_text("not charging", ignore_case=True)
+    press(page, "Dock")
+    expect_status(page, "executing")
+    expect(page.get_by_text("24 %").first).to_be_visible()
+    publish(page, "On the dock, charging")
+    expect_status(page, "succeeded")
+    press(page, "Stop publishing")
+
+
+def test_cancel_by_clicking(page: Page, gateway: RunningGateway) -> None:
+    gateway.publish(LOW)
+    press(page, "Dock")
+    expect_status(page, "executing")
+    press(page, "Cancel")
+    expect_status(page, "canceled")
+
+
+def test_stop_by_clicking(page: Page, gateway: RunningGateway) -> None:
+    gateway.publish(LOW)
+    press(page, "Dock")
+    expect_status(page, "executing")
+    page.get_by_role("button", name="Stop", exact=True).click()
+    expect_status(page, "canceled")
+
+
+def test_a_goal_sent_by_someone_else_is_seen(page: Page, gateway: RunningGateway) -> None:
+    gateway.publish(LOW)
+    goal_id = gateway.http.post("/dock").json()["goal_id"]
+    expect_status(page, "executing")
+    gateway.publish(CHARGING)
+    gateway.wait_for_goal(goal_id, "succeeded")
+    expect_status(page, "succeeded")
+
+
+@pytest.mark.expect_page_errors
+def test_the_page_says_when_the_gateway_is_gone_and_goes_on_when_it_is_back(browser: Browser) -> None:
+    with ros_domain() as domain, running_dock_server(domain):
+        with running_gateway(domain) as first:
+            first.wait_until_ready()
+            port = first.url.rpartition(":")[2]
+            page = browser.new_page(reduced_motion="reduce")
+            page.goto(first.url)
+            expect(page.get_by_test_id("connection")).to_contain_text("live", ignore_case=True)
+            press(page, "Dock")
+            expect_status(page, "executing")
+            press(page, "Cancel")
+            expect_status(page, "canceled")
+            first.process.send_signal(signal.SIGTERM)
+            first.process.wait()
+            expect(page.get_by_test_id("connection")).not_to_contain_text("live", ignore_case=True, timeout=3_000)
+        with running_gateway(domain, port=port):
+            expect(page.get_by_test_id("connection")).to_contain_text("live", ignore_case=True, timeout=30_000)
+        page.close()
+
+
+def test_the_api_pages_need_no_internet(page: Page, gateway: RunningGateway) -> None:
+    page.goto(f"{gateway.url}/docs")
+    expect(page.get_by_text("/battery/publisher").first).to_be_visible()
