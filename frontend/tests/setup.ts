@@ -1,5 +1,5 @@
 import { cleanup } from "@testing-library/react";
-import { afterEach, vi } from "vitest";
+import { afterEach, beforeEach, vi } from "vitest";
 
 // What jsdom lacks and the page's libraries ask for.
 window.matchMedia ??= (query: string) =>
@@ -17,8 +17,20 @@ window.ResizeObserver ??= class {
   disconnect() {}
 };
 
+// React reports mistakes, such as a <div> in a <p>, on the console only. That updates come from timers and not from
+// act() is how the page works.
+let mistakes: string[] = [];
+beforeEach(() => {
+  mistakes = [];
+  vi.spyOn(console, "error").mockImplementation((...parts: unknown[]) => {
+    const text = parts.map(String).join(" ");
+    if (!text.includes("act(")) mistakes.push(text);
+  });
+});
+
 afterEach(() => {
   cleanup();
   vi.useRealTimers();
   vi.unstubAllGlobals();
+  if (mistakes.length > 0) throw new Error(`React complained:\n${mistakes.join("\n")}`);
 });

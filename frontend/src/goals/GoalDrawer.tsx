@@ -54,7 +54,7 @@ function GoalDetails({ goalId }: { goalId: string }) {
         <Code>{goal.goal_id}</Code>
         <CopyButton value={goal.goal_id} what="the goal id" />
       </div>
-      <Text size="sm">
+      <Text component="div" size="sm">
         <GoalStatusBadge status={goal.status} /> {meaning(goal)}
       </Text>
       {goal.error !== null && (

@@ -4,7 +4,7 @@ import { STATUS_COLORS } from "../docking/goalWords";
 
 export function GoalStatusBadge({ status, testId }: { status: GoalStatus; testId?: string }) {
   return (
-    <Badge color={STATUS_COLORS[status]} data-testid={testId}>
+    <Badge component="span" color={STATUS_COLORS[status]} data-testid={testId}>
       {status}
     </Badge>
   );

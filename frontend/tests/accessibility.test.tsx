@@ -1,0 +1,56 @@
+import { screen } from "@testing-library/react";
+import axe from "axe-core";
+import { describe, expect, it } from "vitest";
+import { battery, goal, server } from "./events";
+import { fakeGateway, renderPage } from "./page";
+
+const TAGS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
+
+/** What axe finds; colours are not drawn here, so contrast is for a real browser to judge. */
+async function violations(): Promise<string[]> {
+  const { violations } = await axe.run(document.body, {
+    runOnly: TAGS,
+    rules: { "color-contrast": { enabled: false } },
+  });
+  return violations.map(
+    (violation) => `${violation.id}: ${violation.nodes.map((node) => node.html).join(" ")}`,
+  );
+}
+
+describe("axe finds nothing", () => {
+  it("on the empty page", async () => {
+    renderPage(fakeGateway());
+    expect(await violations()).toEqual([]);
+  });
+
+  it("on a page without a gateway", async () => {
+    const { store } = renderPage(fakeGateway(), { goals: [goal("a")] });
+    store.onConnection({ kind: "closed" });
+    expect(await violations()).toEqual([]);
+  });
+
+  it("on a page that is full of things, nor in a goal's details", async () => {
+    const error = { code: "action_server_lost", detail: "it left" };
+    const received_at = new Date().toISOString();
+    const { user } = renderPage(fakeGateway(), {
+      goals: [goal("a", { status: "lost", error }), goal("b", { stalled: true, origin: "external" })],
+      battery: { state: { ...battery, cell_voltage: [3.9, null] }, age_s: 0, stale: false, received_at },
+      battery_publisher: {
+        active: true,
+        state: battery,
+        rate_hz: 1,
+        published_count: 3,
+        started_at: received_at,
+      },
+      action_server: { ...server, answering: false },
+    });
+    await user.click(screen.getByRole("button", { name: "More fields" }));
+    await user.click(screen.getByRole("button", { name: "Stop" }));
+    expect(await violations()).toEqual([]);
+    const [opener] = screen.getAllByRole("button", { name: /:\d\d:/ });
+    if (!opener) throw new Error("no goal to open");
+    await user.click(opener);
+    await screen.findByRole("dialog", { name: "Goal" });
+    expect(await violations()).toEqual([]);
+  });
+});
