@@ -17,7 +17,7 @@ class Event:
     """An encoded event and what is needed to route it.
 
     `topic` is `goals`, or what `?include=` names: `battery`, `cmd_vel`, `system`. Only `droppable` ones may be lost
-    to a slow subscriber.
+    to a slow subscriber. `id` is that of the document, where it has one.
     """
 
     data: bytes
@@ -25,6 +25,7 @@ class Event:
     goal_id: str | None = None
     action_name: str | None = None
     droppable: bool = False
+    id: str | None = None
 
     @cached_property
     def text(self) -> str:
@@ -74,13 +75,13 @@ def _goal_event(kind: str, goal: Goal, stamp_ns: int, payload: dict[str, Any], *
         "goal_id": goal.goal_id,
         "action_name": goal.action_name,
     }
-    return Event(encode(head | payload), "goals", goal.goal_id, goal.action_name, droppable)
+    return Event(encode(head | payload), "goals", goal.goal_id, goal.action_name, droppable, goal.last_event_id)
 
 
 def message_event(kind: str, message: Json, stamp_ns: int) -> Event:
     """A message of a topic, `battery` or `cmd_vel`."""
     head = {"type": kind, "id": event_id(stamp_ns, kind), "time": moment(stamp_ns)}
-    return Event(encode({**head, kind: fragment(message)}), kind, droppable=True)
+    return Event(encode({**head, kind: fragment(message)}), kind, droppable=True, id=head["id"])
 
 
 def system_event(kind: str, payload: object, now: datetime) -> Event:
