@@ -80,8 +80,9 @@ def _goal_event(kind: str, goal: Goal, stamp_ns: int, payload: dict[str, Any], *
 
 def message_event(kind: str, message: Json, stamp_ns: int) -> Event:
     """A message of a topic, `battery` or `cmd_vel`."""
-    head = {"type": kind, "id": event_id(stamp_ns, kind), "time": moment(stamp_ns)}
-    return Event(encode({**head, kind: fragment(message)}), kind, droppable=True, id=head["id"])
+    identity = event_id(stamp_ns, kind)
+    document = {"type": kind, "id": identity, "time": moment(stamp_ns), kind: fragment(message)}
+    return Event(encode(document), kind, droppable=True, id=identity)
 
 
 def system_event(kind: str, payload: object, now: datetime) -> Event:
