@@ -1,0 +1,117 @@
+"""Goals and events of this process alone (`memory:`); nothing outlives it."""
+
+import bisect
+import time
+from collections.abc import Collection
+from copy import copy
+
+from dock_gateway.events import Event
+from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.history.merge import merge
+from dock_gateway.history.protocol import KEY_LIFETIME, HistoryStats, fingerprint_of, selects
+
+
+class MemoryHistory:
+    """Goals of this process.
+
+    Of the ended goals the oldest are forgotten beyond `limit`, running ones never; of the events, those beyond
+    `event_limit`, feedback and battery first.
+    """
+
+    def __init__(self, limit: int, event_limit: int = 10_000) -> None:
+        self._limit = limit
+        self._event_limit = event_limit
+        self._goals: dict[str, Goal] = {}
+        self._keys: dict[str, tuple[str, str, float]] = {}  # goal_id, fingerprint, when it expires
+        self._events: dict[str, Event] = {}
+        self._event_ids: list[str] = []  # sorted
+        self._horizon: dict[str, str] = {}  # topic → id of the newest event that was forgotten
+        self._dropped = 0
+
+    async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
+        """Keep a new goal."""
+        if idempotency_key is not None:
+            await self.claim(idempotency_key, goal.goal_id, fingerprint_of(goal.action_name, goal.goal))
+        self.record(goal)
+
+    async def claim(self, idempotency_key: str, goal_id: str, fingerprint: str) -> tuple[str, str]:
+        """Bind a key to a goal, or tell whose it is."""
+        now = time.monotonic()
+        held = self._keys.get(idempotency_key)
+        if held is None or held[2] <= now:
+            held = (goal_id, fingerprint, now + KEY_LIFETIME.total_seconds())
+            self._keys[idempotency_key] = held
+        return held[:2]
+
+    def record(self, goal: Goal) -> None:
+        """Keep a goal, or what is new about it."""
+        stored = self._goals.get(goal.goal_id)
+        self._goals[goal.goal_id] = copy(goal) if stored is None else merge(stored, goal)
+        if len(self._goals) > self._limit:
+            self._forget()
+
+    def _forget(self) -> None:
+        oldest = next((goal_id for goal_id, goal in self._goals.items() if goal.status.terminal), None)
+        if oldest is not None:
+            del self._goals[oldest]
+            self._keys = {key: held for key, held in self._keys.items() if held[0] != oldest}
+
+    def record_event(self, event: Event) -> None:
+        """Keep an event, once."""
+        if event.id is None or event.id in self._events:
+            return
+        self._events[event.id] = event
+        bisect.insort(self._event_ids, event.id)
+        if len(self._event_ids) > self._event_limit:
+            index = next((i for i, each in enumerate(self._event_ids) if self._events[each].droppable), 0)
+            oldest = self._events.pop(self._event_ids.pop(index))
+            self._horizon[oldest.topic] = max(oldest.id or "", self._horizon.get(oldest.topic, ""))
+            self._dropped += 1
+
+    async def page(
+        self, *, action_name: str | None, statuses: Collection[GoalStatus], limit: int, before: str | None
+    ) -> list[Goal]:
+        """Goals on an action, newest first."""
+        newest_first = sorted(self._goals.values(), key=lambda goal: (goal.created_at, goal.goal_id), reverse=True)
+        if before is not None:
+            position = next((i for i, goal in enumerate(newest_first) if goal.goal_id == before), len(newest_first))
+            newest_first = newest_first[position + 1 :]
+        found = (
+            copy(goal)
+            for goal in newest_first
+            if action_name in (None, goal.action_name) and (not statuses or goal.status in statuses)
+        )
+        return [goal for goal, _ in zip(found, range(limit), strict=False)]
+
+    async def get(self, goal_id: str) -> Goal | None:
+        """One goal."""
+        goal = self._goals.get(goal_id)
+        return None if goal is None else copy(goal)
+
+    async def by_key(self, idempotency_key: str) -> Goal | None:
+        """The goal that was sent with this key."""
+        held = self._keys.get(idempotency_key)
+        return await self.get(held[0]) if held is not None and held[2] > time.monotonic() else None
+
+    async def unfinished(self) -> list[Goal]:
+        """The goals whose status is not final, oldest first."""
+        goals = [copy(goal) for goal in self._goals.values() if not goal.status.final]
+        return sorted(goals, key=lambda goal: (goal.created_at, goal.goal_id))
+
+    async def events_after(
+        self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
+    ) -> list[Event] | None:
+        """The events that follow one, oldest first; None where they are not all there."""
+        if event_id not in self._events or any(event_id < self._horizon.get(topic, "") for topic in topics):
+            return None
+        start = bisect.bisect_right(self._event_ids, event_id)
+        later = (self._events[each] for each in self._event_ids[start:])
+        found = (event for event in later if selects(event, goal_id, action_name, topics))
+        return [event for event, _ in zip(found, range(limit), strict=False)]
+
+    def stats(self) -> HistoryStats:
+        """How the keeping goes: always well."""
+        return HistoryStats(dropped=self._dropped)
+
+    async def close(self) -> None:
+        """Nothing is written."""

@@ -1,0 +1,44 @@
+"""How two accounts of one goal become one, whichever is written first: two replicas write the same goals."""
+
+from copy import copy
+
+from dock_gateway.goals import Goal, GoalStatus
+
+RANK = {status: rank for rank, status in enumerate(GoalStatus)}
+
+
+def merge(stored: Goal, news: Goal) -> Goal:
+    """A new goal with the best of both.
+
+    - The state moves forward, and a final one stays. Between `lost` and a state before it the later account counts.
+    - `gateway`, who sent the goal, knows better than `external`, who saw it; and knows when it was sent.
+    - What is known of goal, feedback and result is never overwritten by nothing; nor is the error, unless it was that
+      of a `lost` goal that returned.
+    """
+    merged = copy(stored)
+    status_from, other = (news, stored) if _supersedes(news, stored) else (stored, news)
+    latest, earlier = (stored, news) if stored.updated_at > news.updated_at else (news, stored)
+    merged.status = status_from.status
+    merged.finished_at = status_from.finished_at
+    merged.stalled = latest.stalled and not merged.status.terminal
+    returned = other.status is GoalStatus.LOST and merged.status is not GoalStatus.LOST
+    merged.error = status_from.error or (None if returned else other.error)
+    merged.result = status_from.result or other.result
+    merged.goal = stored.goal or news.goal
+    merged.feedback = latest.feedback or earlier.feedback
+    merged.feedback_count = max(stored.feedback_count, news.feedback_count)
+    merged.last_event_id = max(filter(None, (stored.last_event_id, news.last_event_id)), default=None)
+    merged.updated_at = latest.updated_at
+    if stored.origin == news.origin:
+        merged.created_at = min(stored.created_at, news.created_at)
+    elif news.origin == "gateway":
+        merged.origin, merged.created_at = news.origin, news.created_at
+    return merged
+
+
+def _supersedes(news: Goal, stored: Goal) -> bool:
+    if stored.status.final or news.status.final:
+        return not stored.status.final
+    if GoalStatus.LOST in (stored.status, news.status):
+        return news.updated_at >= stored.updated_at
+    return RANK[news.status] >= RANK[stored.status]

@@ -1,0 +1,98 @@
+"""What the gateway asks of any place that keeps goals and events. docs/history.md says what is kept for how long."""
+
+import hashlib
+from collections.abc import Collection
+from dataclasses import dataclass
+from datetime import timedelta
+from typing import Protocol
+
+from dock_gateway.events import Event
+from dock_gateway.goals import Goal, GoalStatus, Json
+
+KEY_LIFETIME = timedelta(hours=24)
+
+
+@dataclass(frozen=True)
+class HistoryStats:
+    """How the keeping goes.
+
+    Attributes:
+        waiting: Goals and events in memory that are not in the database yet.
+        spooled: Entries of the spool that are not in the database yet.
+        dropped: Feedback and battery events that were given up since the start, for want of memory.
+        database_reachable: Whether the database took what it was given last.
+        last_error: What it said when it did not.
+    """
+
+    waiting: int = 0
+    spooled: int = 0
+    dropped: int = 0
+    database_reachable: bool = True
+    last_error: str | None = None
+
+
+class History(Protocol):
+    """Keeps goals, their events and the idempotency keys they were sent with. Goals are handed out as copies.
+
+    What reads from the database raises `Unavailable` (`history_unavailable`) when that does not answer in time and what
+    is asked for is not in memory either; nothing is ever said to be missing merely because it cannot be looked up.
+    """
+
+    async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
+        """Keep a new goal; it is safe once this returns: committed, or on this machine's disk.
+
+        Raises:
+            Unavailable: Neither the database nor the disk took it (`history_unavailable`).
+        """
+
+    async def claim(self, idempotency_key: str, goal_id: str, fingerprint: str) -> tuple[str, str]:
+        """Bind a key to a goal for 24 hours; returns goal_id and fingerprint of whoever was first, across replicas."""
+
+    def record(self, goal: Goal) -> None:
+        """Take note of a goal of someone else, or of a change, as it stands now; never waits, never raises."""
+
+    def record_event(self, event: Event) -> None:
+        """Take note of an event, once however often it is recorded; never waits, never raises.
+
+        One without an id is not kept.
+        """
+
+    async def page(
+        self, *, action_name: str | None, statuses: Collection[GoalStatus], limit: int, before: str | None
+    ) -> list[Goal]:
+        """Goals on an action (None: on any), newest first, those older than the goal `before` where it is given."""
+
+    async def get(self, goal_id: str) -> Goal | None:
+        """One goal."""
+
+    async def by_key(self, idempotency_key: str) -> Goal | None:
+        """The goal that was sent with this key, within the last 24 hours."""
+
+    async def unfinished(self) -> list[Goal]:
+        """The goals whose status is not final, oldest first, to be taken up after a restart.
+
+        While the database is away (`stats` tells) these are only the ones that are in the spool.
+        """
+
+    async def events_after(
+        self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
+    ) -> list[Event] | None:
+        """The events that follow one, in the order of their ids; None where they are not all there (any more)."""
+
+    def stats(self) -> HistoryStats:
+        """How the keeping goes."""
+
+    async def close(self) -> None:
+        """Write what waits, for a second at most; the rest is spooled."""
+
+
+def fingerprint_of(action_name: str, goal: Json | None) -> str:
+    """What tells whether two goals that were sent with the same key are the same goal."""
+    return hashlib.sha256(action_name.encode() + b"\0" + (goal or b"")).hexdigest()
+
+
+def selects(event: Event, goal_id: str | None, action_name: str | None, topics: frozenset[str]) -> bool:
+    """Whether an event is one of those that `events_after` was asked for."""
+    if event.topic != "goals" or event.topic not in topics:
+        return event.topic in topics
+    return goal_id in (None, event.goal_id) and action_name in (None, event.action_name)
