@@ -36,9 +36,11 @@ class Battery:
     Args:
         hub: Where battery events go.
         stale_after: Age in seconds from which the state is stale.
+        robot: The namespace.
     """
 
-    def __init__(self, hub: Hub, stale_after: float) -> None:
+    def __init__(self, hub: Hub, stale_after: float, robot: str) -> None:
+        self._robot = robot
         self._hub = hub
         self._stale_after = stale_after
         self._state: Json | None = None
@@ -50,7 +52,7 @@ class Battery:
         self._state = state
         self._heard_at = time.monotonic()
         self._received_at = utc_now()
-        self._hub.publish(message_event("battery", state, stamp_ns))
+        self._hub.publish(message_event("battery", state, stamp_ns, robot=self._robot))
 
     def document(self) -> dict[str, Any]:
         """State, age in seconds and whether it is stale, ready for `orjson`."""
@@ -59,6 +61,7 @@ class Battery:
             "state": fragment(self._state),
             "age_s": age,
             "stale": age is None or age > self._stale_after,
+            "stale_after_s": self._stale_after,
             "received_at": self._received_at,
         }
 
@@ -66,7 +69,8 @@ class Battery:
 class BatteryPublisher:
     """Publishes battery states, once or at a rate, as `ros2 topic pub` does."""
 
-    def __init__(self, port: BatteryPort, hub: Hub) -> None:
+    def __init__(self, port: BatteryPort, hub: Hub, robot: str) -> None:
+        self._robot = robot
         self._port = port
         self._hub = hub
         self._publisher = Publisher()
@@ -130,7 +134,7 @@ class BatteryPublisher:
 
     def _tell(self) -> None:
         self._told_at = time.monotonic()
-        self._hub.publish(system_event("battery_publisher", self.document(), utc_now()))
+        self._hub.publish(system_event("battery_publisher", self.document(), utc_now(), robot=self._robot))
 
 
 def _unstamped(message: Any) -> bool:

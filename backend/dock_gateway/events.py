@@ -17,7 +17,7 @@ class Event:
     """An encoded event and what is needed to route it.
 
     `topic` is `goals`, or what `?include=` names: `battery`, `cmd_vel`, `system`. Only `droppable` ones may be lost
-    to a slow subscriber. `id` is that of the document, where it has one.
+    to a slow subscriber. `id` is that of the document, where it has one; `robot` the namespace it is about.
     """
 
     data: bytes
@@ -26,6 +26,7 @@ class Event:
     action_name: str | None = None
     droppable: bool = False
     id: str | None = None
+    robot: str | None = None
 
     @cached_property
     def text(self) -> str:
@@ -78,16 +79,19 @@ def _goal_event(kind: str, goal: Goal, stamp_ns: int, payload: dict[str, Any], *
     return Event(encode(head | payload), "goals", goal.goal_id, goal.action_name, droppable, goal.last_event_id)
 
 
-def message_event(kind: str, message: Json, stamp_ns: int) -> Event:
-    """A message of a topic, `battery` or `cmd_vel`."""
+def message_event(kind: str, message: Json, stamp_ns: int, *, robot: str = "/") -> Event:
+    """A message of a robot's topic, `battery` or `cmd_vel`."""
     identity = event_id(stamp_ns, kind)
-    document = {"type": kind, "id": identity, "time": moment(stamp_ns), kind: fragment(message)}
-    return Event(encode(document), kind, droppable=True, id=identity)
+    document = {"type": kind, "id": identity, "time": moment(stamp_ns), "robot": robot, kind: fragment(message)}
+    return Event(encode(document), kind, droppable=True, id=identity, robot=robot)
 
 
-def system_event(kind: str, payload: object, now: datetime) -> Event:
-    """A change in the gateway's surroundings, `battery_publisher` or `action_server`."""
-    return Event(encode({"type": kind, "time": now, kind: payload}), "system")
+def system_event(
+    kind: str, payload: object, now: datetime, *, robot: str | None = None, action_name: str | None = None
+) -> Event:
+    """A change in the gateway's surroundings: `battery_publisher` of a robot, or `action_server` of an action."""
+    document = {"type": kind, "time": now, kind: payload} | ({} if robot is None else {"robot": robot})
+    return Event(encode(document), "system", robot=robot, action_name=action_name)
 
 
 def notice(kind: str, now: datetime, **payload: Any) -> str:

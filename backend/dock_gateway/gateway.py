@@ -1,22 +1,30 @@
 """The gateway put together: every part of it, made in the right order and closed in the reverse."""
 
 import asyncio
+import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 
-from dock_gateway.battery import Battery, BatteryPublisher
-from dock_gateway.events import message_event, system_event, utc_now
+from dock_gateway.actions import Action, ActionRegistry
+from dock_gateway.errors import GatewayError, NotFound
 from dock_gateway.goals import Goal
-from dock_gateway.history import MemoryHistory
+from dock_gateway.history import History, MemoryHistory
 from dock_gateway.hub import Hub
-from dock_gateway.liveness import ServerWatch
-from dock_gateway.ros.actions import ActionPort
+from dock_gateway.interest import Interest
+from dock_gateway.reasons import Reasons
+from dock_gateway.robots import RobotRegistry
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.topics import BatteryPort, DiagnosticsPort, VelocityPort
-from dock_gateway.service import GoalService
+from dock_gateway.ros.graph import scan
+from dock_gateway.ros.topics import DiagnosticsPort
 from dock_gateway.settings import Settings
-from dock_gateway.tracker import GoalTracker
+
+log = logging.getLogger(__name__)
+
+# The graph is looked at so often, in seconds.
+SCAN_INTERVAL = 1.0
+# A new subscriber is shown so many ended goals.
+RECENT = 20
 
 
 @dataclass(frozen=True)
@@ -26,17 +34,47 @@ class Gateway:
     settings: Settings
     bridge: Bridge
     hub: Hub
-    goals: GoalService
-    tracker: GoalTracker
-    watch: ServerWatch
-    battery: Battery
-    publisher: BatteryPublisher
-    dock: ActionPort
+    history: History
+    actions: ActionRegistry
+    robots: RobotRegistry
+    dock: Action
+
+    async def dock_of(self, robot: str | None) -> Action:
+        """The docking action of a robot, the configured one where none is named.
+
+        Raises:
+            NotFound: There is no such robot, or it has no docking action.
+        """
+        if robot is None:
+            return self.dock
+        namespace = self.robots.get(robot).namespace
+        return await self.actions.find(self.settings.resolve(self.settings.dock_action, namespace))
+
+    async def goal(self, goal_id: str) -> Goal:
+        """One goal, on whatever action.
+
+        Raises:
+            NotFound: There is no such goal.
+        """
+        goal = self.actions.goal(goal_id) or await self.history.get(goal_id)
+        if goal is None:
+            raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
+        return goal
+
+    async def recent_goals(self, interest: Interest) -> list[Goal]:
+        """What a new subscriber sees first: the goals that run and the newest ended ones, newest first."""
+        if interest.goal_id is not None:
+            return [await self.goal(interest.goal_id)]
+        newest = await self.history.page(action_name=interest.action_name, statuses=(), limit=5 * RECENT, before=None)
+        covered = [goal for goal in newest if interest.covers_goal(goal.goal_id, goal.action_name)][:RECENT]
+        running = [goal for goal in self.actions.running() if interest.covers_goal(goal.goal_id, goal.action_name)]
+        goals = {goal.goal_id: goal for goal in [*covered, *running]}
+        return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)
 
     def say_goodbye(self) -> None:
         """The gateway is about to close: end every stream and every wait."""
         self.hub.close()
-        self.tracker.release_all()
+        self.actions.each(lambda action: action.tracker.release_all())
 
 
 @asynccontextmanager
@@ -44,44 +82,37 @@ async def open_gateway(settings: Settings) -> AsyncIterator[Gateway]:
     """Join the ROS graph and run the gateway until the block ends."""
     hub = Hub(queue_limit=settings.subscriber_queue, max_subscribers=settings.max_subscribers)
     history = MemoryHistory(settings.max_goals)
-
-    def on_return(goal: Goal) -> None:
-        goals.on_return(goal)
-
-    tracker = GoalTracker(hub, history, on_return=on_return)
-    battery = Battery(hub, settings.battery_stale_after)
+    reasons = Reasons()
     bridge = Bridge(settings.node_name, settings.namespace)
+    bridge.start()
     try:
-        dock = ActionPort(
-            bridge,
-            settings.resolve(settings.dock_action),
-            settings.dock_action_type,
-            on_status=tracker.on_status,
-            on_feedback=tracker.on_feedback,
-        )
-        tracker.attach(dock)
-        battery_port = BatteryPort(bridge, settings.battery_topic, battery.on_battery)
-        velocity = VelocityPort(
-            bridge,
-            settings.cmd_vel_topic,
-            lambda message, stamp_ns: hub.publish(message_event("cmd_vel", message, stamp_ns)),
-        )
-        DiagnosticsPort(bridge, settings.diagnostics_topic, tracker.on_reason)
-        watch = ServerWatch(
-            tracker, settings, lambda state: hub.publish(system_event("action_server", state, utc_now()))
-        )
-        goals = GoalService(settings, history, tracker, watch, velocity)
-        publisher = BatteryPublisher(battery_port, hub)
-        bridge.start()
-        watching = asyncio.create_task(watch.run())
+        actions = ActionRegistry(settings, bridge, hub, history, reasons)
+        robots = RobotRegistry(settings, bridge, hub)
+        await bridge.call(lambda: DiagnosticsPort(bridge, settings.diagnostics_topic, reasons.hear))
+        await robots.open(robots.default_namespace)
+        dock = await actions.open(settings.resolve(settings.dock_action), settings.dock_action_type, pinned=True)
+        watching = asyncio.create_task(_watch_graph(bridge, actions, robots))
         try:
-            yield Gateway(settings, bridge, hub, goals, tracker, watch, battery, publisher, dock)
+            yield Gateway(settings, bridge, hub, history, actions, robots, dock)
         finally:
             hub.close()
             watching.cancel()
             with suppress(asyncio.CancelledError):
                 await watching
-            await publisher.stop()
-            await tracker.close()
+            await robots.close()
+            await actions.close()
     finally:
         await asyncio.to_thread(bridge.close)
+
+
+async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry) -> None:
+    while True:
+        try:
+            found = await bridge.call(lambda: scan(bridge.node))
+            await actions.update(found)
+            await robots.update(found)
+        except GatewayError as error:
+            log.warning("cannot look at the ROS graph: %s", error.detail)
+        except Exception:
+            log.exception("while looking at the ROS graph")
+        await asyncio.sleep(SCAN_INTERVAL)

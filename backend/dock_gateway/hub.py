@@ -2,10 +2,10 @@
 
 import asyncio
 from collections import deque
-from collections.abc import Iterable
 
 from dock_gateway.errors import TooManyRequests, Unavailable
 from dock_gateway.events import Event
+from dock_gateway.interest import Interest
 
 
 class Subscriber:
@@ -17,24 +17,14 @@ class Subscriber:
 
     HARD_LIMIT = 10_000
 
-    def __init__(self, limit: int, *, goal_id: str | None, action_name: str | None, topics: frozenset[str]) -> None:
-        self.goal_id = goal_id
-        self.action_name = action_name
-        self.topics = topics
+    def __init__(self, limit: int, interest: Interest) -> None:
+        self.interest = interest
         self.overrun = False
         self._limit = limit
         self._queue: deque[Event] = deque()
         self._droppable = 0
         self._dropped = 0
         self._wake = asyncio.Event()
-
-    def wants(self, event: Event) -> bool:
-        """Whether the event is one that this subscriber asked for."""
-        if event.topic not in self.topics:
-            return False
-        if event.topic != "goals":
-            return True
-        return self.goal_id in (None, event.goal_id) and self.action_name in (None, event.action_name)
 
     def put(self, event: Event) -> None:
         """Queue an event; never waits."""
@@ -89,14 +79,8 @@ class Hub:
     def __len__(self) -> int:
         return len(self._subscribers)
 
-    def subscribe(
-        self,
-        *,
-        goal_id: str | None = None,
-        action_name: str | None = None,
-        topics: Iterable[str] = ("goals",),
-    ) -> Subscriber:
-        """Add a subscriber; what is published from now on reaches it.
+    def subscribe(self, interest: Interest) -> Subscriber:
+        """Add a subscriber; of what is published from now on, all that is of interest reaches it.
 
         Raises:
             TooManyRequests: There are too many already.
@@ -106,7 +90,7 @@ class Hub:
             raise Unavailable("the gateway is shutting down", code="shutting_down")
         if len(self._subscribers) >= self._max_subscribers:
             raise TooManyRequests(f"{self._max_subscribers} subscribers are connected already")
-        subscriber = Subscriber(self._queue_limit, goal_id=goal_id, action_name=action_name, topics=frozenset(topics))
+        subscriber = Subscriber(self._queue_limit, interest)
         self._subscribers.add(subscriber)
         return subscriber
 
@@ -117,7 +101,7 @@ class Hub:
     def publish(self, event: Event) -> None:
         """Hand an event to everyone who wants it."""
         for subscriber in self._subscribers:
-            if subscriber.wants(event):
+            if subscriber.interest.covers(event):
                 subscriber.put(event)
 
     def close(self) -> None:

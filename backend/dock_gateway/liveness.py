@@ -41,9 +41,19 @@ class ServerWatch:
         tracker: The goals on that action.
         settings: The deadlines.
         on_change: Called when the server's state has changed.
+        ping_idle: Whether a server without goals is asked for signs of life, too; else it counts as answering as long
+            as it is on the graph.
     """
 
-    def __init__(self, tracker: GoalTracker, settings: Settings, on_change: Callable[[ServerState], None]) -> None:
+    def __init__(
+        self,
+        tracker: GoalTracker,
+        settings: Settings,
+        on_change: Callable[[ServerState], None],
+        *,
+        ping_idle: bool = True,
+    ) -> None:
+        self._ping_idle = ping_idle
         self._tracker = tracker
         self._settings = settings
         self._on_change = on_change
@@ -55,19 +65,19 @@ class ServerWatch:
         """Look again and again, until canceled."""
         while True:
             try:
-                await self.look()
+                await self.look(ping=self._ping_idle or bool(self._tracker.live))
             except GatewayError as error:
                 log.warning("cannot look after the action server: %s", error.detail)
                 self._set(available=False, answering=False)
             await asyncio.sleep(self._settings.ping_interval)
 
-    async def look(self) -> ServerState:
+    async def look(self, *, ping: bool = True) -> ServerState:
         """Look once, now."""
         port = self._tracker.port
         available = await port.available()
         answering = False
         if available:
-            answering = time.monotonic() - self._tracker.last_heard < self._settings.ping_interval
+            answering = not ping or time.monotonic() - self._tracker.last_heard < self._settings.ping_interval
             if not answering and (answering := await self._ping()):
                 self._tracker.heard()
         self._gone_since = None if available else self._gone_since or time.monotonic()

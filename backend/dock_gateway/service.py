@@ -1,11 +1,10 @@
-"""What can be done with goals: the way in. Mints ids, records goals, keeps every deadline."""
+"""What can be done with the goals of an action: the way in. Mints ids, records goals, keeps every deadline."""
 
 import asyncio
 import logging
 import time
 import uuid
 from collections.abc import Collection
-from dataclasses import dataclass, field
 from typing import Any
 
 from dock_gateway.errors import Conflict, GatewayError, NotFound, ServerTimeout, TooManyRequests, Unavailable
@@ -13,8 +12,8 @@ from dock_gateway.events import utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import History
 from dock_gateway.liveness import ServerWatch
+from dock_gateway.reasons import Reasons
 from dock_gateway.ros.bridge import PendingCall
-from dock_gateway.ros.topics import VelocityPort
 from dock_gateway.settings import Settings
 from dock_gateway.tracker import GoalTracker
 
@@ -25,34 +24,22 @@ TOO_LATE = "the action server accepted the goal only after the gateway had given
 STOPPED = "a stop was asked for while the goal was on its way"
 
 
-@dataclass
-class StopReport:
-    """What `/stop` did: the goals that are being canceled, and what could not be reached."""
-
-    canceling: list[str] = field(default_factory=list)
-    failed: list[dict[str, str]] = field(default_factory=list)
-
-
 class GoalService:
-    """Submits, cancels and finds goals of one action; stops the robot."""
+    """Submits, cancels and finds goals of one action."""
 
     def __init__(
-        self,
-        settings: Settings,
-        history: History,
-        tracker: GoalTracker,
-        watch: ServerWatch,
-        velocity: VelocityPort,
+        self, settings: Settings, history: History, tracker: GoalTracker, watch: ServerWatch, reasons: Reasons
     ) -> None:
         self._settings = settings
         self._history = history
         self._tracker = tracker
         self._watch = watch
-        self._velocity = velocity
+        self._reasons = reasons
         self._submitting: dict[str, tuple[Any, asyncio.Task[Goal]]] = {}
         self._pending = 0
         self._stops = 0
         self._disowned: dict[str, str] = {}  # goals to be canceled as soon as they turn up, and why
+        tracker.on_return = self.on_return
 
     # ------------------------------------------------------------------ submit
 
@@ -76,7 +63,7 @@ class GoalService:
             first = await self._history.by_key(idempotency_key)
             if first is not None:
                 self._require_same(first.goal, self._tracker.port.encode_goal(message))
-                return _outcome(first)
+                return _outcome(self._tracker.live.get(first.goal_id, first))
             under_way = self._submitting.get(idempotency_key)
         if under_way is None:
             task = asyncio.create_task(self._submit(message, idempotency_key))
@@ -137,7 +124,7 @@ class GoalService:
             self.on_return(goal)
 
     async def _reject(self, goal: Goal) -> None:
-        reason = await self._tracker.reason(goal.goal_id)
+        reason = await self._reasons.of(goal.goal_id)
         busy = [other for other in self._tracker.running() if other is not goal and other.status.value != "pending"]
         if busy:
             detail = f"goal {busy[0].goal_id} is running; cancel it first"
@@ -179,7 +166,7 @@ class GoalService:
         except GatewayError as error:
             log.warning("goal %s could not be canceled: %s", goal.goal_id, error.detail)
 
-    # ------------------------------------------------------------------ cancel and stop
+    # ------------------------------------------------------------------ cancel
 
     async def cancel(self, goal_id: str) -> Goal:
         """Ask the server to cancel a goal, whoever sent it.
@@ -211,31 +198,33 @@ class GoalService:
             raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal_id)
         raise Conflict("the action server refuses to cancel the goal", code="cancel_rejected", goal_id=goal_id)
 
-    async def stop(self) -> StopReport:
-        """Tell the robot to stand still, and cancel every goal on the action, other clients' too."""
+    def disown_pending(self) -> None:
+        """Goals that are on their way must not run: they are canceled as soon as they are accepted."""
         self._stops += 1
         for goal in self._tracker.running():
             if goal.status is GoalStatus.PENDING:
                 self._disowned[goal.goal_id] = STOPPED
-        report = StopReport()
-        await self._velocity.publish_zero()
-        action_name = self._tracker.port.action_name
+
+    async def cancel_all(self) -> list[str]:
+        """Ask the server to cancel every goal, other clients' too; returns the ids of those that it will cancel.
+
+        Raises:
+            Unavailable: There are goals and no action server.
+            ServerTimeout: The server does not answer.
+        """
         try:
             answer = await self._tracker.port.cancel(None, STOP_TIMEOUT)
         except TimeoutError:
             detail = "the action server does not answer; it was sent the request to cancel every goal"
-            report.failed.append({"action_name": action_name, "code": ServerTimeout.code, "detail": detail})
-        except Unavailable as error:
+            raise ServerTimeout(detail) from None
+        except Unavailable:
             if self._tracker.running():
-                report.failed.append({"action_name": action_name, "code": error.code, "detail": error.detail})
-        else:
-            self._tracker.heard()
-            report.canceling = sorted(answer.goal_ids)
-            for goal_id in answer.goal_ids & self._tracker.live.keys():
-                self._tracker.move(self._tracker.live[goal_id], GoalStatus.CANCELING)
-        await self._velocity.publish_zero()
-        log.info("stop: zero velocity, canceling %s", report.canceling or "no goal")
-        return report
+                raise
+            return []
+        self._tracker.heard()
+        for goal_id in answer.goal_ids & self._tracker.live.keys():
+            self._tracker.move(self._tracker.live[goal_id], GoalStatus.CANCELING)
+        return sorted(answer.goal_ids)
 
     # ------------------------------------------------------------------ look
 
@@ -257,19 +246,12 @@ class GoalService:
         goals = await self._history.page(
             action_name=self._tracker.port.action_name, statuses=statuses, limit=limit + 1, before=before
         )
-        return goals[:limit], goals[limit - 1].goal_id if len(goals) > limit else None
+        current = [self._tracker.live.get(goal.goal_id, goal) for goal in goals[:limit]]
+        return current, goals[limit - 1].goal_id if len(goals) > limit else None
 
     async def wait(self, goal: Goal, timeout: float) -> None:
         """Wait until the goal has ended or the time is up."""
         await self._tracker.wait_terminal(goal, timeout)
-
-    async def recent(self, goal_id: str | None, ended: int = 20) -> list[Goal]:
-        """What a new subscriber sees first: the running goals and the newest ended ones, newest first."""
-        if goal_id is not None:
-            return [await self.get(goal_id)]
-        newest, _ = await self.page(limit=ended)
-        goals = {goal.goal_id: goal for goal in [*newest, *self._tracker.running()]}
-        return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)
 
 
 def _outcome(goal: Goal) -> Goal:

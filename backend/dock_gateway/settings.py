@@ -96,6 +96,7 @@ class Settings(BaseSettings):
             return frozenset() if "*" in self.allowed_hosts else frozenset(self.allowed_hosts)
         return LOOPBACK_HOSTS if self.host in LOOPBACK_HOSTS else frozenset()
 
-    def resolve(self, name: str) -> str:
-        """A ROS name as the graph has it: absolute, under the namespace where it was relative."""
-        return name if name.startswith("/") else f"/{self.namespace.strip('/')}/{name}".replace("//", "/")
+    def resolve(self, name: str, namespace: str | None = None) -> str:
+        """A ROS name as the graph has it: absolute, under the namespace (the configured one) where it was relative."""
+        under = self.namespace if namespace is None else namespace
+        return name if name.startswith("/") else f"/{under.strip('/')}/{name}".replace("//", "/")

@@ -15,14 +15,13 @@ from dock_gateway.events import feedback_event, moment, result_event, status_eve
 from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
 from dock_gateway.history import History
 from dock_gateway.hub import Hub
+from dock_gateway.reasons import Reasons
 from dock_gateway.ros.actions import ActionPort, StatusReport
 
 log = logging.getLogger(__name__)
 
 # A goal that the status topic says has ended waits so long for its result.
 RESULT_WAIT = 2.0
-# A rejected or aborted goal waits so long for a server that says why.
-REASON_WAIT = 0.3
 MAX_REMEMBERED = 2000
 MAX_LOST = 100
 
@@ -31,35 +30,30 @@ class GoalTracker:
     """Every goal on one action, from its first sign to its end.
 
     Args:
+        port: The action.
         hub: Where events go.
         history: Where goals are kept.
+        reasons: Why goals were rejected or aborted.
+
+    Attributes:
+        live: The goals that run, and lost ones that may return.
         on_return: Called with a goal that was `lost` and shows signs of life.
+        last_heard: When the action server gave its last sign of life, on the monotonic clock.
     """
 
-    def __init__(self, hub: Hub, history: History, *, on_return: Callable[[Goal], None]) -> None:
-        self.live: dict[str, Goal] = {}  # running ones, and lost ones that may return
+    def __init__(self, port: ActionPort, hub: Hub, history: History, reasons: Reasons) -> None:
+        self.live: dict[str, Goal] = {}
+        self.on_return: Callable[[Goal], None] = lambda _: None
         self.last_heard = time.monotonic()
+        self.port = port
         self._hub = hub
         self._history = history
-        self._on_return = on_return
-        self._port: ActionPort | None = None
         self._ended: OrderedDict[str, Goal] = OrderedDict()
-        self._reasons: OrderedDict[str, GoalError] = OrderedDict()
-        self._reason_came = asyncio.Condition()
+        self._reasons = reasons
         self._waiters: dict[str, asyncio.Event] = {}
         self._result_requested: set[str] = set()
         self._goal_heard: dict[str, float] = {}
         self._tasks: set[asyncio.Task[Any]] = set()
-
-    def attach(self, port: ActionPort) -> None:
-        """Name the action that goals and results are asked of."""
-        self._port = port
-
-    @property
-    def port(self) -> ActionPort:
-        """The action."""
-        assert self._port is not None, "attach() comes first"
-        return self._port
 
     def running(self) -> list[Goal]:
         """The goals that have not ended, oldest first."""
@@ -103,28 +97,6 @@ class GoalTracker:
         goal.hear(feedback, utc_now())
         self._hub.publish(feedback_event(goal, stamp_ns))
 
-    def on_reason(self, goal_id: str, error: GoalError) -> None:
-        """A server said on /diagnostics why a goal ended as it did."""
-        if self._reasons.get(goal_id) == error:
-            return
-        self._reasons[goal_id] = error
-        if len(self._reasons) > MAX_REMEMBERED:
-            self._reasons.popitem(last=False)
-        self.spawn(self._announce_reason())
-
-    async def _announce_reason(self) -> None:
-        async with self._reason_came:
-            self._reason_came.notify_all()
-
-    async def reason(self, goal_id: str) -> GoalError | None:
-        """Why a goal was rejected or aborted, as far as the server says; waits a moment for it."""
-        try:
-            async with asyncio.timeout(REASON_WAIT), self._reason_came:
-                await self._reason_came.wait_for(lambda: goal_id in self._reasons)
-        except TimeoutError:
-            return None
-        return self._reasons[goal_id]
-
     # ------------------------------------------------------------------ goals
 
     def add(self, goal: Goal) -> None:
@@ -149,7 +121,7 @@ class GoalTracker:
         self._history.record(goal)
         if was_lost:
             log.info("goal %s is back", goal.goal_id)
-            self._on_return(goal)
+            self.on_return(goal)
 
     def stall(self, goal: Goal, *, stalled: bool) -> None:
         """Show a goal as stalled, or no longer."""
@@ -231,7 +203,7 @@ class GoalTracker:
             return
         error = None
         if status is GoalStatus.ABORTED:
-            error = await self.reason(goal.goal_id)
+            error = await self._reasons.of(goal.goal_id)
             error = error or GoalError("goal_aborted", "the action server aborted the goal and did not say why")
         self.end(goal, status, result=result, error=error)
 

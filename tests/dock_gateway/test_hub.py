@@ -5,6 +5,7 @@ import pytest
 from dock_gateway.errors import TooManyRequests, Unavailable
 from dock_gateway.events import Event
 from dock_gateway.hub import Hub, Subscriber
+from dock_gateway.interest import Interest
 
 A, B = "goal-a", "goal-b"
 
@@ -28,10 +29,10 @@ async def texts(subscriber: Subscriber) -> tuple[list[str], int]:
 
 async def test_everyone_gets_what_was_asked_for() -> None:
     hub = make(subscribers=4)
-    everything = hub.subscribe(topics=("goals", "battery"))
-    of_b = hub.subscribe(goal_id=B)
-    of_fibonacci = hub.subscribe(action_name="/fibonacci")
-    for event in (feedback(1), feedback(2, B), Event(b"battery", "battery", droppable=True)):
+    everything = hub.subscribe(Interest(frozenset({"goals", "battery"})))
+    of_b = hub.subscribe(Interest(goal_id=B))
+    of_fibonacci = hub.subscribe(Interest(action_name="/fibonacci"))
+    for event in (feedback(1), feedback(2, B), Event(b"battery", "battery", droppable=True, robot="/")):
         hub.publish(event)
     assert await texts(everything) == (["f1", "f2", "battery"], 0)
     assert await texts(of_b) == (["f2"], 0)
@@ -40,7 +41,7 @@ async def test_everyone_gets_what_was_asked_for() -> None:
 
 async def test_a_slow_reader_loses_the_oldest_feedback_and_is_told() -> None:
     hub = make(limit=3)
-    slow = hub.subscribe()
+    slow = hub.subscribe(Interest())
     for event in (
         feedback(1),
         status("executing"),
@@ -59,7 +60,7 @@ async def test_a_slow_reader_loses_the_oldest_feedback_and_is_told() -> None:
 async def test_what_must_arrive_is_never_dropped_and_memory_stays_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Subscriber, "HARD_LIMIT", 5)
     hub = make(limit=1)
-    stuck = hub.subscribe()
+    stuck = hub.subscribe(Interest())
     for number in range(20):
         hub.publish(status(f"s{number}"))
         hub.publish(feedback(number))
@@ -71,7 +72,7 @@ async def test_what_must_arrive_is_never_dropped_and_memory_stays_bounded(monkey
 
 async def test_after_clear_only_what_is_new_arrives() -> None:
     hub = make()
-    subscriber = hub.subscribe()
+    subscriber = hub.subscribe(Interest())
     hub.publish(feedback(1))
     subscriber.clear()
     hub.publish(feedback(2))
@@ -80,14 +81,14 @@ async def test_after_clear_only_what_is_new_arrives() -> None:
 
 async def test_too_many_subscribers_and_a_closing_hub() -> None:
     hub = make(subscribers=1)
-    subscriber = hub.subscribe()
+    subscriber = hub.subscribe(Interest())
     with pytest.raises(TooManyRequests):
-        hub.subscribe()
+        hub.subscribe(Interest())
     hub.unsubscribe(subscriber)
     hub.unsubscribe(subscriber)
-    waiting = hub.subscribe()
+    waiting = hub.subscribe(Interest())
     hub.close()
     assert await waiting.take(5) == ([], 0)
     with pytest.raises(Unavailable) as refused:
-        hub.subscribe()
+        hub.subscribe(Interest())
     assert refused.value.code == "shutting_down"

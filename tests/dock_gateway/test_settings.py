@@ -74,6 +74,8 @@ def test_names_are_resolved_as_ros_does() -> None:
     assert Settings().resolve("connect_to_charging_dock") == "/connect_to_charging_dock"
     assert Settings(namespace="/robot1").resolve("dock") == "/robot1/dock"
     assert Settings(namespace="robot1/").resolve("/dock") == "/dock"
+    assert Settings(namespace="/robot1").resolve("dock", "/robot2") == "/robot2/dock"
+    assert Settings(namespace="/robot1").resolve("dock", "/") == "/dock"
 
 
 def test_help_names_every_setting() -> None:

@@ -8,11 +8,14 @@ from typing import Any
 import orjson
 import pytest
 
+from dock_gateway import reasons as reasons_module
 from dock_gateway import tracker as tracker_module
 from dock_gateway.errors import Unavailable
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import MemoryHistory
 from dock_gateway.hub import Hub, Subscriber
+from dock_gateway.interest import Interest
+from dock_gateway.reasons import Reasons
 from dock_gateway.ros.actions import StatusReport
 from dock_gateway.tracker import GoalTracker
 
@@ -54,10 +57,11 @@ class Scene:
         self.hub = Hub(queue_limit=100, max_subscribers=10)
         self.history = MemoryHistory(100)
         self.returned: list[Goal] = []
-        self.tracker = GoalTracker(self.hub, self.history, on_return=self.returned.append)
         self.port = FakePort()
-        self.tracker.attach(self.port)  # type: ignore[arg-type]
-        self.subscriber: Subscriber = self.hub.subscribe()
+        self.reasons = Reasons()
+        self.tracker = GoalTracker(self.port, self.hub, self.history, self.reasons)  # type: ignore[arg-type]
+        self.tracker.on_return = self.returned.append
+        self.subscriber: Subscriber = self.hub.subscribe(Interest())
         self.stamp = 1
 
     def send(self, goal_id: str = A) -> Goal:
@@ -88,7 +92,7 @@ class Scene:
 @pytest.fixture
 async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
     monkeypatch.setattr(tracker_module, "RESULT_WAIT", 0.05)
-    monkeypatch.setattr(tracker_module, "REASON_WAIT", 0.05)
+    monkeypatch.setattr(reasons_module, "REASON_WAIT", 0.05)
     scene = Scene()
     yield scene
     await scene.tracker.close()
@@ -133,7 +137,9 @@ async def test_a_goal_of_someone_else(scene: Scene) -> None:
     scene.status((B, S.EXECUTING))
     goal = scene.tracker.live[B]
     assert (goal.origin, goal.goal) == ("external", None)
-    assert await scene.history.get(B) is goal
+    kept = await scene.history.get(B)
+    assert kept is not None
+    assert kept.origin == "external"
     await asyncio.sleep(0)
     scene.port.answer(B, S.CANCELED, b'{"n":0}')
     assert await scene.events() == ["status:executing", "status:canceled", "result:canceled"]
@@ -166,7 +172,7 @@ async def test_a_result_after_the_time_still_counts(scene: Scene) -> None:
 
 async def test_an_aborted_goal_says_why(scene: Scene) -> None:
     goal = scene.send()
-    scene.tracker.on_reason(A, GoalError("battery_lost", "no battery for 60 s"))
+    scene.reasons.hear(A, GoalError("battery_lost", "no battery for 60 s"))
     scene.tracker.request_result(goal)
     await asyncio.sleep(0)
     scene.port.answer(A, S.ABORTED, b"{}")
@@ -180,7 +186,7 @@ async def test_a_reason_that_comes_a_moment_later(scene: Scene) -> None:
     await asyncio.sleep(0)
     scene.port.answer(A, S.ABORTED, b"{}")
     await asyncio.sleep(0.01)
-    scene.tracker.on_reason(A, GoalError("timeout", "took too long"))
+    scene.reasons.hear(A, GoalError("timeout", "took too long"))
     await asyncio.sleep(0.02)
     assert goal.error == GoalError("timeout", "took too long")
 
@@ -235,11 +241,12 @@ async def test_waiting_ends_with_the_goal_with_the_time_and_with_the_gateway(sce
 
 async def test_memory_is_bounded(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tracker_module, "MAX_REMEMBERED", 10)
+    monkeypatch.setattr(reasons_module, "MAX_REMEMBERED", 10)
     monkeypatch.setattr(tracker_module, "MAX_LOST", 5)
     for number in range(50):
         goal = scene.send(f"{number:08d}-0000-4000-8000-000000000000")
-        scene.tracker.on_reason(goal.goal_id, GoalError("x", "y"))
+        scene.reasons.hear(goal.goal_id, GoalError("x", "y"))
         scene.tracker.lose(goal, GoalError("action_server_lost", "gone"))
     assert len(scene.tracker.live) == 5
     assert len(scene.tracker._ended) <= 10
-    assert len(scene.tracker._reasons) <= 10
+    assert len(scene.reasons) <= 10

@@ -87,7 +87,12 @@ BODIES: dict[str, tuple[str, str, bytes, int, str]] = {
     "a rate in words": ("PUT", "/battery/publisher", b'{"state": {}, "rate_hz": "fast"}', 422, "invalid_field"),
     "a wrong state to repeat": ("PUT", "/battery/publisher", b'{"state": {"voltage": {}}}', 422, "invalid_field"),
     "50 MB": ("POST", GOAL, b'{"a": "' + b"x" * 50_000_000 + b'"}', 413, "body_too_large"),
-    "a query nobody knows": ("POST", "/dock?robot=/robot1", b"", 422, "invalid_field"),
+    "a query nobody knows": ("POST", "/dock?robots=/robot1", b"", 422, "invalid_field"),
+    "a robot nobody knows": ("POST", "/dock?robot=/robot1", b"", 404, "robot_not_found"),
+    "a stop of a robot nobody knows": ("POST", "/stop?robot=/robot1", b"", 404, "robot_not_found"),
+    "a namespace that is none": ("POST", "/dock?robot=robot%201", b"", 422, "invalid_field"),
+    "an action nobody serves": ("POST", "/actions/fibonacci/goals", b"{}", 404, "action_not_found"),
+    "no action at all": ("POST", "/actions//goals", b"{}", 404, "action_not_found"),
     "a limit of -1": ("GET", "/dock?limit=-1", b"", 422, "invalid_field"),
     "a limit in words": ("GET", "/dock?limit=all", b"", 422, "invalid_field"),
     "a status nobody knows": ("GET", "/dock?status=done", b"", 422, "invalid_field"),
@@ -147,7 +152,9 @@ def test_bad_headers(gateway: RunningGateway, headers: dict[str, str], status: i
     assert (response.status_code, response.json()["code"]) == (status, code)
 
 
-@pytest.mark.parametrize("query", ["?goal_id=1234", f"?goal_id={UUID}", "?include=everything", "?after=1", "?goal=1"])
+@pytest.mark.parametrize(
+    "query", ["?goal_id=1234", f"?goal_id={UUID}", "?include=everything", "?after=1", "?goal=1", "?robot=/robot1"]
+)
 def test_streams_that_cannot_be_opened(gateway: RunningGateway, query: str) -> None:
     with pytest.raises(InvalidStatus) as refused, gateway.stream(query):
         pass

@@ -1,22 +1,18 @@
 """`/battery`: the latest state, and publishing one in place of a robot's battery driver."""
 
-from typing import Annotated
-
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
-from dock_gateway.api.dock import json_response
+from dock_gateway.api.answers import RobotQuery, TheGateway, json_response
 from dock_gateway.api.openapi import battery_body, body
 from dock_gateway.api.problems import problems
-from dock_gateway.api.requests import get_gateway, known_query, read_json, read_object
+from dock_gateway.api.requests import known_query, read_json, read_object
 from dock_gateway.api.schemas import Battery, Published, Publisher
 from dock_gateway.errors import FieldError, InvalidField
-from dock_gateway.gateway import Gateway
 from dock_gateway.goals import fragment
 
-router = APIRouter(tags=["Battery"], dependencies=[Depends(known_query())])
+router = APIRouter(tags=["Battery"], dependencies=[Depends(known_query("robot"))])
 
-TheGateway = Annotated[Gateway, Depends(get_gateway)]
 MIN_RATE, MAX_RATE = 0.1, 100.0
 PUBLISHER_REQUEST = {
     "type": "object",
@@ -29,37 +25,37 @@ PUBLISHER_REQUEST = {
 }
 
 
-@router.get("/battery", response_model=Battery)
-async def get_battery(gateway: TheGateway) -> Response:
+@router.get("/battery", response_model=Battery, responses=problems(404, 422))
+async def get_battery(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """The latest battery state, its age, and whether it is stale."""
-    return json_response(gateway.battery.document())
+    return json_response(gateway.robots.get(robot).battery.document())
 
 
 @router.post(
     "/battery",
     response_model=Published,
-    responses=problems(400, 413, 415, 422, 503),
+    responses=problems(400, 404, 413, 415, 422, 503),
     openapi_extra=battery_body(required=True),
 )
-async def publish_battery(request: Request, gateway: TheGateway) -> Response:
+async def publish_battery(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Publish one battery state; floats that are left out are NaN."""
-    state = await gateway.publisher.publish(await read_json(request, empty={}))
+    state = await gateway.robots.get(robot).publisher.publish(await read_json(request, empty={}))
     return json_response({"state": fragment(state)})
 
 
-@router.get("/battery/publisher", response_model=Publisher)
-async def get_publisher(gateway: TheGateway) -> Response:
+@router.get("/battery/publisher", response_model=Publisher, responses=problems(404, 422))
+async def get_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """What is being published repeatedly."""
-    return json_response(gateway.publisher.document())
+    return json_response(gateway.robots.get(robot).publisher.document())
 
 
 @router.put(
     "/battery/publisher",
     response_model=Publisher,
-    responses=problems(400, 413, 415, 422, 503),
+    responses=problems(400, 404, 413, 415, 422, 503),
     openapi_extra=body(PUBLISHER_REQUEST, required=True),
 )
-async def start_publisher(request: Request, gateway: TheGateway) -> Response:
+async def start_publisher(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Publish a battery state repeatedly, from now on, in place of what was published before."""
     fields = read_object(await read_json(request), "state", "rate_hz")
     rate_hz = fields.get("rate_hz", 1.0)
@@ -67,12 +63,12 @@ async def start_publisher(request: Request, gateway: TheGateway) -> Response:
         raise InvalidField(
             [FieldError("rate_hz", f"a number from {MIN_RATE:g} to {MAX_RATE:g}", f"got {rate_hz!r:.40}")]
         )
-    await gateway.publisher.start(fields.get("state", {}), float(rate_hz))
-    return json_response(gateway.publisher.document())
+    await gateway.robots.get(robot).publisher.start(fields.get("state", {}), float(rate_hz))
+    return json_response(gateway.robots.get(robot).publisher.document())
 
 
-@router.delete("/battery/publisher", status_code=204)
-async def stop_publisher(gateway: TheGateway) -> Response:
+@router.delete("/battery/publisher", status_code=204, responses=problems(404, 422))
+async def stop_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Publish no more."""
-    await gateway.publisher.stop()
+    await gateway.robots.get(robot).publisher.stop()
     return Response(status_code=204)

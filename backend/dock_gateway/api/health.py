@@ -1,21 +1,15 @@
 """`/healthz` and `/readyz`, for supervisors and load balancers."""
 
-from typing import Annotated
-
-from fastapi import APIRouter, Depends
+from fastapi import APIRouter
 from starlette.responses import Response
 
 from dock_gateway import __version__
-from dock_gateway.api.dock import json_response
-from dock_gateway.api.requests import get_gateway
+from dock_gateway.api.answers import TheGateway, json_response
 from dock_gateway.api.schemas import Health, Readiness
 from dock_gateway.errors import Unavailable
-from dock_gateway.gateway import Gateway
 from dock_gateway.ros.bridge import ros_environment
 
 router = APIRouter(tags=["Health"])
-
-TheGateway = Annotated[Gateway, Depends(get_gateway)]
 
 
 @router.get("/healthz", response_model=Health, responses={503: {"model": Health}})
@@ -38,6 +32,6 @@ async def healthz(gateway: TheGateway) -> Response:
 @router.get("/readyz", response_model=Readiness, responses={503: {"model": Readiness}})
 async def readyz(gateway: TheGateway) -> Response:
     """Whether the action server is there and answers."""
-    state = gateway.watch.state
+    state = gateway.dock.watch.state
     ready = gateway.bridge.alive and state.available and state.answering
     return json_response({"ready": ready, "action_server": state}, 200 if ready else 503)

@@ -40,7 +40,13 @@ def _build(app: FastAPI) -> dict[str, Any]:
     schemas["Event"] = {
         "description": "A message of /ws/feedback.",
         "oneOf": [{"$ref": REF.format(model=event.__name__)} for event in EVENTS],
-        "discriminator": {"propertyName": "type"},
+        "discriminator": {
+            "propertyName": "type",
+            "mapping": {
+                schemas[event.__name__]["properties"]["type"]["const"]: REF.format(model=event.__name__)
+                for event in EVENTS
+            },
+        },
     }
     schemas["BatteryState"] = codec(BatteryState).schema(complete=True) | {
         "description": "sensor_msgs/BatteryState; null is NaN: not measured."

@@ -4,7 +4,7 @@ Nothing is validated or encoded with these at run time: messages come and go as 
 """
 
 from datetime import datetime
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
@@ -46,8 +46,8 @@ class GoalError(Schema):
     detail: str
 
 
-class GoalSummary(Schema):
-    """A goal without its feedback and result."""
+class GoalState(Schema):
+    """What is known of any goal, without its messages."""
 
     goal_id: str
     action_name: str
@@ -55,7 +55,6 @@ class GoalSummary(Schema):
     status: GoalStatus
     stalled: bool
     origin: Literal["gateway", "external"]
-    goal: DockGoal | None
     error: GoalError | None
     created_at: datetime
     updated_at: datetime
@@ -64,8 +63,29 @@ class GoalSummary(Schema):
     last_event_id: str | None
 
 
+class GoalSummary(GoalState):
+    """A docking goal without its feedback and result."""
+
+    goal: DockGoal | None
+
+
+class ActionGoal(GoalState):
+    """A goal on any action; goal, feedback and result hold the fields of the action's messages."""
+
+    goal: dict[str, Any] | None
+    feedback: dict[str, Any] | None
+    result: dict[str, Any] | None
+
+
+class ActionGoalPage(Schema):
+    """Goals on any action, newest first."""
+
+    goals: list[ActionGoal]
+    next_cursor: str | None
+
+
 class Goal(GoalSummary):
-    """A goal."""
+    """A docking goal."""
 
     feedback: DockFeedback | None
     result: DockResult | None
@@ -99,6 +119,7 @@ class Battery(Schema):
     state: BatteryState | None
     age_s: float | None
     stale: bool
+    stale_after_s: float
     received_at: datetime | None
 
 
@@ -124,6 +145,21 @@ class ActionServer(Schema):
     action_name: str
     available: bool
     answering: bool
+
+
+class ActionInfo(ActionServer):
+    """An action on the graph; `hint` says what to install where its package is missing."""
+
+    action_type: str
+    installed: bool
+    hint: str | None
+    running_goals: int
+
+
+class ActionList(Schema):
+    """The actions on the graph."""
+
+    actions: list[ActionInfo]
 
 
 class Health(Schema):
@@ -226,6 +262,7 @@ class BatteryEvent(Schema):
     type: Literal["battery"]
     id: str
     time: datetime
+    robot: str
     battery: BatteryState
 
 
@@ -235,6 +272,7 @@ class CmdVelEvent(Schema):
     type: Literal["cmd_vel"]
     id: str
     time: datetime
+    robot: str
     cmd_vel: Twist
 
 
@@ -243,6 +281,7 @@ class PublisherEvent(Schema):
 
     type: Literal["battery_publisher"]
     time: datetime
+    robot: str
     battery_publisher: Publisher
 
 

@@ -3,15 +3,15 @@
 import asyncio
 import logging
 import time
-from typing import Annotated
 
-from fastapi import APIRouter, Depends, WebSocket
+from fastapi import APIRouter, WebSocket
 from starlette.websockets import WebSocketDisconnect
 
-from dock_gateway.api.dock import read_goal_id
+from dock_gateway.api.answers import TheGateway
+from dock_gateway.api.interests import QUERY, read_interest
 from dock_gateway.api.problems import problem_response
-from dock_gateway.api.requests import get_gateway, known_query
-from dock_gateway.errors import FieldError, GatewayError, InvalidField
+from dock_gateway.api.requests import known_query
+from dock_gateway.errors import GatewayError
 from dock_gateway.events import notice, utc_now
 from dock_gateway.gateway import Gateway
 from dock_gateway.hub import Subscriber
@@ -20,8 +20,6 @@ log = logging.getLogger(__name__)
 
 router = APIRouter()
 
-TheGateway = Annotated[Gateway, Depends(get_gateway)]
-INCLUDES = ("battery", "cmd_vel", "system")
 POLICY_VIOLATION, SERVICE_RESTART, TRY_AGAIN_LATER = 1008, 1012, 1013
 
 
@@ -29,18 +27,11 @@ POLICY_VIOLATION, SERVICE_RESTART, TRY_AGAIN_LATER = 1008, 1012, 1013
 async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     """A snapshot, then every event as it happens.
 
-    `?goal_id=` and `?action=` narrow it; `?include=battery,cmd_vel,system` asks for more than the events of goals.
+    `?goal_id=`, `?action=` and `?robot=` narrow it; `?include=battery,cmd_vel,system` asks for more than goals.
     """
     try:
-        known_query("goal_id", "action", "include")(websocket)
-        goal_id = websocket.query_params.get("goal_id")
-        if goal_id is not None:
-            goal_id = (await gateway.goals.get(read_goal_id(goal_id))).goal_id
-        subscriber = gateway.hub.subscribe(
-            goal_id=goal_id,
-            action_name=_action(websocket, gateway),
-            topics=("goals", *_includes(websocket)),
-        )
+        known_query(*QUERY)(websocket)
+        subscriber = gateway.hub.subscribe(await read_interest(gateway, websocket.query_params))
     except GatewayError as error:
         await websocket.send_denial_response(problem_response(error))
         return
@@ -49,19 +40,6 @@ async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
         await _serve(websocket, gateway, subscriber)
     finally:
         gateway.hub.unsubscribe(subscriber)
-
-
-def _action(websocket: WebSocket, gateway: Gateway) -> str | None:
-    action = websocket.query_params.get("action")
-    return None if action is None else gateway.settings.resolve(action)
-
-
-def _includes(websocket: WebSocket) -> list[str]:
-    names = [name.strip() for name in websocket.query_params.get("include", "").split(",") if name.strip()]
-    unknown = [name for name in names if name not in INCLUDES]
-    if unknown:
-        raise InvalidField([FieldError("query.include", f"any of {', '.join(INCLUDES)}", f"got {unknown[0][:60]!r}")])
-    return names
 
 
 async def _serve(websocket: WebSocket, gateway: Gateway, subscriber: Subscriber) -> None:
@@ -113,12 +91,14 @@ async def _send(websocket: WebSocket, gateway: Gateway, text: str) -> None:
 
 
 async def _snapshot(gateway: Gateway, subscriber: Subscriber) -> str:
-    goals = await gateway.goals.recent(subscriber.goal_id)
+    interest = subscriber.interest
+    goals = await gateway.recent_goals(interest)
+    robot = gateway.robots.get(interest.robot)
     return notice(
         "snapshot",
         utc_now(),
-        goals=[goal.document() for goal in goals if subscriber.action_name in (None, goal.action_name)],
-        battery=gateway.battery.document(),
-        battery_publisher=gateway.publisher.document(),
-        action_server=gateway.watch.state,
+        goals=[goal.document() for goal in goals],
+        battery=robot.battery.document(),
+        battery_publisher=robot.publisher.document(),
+        action_server=gateway.dock.watch.state,
     )

@@ -13,6 +13,7 @@ from typing import Any
 from action_msgs.srv import CancelGoal
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
 from unique_identifier_msgs.msg import UUID
 
 from dock_gateway.goals import FROM_ROS, GoalStatus, Json
@@ -47,28 +48,22 @@ class CancelAnswer:
 class ActionPort:
     """Sends goals, cancels and result requests to one action, and hears of all its goals.
 
+    It is made, told to listen and closed on the ROS thread; all else is for the loop.
+
     Args:
-        bridge: Where the ROS thread is; not started yet.
+        bridge: Where the ROS thread is.
         action_name: Absolute name of the action.
         action_type: Its type, `package/action/Name`.
-        on_status: Called on the loop with the reports of a status message and its source timestamp in ns.
-        on_feedback: Called on the loop with a goal id, the feedback as JSON and the source timestamp in ns.
+
+    Raises:
+        ImportError: The type's package is not installed.
     """
 
-    def __init__(
-        self,
-        bridge: Bridge,
-        action_name: str,
-        action_type: str,
-        *,
-        on_status: OnStatus,
-        on_feedback: OnFeedback,
-    ) -> None:
+    def __init__(self, bridge: Bridge, action_name: str, action_type: str) -> None:
         self.action_name = action_name
         self.action_type = action_type
         self._bridge = bridge
-        self._on_status = on_status
-        self._on_feedback = on_feedback
+        self._subscriptions: list[Subscription] = []
         action = load_action(action_type)
         self._impl = action.Impl
         self.goal_codec = codec(action.Goal)
@@ -79,38 +74,46 @@ class ActionPort:
         self._result = node.create_client(self._impl.GetResultService, f"{action_name}/_action/get_result")
         # Last: once the server has answered a ping, it has matched what was announced before, too.
         self._cancel = node.create_client(CancelGoal, f"{action_name}/_action/cancel_goal")
-        overrides = QoSOverridingOptions.with_default_policies()
-        node.create_subscription(
-            self._impl.FeedbackMessage,
-            f"{action_name}/_action/feedback",
-            guard(self._hear_feedback),
-            QoSProfile(depth=FEEDBACK_DEPTH),
-            qos_overriding_options=overrides,
-        )
-        node.create_subscription(
-            self._impl.GoalStatusMessage,
-            f"{action_name}/_action/status",
-            guard(self._hear_status),
-            qos_profile_action_status_default,
-            qos_overriding_options=overrides,
-        )
 
-    def _hear_feedback(self, message: Any, info: dict[str, Any]) -> None:
-        feedback = self._feedback_codec.encode(message.feedback)
-        goal_id = to_text(message.goal_id)
-        self._bridge.to_loop(self._on_feedback, goal_id, feedback, info["source_timestamp"])
+    def listen(self, on_status: OnStatus, on_feedback: OnFeedback) -> None:
+        """Hear of all goals from now on.
 
-    def _hear_status(self, message: Any, info: dict[str, Any]) -> None:
-        reports = [
-            StatusReport(
-                to_text(entry.goal_info.goal_id),
-                FROM_ROS[entry.status],
-                entry.goal_info.stamp.sec * 1_000_000_000 + entry.goal_info.stamp.nanosec,
-            )
-            for entry in message.status_list
-            if entry.status in FROM_ROS
+        Args:
+            on_status: Called on the loop with the reports of a status message and its source timestamp in ns.
+            on_feedback: Called on the loop with a goal id, the feedback as JSON and the source timestamp in ns.
+        """
+        node, overrides = self._bridge.node, QoSOverridingOptions.with_default_policies()
+
+        def hear_feedback(message: Any, info: dict[str, Any]) -> None:
+            feedback = self._feedback_codec.encode(message.feedback)
+            self._bridge.to_loop(on_feedback, to_text(message.goal_id), feedback, info["source_timestamp"])
+
+        def hear_status(message: Any, info: dict[str, Any]) -> None:
+            self._bridge.to_loop(on_status, read_status(message), info["source_timestamp"])
+
+        self._subscriptions = [
+            node.create_subscription(
+                self._impl.FeedbackMessage,
+                f"{self.action_name}/_action/feedback",
+                guard(hear_feedback),
+                QoSProfile(depth=FEEDBACK_DEPTH),
+                qos_overriding_options=overrides,
+            ),
+            node.create_subscription(
+                self._impl.GoalStatusMessage,
+                f"{self.action_name}/_action/status",
+                guard(hear_status),
+                qos_profile_action_status_default,
+                qos_overriding_options=overrides,
+            ),
         ]
-        self._bridge.to_loop(self._on_status, reports, info["source_timestamp"])
+
+    def close(self) -> None:
+        """Leave the action."""
+        for subscription in self._subscriptions:
+            self._bridge.node.destroy_subscription(subscription)
+        for client in (self._send, self._result, self._cancel):
+            self._bridge.node.destroy_client(client)
 
     async def available(self) -> bool:
         """Whether a server of all three services is on the graph."""
@@ -159,6 +162,19 @@ class ActionPort:
         except TimeoutError:
             return False
         return True
+
+
+def read_status(message: Any) -> list[StatusReport]:
+    """The goals in a message of `_action/status`."""
+    return [
+        StatusReport(
+            to_text(entry.goal_info.goal_id),
+            FROM_ROS[entry.status],
+            entry.goal_info.stamp.sec * 1_000_000_000 + entry.goal_info.stamp.nanosec,
+        )
+        for entry in message.status_list
+        if entry.status in FROM_ROS
+    ]
 
 
 def to_ros(goal_id: str) -> UUID:

@@ -1,4 +1,7 @@
-"""The topics around an action: battery state in and out, velocity in and zero out, diagnostics in."""
+"""The topics around an action: battery state in and out, velocity in and zero out, diagnostics in.
+
+Ports are made and closed on the ROS thread; all else of them is for the loop.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -33,7 +36,14 @@ class BatteryPort:
         def hear(message: BatteryState, info: dict[str, Any]) -> None:
             bridge.to_loop(on_battery, self.codec.encode(message), info["source_timestamp"])
 
-        bridge.node.create_subscription(BatteryState, topic, guard(hear), LISTEN, qos_overriding_options=overrides)
+        self._subscription = bridge.node.create_subscription(
+            BatteryState, topic, guard(hear), LISTEN, qos_overriding_options=overrides
+        )
+
+    def close(self) -> None:
+        """Leave the topic."""
+        self._bridge.node.destroy_subscription(self._subscription)
+        self._bridge.node.destroy_publisher(self._publisher)
 
     async def publish(self, message: BatteryState, *, stamp: bool) -> Json:
         """Publish a message, with the time of now where `stamp`; returns it as it went out."""
@@ -59,7 +69,14 @@ class VelocityPort:
         def hear(message: Twist, info: dict[str, Any]) -> None:
             bridge.to_loop(on_velocity, twist_codec.encode(message), info["source_timestamp"])
 
-        bridge.node.create_subscription(Twist, topic, guard(hear), LISTEN, qos_overriding_options=overrides)
+        self._subscription = bridge.node.create_subscription(
+            Twist, topic, guard(hear), LISTEN, qos_overriding_options=overrides
+        )
+
+    def close(self) -> None:
+        """Leave the topic."""
+        self._bridge.node.destroy_subscription(self._subscription)
+        self._bridge.node.destroy_publisher(self._publisher)
 
     async def publish_zero(self) -> None:
         """Tell the robot to stand still."""

@@ -40,7 +40,7 @@ export interface paths {
         };
         /**
          * Get Goal
-         * @description One goal.
+         * @description One goal, of any robot.
          */
         get: operations["get_goal"];
         put?: never;
@@ -82,9 +82,115 @@ export interface paths {
         put?: never;
         /**
          * Stop
-         * @description Publish zero velocity at once and cancel every goal on the action, other clients' too.
+         * @description Publish zero velocity at once and cancel every goal on every action of the robot, other clients' too.
+         *
+         *     Robots in namespaces below it are stopped, too: without `robot`, on a gateway without a namespace, all of them.
          */
         post: operations["stop"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/actions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Actions
+         * @description Every action on the graph; one whose package is missing says what to install.
+         */
+        get: operations["list_actions"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/actions/{name}/goals": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Action Goals
+         * @description Goals of an action, newest first.
+         */
+        get: operations["list_action_goals"];
+        put?: never;
+        /**
+         * Send Action Goal
+         * @description Send a goal; the body holds the goal message's own fields.
+         */
+        post: operations["send_action_goal"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/actions/{name}/goals/{goal_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Action Goal
+         * @description One goal of an action.
+         */
+        get: operations["get_action_goal"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/actions/{name}/goals/{goal_id}/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel Action Goal
+         * @description Ask the action server to cancel a goal, whoever sent it.
+         */
+        post: operations["cancel_action_goal"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/actions/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Action
+         * @description One action.
+         */
+        get: operations["get_action"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -188,6 +294,93 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /**
+         * ActionGoal
+         * @description A goal on any action; goal, feedback and result hold the fields of the action's messages.
+         */
+        ActionGoal: {
+            /** Goal Id */
+            goal_id: string;
+            /** Action Name */
+            action_name: string;
+            /** Action Type */
+            action_type: string;
+            status: components["schemas"]["GoalStatus"];
+            /** Stalled */
+            stalled: boolean;
+            /**
+             * Origin
+             * @enum {string}
+             */
+            origin: "gateway" | "external";
+            error: components["schemas"]["GoalError"] | null;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /**
+             * Updated At
+             * Format: date-time
+             */
+            updated_at: string;
+            /** Finished At */
+            finished_at: string | null;
+            /** Feedback Count */
+            feedback_count: number;
+            /** Last Event Id */
+            last_event_id: string | null;
+            /** Goal */
+            goal: {
+                [key: string]: unknown;
+            } | null;
+            /** Feedback */
+            feedback: {
+                [key: string]: unknown;
+            } | null;
+            /** Result */
+            result: {
+                [key: string]: unknown;
+            } | null;
+        };
+        /**
+         * ActionGoalPage
+         * @description Goals on any action, newest first.
+         */
+        ActionGoalPage: {
+            /** Goals */
+            goals: components["schemas"]["ActionGoal"][];
+            /** Next Cursor */
+            next_cursor: string | null;
+        };
+        /**
+         * ActionInfo
+         * @description An action on the graph; `hint` says what to install where its package is missing.
+         */
+        ActionInfo: {
+            /** Action Name */
+            action_name: string;
+            /** Available */
+            available: boolean;
+            /** Answering */
+            answering: boolean;
+            /** Action Type */
+            action_type: string;
+            /** Installed */
+            installed: boolean;
+            /** Hint */
+            hint: string | null;
+            /** Running Goals */
+            running_goals: number;
+        };
+        /**
+         * ActionList
+         * @description The actions on the graph.
+         */
+        ActionList: {
+            /** Actions */
+            actions: components["schemas"]["ActionInfo"][];
+        };
+        /**
          * ActionServer
          * @description Whether an action server is on the graph, and answers.
          */
@@ -208,7 +401,7 @@ export interface components {
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
-            type: "ActionServerEvent";
+            type: "action_server";
             /**
              * Time
              * Format: date-time
@@ -226,6 +419,8 @@ export interface components {
             age_s: number | null;
             /** Stale */
             stale: boolean;
+            /** Stale After S */
+            stale_after_s: number;
             /** Received At */
             received_at: string | null;
         };
@@ -238,7 +433,7 @@ export interface components {
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
-            type: "BatteryEvent";
+            type: "battery";
             /** Id */
             id: string;
             /**
@@ -246,6 +441,8 @@ export interface components {
              * Format: date-time
              */
             time: string;
+            /** Robot */
+            robot: string;
             battery: components["schemas"]["BatteryState"];
         };
         /**
@@ -317,7 +514,7 @@ export interface components {
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
-            type: "ClosingEvent";
+            type: "closing";
             /**
              * Time
              * Format: date-time
@@ -335,7 +532,7 @@ export interface components {
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
-            type: "CmdVelEvent";
+            type: "cmd_vel";
             /** Id */
             id: string;
             /**
@@ -343,6 +540,8 @@ export interface components {
              * Format: date-time
              */
             time: string;
+            /** Robot */
+            robot: string;
             cmd_vel: components["schemas"]["Twist"];
         };
         /**
@@ -375,7 +574,7 @@ export interface components {
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
-            type: "DroppedEvent";
+            type: "dropped";
             /**
              * Time
              * Format: date-time
@@ -395,7 +594,7 @@ export interface components {
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
-            type: "FeedbackEvent";
+            type: "feedback";
             /** Id */
             id: string;
             /**
@@ -423,7 +622,7 @@ export interface components {
         };
         /**
          * Goal
-         * @description A goal.
+         * @description A docking goal.
          */
         Goal: {
             /** Goal Id */
@@ -440,7 +639,6 @@ export interface components {
              * @enum {string}
              */
             origin: "gateway" | "external";
-            goal: components["schemas"]["DockGoal"] | null;
             error: components["schemas"]["GoalError"] | null;
             /**
              * Created At
@@ -458,6 +656,7 @@ export interface components {
             feedback_count: number;
             /** Last Event Id */
             last_event_id: string | null;
+            goal: components["schemas"]["DockGoal"] | null;
             feedback: components["schemas"]["DockFeedback"] | null;
             result: components["schemas"]["DockResult"] | null;
         };
@@ -515,7 +714,7 @@ export interface components {
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
-            type: "HeartbeatEvent";
+            type: "heartbeat";
             /**
              * Time
              * Format: date-time
@@ -579,12 +778,14 @@ export interface components {
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
-            type: "PublisherEvent";
+            type: "battery_publisher";
             /**
              * Time
              * Format: date-time
              */
             time: string;
+            /** Robot */
+            robot: string;
             battery_publisher: components["schemas"]["Publisher"];
         };
         /**
@@ -605,7 +806,7 @@ export interface components {
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
-            type: "ResultEvent";
+            type: "result";
             /** Id */
             id: string;
             /**
@@ -630,7 +831,7 @@ export interface components {
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
-            type: "SnapshotEvent";
+            type: "snapshot";
             /**
              * Time
              * Format: date-time
@@ -661,7 +862,6 @@ export interface components {
              * @enum {string}
              */
             origin: "gateway" | "external";
-            goal: components["schemas"]["DockGoal"] | null;
             error: components["schemas"]["GoalError"] | null;
             /**
              * Created At
@@ -679,11 +879,12 @@ export interface components {
             feedback_count: number;
             /** Last Event Id */
             last_event_id: string | null;
+            goal: components["schemas"]["DockGoal"] | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
-            type: "StatusEvent";
+            type: "status";
             /** Id */
             id: string;
             /**
@@ -746,7 +947,10 @@ export interface operations {
     list_goals: {
         parameters: {
             query?: {
-                status?: components["schemas"]["GoalStatus"][];
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+                /** @description Only goals in these states */
+                status?: components["schemas"]["GoalStatus"][] | null;
                 limit?: number;
                 /** @description `next_cursor` of the page before */
                 cursor?: string | null;
@@ -766,6 +970,15 @@ export interface operations {
                     "application/json": components["schemas"]["GoalPage"];
                 };
             };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description Unprocessable Entity */
             422: {
                 headers: {
@@ -779,7 +992,10 @@ export interface operations {
     };
     dock: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
             header?: {
                 /** @example wait=30 */
                 Prefer?: string;
@@ -816,6 +1032,15 @@ export interface operations {
             };
             /** @description Bad Request */
             400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -997,7 +1222,10 @@ export interface operations {
     };
     stop: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -1011,6 +1239,377 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["StopReport"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_actions: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ActionList"];
+                };
+            };
+        };
+    };
+    list_action_goals: {
+        parameters: {
+            query?: {
+                /** @description Only goals in these states */
+                status?: components["schemas"]["GoalStatus"][] | null;
+                limit?: number;
+                /** @description `next_cursor` of the page before */
+                cursor?: string | null;
+            };
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ActionGoalPage"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    send_action_goal: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @example wait=30 */
+                Prefer?: string;
+                "Idempotency-Key"?: string;
+            };
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": Record<string, never>;
+            };
+        };
+        responses: {
+            /** @description It ended */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ActionGoal"];
+                };
+            };
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ActionGoal"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Gateway Timeout */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_action_goal: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                name: string;
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ActionGoal"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    cancel_action_goal: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                name: string;
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ActionGoal"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Gateway Timeout */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_action: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ActionInfo"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
             /** @description Unprocessable Entity */
@@ -1035,7 +1634,10 @@ export interface operations {
     };
     get_battery: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -1051,11 +1653,32 @@ export interface operations {
                     "application/json": components["schemas"]["Battery"];
                 };
             };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     publish_battery: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -1077,6 +1700,15 @@ export interface operations {
             };
             /** @description Bad Request */
             400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -1124,7 +1756,10 @@ export interface operations {
     };
     get_publisher: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -1140,11 +1775,32 @@ export interface operations {
                     "application/json": components["schemas"]["Publisher"];
                 };
             };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     start_publisher: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -1169,6 +1825,15 @@ export interface operations {
             };
             /** @description Bad Request */
             400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -1216,7 +1881,10 @@ export interface operations {
     };
     stop_publisher: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -1229,6 +1897,24 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content?: never;
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
             };
         };
     };

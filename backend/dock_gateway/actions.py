@@ -1,0 +1,185 @@
+"""Every action on the ROS graph: found as it appears, forgotten when it has gone."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+
+from dock_gateway.errors import GatewayError, NotFound, Unavailable
+from dock_gateway.events import system_event, utc_now
+from dock_gateway.goals import Goal
+from dock_gateway.history import History
+from dock_gateway.hub import Hub
+from dock_gateway.liveness import ServerState, ServerWatch
+from dock_gateway.reasons import Reasons
+from dock_gateway.ros.actions import ActionPort
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.graph import Scan
+from dock_gateway.service import GoalService
+from dock_gateway.settings import Settings
+from dock_gateway.tracker import GoalTracker
+
+log = logging.getLogger(__name__)
+
+# An action whose server has left is forgotten after so many seconds; a restart takes less.
+FORGET_AFTER = 10.0
+
+
+class Action:
+    """One action: its goals, what can be done with them, and whether its server lives."""
+
+    def __init__(
+        self, port: ActionPort, settings: Settings, hub: Hub, history: History, reasons: Reasons, *, pinned: bool
+    ) -> None:
+        def tell(state: ServerState) -> None:
+            hub.publish(system_event("action_server", state, utc_now(), action_name=self.name))
+
+        self.port = port
+        self.name = port.action_name
+        self.type = port.action_type
+        self.pinned = pinned
+        self.last_seen = time.monotonic()
+        self.tracker = GoalTracker(port, hub, history, reasons)
+        self.watch = ServerWatch(self.tracker, settings, tell, ping_idle=pinned)
+        self.goals = GoalService(settings, history, self.tracker, self.watch, reasons)
+        self._watching = asyncio.create_task(self.watch.run())
+
+    async def close(self) -> None:
+        """Wait for nothing any more."""
+        self._watching.cancel()
+        with suppress(asyncio.CancelledError):
+            await self._watching
+        await self.tracker.close()
+
+
+@dataclass(frozen=True)
+class Uninstalled:
+    """An action on the graph whose interface package is not installed here."""
+
+    name: str
+    type: str
+    hint: str
+
+
+class ActionRegistry:
+    """The actions that the gateway knows.
+
+    Args:
+        settings: Names and deadlines.
+        bridge: Where the ROS thread is.
+        hub: Where events go.
+        history: Where goals are kept.
+        reasons: Why goals were rejected or aborted.
+    """
+
+    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub, history: History, reasons: Reasons) -> None:
+        self._settings = settings
+        self._bridge = bridge
+        self._parts = (settings, hub, history, reasons)
+        self._actions: dict[str, Action] = {}
+        self._uninstalled: dict[str, Uninstalled] = {}
+        self._changed = asyncio.Event()
+
+    async def open(self, name: str, type_name: str, *, pinned: bool = False) -> Action:
+        """Join an action.
+
+        Args:
+            name: Absolute name of the action.
+            type_name: Its type, from the graph or from the settings, never from a client.
+            pinned: Kept also while nobody serves it.
+
+        Raises:
+            ImportError: The type's package is not installed.
+        """
+        port = await self._bridge.call(lambda: ActionPort(self._bridge, name, type_name))
+        action = Action(port, *self._parts, pinned=pinned)
+        self._actions[name] = action
+        await self._bridge.call(lambda: port.listen(action.tracker.on_status, action.tracker.on_feedback))
+        log.info("action %s (%s)", name, type_name)
+        return action
+
+    async def update(self, scan: Scan) -> None:
+        """Take up actions that have appeared, forget those that have gone."""
+        for name, types in scan.actions.items():
+            if action := self._actions.get(name):
+                action.last_seen = time.monotonic()
+            elif name not in self._uninstalled:
+                await self._take_up(name, types)
+        self._uninstalled = {name: entry for name, entry in self._uninstalled.items() if name in scan.actions}
+        for action in list(self._actions.values()):
+            unseen = time.monotonic() - action.last_seen > FORGET_AFTER
+            if unseen and not action.pinned and not action.tracker.running():
+                await self._forget(action)
+        self._changed.set()
+        self._changed.clear()
+
+    async def _take_up(self, name: str, types: list[str]) -> None:
+        if len(types) > 1:
+            log.warning("action %s has more than one type: %s; the first counts", name, ", ".join(types))
+        try:
+            await self.open(name, types[0])
+        except ImportError as error:
+            package = types[0].partition("/")[0]
+            wheel = f"ros-jazzy-{package.replace('_', '-')}"
+            hint = f"install the Python package of the ROS interfaces {package} (such as {wheel})"
+            self._uninstalled[name] = Uninstalled(name, types[0], hint)
+            log.info("action %s is there and cannot be used: %s", name, error)
+
+    async def _forget(self, action: Action) -> None:
+        log.info("action %s has gone", action.name)
+        del self._actions[action.name]
+        await action.close()
+        await self._bridge.call(action.port.close)
+
+    def all(self) -> list[Action]:
+        """The actions that can be used, by name."""
+        return sorted(self._actions.values(), key=lambda action: action.name)
+
+    def uninstalled(self) -> list[Uninstalled]:
+        """The actions on the graph whose package is missing, by name."""
+        return sorted(self._uninstalled.values(), key=lambda entry: entry.name)
+
+    def under(self, namespace: str) -> list[Action]:
+        """The actions of a robot: those in its namespace or below it."""
+        prefix = f"{namespace.rstrip('/')}/"
+        return [action for action in self.all() if action.name.startswith(prefix)]
+
+    async def find(self, name: str) -> Action:
+        """An action by its absolute name; one that is just appearing is waited for.
+
+        Raises:
+            NotFound: `action_not_found`: nobody serves it.
+            Unavailable: `interface_not_installed`: its package is missing.
+        """
+        try:
+            async with asyncio.timeout(self._settings.server_wait):
+                while name not in self._actions and name not in self._uninstalled:
+                    await self._changed.wait()
+        except TimeoutError:
+            raise NotFound(f"nobody serves an action {name}", code="action_not_found") from None
+        if entry := self._uninstalled.get(name):
+            raise Unavailable(f"{name} is of type {entry.type}: {entry.hint}", code="interface_not_installed")
+        return self._actions[name]
+
+    def goal(self, goal_id: str) -> Goal | None:
+        """A goal that runs, or was lost, on any action."""
+        return next((goal for action in self._actions.values() if (goal := action.tracker.live.get(goal_id))), None)
+
+    def running(self) -> list[Goal]:
+        """The goals that run, on all actions."""
+        return [goal for action in self._actions.values() for goal in action.tracker.running()]
+
+    def each(self, do: Callable[[Action], None]) -> None:
+        """Do something with every action."""
+        for action in self._actions.values():
+            do(action)
+
+    async def close(self) -> None:
+        """Wait for nothing any more."""
+        for action in self.all():
+            try:
+                await action.close()
+            except GatewayError as error:
+                log.debug("while closing %s: %s", action.name, error)

@@ -1,0 +1,118 @@
+"""`/actions`: the same verbs as `/dock` for every action on the graph whose interface package is installed."""
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import Response
+
+from dock_gateway.actions import Action
+from dock_gateway.api import goals
+from dock_gateway.api.answers import (
+    CursorQuery,
+    GoalId,
+    LimitQuery,
+    StatusQuery,
+    TheGateway,
+    goal_response,
+    json_response,
+)
+from dock_gateway.api.openapi import body
+from dock_gateway.api.problems import problems
+from dock_gateway.api.requests import known_query
+from dock_gateway.api.schemas import ActionGoal, ActionGoalPage, ActionInfo, ActionList
+
+router = APIRouter(tags=["Actions"], prefix="/actions")
+
+NO_QUERY = Depends(known_query())
+GOAL_BODY = body({"type": "object", "description": "The goal message's own fields"}, required=False)
+
+
+def describe(action: Action) -> dict[str, object]:
+    """An action as `/actions` shows it."""
+    state = action.watch.state
+    return {
+        "action_name": action.name,
+        "action_type": action.type,
+        "available": state.available,
+        "answering": state.answering,
+        "installed": True,
+        "hint": None,
+        "running_goals": len(action.tracker.running()),
+    }
+
+
+@router.get("", response_model=ActionList, dependencies=[NO_QUERY])
+async def list_actions(gateway: TheGateway) -> Response:
+    """Every action on the graph; one whose package is missing says what to install."""
+    missing = [
+        {
+            "action_name": entry.name,
+            "action_type": entry.type,
+            "available": True,
+            "answering": False,
+            "installed": False,
+            "hint": entry.hint,
+            "running_goals": 0,
+        }
+        for entry in gateway.actions.uninstalled()
+    ]
+    return json_response({"actions": [*map(describe, gateway.actions.all()), *missing]})
+
+
+@router.post(
+    "/{name:path}/goals",
+    status_code=202,
+    response_model=ActionGoal,
+    responses={
+        200: {"model": ActionGoal, "description": "It ended"},
+        **problems(400, 404, 409, 413, 415, 422, 429, 503, 504),
+    },
+    openapi_extra={**GOAL_BODY, "parameters": goals.HEADERS},
+    dependencies=[NO_QUERY],
+)
+async def send_action_goal(name: str, request: Request, gateway: TheGateway) -> Response:
+    """Send a goal; the body holds the goal message's own fields."""
+    action = await gateway.actions.find(f"/{name}")
+    return await goals.send_goal(request, action, f"/actions{action.name}/goals", {})
+
+
+@router.get(
+    "/{name:path}/goals",
+    response_model=ActionGoalPage,
+    responses=problems(404, 422, 503),
+    dependencies=[Depends(known_query("status", "limit", "cursor"))],
+)
+async def list_action_goals(
+    name: str,
+    gateway: TheGateway,
+    status: StatusQuery = None,
+    limit: LimitQuery = 50,
+    cursor: CursorQuery = None,
+) -> Response:
+    """Goals of an action, newest first."""
+    return await goals.list_goals(await gateway.actions.find(f"/{name}"), status, limit, cursor)
+
+
+@router.get("/{name:path}/goals/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503))
+async def get_action_goal(name: str, goal_id: GoalId, gateway: TheGateway) -> Response:
+    """One goal of an action."""
+    action = await gateway.actions.find(f"/{name}")
+    goal = await goals.find_goal(gateway, action, goal_id)
+    return goal_response(goal, f"/actions{action.name}/goals/{goal_id}")
+
+
+@router.post(
+    "/{name:path}/goals/{goal_id}/cancel",
+    status_code=202,
+    response_model=ActionGoal,
+    responses=problems(404, 409, 422, 503, 504),
+)
+async def cancel_action_goal(name: str, goal_id: GoalId, gateway: TheGateway) -> Response:
+    """Ask the action server to cancel a goal, whoever sent it."""
+    action = await gateway.actions.find(f"/{name}")
+    await goals.find_goal(gateway, action, goal_id)
+    return goal_response(await action.goals.cancel(goal_id), f"/actions{action.name}/goals/{goal_id}", 202)
+
+
+@router.get("/{name:path}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+async def get_action(name: str, gateway: TheGateway) -> Response:
+    """One action."""
+    return json_response(describe(await gateway.actions.find(f"/{name}")))

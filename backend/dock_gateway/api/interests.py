@@ -1,0 +1,35 @@
+"""What a stream is about, out of its query: `?goal_id= ?action= ?robot= ?include=`."""
+
+from collections.abc import Mapping
+
+from dock_gateway.api.answers import read_goal_id
+from dock_gateway.errors import FieldError, InvalidField
+from dock_gateway.gateway import Gateway
+from dock_gateway.interest import Interest
+from dock_gateway.robots import read_namespace
+
+QUERY = ("goal_id", "action", "robot", "include")
+INCLUDES = ("battery", "cmd_vel", "system")
+
+
+async def read_interest(gateway: Gateway, query: Mapping[str, str]) -> Interest:
+    """The interest that a query describes.
+
+    Without `robot`, goals are those of every robot, battery and velocity those of the configured one.
+
+    Raises:
+        InvalidField: A value is wrong.
+        NotFound: There is no such goal or robot.
+    """
+    robot, action, goal_id = query.get("robot"), query.get("action"), query.get("goal_id")
+    namespace = "/" if robot is None else read_namespace(robot)
+    names = [name.strip() for name in query.get("include", "").split(",") if name.strip()]
+    if unknown := [name for name in names if name not in INCLUDES]:
+        raise InvalidField([FieldError("query.include", f"any of {', '.join(INCLUDES)}", f"got {unknown[0][:60]!r}")])
+    return Interest(
+        topics=frozenset({"goals", *names}),
+        goal_id=None if goal_id is None else (await gateway.goal(read_goal_id(goal_id))).goal_id,
+        action_name=None if action is None else gateway.settings.resolve(action, None if robot is None else namespace),
+        namespace=namespace,
+        robot=gateway.robots.get(robot).namespace,
+    )

@@ -1,0 +1,40 @@
+"""What a subscriber wants to hear of. Plain data."""
+
+from dataclasses import dataclass
+
+from dock_gateway.events import Event
+
+
+@dataclass(frozen=True)
+class Interest:
+    """What a subscriber wants to hear of.
+
+    Attributes:
+        topics: `goals`, `battery`, `cmd_vel`, `system`.
+        goal_id: Only events of this goal.
+        action_name: Only goals and servers of this action.
+        namespace: Only goals and servers of actions in this namespace or below.
+        robot: The namespace whose battery and velocity are meant.
+    """
+
+    topics: frozenset[str] = frozenset({"goals"})
+    goal_id: str | None = None
+    action_name: str | None = None
+    namespace: str = "/"
+    robot: str = "/"
+
+    def covers(self, event: Event) -> bool:
+        """Whether an event is of interest."""
+        if event.topic not in self.topics:
+            return False
+        if event.robot is not None:
+            return event.robot == self.robot
+        return self.covers_goal(event.goal_id, event.action_name or "")
+
+    def covers_goal(self, goal_id: str | None, action_name: str) -> bool:
+        """Whether a goal is of interest, or, without a goal id, an action."""
+        return (
+            (goal_id is None or self.goal_id in (None, goal_id))
+            and self.action_name in (None, action_name)
+            and action_name.startswith(f"{self.namespace.rstrip('/')}/")
+        )

@@ -1,0 +1,53 @@
+"""Actions come and go with the graph; one whose package is missing says what to install."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from dock_gateway.actions import ActionRegistry
+from dock_gateway.errors import NotFound, Unavailable
+from dock_gateway.history import MemoryHistory
+from dock_gateway.hub import Hub
+from dock_gateway.reasons import Reasons
+from dock_gateway.ros.graph import Scan
+from dock_gateway.settings import Settings
+
+
+class FakeBridge:
+    """Runs at once what is for the ROS thread; there is no node, so only what fails before that can be tried."""
+
+    node = None
+
+    async def call(self, function: Callable[[], Any], timeout: float = 2.0) -> Any:
+        return function()
+
+
+@pytest.fixture
+def registry() -> ActionRegistry:
+    hub = Hub(queue_limit=10, max_subscribers=10)
+    settings = Settings(server_wait=0.05)
+    return ActionRegistry(settings, FakeBridge(), hub, MemoryHistory(10), Reasons())  # type: ignore[arg-type]
+
+
+async def test_an_action_whose_package_is_missing(registry: ActionRegistry) -> None:
+    await registry.update(Scan({"/navigate": ["nav2_msgs/action/NavigateToPose"]}))
+    (entry,) = registry.uninstalled()
+    assert (entry.name, entry.type) == ("/navigate", "nav2_msgs/action/NavigateToPose")
+    assert "ros-jazzy-nav2-msgs" in entry.hint
+    with pytest.raises(Unavailable) as refused:
+        await registry.find("/navigate")
+    assert refused.value.code == "interface_not_installed"
+    await registry.update(Scan())
+    assert registry.uninstalled() == []
+
+
+async def test_an_action_that_nobody_serves(registry: ActionRegistry) -> None:
+    with pytest.raises(NotFound) as refused:
+        await registry.find("/nothing")
+    assert refused.value.code == "action_not_found"
+
+
+async def test_types_that_no_package_can_have_do_no_harm(registry: ActionRegistry) -> None:
+    await registry.update(Scan({"/a": ["nonsense"], "/b": ["os/action/path"], "/c": ["../x/action/Y"]}))
+    assert [entry.name for entry in registry.uninstalled()] == ["/a", "/b", "/c"]

@@ -1,0 +1,128 @@
+"""Every action on the graph, in any namespace: found as it appears, used with the same verbs, gone when it goes."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from tests.support.domain import ros_domain
+from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.processes import BIN, Process, ros_environment
+
+pytestmark = pytest.mark.ros
+
+FIBONACCI = [0, 1, 1, 2, 3, 5, 8, 13, 21, 34, 55]
+
+
+@pytest.fixture(scope="module")
+def domain() -> Iterator[int]:
+    with ros_domain() as domain:
+        yield domain
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    with running_gateway(domain) as gateway:
+        yield gateway
+
+
+@contextmanager
+def fibonacci(domain: int, *ros_args: str) -> Iterator[Process]:
+    command = (str(BIN / "fibonacci_action_server"), "--ros-args", "-p", "step_period:=0.05", *ros_args)
+    with Process(*command, env=ros_environment(domain)) as process:
+        yield process
+
+
+def names(gateway: RunningGateway) -> list[str]:
+    return [action["action_name"] for action in gateway.http.get("/actions").json()["actions"]]
+
+
+def wait_for_action(gateway: RunningGateway, name: str, *, there: bool = True, timeout: float = 20.0) -> None:
+    deadline = time.monotonic() + timeout
+    while (name in names(gateway)) is not there:
+        assert time.monotonic() < deadline, names(gateway)
+        time.sleep(0.1)
+
+
+def test_an_action_appears_is_used_and_goes(gateway: RunningGateway, domain: int) -> None:
+    assert names(gateway) == [ACTION]
+    with fibonacci(domain), gateway.stream("?action=fibonacci") as stream:
+        wait_for_action(gateway, "/fibonacci")
+        info = gateway.http.get("/actions/fibonacci").json()
+        assert info["action_type"] == "action_tutorials_interfaces/action/Fibonacci"
+        assert (info["installed"], info["hint"]) == (True, None)
+
+        response = gateway.http.post("/actions/fibonacci/goals", json={"order": 10})
+        assert response.status_code == 202
+        goal_id = response.json()["goal_id"]
+        assert response.headers["location"] == f"/actions/fibonacci/goals/{goal_id}"
+        assert stream.until_type("feedback")["feedback"]["partial_sequence"][:3] == [0, 1, 1]
+        assert stream.until_type("result")["result"]["sequence"] == FIBONACCI
+        goal = gateway.http.get(response.headers["location"]).json()
+        assert (goal["status"], goal["goal"]) == ("succeeded", {"order": 10})
+        page = gateway.http.get("/actions/fibonacci/goals").json()["goals"]
+        assert [entry["goal_id"] for entry in page] == [goal_id]
+        assert gateway.http.get(f"/actions{ACTION}/goals/{goal_id}").status_code == 404
+
+        running = gateway.http.post("/actions/fibonacci/goals", json={"order": 40}).json()["goal_id"]
+        assert gateway.http.post(f"/actions/fibonacci/goals/{running}/cancel").status_code == 202
+        assert stream.until_type("result")["status"] == "canceled"
+
+        wrong = gateway.http.post("/actions/fibonacci/goals", json={"order": "ten", "sequence": []})
+        assert [error["path"] for error in wrong.json()["errors"]] == ["order", "sequence"]
+    wait_for_action(gateway, "/fibonacci", there=False, timeout=30)
+    assert gateway.http.get("/actions/fibonacci").status_code == 404
+
+
+def test_stop_reaches_every_action_of_the_robot(gateway: RunningGateway, domain: int) -> None:
+    with fibonacci(domain), gateway.stream("?action=fibonacci") as stream:
+        wait_for_action(gateway, "/fibonacci")
+        goal_id = gateway.http.post("/actions/fibonacci/goals", json={"order": 40}).json()["goal_id"]
+        assert goal_id in gateway.http.post("/stop").json()["canceling"]
+        assert stream.until_type("result")["status"] == "canceled"
+
+
+def test_a_robot_is_a_namespace(gateway: RunningGateway, domain: int) -> None:
+    assert gateway.http.post("/dock?robot=/robot1").status_code == 404
+    with running_dock_server(domain, "-r", "__ns:=/robot1"), running_dock_server(domain, "-r", "__ns:=/fleet/robot2"):
+        wait_for_action(gateway, f"/robot1{ACTION}")
+        wait_for_action(gateway, f"/fleet/robot2{ACTION}")
+        with gateway.stream("?robot=/robot1&include=battery,cmd_vel,system") as stream:
+            assert stream.next()["goals"] == []
+            gateway.http.put("/battery/publisher?robot=/robot1", json={"state": LOW, "rate_hz": 5}).raise_for_status()
+            gateway.http.put(
+                "/battery/publisher?robot=/fleet/robot2", json={"state": CHARGING, "rate_hz": 5}
+            ).raise_for_status()
+            second = gateway.http.post("/dock?robot=/fleet/robot2", headers={"Prefer": "wait=10"}).json()
+            assert (second["action_name"], second["status"]) == (f"/fleet/robot2{ACTION}", "succeeded")
+
+            first = gateway.http.post("/dock?robot=/robot1").json()
+            assert first["action_name"] == f"/robot1{ACTION}"
+            turning = stream.until(lambda e: e["type"] == "cmd_vel" and e["cmd_vel"]["angular"]["z"] != 0)
+            assert turning["robot"] == "/robot1"
+            assert gateway.http.get("/battery?robot=/robot1").json()["state"]["power_supply_status"] == 3
+            assert gateway.http.get("/battery").json()["state"] is None
+            assert [goal["goal_id"] for goal in gateway.http.get("/dock?robot=/robot1").json()["goals"]] == [
+                first["goal_id"]
+            ]
+            assert gateway.http.get("/dock").json()["goals"] == []
+
+            assert gateway.http.post("/stop?robot=/fleet/robot2").json()["canceling"] == []
+            assert gateway.goal(first["goal_id"])["status"] == "executing"
+            assert gateway.http.post("/stop?robot=/robot1").json()["canceling"] == [first["goal_id"]]
+            assert stream.until_type("result")["status"] == "canceled"
+            goal_actions = {e["action_name"] for e in stream.seen if "goal_id" in e}
+            assert goal_actions == {f"/robot1{ACTION}"}
+
+
+def test_stop_without_a_robot_stops_them_all(gateway: RunningGateway, domain: int) -> None:
+    with running_dock_server(domain, "-r", "__ns:=/robot1"):
+        wait_for_action(gateway, f"/robot1{ACTION}")
+        gateway.http.put("/battery/publisher?robot=/robot1", json={"state": LOW, "rate_hz": 5}).raise_for_status()
+        deadline = time.monotonic() + 10
+        while (response := gateway.http.post("/dock?robot=/robot1")).status_code != 202:
+            assert time.monotonic() < deadline, response.text
+        goal_id = response.json()["goal_id"]
+        assert gateway.http.post("/stop").json()["canceling"] == [goal_id]
+        assert gateway.wait_for_goal(goal_id, "canceled")["error"] is None
