@@ -34,7 +34,13 @@ describe("axe finds nothing", () => {
     const received_at = new Date().toISOString();
     const { user } = renderPage(fakeGateway(), {
       goals: [goal("a", { status: "lost", error }), goal("b", { stalled: true, origin: "external" })],
-      battery: { state: { ...battery, cell_voltage: [3.9, null] }, age_s: 0, stale: false, received_at },
+      battery: {
+        state: { ...battery, cell_voltage: [3.9, null] },
+        age_s: 0,
+        stale: false,
+        stale_after_s: 2,
+        received_at,
+      },
       battery_publisher: {
         active: true,
         state: battery,

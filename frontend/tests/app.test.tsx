@@ -3,7 +3,8 @@ import { onlineManager } from "@tanstack/react-query";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { afterEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
-import { battery, goal, idlePublisher, server } from "./events";
+import type { GatewayEvent, Goal } from "../src/api/types";
+import { battery, batteryEvent, feedback, goal, idlePublisher, server, status } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
@@ -126,6 +127,24 @@ describe("docking", () => {
   });
 });
 
+describe("goals of other actions", () => {
+  it("do not disturb the page", async () => {
+    const fibonacci = { action_name: "/fibonacci", feedback: { partial_sequence: [0, 1, 1] } };
+    const { store } = renderPage(fakeGateway(), {
+      goals: [{ ...running, ...fibonacci } as unknown as Goal],
+    });
+    act(() => {
+      store.onEvent(status("f", { action_name: "/fibonacci" }));
+      store.onEvent({ ...feedback("f"), ...fibonacci } as unknown as GatewayEvent);
+      store.onEvent(batteryEvent());
+    });
+    expect(await screen.findByText("24 %")).toBeDefined();
+    expect(screen.getByText("No goal yet")).toBeDefined();
+    expect(button("Dock").disabled).toBe(false);
+    expect(button("Cancel").disabled).toBe(true);
+  });
+});
+
 describe("battery", () => {
   it("teaches what to do where there is no state", () => {
     renderPage(fakeGateway());
@@ -135,12 +154,27 @@ describe("battery", () => {
   it("is said in words, and stale in plain sight", () => {
     const received_at = new Date(Date.now() - 9000).toISOString();
     renderPage(fakeGateway(), {
-      battery: { state: { ...battery, current: -1.5 }, age_s: 9, stale: true, received_at },
+      battery: {
+        state: { ...battery, current: -1.5 },
+        age_s: 9,
+        stale: true,
+        stale_after_s: 4.5,
+        received_at,
+      },
     });
     expect(screen.getByTestId("battery-status").textContent).toBe("Not charging");
     expect(screen.getByText("24 %")).toBeDefined();
     expect(screen.getByText("-1.5 A")).toBeDefined();
     expect(screen.getByText("Stale")).toBeDefined();
+    expect(screen.getByText(/no battery message for more than 4.5 s/)).toBeDefined();
+  });
+
+  it("is stale when the gateway says so, not before", () => {
+    const received_at = new Date(Date.now() - 9000).toISOString();
+    renderPage(fakeGateway(), {
+      battery: { state: battery, age_s: 9, stale: false, stale_after_s: 30, received_at },
+    });
+    expect(screen.queryByText("Stale")).toBeNull();
   });
 });
 
@@ -178,9 +212,9 @@ describe("publishing", () => {
   it("warns where someone else publishes, and not of its own last message", async () => {
     const { store } = renderPage(fakeGateway(), { battery_publisher: idlePublisher });
     const event = (ms: number) => new Date(Date.now() + ms).toISOString();
-    act(() => store.onEvent({ type: "battery", id: "own", time: event(200), battery }));
+    act(() => store.onEvent({ type: "battery", id: "own", time: event(200), robot: "/", battery }));
     expect(screen.getByTestId("publisher-status").textContent).toMatch(/publishes nothing by itself/);
-    act(() => store.onEvent({ type: "battery", id: "other", time: event(2000), battery }));
+    act(() => store.onEvent({ type: "battery", id: "other", time: event(2000), robot: "/", battery }));
     await waitFor(() =>
       expect(screen.getByTestId("publisher-status").textContent).toMatch(/Someone else publishes/),
     );

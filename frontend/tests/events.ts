@@ -61,7 +61,7 @@ export function snapshot(change: Partial<EventOf<"snapshot">> = {}): EventOf<"sn
     type: "snapshot",
     time: at(0),
     goals: [],
-    battery: { state: null, age_s: null, stale: false, received_at: null },
+    battery: { state: null, age_s: null, stale: false, stale_after_s: 2, received_at: null },
     battery_publisher: idlePublisher,
     action_server: server,
     ...change,
@@ -80,7 +80,7 @@ export function status(id: string, change: Partial<Goal> = {}, seconds = 1): Eve
     result: _result,
     ...summary
   } = goal(id, { updated_at: at(seconds), ...change });
-  return { ...summary, ...head(id, seconds), type: "status" };
+  return { ...head(id, seconds), ...summary, type: "status" };
 }
 
 export function feedback(id: string, seconds = 2): EventOf<"feedback"> {
@@ -100,7 +100,13 @@ export function result(id: string, change: Partial<EventOf<"result">> = {}, seco
 
 export function batteryEvent(change: Partial<BatteryState> = {}, seconds = 1): EventOf<"battery"> {
   serial += 1;
-  return { type: "battery", id: `e${serial}`, time: at(seconds), battery: { ...battery, ...change } };
+  return {
+    type: "battery",
+    id: `e${serial}`,
+    time: at(seconds),
+    robot: "/",
+    battery: { ...battery, ...change },
+  };
 }
 
 export function cmdVel(x: number, turn: number, seconds = 1): EventOf<"cmd_vel"> {
@@ -110,6 +116,7 @@ export function cmdVel(x: number, turn: number, seconds = 1): EventOf<"cmd_vel">
     type: "cmd_vel",
     id: `e${serial}`,
     time: at(seconds),
+    robot: "/",
     cmd_vel: { linear: { ...zero, x }, angular: { ...zero, z: turn } },
   };
 }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { GatewayEvent } from "../src/api/types";
+import type { GatewayEvent, Goal } from "../src/api/types";
 import { mergeGoals, newestFirst } from "../src/store/goals";
 import { reduce } from "../src/store/reducer";
 import { initialState, MAX_ARRIVALS, MAX_GOALS, MAX_SEEN, type State } from "../src/store/state";
@@ -18,7 +18,10 @@ import {
   status,
 } from "./events";
 
-function stateAfter(events: GatewayEvent[], state: State = initialState): State {
+/** The state of a page that is connected. */
+const connected = reduce(initialState, snapshot(), START);
+
+function stateAfter(events: GatewayEvent[], state: State = connected): State {
   return events.reduce((each, event) => reduce(each, event, START), state);
 }
 
@@ -27,12 +30,12 @@ describe("snapshot", () => {
     const state = stateAfter([
       snapshot({
         goals: [goal("a")],
-        battery: { state: battery, age_s: 1, stale: false, received_at: at(-1) },
+        battery: { state: battery, age_s: 1, stale: false, stale_after_s: 5, received_at: at(-1) },
         battery_publisher: { ...idlePublisher, active: true, rate_hz: 1, state: battery },
       }),
     ]);
     expect(state.goals.get("a")?.status).toBe("executing");
-    expect(state.battery).toEqual({ state: battery, receivedAt: START - 1000 });
+    expect(state.battery).toEqual({ state: battery, receivedAt: START - 1000, staleAfterS: 5 });
     expect(state.publisher?.active).toBe(true);
     expect(state.actionServer).toEqual(server);
   });
@@ -145,11 +148,12 @@ describe("other events", () => {
       snapshot(),
       batteryEvent({ percentage: 0.5 }, 4),
       cmdVel(0.1, 0.15, 5),
-      { type: "battery_publisher", time: at(6), battery_publisher: publisher },
+      { type: "battery_publisher", time: at(6), robot: "/", battery_publisher: publisher },
       { type: "action_server", time: at(6), action_server: { ...server, answering: false } },
     ]);
     expect(state.battery.state?.percentage).toBe(0.5);
     expect(state.battery.receivedAt).toBe(START + 4000);
+    expect(state.battery.staleAfterS).toBe(2);
     expect(state.cmdVel.twist?.linear.x).toBe(0.1);
     expect(state.publisher).toEqual(publisher);
     expect(state.publisherToldAt).toBe(START + 6000);
@@ -171,6 +175,40 @@ describe("other events", () => {
     const next = reduce(before, batteryEvent(), START);
     expect(next.goals).toBe(before.goals);
     expect(next.arrivals).toBe(before.arrivals);
+  });
+});
+
+describe("other actions on the graph", () => {
+  const name = "/fibonacci";
+  const goalOfOthers = {
+    ...goal("f", { action_name: name, action_type: "action_tutorials_interfaces/action/Fibonacci" }),
+    goal: { order: 5 },
+    feedback: { partial_sequence: [0, 1, 1] },
+  } as unknown as Goal;
+  const events = [
+    status("f", { action_name: name }),
+    { ...feedback("f"), action_name: name, feedback: { partial_sequence: [0, 1, 1] } },
+    { ...result("f"), action_name: name, result: { sequence: [0, 1, 1, 2] } },
+    { ...feedback("r"), action_name: "/robot1/dock" },
+    { type: "action_server", time: at(6), action_server: { ...server, action_name: name, available: false } },
+  ] as unknown as GatewayEvent[];
+
+  it("change nothing by their events, and take no room from ours", () => {
+    const before = stateAfter([status("a"), feedback("a")]);
+    for (const event of events) expect(reduce(before, event, START)).toBe(before);
+  });
+
+  it("have goals in the snapshot that are not shown", () => {
+    const state = stateAfter([snapshot({ goals: [goalOfOthers, goal("a")] })]);
+    expect([...state.goals.keys()]).toEqual(["a"]);
+  });
+
+  it("are left behind where the gateway comes back with another one", () => {
+    const before = stateAfter([snapshot({ goals: [goal("old", { status: "succeeded" })] })]);
+    const moved = { ...server, action_name: "/robot1/dock" };
+    const state = stateAfter([snapshot({ action_server: moved, goals: [goal("a")] })], before);
+    expect(state.goals.size).toBe(0);
+    expect(state.actionServer).toEqual(moved);
   });
 });
 

@@ -40,6 +40,8 @@ describe("Store", () => {
 
   it("shows the same object until something changes, also while more is coming in", () => {
     const store = new Store();
+    store.onEvent(snapshot());
+    vi.advanceTimersByTime(RENDER_INTERVAL_MS);
     store.onEvent(status("a"));
     const shown = store.get("goals");
     store.onEvent(status("b"));

@@ -17,15 +17,12 @@ import {
   TECHNOLOGY_WORDS,
 } from "./words";
 
-/** Docking servers stop the wheels after this silence (their `battery_stale_after`), and the gateway says stale. */
-const STALE_AFTER_MS = 2000;
-
 export function BatteryCard() {
-  const { state, receivedAt } = useTopic("battery");
+  const { state, receivedAt, staleAfterS } = useTopic("battery");
   const live = useLive();
   const now = useGatewayNow(200);
   const age = receivedAt === null ? null : Math.max(0, now - receivedAt);
-  const stale = age !== null && age > STALE_AFTER_MS;
+  const stale = age !== null && age > staleAfterS * 1000;
 
   return (
     <Section title="Battery" aside={<Freshness live={live} known={state !== null} stale={stale} />}>
@@ -47,8 +44,8 @@ export function BatteryCard() {
           </Group>
           {stale && live && (
             <Text size="sm" role="status">
-              <strong>Stale:</strong> no battery message for more than 2 s. A docking server keeps the robot
-              still until one comes.
+              <strong>Stale:</strong> no battery message for more than {staleAfterS} s. A docking server keeps
+              the robot still until one comes.
             </Text>
           )}
           <Measurements state={state} />

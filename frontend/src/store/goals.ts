@@ -69,10 +69,15 @@ export function mergeGoals(state: State, goals: readonly Goal[]): State {
   return next;
 }
 
-/** The snapshot's goals are the truth; ended ones that are older than those it holds are kept. */
-export function snapshotGoals(state: State, goals: readonly Goal[]): State {
-  const kept = [...state.goals].filter(([, goal]) => isFinal(goal.status));
-  const map = new Map([...kept, ...goals.map((goal) => [goal.goal_id, goal] as const)]);
+/**
+ * The snapshot's goals on one action are the truth; ended ones that are older than those it holds are kept.
+ *
+ * @param goals Those of every action on the graph.
+ */
+export function snapshotGoals(state: State, actionName: string, goals: readonly Goal[]): State {
+  const ended = [...state.goals.values()].filter((goal) => isFinal(goal.status));
+  const ours = [...ended, ...goals].filter((goal) => goal.action_name === actionName);
+  const map = new Map(ours.map((goal) => [goal.goal_id, goal]));
   return prune({ ...state, goals: map, arrivals: new Map() });
 }
 

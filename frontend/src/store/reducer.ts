@@ -4,16 +4,24 @@ import { MAX_SEEN, type State } from "./state";
 
 /**
  * The state after an event. Pure; returns the same object where the event changes nothing, and keeps every part that it
- * does not touch.
+ * does not touch. The page is about one docking action, the one that the snapshot names: events of the other actions on
+ * the graph, whose messages have other fields, change nothing.
  *
  * @param now This computer's time when the event came (ms).
  */
 export function reduce(state: State, event: GatewayEvent, now: number): State {
+  if (isOfAnotherAction(state, event)) return state;
   if ("id" in event) {
     if (state.seen.has(event.id)) return state;
     return applyEvent({ ...state, seen: remember(state.seen, event.id) }, event, now);
   }
   return applyEvent(state, event, now);
+}
+
+function isOfAnotherAction(state: State, event: GatewayEvent): boolean {
+  const ours = state.actionServer?.action_name;
+  if ("action_name" in event) return event.action_name !== ours;
+  return event.type === "action_server" && event.action_server.action_name !== ours;
 }
 
 function applyEvent(state: State, event: GatewayEvent, now: number): State {
@@ -27,7 +35,10 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
     case "result":
       return applyResult(state, event);
     case "battery":
-      return { ...state, battery: { state: event.battery, receivedAt: Date.parse(event.time) } };
+      return {
+        ...state,
+        battery: { ...state.battery, state: event.battery, receivedAt: Date.parse(event.time) },
+      };
     case "cmd_vel":
       return { ...state, cmdVel: { twist: event.cmd_vel, receivedAt: Date.parse(event.time) } };
     case "battery_publisher":
@@ -45,17 +56,22 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
 }
 
 function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): State {
-  const { state: battery, received_at } = event.battery;
+  const { state: battery, received_at, stale_after_s } = event.battery;
   return snapshotGoals(
     {
       ...state,
-      battery: { state: battery, receivedAt: received_at === null ? null : Date.parse(received_at) },
+      battery: {
+        state: battery,
+        receivedAt: received_at === null ? null : Date.parse(received_at),
+        staleAfterS: stale_after_s,
+      },
       cmdVel: { twist: null, receivedAt: null },
       publisher: event.battery_publisher,
       publisherToldAt: Date.parse(event.time),
       actionServer: event.action_server,
       clockSkew: now - Date.parse(event.time),
     },
+    event.action_server.action_name,
     event.goals,
   );
 }

@@ -14,6 +14,8 @@ export interface Battery {
   state: BatteryState | null;
   /** When it came, in the gateway's time (ms). */
   receivedAt: number | null;
+  /** After this silence (s) it is stale: what the gateway says of it, and what makes a docking server stop the wheels. */
+  staleAfterS: number;
 }
 
 export interface CmdVel {
@@ -44,7 +46,7 @@ export interface State {
 export const initialState: State = {
   goals: new Map(),
   arrivals: new Map(),
-  battery: { state: null, receivedAt: null },
+  battery: { state: null, receivedAt: null, staleAfterS: Number.POSITIVE_INFINITY },
   cmdVel: { twist: null, receivedAt: null },
   publisher: null,
   publisherToldAt: 0,
