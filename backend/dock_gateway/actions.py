@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 from dock_gateway.errors import GatewayError, NotFound, Unavailable
 from dock_gateway.events import system_event, utc_now
-from dock_gateway.goals import Goal
+from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import History
 from dock_gateway.hub import Hub
+from dock_gateway.later import Later
 from dock_gateway.liveness import ServerState, ServerWatch
-from dock_gateway.reasons import Reasons
 from dock_gateway.ros.actions import ActionPort
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
@@ -26,12 +26,21 @@ log = logging.getLogger(__name__)
 # An action whose server has left is forgotten after so many seconds; a restart takes less.
 FORGET_AFTER = 10.0
 
+Reasons = Later[GoalError]
+
 
 class Action:
     """One action: its goals, what can be done with them, and whether its server lives."""
 
     def __init__(
-        self, port: ActionPort, settings: Settings, hub: Hub, history: History, reasons: Reasons, *, pinned: bool
+        self,
+        port: ActionPort,
+        settings: Settings,
+        hub: Hub,
+        history: History,
+        reasons: Later[GoalError],
+        *,
+        pinned: bool,
     ) -> None:
         def tell(state: ServerState) -> None:
             hub.publish(system_event("action_server", state, utc_now(), action_name=self.name))
@@ -74,13 +83,23 @@ class ActionRegistry:
         reasons: Why goals were rejected or aborted.
     """
 
-    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub, history: History, reasons: Reasons) -> None:
+    def __init__(
+        self, settings: Settings, bridge: Bridge, hub: Hub, history: History, reasons: Later[GoalError]
+    ) -> None:
         self._settings = settings
         self._bridge = bridge
         self._parts = (settings, hub, history, reasons)
+        self._history = history
         self._actions: dict[str, Action] = {}
         self._uninstalled: dict[str, Uninstalled] = {}
         self._changed = asyncio.Event()
+        self._unfinished: dict[str, list[Goal]] = {}
+        self._started = time.monotonic()
+
+    def expect(self, goals: list[Goal]) -> None:
+        """Goals that ran when the gateway ended: each is taken up with its action."""
+        for goal in goals:
+            self._unfinished.setdefault(goal.action_name, []).append(goal)
 
     async def open(self, name: str, type_name: str, *, pinned: bool = False) -> Action:
         """Join an action.
@@ -96,6 +115,8 @@ class ActionRegistry:
         port = await self._bridge.call(lambda: ActionPort(self._bridge, name, type_name))
         action = Action(port, *self._parts, pinned=pinned)
         self._actions[name] = action
+        for goal in self._unfinished.pop(name, []):
+            action.tracker.take_up(goal)
         await self._bridge.call(lambda: port.listen(action.tracker.on_status, action.tracker.on_feedback))
         log.info("action %s (%s)", name, type_name)
         return action
@@ -112,8 +133,17 @@ class ActionRegistry:
             unseen = time.monotonic() - action.last_seen > FORGET_AFTER
             if unseen and not action.pinned and not action.tracker.running():
                 await self._forget(action)
+        if self._unfinished and time.monotonic() - self._started > FORGET_AFTER:
+            self._give_up()
         self._changed.set()
         self._changed.clear()
+
+    def _give_up(self) -> None:
+        """Goals whose action has not come back are lost, until it does."""
+        for goal in (goal for goals in self._unfinished.values() for goal in goals):
+            if goal.advance(GoalStatus.LOST, utc_now()):
+                goal.error = GoalError("action_server_lost", "the action server was gone when the gateway came back")
+                self._history.record(goal)
 
     async def _take_up(self, name: str, types: list[str]) -> None:
         if len(types) > 1:

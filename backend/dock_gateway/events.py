@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from functools import cached_property
 from typing import Any
 
-from dock_gateway.goals import Goal, Json, encode, fragment
+from dock_gateway.goals import Goal, GoalStatus, Json, encode, fragment
 
 
 @dataclass(frozen=True)
@@ -18,6 +18,7 @@ class Event:
 
     `topic` is `goals`, or what `?include=` names: `battery`, `cmd_vel`, `system`. Only `droppable` ones may be lost
     to a slow subscriber. `id` is that of the document, where it has one; `robot` the namespace it is about.
+    `ends_goal`: nothing more is to be expected of the goal.
     """
 
     data: bytes
@@ -27,6 +28,13 @@ class Event:
     droppable: bool = False
     id: str | None = None
     robot: str | None = None
+    ends_goal: bool = False
+
+    @cached_property
+    def sse(self) -> bytes:
+        """The event as Server-Sent Events have it."""
+        identity = b"" if self.id is None else b"id: " + self.id.encode() + b"\n"
+        return identity + b"data: " + self.data + b"\n\n"
 
     @cached_property
     def text(self) -> str:
@@ -52,7 +60,8 @@ def moment(stamp_ns: int) -> datetime:
 def status_event(goal: Goal, stamp_ns: int) -> Event:
     """The goal's state changed."""
     goal.last_event_id = event_id(stamp_ns, "s", goal.goal_id)
-    return _goal_event("status", goal, stamp_ns, goal.summary())
+    ends_goal = goal.status in (GoalStatus.REJECTED, GoalStatus.LOST)
+    return _goal_event("status", goal, stamp_ns, goal.summary(), ends_goal=ends_goal)
 
 
 def feedback_event(goal: Goal, stamp_ns: int) -> Event:
@@ -65,10 +74,18 @@ def result_event(goal: Goal, stamp_ns: int) -> Event:
     """The goal ended; the result is null where the action server did not give one."""
     goal.last_event_id = event_id(stamp_ns, "z", goal.goal_id)
     payload = {"status": goal.status.value, "result": fragment(goal.result), "error": goal.error}
-    return _goal_event("result", goal, stamp_ns, payload)
+    return _goal_event("result", goal, stamp_ns, payload, ends_goal=True)
 
 
-def _goal_event(kind: str, goal: Goal, stamp_ns: int, payload: dict[str, Any], *, droppable: bool = False) -> Event:
+def _goal_event(
+    kind: str,
+    goal: Goal,
+    stamp_ns: int,
+    payload: dict[str, Any],
+    *,
+    droppable: bool = False,
+    ends_goal: bool = False,
+) -> Event:
     head = {
         "type": kind,
         "id": goal.last_event_id,
@@ -76,7 +93,15 @@ def _goal_event(kind: str, goal: Goal, stamp_ns: int, payload: dict[str, Any], *
         "goal_id": goal.goal_id,
         "action_name": goal.action_name,
     }
-    return Event(encode(head | payload), "goals", goal.goal_id, goal.action_name, droppable, goal.last_event_id)
+    return Event(
+        encode(head | payload),
+        "goals",
+        goal.goal_id,
+        goal.action_name,
+        droppable,
+        id=goal.last_event_id,
+        ends_goal=ends_goal,
+    )
 
 
 def message_event(kind: str, message: Json, stamp_ns: int, *, robot: str = "/") -> Event:
@@ -94,6 +119,6 @@ def system_event(
     return Event(encode(document), "system", robot=robot, action_name=action_name)
 
 
-def notice(kind: str, now: datetime, **payload: Any) -> str:
-    """A message of a stream about itself: `heartbeat`, `dropped`, `closing`, `snapshot`."""
-    return encode({"type": kind, "time": now, **payload}).decode()
+def notice(kind: str, now: datetime, **payload: Any) -> Event:
+    """A message of a stream about itself: `snapshot`, `resumed`, `gap`, `heartbeat`, `dropped`, `closing`."""
+    return Event(encode({"type": kind, "time": now, **payload}), "notice")

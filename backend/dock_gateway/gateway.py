@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 from dock_gateway.actions import Action, ActionRegistry
 from dock_gateway.errors import GatewayError, NotFound
-from dock_gateway.goals import Goal
+from dock_gateway.goals import Goal, GoalError
 from dock_gateway.history import History, MemoryHistory
 from dock_gateway.hub import Hub
 from dock_gateway.interest import Interest
-from dock_gateway.reasons import Reasons
+from dock_gateway.later import Later
 from dock_gateway.robots import RobotRegistry
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import scan
@@ -23,6 +23,8 @@ log = logging.getLogger(__name__)
 
 # The graph is looked at so often, in seconds.
 SCAN_INTERVAL = 1.0
+# A rejected or aborted goal waits so many seconds for a server that says why.
+REASON_WAIT = 0.3
 # A new subscriber is shown so many ended goals.
 RECENT = 20
 
@@ -80,16 +82,19 @@ class Gateway:
 @asynccontextmanager
 async def open_gateway(settings: Settings) -> AsyncIterator[Gateway]:
     """Join the ROS graph and run the gateway until the block ends."""
-    hub = Hub(queue_limit=settings.subscriber_queue, max_subscribers=settings.max_subscribers)
     history = MemoryHistory(settings.max_goals)
-    reasons = Reasons()
+    hub = Hub(
+        queue_limit=settings.subscriber_queue, max_subscribers=settings.max_subscribers, keep=history.record_event
+    )
+    reasons: Later[GoalError] = Later(REASON_WAIT)
     bridge = Bridge(settings.node_name, settings.namespace)
     bridge.start()
     try:
         actions = ActionRegistry(settings, bridge, hub, history, reasons)
         robots = RobotRegistry(settings, bridge, hub)
-        await bridge.call(lambda: DiagnosticsPort(bridge, settings.diagnostics_topic, reasons.hear))
+        await bridge.call(lambda: DiagnosticsPort(bridge, settings.diagnostics_topic, reasons.put))
         await robots.open(robots.default_namespace)
+        actions.expect(await history.unfinished())
         dock = await actions.open(settings.resolve(settings.dock_action), settings.dock_action_type, pinned=True)
         watching = asyncio.create_task(_watch_graph(bridge, actions, robots))
         try:

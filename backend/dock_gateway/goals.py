@@ -111,6 +111,13 @@ class Goal:
         self.feedback_count += 1
         self.updated_at = now
 
+    def remember(self, known: "Goal") -> None:
+        """Take over what another gateway, or this one before a restart, wrote down about the same goal."""
+        self.origin = known.origin
+        self.created_at = known.created_at
+        self.goal = self.goal or known.goal
+        self.feedback_count += known.feedback_count
+
     def summary(self) -> dict[str, Any]:
         """Every field but feedback and result, ready for `orjson`."""
         return {

@@ -1,7 +1,9 @@
 """Fan-out: every event goes to every subscriber that asked for it, and a slow one harms only itself."""
 
 import asyncio
-from collections import deque
+import itertools
+from collections import OrderedDict, deque
+from collections.abc import Callable
 
 from dock_gateway.errors import TooManyRequests, Unavailable
 from dock_gateway.events import Event
@@ -54,6 +56,12 @@ class Subscriber:
         self._queue.clear()
         self._droppable = self._dropped = 0
 
+    def forget(self, ids: set[str | None]) -> None:
+        """Take events out of the queue that the reader gets another way."""
+        kept = [event for event in self._queue if event.id not in ids]
+        self._queue = deque(kept)
+        self._droppable = sum(event.droppable for event in kept)
+
     async def take(self, timeout: float) -> tuple[list[Event], int]:
         """Wait for events; return all that are queued and how many were dropped: `([], 0)` at a time-out."""
         try:
@@ -68,9 +76,21 @@ class Subscriber:
 
 
 class Hub:
-    """All subscribers of this process."""
+    """All subscribers of this process, and the events that were published last.
 
-    def __init__(self, *, queue_limit: int, max_subscribers: int) -> None:
+    Args:
+        queue_limit: Feedback events that wait for a slow subscriber.
+        max_subscribers: Subscribers at the same time.
+        keep: Called with every event that can be resumed from, for the history.
+    """
+
+    RECENT = 10_000
+
+    def __init__(
+        self, *, queue_limit: int, max_subscribers: int, keep: Callable[[Event], None] = lambda _: None
+    ) -> None:
+        self._keep = keep
+        self._recent: OrderedDict[str, Event] = OrderedDict()
         self._queue_limit = queue_limit
         self._max_subscribers = max_subscribers
         self._subscribers: set[Subscriber] = set()
@@ -99,10 +119,24 @@ class Hub:
         self._subscribers.discard(subscriber)
 
     def publish(self, event: Event) -> None:
-        """Hand an event to everyone who wants it."""
+        """Hand an event to everyone who wants it; once, whatever the number of ways it came by."""
+        if event.id is not None and event.topic != "cmd_vel":
+            if event.id in self._recent:
+                return
+            self._recent[event.id] = event
+            if len(self._recent) > self.RECENT:
+                self._recent.popitem(last=False)
+            self._keep(event)
         for subscriber in self._subscribers:
             if subscriber.interest.covers(event):
                 subscriber.put(event)
+
+    def since(self, event_id: str, interest: Interest) -> list[Event] | None:
+        """What was published after an event, as it was published; None where that event is not remembered here."""
+        if event_id not in self._recent:
+            return None
+        later = itertools.takewhile(lambda event: event.id != event_id, reversed(self._recent.values()))
+        return [event for event in list(later)[::-1] if interest.covers(event)]
 
     def close(self) -> None:
         """Let every stream say goodbye; no new ones are taken."""

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from dock_gateway.errors import GatewayError, ServerTimeout, Unavailable
-from dock_gateway.goals import GoalError
+from dock_gateway.goals import GoalError, GoalStatus
 from dock_gateway.settings import Settings
 from dock_gateway.tracker import GoalTracker
 
@@ -137,12 +137,12 @@ class ServerWatch:
     def _reconcile(self) -> None:
         """The server is back: does it know the goals that it had?"""
         for goal in list(self._tracker.live.values()):
-            if goal.status.value != "pending":
+            if goal.status is not GoalStatus.PENDING or goal.goal_id in self._tracker.taken_up:
                 self._tracker.request_result_again(goal)
 
     def _probe_quiet_goals(self) -> None:
         """A server may have been restarted so fast that nobody noticed: goals without news are asked for again."""
-        quiet = {goal.goal_id: goal for goal in self._tracker.running() if goal.status.value != "pending"}
+        quiet = {goal.goal_id: goal for goal in self._tracker.running() if goal.status is not GoalStatus.PENDING}
         self._next_probe = {goal_id: due for goal_id, due in self._next_probe.items() if goal_id in quiet}
         for goal_id, goal in quiet.items():
             silence = self._tracker.silence_of(goal)

@@ -11,8 +11,8 @@ from dock_gateway.errors import Conflict, GatewayError, NotFound, ServerTimeout,
 from dock_gateway.events import utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import History
+from dock_gateway.later import Later
 from dock_gateway.liveness import ServerWatch
-from dock_gateway.reasons import Reasons
 from dock_gateway.ros.bridge import PendingCall
 from dock_gateway.settings import Settings
 from dock_gateway.tracker import GoalTracker
@@ -28,7 +28,7 @@ class GoalService:
     """Submits, cancels and finds goals of one action."""
 
     def __init__(
-        self, settings: Settings, history: History, tracker: GoalTracker, watch: ServerWatch, reasons: Reasons
+        self, settings: Settings, history: History, tracker: GoalTracker, watch: ServerWatch, reasons: Later[GoalError]
     ) -> None:
         self._settings = settings
         self._history = history
@@ -114,11 +114,11 @@ class GoalService:
         if not response.accepted:
             await self._reject(goal)
         else:
-            self._accept(goal)
+            self._accept(goal, response)
         return _outcome(goal)
 
-    def _accept(self, goal: Goal) -> None:
-        self._tracker.move(goal, GoalStatus.ACCEPTED)
+    def _accept(self, goal: Goal, response: Any) -> None:
+        self._tracker.move(goal, GoalStatus.ACCEPTED, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
         self._tracker.request_result(goal)
         if goal.goal_id in self._disowned:
             self.on_return(goal)
@@ -146,7 +146,7 @@ class GoalService:
                 return
             self._tracker.heard()
             if response.result().accepted:
-                self._accept(goal)
+                self._accept(goal, response.result())
             else:
                 self._disowned.pop(goal.goal_id, None)
                 self._tracker.end(goal, GoalStatus.REJECTED, error=goal.error)

@@ -4,24 +4,29 @@ Runs on the event loop alone and never waits for anybody but the action server.
 """
 
 import asyncio
+import contextlib
 import logging
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from dock_gateway.errors import Unavailable
-from dock_gateway.events import feedback_event, moment, result_event, status_event, utc_now
+from dock_gateway.errors import GatewayError, Unavailable
+from dock_gateway.events import Event, feedback_event, moment, result_event, status_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
 from dock_gateway.history import History
 from dock_gateway.hub import Hub
-from dock_gateway.reasons import Reasons
+from dock_gateway.later import Later
 from dock_gateway.ros.actions import ActionPort, StatusReport
 
 log = logging.getLogger(__name__)
 
 # A goal that the status topic says has ended waits so long for its result.
 RESULT_WAIT = 2.0
+# A result waits so long for the status message of the end, whose timestamp is the same at every gateway.
+END_STAMP_WAIT = 0.2
+# What is said of a goal that is new to us waits so long for what the history knows of it.
+LOOK_UP_WAIT = 0.5
 MAX_REMEMBERED = 2000
 MAX_LOST = 100
 
@@ -37,12 +42,14 @@ class GoalTracker:
 
     Attributes:
         live: The goals that run, and lost ones that may return.
+        taken_up: Ids of goals from before a restart.
         on_return: Called with a goal that was `lost` and shows signs of life.
         last_heard: When the action server gave its last sign of life, on the monotonic clock.
     """
 
-    def __init__(self, port: ActionPort, hub: Hub, history: History, reasons: Reasons) -> None:
+    def __init__(self, port: ActionPort, hub: Hub, history: History, reasons: Later[GoalError]) -> None:
         self.live: dict[str, Goal] = {}
+        self.taken_up: set[str] = set()
         self.on_return: Callable[[Goal], None] = lambda _: None
         self.last_heard = time.monotonic()
         self.port = port
@@ -50,6 +57,8 @@ class GoalTracker:
         self._history = history
         self._ended: OrderedDict[str, Goal] = OrderedDict()
         self._reasons = reasons
+        self._end_stamps: Later[int] = Later(END_STAMP_WAIT)
+        self._held: dict[str, list[Callable[[], Event]]] = {}
         self._waiters: dict[str, asyncio.Event] = {}
         self._result_requested: set[str] = set()
         self._goal_heard: dict[str, float] = {}
@@ -76,10 +85,12 @@ class GoalTracker:
             if report.goal_id in self._ended:
                 continue
             goal = self.live.get(report.goal_id) or self._adopt(report.goal_id, report.accepted_ns or stamp_ns)
-            if report.status.terminal:
+            if not report.status.terminal:
+                accepted = report.status is GoalStatus.ACCEPTED
+                self.move(goal, report.status, report.accepted_ns if accepted else stamp_ns)
+            elif report.goal_id not in self._end_stamps:
+                self._end_stamps.put(report.goal_id, stamp_ns)
                 self.spawn(self._end_without_result(goal, report.status))
-            else:
-                self.move(goal, report.status, stamp_ns)
             self.request_result(goal)
 
     def on_feedback(self, goal_id: str, feedback: Json, stamp_ns: int) -> None:
@@ -91,11 +102,11 @@ class GoalTracker:
         if goal is None:
             goal = self._adopt(goal_id, stamp_ns)
             self.request_result(goal)
-        if goal.status in (GoalStatus.LOST, GoalStatus.ACCEPTED):
+        if goal.status is GoalStatus.LOST:
             self.move(goal, GoalStatus.EXECUTING, stamp_ns)
         self._goal_heard[goal_id] = time.monotonic()
         goal.hear(feedback, utc_now())
-        self._hub.publish(feedback_event(goal, stamp_ns))
+        self._publish(goal, lambda: feedback_event(goal, stamp_ns))
 
     # ------------------------------------------------------------------ goals
 
@@ -105,11 +116,31 @@ class GoalTracker:
         self._publish_status(goal, time.time_ns())
 
     def _adopt(self, goal_id: str, created_ns: int) -> Goal:
+        """Take up a goal that somebody else sent, or we before a restart; what is said of it waits for the history."""
         goal = Goal(goal_id, self.port.action_name, self.port.action_type, moment(created_ns), origin="external")
         self.live[goal_id] = goal
-        self._history.record(goal)
-        log.info("goal %s of another client on %s", goal_id, goal.action_name)
+        self._held[goal_id] = []
+        self.spawn(self._look_up(goal))
         return goal
+
+    async def _look_up(self, goal: Goal) -> None:
+        known = None
+        with contextlib.suppress(TimeoutError, GatewayError):
+            async with asyncio.timeout(LOOK_UP_WAIT):
+                known = await self._history.get(goal.goal_id)
+        if known is not None:
+            goal.remember(known)
+        log.info("goal %s on %s, origin %s", goal.goal_id, goal.action_name, goal.origin)
+        self._history.record(goal)
+        for make in self._held.pop(goal.goal_id, []):
+            self._hub.publish(make())
+
+    def take_up(self, goal: Goal) -> None:
+        """Go on with a goal that the history says was running; the server is asked for its outcome."""
+        if goal.goal_id not in self.live and goal.goal_id not in self._ended:
+            self.live[goal.goal_id] = goal
+            self.taken_up.add(goal.goal_id)
+            log.info("taking up goal %s, %s", goal.goal_id, goal.status.value)
 
     def move(self, goal: Goal, status: GoalStatus, stamp_ns: int | None = None) -> None:
         """Move a goal on to a state that is not terminal, where that is not a step back."""
@@ -143,28 +174,43 @@ class GoalTracker:
             self._retire(oldest)
 
     def end(
-        self, goal: Goal, status: GoalStatus, *, result: Json | None = None, error: GoalError | None = None
+        self,
+        goal: Goal,
+        status: GoalStatus,
+        *,
+        result: Json | None = None,
+        error: GoalError | None = None,
+        stamp_ns: int | None = None,
     ) -> None:
-        """The goal ended for good."""
+        """The goal ended for good; `stamp_ns` is when the server said so."""
         late_result = goal.status is status and goal.result is None and result is not None
         if not late_result and not goal.advance(status, utc_now()):
             return
         goal.result = result
         goal.error = error or goal.error
-        stamp_ns = time.time_ns()
+        if late_result or not stamp_ns:  # an event of its own
+            stamp_ns = time.time_ns()
         if not late_result:
             self._publish_status(goal, stamp_ns)
         if status is not GoalStatus.REJECTED:
-            self._hub.publish(result_event(goal, stamp_ns))
+            self._publish(goal, lambda: result_event(goal, stamp_ns))
         self._history.record(goal)
         self._release(goal)
         self._retire(goal)
 
     def _publish_status(self, goal: Goal, stamp_ns: int) -> None:
-        self._hub.publish(status_event(goal, stamp_ns))
+        self._publish(goal, lambda: status_event(goal, stamp_ns))
+
+    def _publish(self, goal: Goal, make: Callable[[], Event]) -> None:
+        held = self._held.get(goal.goal_id)
+        if held is None:
+            self._hub.publish(make())
+        else:
+            held.append(make)
 
     def _retire(self, goal: Goal) -> None:
         self.live.pop(goal.goal_id, None)
+        self.taken_up.discard(goal.goal_id)
         self._goal_heard.pop(goal.goal_id, None)
         self._ended[goal.goal_id] = goal
         if len(self._ended) > MAX_REMEMBERED:
@@ -201,17 +247,18 @@ class GoalTracker:
                     GoalError("action_server_lost", "the action server was restarted and does not know the goal"),
                 )
             return
+        stamp_ns = await self._end_stamps.of(goal.goal_id)
         error = None
         if status is GoalStatus.ABORTED:
             error = await self._reasons.of(goal.goal_id)
             error = error or GoalError("goal_aborted", "the action server aborted the goal and did not say why")
-        self.end(goal, status, result=result, error=error)
+        self.end(goal, status, result=result, error=error, stamp_ns=stamp_ns)
 
     async def _end_without_result(self, goal: Goal, status: GoalStatus) -> None:
         await asyncio.sleep(RESULT_WAIT)
         if not goal.status.final:
             error = GoalError("result_unavailable", "the goal ended and the action server did not give its result")
-            self.end(goal, status, error=error)
+            self.end(goal, status, error=error, stamp_ns=await self._end_stamps.of(goal.goal_id))
 
     # ------------------------------------------------------------------ waiting, and the end
 

@@ -71,4 +71,4 @@ def test_topics_and_surroundings() -> None:
         "time": "2026-11-21T00:00:00Z",
         "action_server": {"available": True},
     }
-    assert orjson.loads(notice("dropped", NOW, count=3))["count"] == 3
+    assert orjson.loads(notice("dropped", NOW, count=3).data)["count"] == 3

@@ -92,3 +92,34 @@ async def test_too_many_subscribers_and_a_closing_hub() -> None:
     with pytest.raises(Unavailable) as refused:
         hub.subscribe(Interest())
     assert refused.value.code == "shutting_down"
+
+
+async def test_what_was_published_since_an_event() -> None:
+    kept: list[Event] = []
+    hub = Hub(queue_limit=3, max_subscribers=2, keep=kept.append)
+    events = [Event(b"", "goals", goal_id, "/dock", id=f"{number}") for number, goal_id in enumerate([A, B, A, A])]
+    for event in (*events, events[1]):
+        hub.publish(event)
+    assert hub.since("0", Interest()) == events[1:]
+    assert hub.since("0", Interest(goal_id=A)) == events[2:]
+    assert hub.since("3", Interest()) == []
+    assert hub.since("unknown", Interest()) is None
+    assert kept == events  # the double was not published again
+
+
+async def test_the_past_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Hub, "RECENT", 5)
+    hub = make()
+    for number in range(10):
+        hub.publish(Event(b"", "goals", A, "/dock", id=f"{number}"))
+    assert hub.since("4", Interest()) is None
+    assert len(hub.since("5", Interest()) or []) == 4
+
+
+async def test_events_that_come_another_way_leave_the_queue() -> None:
+    hub = make()
+    subscriber = hub.subscribe(Interest())
+    for number in range(3):
+        hub.publish(Event(f"{number}".encode(), "goals", A, "/dock", droppable=True, id=f"{number}"))
+    subscriber.forget({"0", "1"})
+    assert await texts(subscriber) == (["2"], 0)

@@ -43,6 +43,8 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("get", "/actions/{name}/goals"),
         ("get", "/actions/{name}/goals/{goal_id}"),
         ("post", "/actions/{name}/goals/{goal_id}/cancel"),
+        ("get", "/actions/{name}/goals/{goal_id}/events"),
+        ("get", "/dock/{goal_id}/events"),
         ("get", "/battery"),
         ("post", "/battery"),
         ("get", "/battery/publisher"),

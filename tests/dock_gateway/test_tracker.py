@@ -8,14 +8,14 @@ from typing import Any
 import orjson
 import pytest
 
-from dock_gateway import reasons as reasons_module
+from dock_gateway import later as later_module
 from dock_gateway import tracker as tracker_module
 from dock_gateway.errors import Unavailable
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import MemoryHistory
 from dock_gateway.hub import Hub, Subscriber
 from dock_gateway.interest import Interest
-from dock_gateway.reasons import Reasons
+from dock_gateway.later import Later
 from dock_gateway.ros.actions import StatusReport
 from dock_gateway.tracker import GoalTracker
 
@@ -58,7 +58,7 @@ class Scene:
         self.history = MemoryHistory(100)
         self.returned: list[Goal] = []
         self.port = FakePort()
-        self.reasons = Reasons()
+        self.reasons: Later[GoalError] = Later(0.1)
         self.tracker = GoalTracker(self.port, self.hub, self.history, self.reasons)  # type: ignore[arg-type]
         self.tracker.on_return = self.returned.append
         self.subscriber: Subscriber = self.hub.subscribe(Interest())
@@ -80,7 +80,7 @@ class Scene:
 
     async def events(self) -> list[str]:
         """What subscribers got: `status:executing`, `feedback:1`, `result:succeeded`."""
-        await asyncio.sleep(0.01)
+        await asyncio.sleep(0.05)
         described = []
         for event in (await self.subscriber.take(0.01))[0]:
             document = orjson.loads(event.data)
@@ -92,7 +92,7 @@ class Scene:
 @pytest.fixture
 async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
     monkeypatch.setattr(tracker_module, "RESULT_WAIT", 0.05)
-    monkeypatch.setattr(reasons_module, "REASON_WAIT", 0.05)
+    monkeypatch.setattr(tracker_module, "END_STAMP_WAIT", 0.01)
     scene = Scene()
     yield scene
     await scene.tracker.close()
@@ -125,7 +125,8 @@ async def test_feedback_before_acceptance_and_after_the_result(scene: Scene) -> 
     assert goal.status is S.PENDING
     scene.tracker.move(goal, S.ACCEPTED)
     scene.feedback(2)
-    assert goal.status is S.EXECUTING
+    assert goal.status is S.ACCEPTED
+    scene.status((A, S.EXECUTING))
     scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
     scene.feedback(3)
     scene.status((A, S.EXECUTING))
@@ -165,18 +166,18 @@ async def test_a_result_after_the_time_still_counts(scene: Scene) -> None:
     assert goal.status is S.SUCCEEDED
     assert goal.result is None
     scene.port.answer(A, S.SUCCEEDED, b'{"n":1}')
-    await asyncio.sleep(0.01)
+    await asyncio.sleep(0.05)
     assert goal.result == b'{"n":1}'
     assert (await scene.events())[-2:] == ["result:succeeded", "result:succeeded"]
 
 
 async def test_an_aborted_goal_says_why(scene: Scene) -> None:
     goal = scene.send()
-    scene.reasons.hear(A, GoalError("battery_lost", "no battery for 60 s"))
+    scene.reasons.put(A, GoalError("battery_lost", "no battery for 60 s"))
     scene.tracker.request_result(goal)
     await asyncio.sleep(0)
     scene.port.answer(A, S.ABORTED, b"{}")
-    await asyncio.sleep(0.01)
+    await asyncio.sleep(0.05)
     assert goal.error == GoalError("battery_lost", "no battery for 60 s")
 
 
@@ -185,9 +186,10 @@ async def test_a_reason_that_comes_a_moment_later(scene: Scene) -> None:
     scene.tracker.request_result(goal)
     await asyncio.sleep(0)
     scene.port.answer(A, S.ABORTED, b"{}")
-    await asyncio.sleep(0.01)
-    scene.reasons.hear(A, GoalError("timeout", "took too long"))
-    await asyncio.sleep(0.02)
+    await asyncio.sleep(0.05)
+    scene.reasons.put(A, GoalError("timeout", "took too long"))
+    await asyncio.sleep(0.05)
+    await asyncio.sleep(0.05)
     assert goal.error == GoalError("timeout", "took too long")
 
 
@@ -208,7 +210,7 @@ async def test_an_unknown_goal_is_lost_only_while_it_runs(scene: Scene) -> None:
     scene.tracker.request_result_again(goal)
     await asyncio.sleep(0)
     scene.port.answer(A, None)
-    await asyncio.sleep(0.01)
+    await asyncio.sleep(0.05)
     assert goal.status is S.LOST
     assert goal.error is not None
     assert "restarted" in goal.error.detail
@@ -219,7 +221,7 @@ async def test_a_server_that_is_not_there_is_asked_again_later(scene: Scene) -> 
     scene.tracker.request_result(goal)
     await asyncio.sleep(0)
     scene.port.calls[A][-1].response.set_exception(Unavailable("nobody"))
-    await asyncio.sleep(0.01)
+    await asyncio.sleep(0.05)
     scene.tracker.request_result(goal)
     await asyncio.sleep(0)
     assert len(scene.port.calls[A]) == 2
@@ -241,11 +243,11 @@ async def test_waiting_ends_with_the_goal_with_the_time_and_with_the_gateway(sce
 
 async def test_memory_is_bounded(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tracker_module, "MAX_REMEMBERED", 10)
-    monkeypatch.setattr(reasons_module, "MAX_REMEMBERED", 10)
+    monkeypatch.setattr(later_module, "MAX_REMEMBERED", 10)
     monkeypatch.setattr(tracker_module, "MAX_LOST", 5)
     for number in range(50):
         goal = scene.send(f"{number:08d}-0000-4000-8000-000000000000")
-        scene.reasons.hear(goal.goal_id, GoalError("x", "y"))
+        scene.reasons.put(goal.goal_id, GoalError("x", "y"))
         scene.tracker.lose(goal, GoalError("action_server_lost", "gone"))
     assert len(scene.tracker.live) == 5
     assert len(scene.tracker._ended) <= 10

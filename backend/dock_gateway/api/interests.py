@@ -1,5 +1,6 @@
-"""What a stream is about, out of its query: `?goal_id= ?action= ?robot= ?include=`."""
+"""What a stream is about, out of its query: `?goal_id= ?action= ?robot= ?include= ?after= ?max_rate=`."""
 
+import re
 from collections.abc import Mapping
 
 from dock_gateway.api.answers import read_goal_id
@@ -10,6 +11,39 @@ from dock_gateway.robots import read_namespace
 
 QUERY = ("goal_id", "action", "robot", "include")
 INCLUDES = ("battery", "cmd_vel", "system")
+EVENT_ID = re.compile(r"\d{20}-[a-z_]+[0-9a-f]*")
+MIN_RATE, MAX_RATE = 0.01, 1000.0
+
+
+def read_after(query: Mapping[str, str]) -> str | None:
+    """The event to resume after.
+
+    Raises:
+        InvalidField: It is not the id of an event.
+    """
+    after = query.get("after")
+    if after is not None and not EVENT_ID.fullmatch(after):
+        raise InvalidField([FieldError("query.after", "the id of an event", f"got {after[:60]!r}")])
+    return after
+
+
+def read_max_rate(query: Mapping[str, str]) -> float | None:
+    """Messages a second that the reader wants at most.
+
+    Raises:
+        InvalidField: It is not a number in range.
+    """
+    text = query.get("max_rate")
+    if text is None:
+        return None
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = 0.0
+    if not MIN_RATE <= rate <= MAX_RATE:
+        expected = f"a number from {MIN_RATE:g} to {MAX_RATE:g}"
+        raise InvalidField([FieldError("query.max_rate", expected, f"got {text[:60]!r}")])
+    return rate
 
 
 async def read_interest(gateway: Gateway, query: Mapping[str, str]) -> Interest:

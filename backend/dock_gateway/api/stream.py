@@ -1,50 +1,59 @@
-"""`/ws/feedback`: connect and read, one JSON text message an event."""
+"""Reading along: `/ws/feedback`, one JSON text message an event, and the same as Server-Sent Events."""
 
 import asyncio
 import logging
-import time
+from collections.abc import AsyncIterator
 
-from fastapi import APIRouter, WebSocket
+from fastapi import APIRouter, Request, WebSocket
+from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocketDisconnect
 
-from dock_gateway.api.answers import TheGateway
-from dock_gateway.api.interests import QUERY, read_interest
-from dock_gateway.api.problems import problem_response
+from dock_gateway.api.answers import GoalId, TheGateway
+from dock_gateway.api.feed import begin, feed
+from dock_gateway.api.interests import QUERY, read_after, read_interest, read_max_rate
+from dock_gateway.api.problems import problem_response, problems
 from dock_gateway.api.requests import known_query
 from dock_gateway.errors import GatewayError
-from dock_gateway.events import notice, utc_now
+from dock_gateway.events import Event
 from dock_gateway.gateway import Gateway
 from dock_gateway.hub import Subscriber
 
 log = logging.getLogger(__name__)
 
-router = APIRouter()
+router = APIRouter(tags=["Events"])
 
-POLICY_VIOLATION, SERVICE_RESTART, TRY_AGAIN_LATER = 1008, 1012, 1013
+SERVICE_RESTART, TRY_AGAIN_LATER = 1012, 1013
+SSE_RESPONSES = {
+    200: {"description": "Events, each with its id", "content": {"text/event-stream": {}}},
+    **problems(404, 422, 429, 503),
+}
 
 
 @router.websocket("/ws/feedback")
 async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     """A snapshot, then every event as it happens.
 
-    `?goal_id=`, `?action=` and `?robot=` narrow it; `?include=battery,cmd_vel,system` asks for more than goals.
+    `?goal_id=`, `?action=` and `?robot=` narrow it; `?include=battery,cmd_vel,system` asks for more than goals;
+    `?after=` resumes; `?max_rate=` thins out.
     """
+    query = websocket.query_params
     try:
-        known_query(*QUERY)(websocket)
-        subscriber = gateway.hub.subscribe(await read_interest(gateway, websocket.query_params))
+        known_query(*QUERY, "after", "max_rate")(websocket)
+        after, max_rate = read_after(query), read_max_rate(query)
+        subscriber = gateway.hub.subscribe(await read_interest(gateway, query))
     except GatewayError as error:
         await websocket.send_denial_response(problem_response(error))
         return
     try:
         await websocket.accept()
-        await _serve(websocket, gateway, subscriber)
+        await _serve(websocket, gateway, subscriber, feed(gateway, subscriber, after=after, max_rate=max_rate))
     finally:
         gateway.hub.unsubscribe(subscriber)
 
 
-async def _serve(websocket: WebSocket, gateway: Gateway, subscriber: Subscriber) -> None:
+async def _serve(websocket: WebSocket, gateway: Gateway, subscriber: Subscriber, events: AsyncIterator[Event]) -> None:
     """Write until the reader leaves, does not read, or the gateway closes; its input is ignored."""
-    writer = asyncio.create_task(_write(websocket, gateway, subscriber))
+    writer = asyncio.create_task(_write(websocket, gateway, subscriber, events))
     reader = asyncio.create_task(_ignore_input(websocket))
     done, pending = await asyncio.wait((writer, reader), return_when=asyncio.FIRST_COMPLETED)
     for task in pending:
@@ -61,27 +70,21 @@ async def _ignore_input(websocket: WebSocket) -> None:
         pass
 
 
-async def _write(websocket: WebSocket, gateway: Gateway, subscriber: Subscriber) -> None:
-    interval = gateway.settings.heartbeat_interval
-    subscriber.clear()  # all that happened up to now is in the snapshot
-    await _send(websocket, gateway, await _snapshot(gateway, subscriber))
-    next_heartbeat = time.monotonic() + interval
-    while not (gateway.hub.closing or subscriber.overrun):
-        events, dropped = await subscriber.take(max(0.0, next_heartbeat - time.monotonic()))
-        if dropped:
-            await _send(websocket, gateway, notice("dropped", utc_now(), count=dropped))
-        for event in events:
-            await _send(websocket, gateway, event.text)
-        if time.monotonic() >= next_heartbeat:
-            await _send(websocket, gateway, notice("heartbeat", utc_now()))
-            next_heartbeat = time.monotonic() + interval
-    reason, code = ("too_slow", TRY_AGAIN_LATER) if subscriber.overrun else ("shutting_down", SERVICE_RESTART)
-    await _send(websocket, gateway, notice("closing", utc_now(), reason=reason))
-    await websocket.close(code, reason)
+async def _write(websocket: WebSocket, gateway: Gateway, subscriber: Subscriber, events: AsyncIterator[Event]) -> None:
+    async for event in events:
+        await send_text(websocket, gateway, event.text)
+    if subscriber.overrun:
+        await websocket.close(TRY_AGAIN_LATER, "too_slow")
+    else:
+        await websocket.close(SERVICE_RESTART, "shutting_down")
 
 
-async def _send(websocket: WebSocket, gateway: Gateway, text: str) -> None:
-    """Send a message; a client that does not read for so long is cut off."""
+async def send_text(websocket: WebSocket, gateway: Gateway, text: str) -> None:
+    """Send a message; a client that does not read for so long is cut off.
+
+    Raises:
+        TimeoutError: It did not.
+    """
     try:
         async with asyncio.timeout(gateway.settings.subscriber_timeout):
             await websocket.send({"type": "websocket.send", "text": text})
@@ -90,15 +93,47 @@ async def _send(websocket: WebSocket, gateway: Gateway, text: str) -> None:
         raise
 
 
-async def _snapshot(gateway: Gateway, subscriber: Subscriber) -> str:
-    interest = subscriber.interest
-    goals = await gateway.recent_goals(interest)
-    robot = gateway.robots.get(interest.robot)
-    return notice(
-        "snapshot",
-        utc_now(),
-        goals=[goal.document() for goal in goals],
-        battery=robot.battery.document(),
-        battery_publisher=robot.publisher.document(),
-        action_server=gateway.dock.watch.state,
-    )
+@router.get("/dock/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
+async def dock_events(goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
+    """The events of a docking goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes."""
+    return await _sse(request, gateway, goal_id)
+
+
+@router.get("/actions/{name:path}/goals/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
+async def action_events(name: str, goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
+    """The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes."""
+    return await _sse(request, gateway, goal_id)
+
+
+async def _sse(request: Request, gateway: Gateway, goal_id: str) -> Response:
+    known_query("after", "max_rate")(request)
+    last = request.headers.get("last-event-id")
+    after = read_after(request.query_params if last is None else {"after": last})
+    chunks = _sse_chunks(gateway, goal_id, after, read_max_rate(request.query_params))
+    first = await anext(chunks)  # what is wrong is said before the stream begins
+
+    async def stream() -> AsyncIterator[bytes]:
+        yield first
+        async for chunk in chunks:
+            yield chunk
+
+    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    return StreamingResponse(stream(), media_type="text/event-stream", headers=headers)
+
+
+async def _sse_chunks(
+    gateway: Gateway, goal_id: str, after: str | None, max_rate: float | None
+) -> AsyncIterator[bytes]:
+    ended = (await gateway.goal(goal_id)).status.terminal
+    subscriber = gateway.hub.subscribe(await read_interest(gateway, {"goal_id": goal_id}))
+    try:
+        if ended:
+            async for event in begin(gateway, subscriber, after):
+                yield event.sse
+            return
+        async for event in feed(gateway, subscriber, after=after, max_rate=max_rate):
+            yield event.sse
+            if event.ends_goal:
+                return
+    finally:
+        gateway.hub.unsubscribe(subscriber)

@@ -1,0 +1,100 @@
+"""What one reader of events gets, in order: a snapshot or what it missed, then everything as it happens."""
+
+import time
+from collections.abc import AsyncIterator
+
+from dock_gateway.conflation import Conflator
+from dock_gateway.errors import GatewayError
+from dock_gateway.events import Event, notice, utc_now
+from dock_gateway.gateway import Gateway
+from dock_gateway.hub import Subscriber
+
+# What was missed is fetched from the history in pieces of so many events, and not more than so many pieces.
+PIECE, MAX_PIECES = 1000, 100
+
+
+async def feed(
+    gateway: Gateway, subscriber: Subscriber, *, after: str | None = None, max_rate: float | None = None
+) -> AsyncIterator[Event]:
+    """Every message for one reader; ends when the gateway closes or the reader is too slow.
+
+    Args:
+        gateway: The gateway.
+        subscriber: The reader's place in the hub.
+        after: Id of the last event that the reader has seen. What followed it comes first (`resumed`); where that is
+            not to be had any more, `gap` and a snapshot.
+        max_rate: Messages a second of each goal's feedback, of battery and of velocity.
+    """
+    async for event in begin(gateway, subscriber, after):
+        yield event
+    interval = gateway.settings.heartbeat_interval
+    conflator = Conflator(max_rate)
+    next_heartbeat = time.monotonic() + interval
+    while not (gateway.hub.closing or subscriber.overrun):
+        due = min(next_heartbeat, conflator.next_due())
+        events, dropped = await subscriber.take(max(0.0, due - time.monotonic()))
+        if dropped:
+            yield notice("dropped", utc_now(), count=dropped)
+        now = time.monotonic()
+        for event in conflator.let_through(events, now):
+            yield event
+        if now >= next_heartbeat:
+            yield notice("heartbeat", utc_now())
+            next_heartbeat = now + interval
+    yield notice("closing", utc_now(), reason="too_slow" if subscriber.overrun else "shutting_down")
+
+
+async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> AsyncIterator[Event]:
+    """The first messages: how things stand, or what was missed since an event."""
+    subscriber.clear()  # all that happened up to now is in the snapshot, or in what is replayed
+    if after is not None:
+        missed = gateway.hub.since(after, subscriber.interest)
+        if missed is None:
+            missed = await _from_history(gateway, subscriber, after)
+        if missed is not None:
+            yield notice("resumed", utc_now(), after=after, count=len(missed))
+            for event in missed:
+                yield event
+            return
+        yield notice("gap", utc_now(), after=after)
+        subscriber.clear()
+    yield await snapshot(gateway, subscriber)
+
+
+async def _from_history(gateway: Gateway, subscriber: Subscriber, after: str) -> list[Event] | None:
+    """What followed an event that this process has not seen, or has forgotten; None where the past is gone."""
+    interest = subscriber.interest
+    missed: list[Event] = []
+    last = after
+    try:
+        for _ in range(MAX_PIECES):
+            piece = await gateway.history.events_after(
+                last, goal_id=interest.goal_id, action_name=interest.action_name, topics=interest.topics, limit=PIECE
+            )
+            if piece is None:
+                return None
+            missed.extend(event for event in piece if interest.covers(event))
+            if len(piece) < PIECE:
+                break
+            last = piece[-1].id or last
+        else:
+            return None
+    except GatewayError:
+        return None
+    subscriber.forget({event.id for event in missed})
+    return missed
+
+
+async def snapshot(gateway: Gateway, subscriber: Subscriber) -> Event:
+    """How things stand: running and recent goals, the robot's battery, the docking action server."""
+    interest = subscriber.interest
+    goals = await gateway.recent_goals(interest)
+    robot = gateway.robots.get(interest.robot)
+    return notice(
+        "snapshot",
+        utc_now(),
+        goals=[goal.document() for goal in goals],
+        battery=robot.battery.document(),
+        battery_publisher=robot.publisher.document(),
+        action_server=gateway.dock.watch.state,
+    )

@@ -1,0 +1,34 @@
+"""Brings the tables up to date when the gateway starts, by Alembic, in one transaction and under a lock."""
+
+from pathlib import Path
+
+import sqlalchemy as sa
+from sqlalchemy.ext.asyncio import AsyncEngine
+
+# The newest revision, so that Alembic (a tenth of a second) is loaded only when there is something to do.
+HEAD = "0001"
+MIGRATIONS = Path(__file__).parent / "migrations"
+
+_LOCK = 0x646F636B67617465  # any number that nobody else takes
+_VERSION = sa.table("alembic_version", sa.column("version_num"))
+
+
+async def migrate(engine: AsyncEngine) -> None:
+    """Bring the tables up to date; a process that comes second waits for the first and finds the work done."""
+    async with engine.begin() as connection:
+        if connection.dialect.name == "postgresql":
+            await connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_LOCK)))
+        await connection.run_sync(_upgrade)
+
+
+def _upgrade(connection: sa.Connection) -> None:
+    known = sa.inspect(connection).has_table("alembic_version")
+    if known and connection.scalar(sa.select(_VERSION.c.version_num)) == HEAD:
+        return
+    from alembic import command  # noqa: PLC0415
+    from alembic.config import Config  # noqa: PLC0415
+
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
+    config.attributes["connection"] = connection
+    command.upgrade(config, "head")

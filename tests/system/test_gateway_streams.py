@@ -1,0 +1,130 @@
+"""Streams that resume, thin out, and speak SSE as well: real gateway, server and DDS."""
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import httpx2
+import orjson
+import pytest
+
+from tests.support.domain import ros_domain
+from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+
+pytestmark = pytest.mark.ros
+
+GONE = "00000000000000000001-f00000000"
+
+
+@pytest.fixture(scope="module")
+def gateway() -> Iterator[RunningGateway]:
+    with ros_domain() as domain, running_dock_server(domain), running_gateway(domain) as gateway:
+        gateway.wait_until_ready()
+        yield gateway
+
+
+@pytest.fixture
+def running(gateway: RunningGateway) -> Iterator[str]:
+    gateway.publish(LOW)
+    goal_id: str = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
+    yield goal_id
+    gateway.http.post("/stop").raise_for_status()
+    gateway.wait_for_goal(goal_id, "canceled", "succeeded")
+
+
+def ids(events: list[dict[str, Any]]) -> list[str]:
+    return [event["id"] for event in events if "id" in event]
+
+
+def sse(response: httpx2.Response) -> Iterator[tuple[str | None, dict[str, Any]]]:
+    """Id and document of each event, read as EventSource does."""
+    identity, data = None, ""
+    for line in response.iter_lines():
+        if line.startswith("id: "):
+            identity = line[4:]
+        elif line.startswith("data: "):
+            data += line[6:]
+        elif not line and data:
+            yield identity, orjson.loads(data)
+            data = ""
+
+
+def test_a_reader_that_was_away_gets_what_it_missed_and_nothing_twice(gateway: RunningGateway, running: str) -> None:
+    with gateway.stream(f"?goal_id={running}") as witness, gateway.stream(f"?goal_id={running}") as first:
+        for _ in range(5):
+            last = first.until_type("feedback")["id"]
+        first.connection.close()
+        for _ in range(10):
+            witness.until_type("feedback")
+        with gateway.stream(f"?goal_id={running}&after={last}") as second:
+            resumed = second.next()
+            assert resumed["type"] == "resumed"
+            assert resumed["count"] >= 5
+            for _ in range(20):
+                second.until_type("feedback")
+            newest = second.seen[-1]["id"]
+        if newest not in ids(witness.seen):
+            witness.until(lambda event: event.get("id") == newest)
+        seen = ids(witness.seen)
+        expected = seen[seen.index(last) + 1 : seen.index(newest) + 1]
+        assert ids(second.seen) == expected
+
+
+def test_a_past_that_is_gone_is_said_to_be(gateway: RunningGateway, running: str) -> None:
+    with gateway.stream(f"?after={GONE}") as stream:
+        assert stream.next() == stream.seen[0] | {"type": "gap", "after": GONE}
+        assert stream.next()["type"] == "snapshot"
+        stream.until_type("feedback")
+
+
+def test_max_rate_thins_feedback_out_and_leaves_the_end_alone(gateway: RunningGateway, running: str) -> None:
+    with gateway.stream(f"?goal_id={running}&max_rate=2") as slow, gateway.stream(f"?goal_id={running}") as fast:
+        until = time.monotonic() + 3
+        while time.monotonic() < until:
+            fast.until_type("feedback")
+        gateway.publish(CHARGING)
+        assert fast.until_type("result")["status"] == "succeeded"
+        assert slow.until_type("result")["status"] == "succeeded"
+    counts = [sum(event["type"] == "feedback" for event in stream.seen) for stream in (slow, fast)]
+    assert counts[0] <= 10
+    assert counts[1] >= 20
+
+
+def test_server_sent_events_until_the_end(gateway: RunningGateway, running: str) -> None:
+    with gateway.http.stream("GET", f"/dock/{running}/events") as response:
+        assert response.headers["content-type"].startswith("text/event-stream")
+        events = sse(response)
+        _, snapshot = next(events)
+        assert snapshot["type"] == "snapshot"
+        assert [goal["goal_id"] for goal in snapshot["goals"]] == [running]
+        identity, feedback = next((i, e) for i, e in events if e["type"] == "feedback")
+        assert identity == feedback["id"]
+        gateway.publish(CHARGING)
+        rest = [event for _, event in events]  # it ends by itself
+        assert rest[-1]["type"] == "result"
+    with gateway.http.stream("GET", f"/dock/{running}/events", headers={"Last-Event-ID": identity}) as response:
+        again = [event for _, event in sse(response)]
+    assert again[0]["type"] == "resumed"
+    assert ids(again) == ids(rest)
+    with gateway.http.stream("GET", f"/dock/{running}/events") as response:
+        (only,) = [event for _, event in sse(response)]
+    assert only["goals"][0]["status"] == "succeeded"
+
+
+def test_server_sent_events_of_nothing(gateway: RunningGateway) -> None:
+    unknown = gateway.http.get("/dock/7d9c1c9e-0000-4000-8000-000000000000/events")
+    assert (unknown.status_code, unknown.json()["code"]) == (404, "goal_not_found")
+    wrong = gateway.http.get("/dock/7d9c1c9e-0000-4000-8000-000000000000/events", headers={"Last-Event-ID": "x"})
+    assert wrong.status_code == 422
+
+
+def test_readers_that_leave_are_forgotten(gateway: RunningGateway, running: str) -> None:
+    for _ in range(5):
+        with gateway.http.stream("GET", f"/dock/{running}/events") as response:
+            next(sse(response))
+        with gateway.stream(f"?goal_id={running}") as stream:
+            stream.next()
+    deadline = time.monotonic() + 10
+    while gateway.http.get("/healthz").json()["subscribers"]:
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
