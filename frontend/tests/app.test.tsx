@@ -127,6 +127,14 @@ describe("docking", () => {
   });
 });
 
+describe("from a terminal", () => {
+  it("cancels the goal that runs, not a newer one that was rejected", () => {
+    const rejected = goal("b", { status: "rejected", created_at: new Date(Date.now() + 1000).toISOString() });
+    renderPage(fakeGateway(), { goals: [running, rejected] });
+    expect(screen.getByText(/^curl .*\/dock\/a\/cancel$/)).toBeDefined();
+  });
+});
+
 describe("goals of other actions", () => {
   it("do not disturb the page", async () => {
     const fibonacci = { action_name: "/fibonacci", feedback: { partial_sequence: [0, 1, 1] } };

@@ -101,6 +101,9 @@ describe("the plot's scales", () => {
     const [min, max] = voltageRange(2.16, 2.16);
     expect(min).toBeLessThan(2.16);
     expect(max).toBeGreaterThan(2.16);
+    for (const mark of evenly(...voltageRange(11.37, 11.71), 4)) {
+      expect(mark * 20).toBeCloseTo(Math.round(mark * 20));
+    }
     expect(voltageRange(null, null)).toEqual([0, 1]);
     expect(evenly(0, 100, 4)).toEqual([0, 25, 50, 75, 100]);
   });

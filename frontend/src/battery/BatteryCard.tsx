@@ -93,7 +93,13 @@ function Gauge({ state, faded }: { state: BatteryState; faded: boolean }) {
         roundCaps
         sections={measured ? [{ value, color: gaugeColor(state, value, faded) }] : []}
         label={
-          <Text ta="center" fw={700} fz={measured ? "xl" : "sm"} className="tabular">
+          <Text
+            ta="center"
+            fw={700}
+            fz={measured ? "lg" : "sm"}
+            className="tabular"
+            style={measured ? { whiteSpace: "nowrap" } : undefined}
+          >
             {formatPercentage(state.percentage)}
           </Text>
         }

@@ -15,14 +15,17 @@ export const PLOT_COLORS: Record<"light" | "dark", PlotColors> = {
 
 const MINUTES = WINDOW_S / 60;
 const ROWS = 4;
+const TIDY_V = 0.05;
 const FONT = "12px system-ui, sans-serif";
 const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit" });
 
-/** Room above and below the voltages, so that a steady one is not a line on the edge. */
+/** Room above and below the voltages, so that a steady one is not a line on the edge; every mark on a multiple of 0.05. */
 export function voltageRange(min: number | null, max: number | null): [number, number] {
   if (min === null || max === null) return [0, 1];
   const room = Math.max((max - min) * 0.15, Math.abs(max) * 0.05, 0.1);
-  return [min - room, max + room];
+  const low = Math.floor((min - room) / TIDY_V) * TIDY_V;
+  const step = Math.ceil((max + room - low) / ROWS / TIDY_V) * TIDY_V;
+  return [low, low + ROWS * step];
 }
 
 /** `parts` + 1 marks from `min` to `max`, so that both scales share the grid's lines. */

@@ -33,7 +33,7 @@ export function GoalPanel({ goal }: { goal: Goal }) {
         {!live && <Badge color="gray.7">Not live</Badge>}
       </Group>
       <Explanation goal={goal} />
-      <FactList>
+      <FactList wide>
         <Fact name="Started">
           <Time value={goal.created_at} />
         </Fact>

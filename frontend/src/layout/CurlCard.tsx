@@ -1,4 +1,5 @@
 import { Text } from "@mantine/core";
+import { currentGoal } from "../docking/goalWords";
 import { useTopic } from "../store/context";
 import { newestFirst } from "../store/goals";
 import { Command } from "../ui/Command";
@@ -7,11 +8,11 @@ import classes from "./layout.module.css";
 
 /** The same from a terminal. */
 export function CurlCard() {
-  const [newest] = newestFirst(useTopic("goals"));
+  const goal = currentGoal(newestFirst(useTopic("goals")));
   return (
     <Section title="From a terminal">
       <div className={classes.commands}>
-        {commands(window.location, newest?.goal_id ?? "GOAL_ID").map(({ what, line }) => (
+        {commands(window.location, goal?.goal_id ?? "GOAL_ID").map(({ what, line }) => (
           <div key={what}>
             <Text size="sm" mb={2}>
               {what}
@@ -30,7 +31,7 @@ function commands(location: Location, goalId: string): { what: string; line: str
   return [
     { what: "Dock", line: `curl -sX POST ${origin}/dock` },
     { what: "Dock, and wait for the end", line: `curl -sX POST ${origin}/dock -H 'Prefer: wait=60'` },
-    { what: "Look at the newest goal", line: `curl -s ${origin}/dock/${goalId}` },
+    { what: "Look at the goal", line: `curl -s ${origin}/dock/${goalId}` },
     { what: "Cancel it", line: `curl -sX POST ${origin}/dock/${goalId}/cancel` },
     { what: "Stop the robot", line: `curl -sX POST ${origin}/stop` },
     {

@@ -16,6 +16,11 @@ export function Fact({ name, children }: { name: string; children: ReactNode }) 
   );
 }
 
-export function FactList({ children }: { children: ReactNode }) {
-  return <dl className={classes.facts}>{children}</dl>;
+/** Facts side by side; `wide` where their values are more than a number. */
+export function FactList({ wide = false, children }: { wide?: boolean; children: ReactNode }) {
+  return (
+    <dl className={classes.facts} data-wide={wide || undefined}>
+      {children}
+    </dl>
+  );
 }
