@@ -81,13 +81,13 @@ class BatteryPublisher:
         """What is being published, ready for `orjson`."""
         return dict(vars(self._publisher))
 
-    async def publish(self, value: object) -> Json:
-        """Publish one partial BatteryState; returns the message as it went out.
+    async def publish(self, value: object, path: str = "") -> Json:
+        """Publish one partial BatteryState; returns the message as it went out. `path` is for errors.
 
         Raises:
             InvalidField: It is not a BatteryState.
         """
-        message = self._port.codec.parse(value)
+        message = self._port.codec.parse(value, path)
         return await self._port.publish(message, stamp=_unstamped(message))
 
     async def start(self, value: object, rate_hz: float) -> None:

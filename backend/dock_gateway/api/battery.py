@@ -25,6 +25,18 @@ PUBLISHER_REQUEST = {
 }
 
 
+def read_rate(value: object) -> float:
+    """Messages a second.
+
+    Raises:
+        InvalidField: It is not a number in range.
+    """
+    if not isinstance(value, int | float) or isinstance(value, bool) or not MIN_RATE <= value <= MAX_RATE:
+        expected = f"a number from {MIN_RATE:g} to {MAX_RATE:g}"
+        raise InvalidField([FieldError("rate_hz", expected, f"got {value!r:.40}")])
+    return float(value)
+
+
 @router.get("/battery", response_model=Battery, responses=problems(404, 422))
 async def get_battery(gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """The latest battery state, its age, and whether it is stale."""
@@ -58,12 +70,8 @@ async def get_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Respon
 async def start_publisher(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Publish a battery state repeatedly, from now on, in place of what was published before."""
     fields = read_object(await read_json(request), "state", "rate_hz")
-    rate_hz = fields.get("rate_hz", 1.0)
-    if not isinstance(rate_hz, int | float) or isinstance(rate_hz, bool) or not MIN_RATE <= rate_hz <= MAX_RATE:
-        raise InvalidField(
-            [FieldError("rate_hz", f"a number from {MIN_RATE:g} to {MAX_RATE:g}", f"got {rate_hz!r:.40}")]
-        )
-    await gateway.robots.get(robot).publisher.start(fields.get("state", {}), float(rate_hz))
+    rate_hz = read_rate(fields.get("rate_hz", 1.0))
+    await gateway.robots.get(robot).publisher.start(fields.get("state", {}), rate_hz)
     return json_response(gateway.robots.get(robot).publisher.document())
 
 

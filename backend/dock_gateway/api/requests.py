@@ -136,7 +136,15 @@ def read_key(request: Request) -> str | None:
     Raises:
         InvalidField: It is empty or too long.
     """
-    key = request.headers.get("idempotency-key")
+    return check_key(request.headers.get("idempotency-key"), "header.Idempotency-Key")
+
+
+def check_key(key: str | None, path: str) -> str | None:
+    """An idempotency key, if it is one.
+
+    Raises:
+        InvalidField: It is empty or too long.
+    """
     if key is not None and not 0 < len(key) <= MAX_KEY:
-        raise InvalidField([FieldError("header.Idempotency-Key", f"1 to {MAX_KEY} characters", f"got {len(key)}")])
+        raise InvalidField([FieldError(path, f"1 to {MAX_KEY} characters", f"got {len(key)}")])
     return key
