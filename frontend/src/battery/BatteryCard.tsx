@@ -88,7 +88,7 @@ function Gauge({ state, faded }: { state: BatteryState; faded: boolean }) {
     <div>
       <VisuallyHidden>Percentage</VisuallyHidden>
       <RingProgress
-        size={128}
+        size={148}
         thickness={13}
         roundCaps
         sections={measured ? [{ value, color: gaugeColor(state, value, faded) }] : []}

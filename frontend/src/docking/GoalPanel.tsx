@@ -84,7 +84,7 @@ function FeedbackFact({ goal }: { goal: Goal }) {
   return (
     <Fact name="Feedback">
       {goal.feedback_count} {goal.feedback_count === 1 ? "message" : "messages"}
-      {perSecond !== null && `, ${perSecond.toFixed(1)} per second`}
+      {perSecond !== null && `, ${perSecond.toFixed(1)} Hz`}
       {dropped > 0 && ` (${dropped} skipped: this page was too slow)`}
     </Fact>
   );
