@@ -7,7 +7,7 @@ GatewayError
 ├── NotFound                    404 goal_not_found, not_found
 ├── Conflict                    409 goal_rejected, dock_busy, goal_terminal, cancel_rejected, idempotency_key_reused
 ├── TooManyRequests             429 too_many_requests
-├── Unavailable                 503 action_server_unavailable, ros_unavailable, shutting_down
+├── Unavailable                 503 action_server_unavailable, ros_unavailable, history_unavailable, shutting_down
 └── ServerTimeout               504 action_server_timeout
 
 The core raises these; `api/problems.py` turns them into problem+json, streams into a denial with the same body.

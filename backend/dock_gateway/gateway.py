@@ -7,9 +7,9 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 
 from dock_gateway.actions import Action, ActionRegistry
-from dock_gateway.errors import GatewayError, NotFound
+from dock_gateway.errors import GatewayError, NotFound, Unavailable
 from dock_gateway.goals import Goal, GoalError
-from dock_gateway.history import History, MemoryHistory
+from dock_gateway.history import History, open_history
 from dock_gateway.hub import Hub
 from dock_gateway.interest import Interest
 from dock_gateway.later import Later
@@ -67,7 +67,11 @@ class Gateway:
         """What a new subscriber sees first: the goals that run and the newest ended ones, newest first."""
         if interest.goal_id is not None:
             return [await self.goal(interest.goal_id)]
-        newest = await self.history.page(action_name=interest.action_name, statuses=(), limit=5 * RECENT, before=None)
+        newest: list[Goal] = []
+        with suppress(Unavailable):  # a stream goes on without the past
+            newest = await self.history.page(
+                action_name=interest.action_name, statuses=(), limit=5 * RECENT, before=None
+            )
         covered = [goal for goal in newest if interest.covers_goal(goal.goal_id, goal.action_name)][:RECENT]
         running = [goal for goal in self.actions.running() if interest.covers_goal(goal.goal_id, goal.action_name)]
         goals = {goal.goal_id: goal for goal in [*covered, *running]}
@@ -81,8 +85,13 @@ class Gateway:
 
 @asynccontextmanager
 async def open_gateway(settings: Settings) -> AsyncIterator[Gateway]:
-    """Join the ROS graph and run the gateway until the block ends."""
-    history = MemoryHistory(settings.max_goals)
+    """Open the history, join the ROS graph and run the gateway until the block ends."""
+    async with open_history(settings) as history, _run_gateway(settings, history) as gateway:
+        yield gateway
+
+
+@asynccontextmanager
+async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Gateway]:
     hub = Hub(
         queue_limit=settings.subscriber_queue, max_subscribers=settings.max_subscribers, keep=history.record_event
     )

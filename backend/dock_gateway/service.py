@@ -10,7 +10,7 @@ from typing import Any
 from dock_gateway.errors import Conflict, GatewayError, NotFound, ServerTimeout, TooManyRequests, Unavailable
 from dock_gateway.events import utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
-from dock_gateway.history import History
+from dock_gateway.history import History, fingerprint_of
 from dock_gateway.later import Later
 from dock_gateway.liveness import ServerWatch
 from dock_gateway.ros.bridge import PendingCall
@@ -20,6 +20,8 @@ from dock_gateway.tracker import GoalTracker
 log = logging.getLogger(__name__)
 
 STOP_TIMEOUT = 1.0
+# A key that another replica has claimed: so long may it take until its goal is kept.
+CLAIM_WAIT = 2.0
 TOO_LATE = "the action server accepted the goal only after the gateway had given up on it, so it was canceled"
 STOPPED = "a stop was asked for while the goal was on its way"
 
@@ -60,10 +62,14 @@ class GoalService:
             return await asyncio.shield(asyncio.create_task(self._submit(message, None)))
         under_way = self._submitting.get(idempotency_key)
         if under_way is None:
-            first = await self._history.by_key(idempotency_key)
+            first = await self._known(idempotency_key)
             if first is not None:
-                self._require_same(first.goal, self._tracker.port.encode_goal(message))
-                return _outcome(self._tracker.live.get(first.goal_id, first))
+                port = self._tracker.port
+                self._require_same(
+                    fingerprint_of(first.action_name, first.goal),
+                    fingerprint_of(port.action_name, port.encode_goal(message)),
+                )
+                return await self._outcome_of(first, time.monotonic() + self._settings.accept_timeout)
             under_way = self._submitting.get(idempotency_key)
         if under_way is None:
             task = asyncio.create_task(self._submit(message, idempotency_key))
@@ -75,8 +81,38 @@ class GoalService:
             self._require_same(encode(first_message), encode(message))
         return await asyncio.shield(task)
 
+    async def _known(self, idempotency_key: str) -> Goal | None:
+        try:
+            return await self._history.by_key(idempotency_key)
+        except Unavailable:
+            return None  # the claim that follows does what can be done
+
+    async def _outcome_of(self, goal: Goal, deadline: float) -> Goal:
+        """What became of a goal that was sent before, maybe by another replica and just now."""
+        while goal.status is GoalStatus.PENDING and time.monotonic() < deadline:
+            await asyncio.sleep(0.05)
+            goal = self._tracker.live.get(goal.goal_id) or await self._history.get(goal.goal_id) or goal
+        return _outcome(self._tracker.live.get(goal.goal_id, goal))
+
+    async def _claim(self, idempotency_key: str, goal: Goal) -> Goal | None:
+        """Claim the key for the goal; the goal that had it already, if there is one."""
+        fingerprint = fingerprint_of(goal.action_name, goal.goal)
+        goal_id, first_fingerprint = await self._history.claim(idempotency_key, goal.goal_id, fingerprint)
+        if goal_id == goal.goal_id:
+            return None
+        self._require_same(first_fingerprint, fingerprint)
+        deadline = time.monotonic() + CLAIM_WAIT
+        first = await self._history.get(goal_id)
+        while first is None and time.monotonic() < deadline:
+            await asyncio.sleep(0.05)
+            first = await self._history.get(goal_id)
+        # Whoever claimed the key may have died before it kept the goal. Its place is taken under the same id, which
+        # an action server accepts only once.
+        goal.goal_id = goal_id
+        return first
+
     @staticmethod
-    def _require_same(first: bytes | None, second: bytes) -> None:
+    def _require_same(first: object, second: object) -> None:
         if first != second:
             raise Conflict("this Idempotency-Key was used for another goal", code="idempotency_key_reused")
 
@@ -95,6 +131,8 @@ class GoalService:
         await self._watch.require()
         port = self._tracker.port
         goal = Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now(), goal=port.encode_goal(message))
+        if idempotency_key is not None and (first := await self._claim(idempotency_key, goal)):
+            return await self._outcome_of(first, deadline)
         await self._history.add(goal, idempotency_key)
         self._tracker.add(goal)
         if self._stops != stops:

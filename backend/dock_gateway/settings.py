@@ -65,10 +65,32 @@ class Settings(BaseSettings):
         2.0, description="Seconds without a message after which the battery state is stale."
     )
 
+    database_url: str = Field(
+        "",
+        pattern=r"^(memory:|sqlite:///.+|postgres(ql)?://.*)?$",
+        description="Where the history is kept: `postgresql://user@host/name`, `sqlite:////path/to/history.db`, "
+        "or `memory:`. Empty: SQLite in the user's data directory.",
+    )
+    spool_path: Path | None = Field(
+        None,
+        description="Folder for goals that the database does not take at once. Empty: in the user's data directory.",
+    )
+    history_queue: int = Field(
+        10_000,
+        ge=100,
+        description="Feedback and battery events that wait for the database before the oldest are dropped.",
+    )
+    retention_hours: float = Field(
+        168.0, gt=0, description="Hours that feedback and battery events are kept. Goals, status and results stay."
+    )
+    retention_mb: int = Field(
+        256, ge=1, description="Megabytes of feedback and battery events that are kept; the oldest go first."
+    )
+
     max_body_bytes: int = Field(1_000_000, ge=1024, description="Largest request body, in bytes (413).")
     body_timeout: Seconds = Field(10.0, description="Seconds a client has to send its body (408).")
     max_pending_goals: int = Field(32, ge=1, description="Goals that may wait for acceptance at the same time (429).")
-    max_goals: int = Field(1000, ge=10, description="Ended goals that are kept; the oldest are forgotten first.")
+    max_goals: int = Field(1000, ge=10, description="Ended goals that `memory:` keeps; the oldest go first.")
     max_subscribers: int = Field(1000, ge=1, description="WebSocket subscribers at the same time (429).")
     subscriber_queue: int = Field(
         256,

@@ -2,8 +2,9 @@
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import httpx2
@@ -85,9 +86,12 @@ class RunningGateway:
 
 @contextmanager
 def running_gateway(domain: int, **settings: str) -> Iterator[RunningGateway]:
-    """`dock-gateway serve` on a free port; settings as in DOCK_GATEWAY_<NAME>."""
-    variables = {f"DOCK_GATEWAY_{name.upper()}": value for name, value in {"port": "0", **settings}.items()}
-    with Process(str(BIN / "dock-gateway"), "serve", env=ros_environment(domain, **variables)) as process:
+    """`dock-gateway serve` on a free port, with a database of its own; settings as in DOCK_GATEWAY_<NAME>."""
+    with TemporaryDirectory(prefix="dock-gateway-", ignore_cleanup_errors=True) as folder, ExitStack() as stack:
+        defaults = {"port": "0", "database_url": f"sqlite:///{folder}/history.db", "spool_path": f"{folder}/spool"}
+        variables = {f"DOCK_GATEWAY_{name.upper()}": value for name, value in {**defaults, **settings}.items()}
+        environment = ros_environment(domain, **variables)
+        process = stack.enter_context(Process(str(BIN / "dock-gateway"), "serve", env=environment))
         url = process.wait_for("listening on ").rpartition(" ")[2]
         with httpx2.Client(base_url=url, timeout=15.0, trust_env=False) as http:
             yield RunningGateway(process, url, http)

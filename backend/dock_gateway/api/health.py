@@ -31,7 +31,8 @@ async def healthz(gateway: TheGateway) -> Response:
 
 @router.get("/readyz", response_model=Readiness, responses={503: {"model": Readiness}})
 async def readyz(gateway: TheGateway) -> Response:
-    """Whether the action server is there and answers."""
+    """Whether the action server is there and answers; and how the history is kept, which holds up no goal."""
     state = gateway.dock.watch.state
     ready = gateway.bridge.alive and state.available and state.answering
-    return json_response({"ready": ready, "action_server": state}, 200 if ready else 503)
+    document = {"ready": ready, "action_server": state, "history": gateway.history.stats()}
+    return json_response(document, 200 if ready else 503)

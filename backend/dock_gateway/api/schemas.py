@@ -171,11 +171,26 @@ class Health(Schema):
     subscribers: int
 
 
+class HistoryState(Schema):
+    """How the keeping of goals and events goes.
+
+    `waiting` in memory and `spooled` on disk are not in the database yet; `dropped` feedback and battery events were
+    given up.
+    """
+
+    waiting: int
+    spooled: int
+    dropped: int
+    database_reachable: bool
+    last_error: str | None
+
+
 class Readiness(Schema):
     """Whether a goal sent now would be heard."""
 
     ready: bool
     action_server: ActionServer
+    history: HistoryState
 
 
 class FieldProblem(Schema):

@@ -3,17 +3,31 @@
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+import platformdirs
+
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.history.protocol import History, HistoryStats, fingerprint_of
+from dock_gateway.history.sql import SqlHistory
 from dock_gateway.settings import Settings
 
-__all__ = ["History", "HistoryStats", "MemoryHistory", "fingerprint_of", "open_history"]
+__all__ = ["History", "HistoryStats", "MemoryHistory", "SqlHistory", "fingerprint_of", "open_history"]
 
 
 @asynccontextmanager
 async def open_history(settings: Settings) -> AsyncIterator[History]:
     """Keep goals where the settings say, until the block ends."""
-    history = MemoryHistory(settings.max_goals)
+    if settings.database_url == "memory:":
+        yield MemoryHistory(settings.max_goals)
+        return
+    folder = platformdirs.user_data_path("dock-gateway", appauthor=False)
+    history = SqlHistory(
+        settings.database_url or f"sqlite:///{folder / 'history.db'}",
+        settings.spool_path or folder / "spool",
+        max_waiting=settings.history_queue,
+        max_age=settings.retention_hours * 3600,
+        max_bytes=settings.retention_mb * 1_000_000,
+    )
+    await history.open()
     try:
         yield history
     finally:

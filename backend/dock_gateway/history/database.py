@@ -6,7 +6,6 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
-import asyncpg
 import sqlalchemy as sa
 from sqlalchemy.engine.interfaces import DBAPIConnection
 from sqlalchemy.ext.asyncio import AsyncConnection, AsyncEngine, create_async_engine
@@ -53,17 +52,22 @@ class Database:
         )
 
     async def _connect_postgresql(self) -> Any:
+        import asyncpg  # noqa: PLC0415 - whoever uses SQLite need not load it
+
         limit = f"{STATEMENT_TIMEOUT * 1000:.0f}"
-        return await asyncpg.connect(
-            self.url,
-            timeout=CONNECT_TIMEOUT,
-            command_timeout=STATEMENT_TIMEOUT,
-            server_settings={
-                "application_name": "dock-gateway",
-                "statement_timeout": limit,
-                "idle_in_transaction_session_timeout": limit,
-            },
-        )
+        try:
+            return await asyncpg.connect(
+                self.url,
+                timeout=CONNECT_TIMEOUT,
+                command_timeout=STATEMENT_TIMEOUT,
+                server_settings={
+                    "application_name": "dock-gateway",
+                    "statement_timeout": limit,
+                    "idle_in_transaction_session_timeout": limit,
+                },
+            )
+        except (asyncpg.PostgresError, asyncpg.InterfaceError, ValueError) as error:
+            raise ConnectionError(str(error)) from error
 
     async def prepare(self) -> None:
         """Make the tables, or bring them up to date; several processes may do so at the same time."""

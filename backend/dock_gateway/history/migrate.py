@@ -1,9 +1,12 @@
 """Brings the tables up to date when the gateway starts, by Alembic, in one transaction and under a lock."""
 
+import logging
 from pathlib import Path
 
 import sqlalchemy as sa
 from sqlalchemy.ext.asyncio import AsyncEngine
+
+log = logging.getLogger(__name__)
 
 # The newest revision, so that Alembic (a tenth of a second) is loaded only when there is something to do.
 HEAD = "0001"
@@ -27,8 +30,14 @@ def _upgrade(connection: sa.Connection) -> None:
         return
     from alembic import command  # noqa: PLC0415
     from alembic.config import Config  # noqa: PLC0415
+    from alembic.util import CommandError  # noqa: PLC0415
 
+    log.info("bringing the history's tables up to date")
+    logging.getLogger("alembic").setLevel(logging.WARNING)
     config = Config()
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
     config.attributes["connection"] = connection
-    command.upgrade(config, "head")
+    try:
+        command.upgrade(config, "head")
+    except CommandError as error:
+        raise RuntimeError(f"the history database is of another version of the gateway: {error}") from error

@@ -13,6 +13,10 @@ from dock_gateway.goals import Goal, GoalError, GoalStatus
 
 Row = dict[str, Any]
 
+# Written in one transaction at most: so many goals, and so many events.
+BATCH_GOALS = 200
+BATCH_EVENTS = 1000
+
 _TIMES = ("created_at", "updated_at", "finished_at")
 _MESSAGES = ("goal", "feedback", "result")
 
@@ -43,6 +47,11 @@ class Batch:
 
     def __len__(self) -> int:
         return len(self.goals) + len(self.events) + len(self.keys) + len(self.gaps)
+
+    @property
+    def full(self) -> bool:
+        """Whether more may be waiting."""
+        return len(self.goals) >= BATCH_GOALS or len(self.keys) >= BATCH_GOALS or len(self.events) >= BATCH_EVENTS
 
     @property
     def precious(self) -> bool:
@@ -82,7 +91,7 @@ def goal_row(goal: Goal) -> Row:
     }
 
 
-def goal_of(row: Mapping[str, Any]) -> Goal:
+def goal_of(row: Mapping[Any, Any]) -> Goal:
     """The goal in a row."""
     goal = Goal(
         goal_id=row["goal_id"],
@@ -118,7 +127,7 @@ def event_row(event: Event) -> Row:
     }
 
 
-def event_of(row: Mapping[str, Any]) -> Event:
+def event_of(row: Mapping[Any, Any]) -> Event:
     """The event in a row."""
     return Event(
         row["data"],

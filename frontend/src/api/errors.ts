@@ -78,6 +78,10 @@ const WORDS: Record<string, Words> = {
     title: "The gateway has lost ROS",
     advice: "Restart dock-gateway; its log says why the ROS thread ended.",
   },
+  history_unavailable: {
+    title: "The history does not answer",
+    advice: "Look at /readyz of the gateway for what its database says. Running goals go on.",
+  },
   shutting_down: {
     title: "The gateway is shutting down",
     advice: "Wait until it is back; nothing is sent again by itself.",

@@ -318,7 +318,7 @@ export interface paths {
         };
         /**
          * Readyz
-         * @description Whether the action server is there and answers.
+         * @description Whether the action server is there and answers; and how the history is kept, which holds up no goal.
          */
         get: operations["readyz"];
         put?: never;
@@ -762,6 +762,25 @@ export interface components {
             time: string;
         };
         /**
+         * HistoryState
+         * @description How the keeping of goals and events goes.
+         *
+         *     `waiting` in memory and `spooled` on disk are not in the database yet; `dropped` feedback and battery events were
+         *     given up.
+         */
+        HistoryState: {
+            /** Waiting */
+            waiting: number;
+            /** Spooled */
+            spooled: number;
+            /** Dropped */
+            dropped: number;
+            /** Database Reachable */
+            database_reachable: boolean;
+            /** Last Error */
+            last_error: string | null;
+        };
+        /**
          * Problem
          * @description RFC 9457 problem document.
          */
@@ -836,6 +855,7 @@ export interface components {
             /** Ready */
             ready: boolean;
             action_server: components["schemas"]["ActionServer"];
+            history: components["schemas"]["HistoryState"];
         };
         /**
          * ResultEvent

@@ -51,9 +51,7 @@ def upgrade() -> None:
     )
     op.create_index("events_by_goal", "events", ["goal_id", "id"])
     droppable = sa.text("droppable")
-    op.create_index(
-        "droppable_events", "events", ["id", "size"], sqlite_where=droppable, postgresql_where=droppable
-    )
+    op.create_index("droppable_events", "events", ["id", "size"], sqlite_where=droppable, postgresql_where=droppable)
     op.create_table(
         "idempotency_keys",
         sa.Column("key", sa.Text, primary_key=True),

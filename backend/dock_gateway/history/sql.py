@@ -1,0 +1,266 @@
+"""The history in a database, readable as if everything that still waits were in it already."""
+
+import asyncio
+import logging
+import time
+from collections.abc import AsyncIterator, Collection
+from contextlib import asynccontextmanager, suppress
+from datetime import UTC, datetime
+from pathlib import Path
+
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dock_gateway.errors import Unavailable
+from dock_gateway.events import Event
+from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.history import store
+from dock_gateway.history.database import Database
+from dock_gateway.history.merge import merge
+from dock_gateway.history.protocol import KEY_LIFETIME, HistoryStats, fingerprint_of, selects
+from dock_gateway.history.retention import Retention
+from dock_gateway.history.rows import Key
+from dock_gateway.history.spool import Spool
+from dock_gateway.history.waiting import Waiting
+from dock_gateway.history.writer import DATABASE_ERRORS, Writer
+
+log = logging.getLogger(__name__)
+
+OPEN_TIMEOUT = 2.0  # at the start, for the database
+CLOSE_TIMEOUT = 1.0
+READ_TIMEOUT = 1.0
+KEY_TIMEOUT = 0.5  # a goal with an idempotency key waits so long to learn whether it is the first
+# After a read that failed, the next ones fail at once for so long.
+READ_PAUSE = 1.0
+MAX_KEYS = 10_000
+
+
+class SqlHistory:
+    """Goals, events and keys in SQLite or PostgreSQL, with a spool for when that does not answer.
+
+    Args:
+        url: `sqlite:///path` or `postgresql://…`.
+        spool: The folder of the spool.
+        max_waiting: So many events, and so many goals, may wait in memory.
+        max_age: Seconds that feedback and battery events are kept.
+        max_bytes: How much of them is kept.
+    """
+
+    def __init__(self, url: str, spool: Path, *, max_waiting: int, max_age: float, max_bytes: int) -> None:
+        self._database = Database(url)
+        self._spool = Spool(spool)
+        self._waiting = Waiting(max_waiting)
+        self._writer = Writer(self._database, self._spool, self._waiting)
+        self._keys: dict[str, Key] = {}
+        self._reads_pause_until = 0.0
+        self.retention = Retention(self._database, max_age, max_bytes)
+        self._tasks: list[asyncio.Task[None]] = []
+
+    async def open(self) -> None:
+        """Take up what a process before this one left, and wait a little for the database."""
+        await self._writer.take_over()
+        self._writer.start()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(OPEN_TIMEOUT):
+                await self._writer.answered.wait()
+        with suppress(Unavailable):
+            async with self._reading() as connection:
+                self._keys = {key.key: key for key in await store.newest_keys(connection, MAX_KEYS)}
+        for key in self._waiting.keys.values():
+            self._keys.setdefault(key.key, key)
+        self._tasks = [asyncio.create_task(self.retention.run())]
+
+    @asynccontextmanager
+    async def _reading(self, timeout: float = READ_TIMEOUT) -> AsyncIterator[AsyncConnection]:
+        if not self._database.prepared or time.monotonic() < self._reads_pause_until:
+            raise Unavailable("the history database does not answer", code="history_unavailable")
+        try:
+            async with asyncio.timeout(timeout), self._database.read() as connection:
+                yield connection
+        except DATABASE_ERRORS as error:
+            self._reads_pause_until = time.monotonic() + READ_PAUSE
+            self._writer.doubt(error)
+            raise Unavailable("the history database does not answer", code="history_unavailable") from error
+
+    # ------------------------------------------------------------------ write
+
+    async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
+        """Keep a new goal; it is safe once this returns."""
+        key = None
+        if idempotency_key is not None:
+            key = self._held(idempotency_key)
+            if key is None:
+                key = _new_key(idempotency_key, goal.goal_id, fingerprint_of(goal.action_name, goal.goal))
+                self._hold(key)
+        await self._writer.keep(goal, key)
+
+    async def claim(self, idempotency_key: str, goal_id: str, fingerprint: str) -> tuple[str, str]:
+        """Bind a key to a goal, or tell whose it is.
+
+        While the database does not answer the key holds in this process and its successors, and not at other replicas.
+        """
+        held = self._held(idempotency_key)
+        if held is None:
+            held = _new_key(idempotency_key, goal_id, fingerprint)
+            if self._writer.reachable:
+                try:
+                    async with asyncio.timeout(KEY_TIMEOUT), self._database.write() as connection:
+                        held = await store.claim(connection, held)
+                except DATABASE_ERRORS as error:
+                    self._writer.doubt(error)
+            held = self._held(idempotency_key) or held
+            self._hold(held)
+        return held.goal_id, held.fingerprint
+
+    def _held(self, key: str) -> Key | None:
+        held = self._keys.get(key)
+        return None if held is None or held.expired else held
+
+    def _hold(self, key: Key) -> None:
+        self._keys.pop(key.key, None)
+        self._keys[key.key] = key
+        if len(self._keys) > MAX_KEYS:
+            del self._keys[next(iter(self._keys))]
+
+    def record(self, goal: Goal) -> None:
+        """Keep what is new about a goal."""
+        self._waiting.put_goal(goal)
+        self._writer.notice(precious=True)
+
+    def record_event(self, event: Event) -> None:
+        """Keep an event, once."""
+        if event.id is not None:
+            self._waiting.put_event(event)
+            self._writer.notice(precious=not event.droppable)
+
+    # ------------------------------------------------------------------ read
+
+    async def page(
+        self, *, action_name: str | None, statuses: Collection[GoalStatus], limit: int, before: str | None
+    ) -> list[Goal]:
+        """Goals on an action, newest first."""
+        self._require_everything()
+        waiting = dict(self._waiting.goals)
+        async with self._reading() as connection:
+            stored = await store.goals_by_id(connection, [*waiting, *([] if before is None else [before])])
+            known = {**stored, **_merged(stored, waiting)}
+            limits = None
+            if before is not None:
+                if before not in known:
+                    return []
+                limits = _position(known[before])
+            found = await store.page(
+                connection,
+                action_name=action_name,
+                statuses=statuses,
+                limit=limit,
+                before=limits,
+                without=list(waiting),
+            )
+        found += [
+            known[goal_id]
+            for goal_id in waiting
+            if action_name in (None, known[goal_id].action_name)
+            and (not statuses or known[goal_id].status in statuses)
+            and (limits is None or _position(known[goal_id]) < limits)
+        ]
+        return sorted(found, key=_position, reverse=True)[:limit]
+
+    def _require_everything(self) -> None:
+        if self._writer.evicted:
+            raise Unavailable("the history is catching up with its spool", code="history_unavailable")
+
+    async def get(self, goal_id: str) -> Goal | None:
+        """One goal."""
+        waiting = self._waiting.goals.get(goal_id)
+        waiting_now = {} if waiting is None else {goal_id: waiting}
+        try:
+            async with self._reading() as connection:
+                stored = await store.goals_by_id(connection, [goal_id])
+        except Unavailable:
+            if waiting is None:
+                raise
+            return _merged({}, waiting_now)[goal_id]
+        goal = {**stored, **_merged(stored, waiting_now)}.get(goal_id)
+        if goal is None:
+            self._require_everything()
+        return goal
+
+    async def by_key(self, idempotency_key: str) -> Goal | None:
+        """The goal that was sent with this key."""
+        key = self._held(idempotency_key)
+        if key is None:
+            async with self._reading(KEY_TIMEOUT) as connection:
+                key = await store.key_of(connection, idempotency_key)
+        return None if key is None else await self.get(key.goal_id)
+
+    async def unfinished(self) -> list[Goal]:
+        """The goals whose status is not final, oldest first."""
+        waiting = dict(self._waiting.goals)
+        stored: dict[str, Goal] = {}
+        with suppress(Unavailable):
+            async with self._reading() as connection:
+                stored = {goal.goal_id: goal for goal in await store.unfinished(connection)}
+                stored |= await store.goals_by_id(connection, waiting)
+        goals = {**stored, **_merged(stored, waiting)}.values()
+        return sorted((goal for goal in goals if not goal.status.final), key=_position)
+
+    async def events_after(
+        self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
+    ) -> list[Event] | None:
+        """The events that follow one, oldest first; None where they are not all there."""
+        if self._writer.evicted or any(self._waiting.gaps.get(topic, "") > event_id for topic in topics):
+            return None
+        waiting = [*self._waiting.events.values(), *self._waiting.droppable.values()]
+        found = {
+            event.id or "": event
+            for event in waiting
+            if (event.id or "") > event_id and selects(event, goal_id, action_name, topics)
+        }
+        known = self._waiting.find_event(event_id) is not None
+        try:
+            async with self._reading() as connection:
+                stored, whole = await store.knows_all_after(connection, event_id, topics)
+                if not whole or not (known or stored):
+                    return None
+                later = await store.events_after(
+                    connection, event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit
+                )
+        except Unavailable:
+            return None
+        found |= {event.id or "": event for event in later}
+        return [found[identity] for identity in sorted(found)][:limit]
+
+    # ------------------------------------------------------------------ the rest
+
+    def stats(self) -> HistoryStats:
+        """How the keeping goes."""
+        return HistoryStats(
+            waiting=len(self._waiting),
+            spooled=self._spool.count,
+            dropped=self._waiting.dropped,
+            database_reachable=self._writer.reachable,
+            last_error=self._writer.last_error,
+        )
+
+    async def close(self) -> None:
+        """Write what waits, for a second at most; the rest is spooled."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self._writer.close(CLOSE_TIMEOUT)
+        with suppress(*DATABASE_ERRORS):
+            async with asyncio.timeout(0.5):
+                await self._database.close()
+
+
+def _new_key(key: str, goal_id: str, fingerprint: str) -> Key:
+    return Key(key, goal_id, fingerprint, datetime.now(UTC) + KEY_LIFETIME)
+
+
+def _position(goal: Goal) -> tuple[datetime, str]:
+    return goal.created_at, goal.goal_id
+
+
+def _merged(stored: dict[str, Goal], waiting: dict[str, Goal]) -> dict[str, Goal]:
+    """What waits, together with what is stored of the same goals; copies, in any case."""
+    return {goal_id: merge(stored.get(goal_id, goal), goal) for goal_id, goal in waiting.items()}

@@ -1,0 +1,140 @@
+"""What waits to be written, in memory: plain data, bounded, and readable as if it were written already."""
+
+from copy import copy
+from itertools import islice
+from typing import TypeVar
+
+from dock_gateway.events import Event
+from dock_gateway.goals import Goal
+from dock_gateway.history.merge import merge
+from dock_gateway.history.rows import BATCH_EVENTS, BATCH_GOALS, Batch, Key
+
+Kept = TypeVar("Kept")
+
+
+class Waiting:
+    """Goals, events and keys that the database has not taken yet.
+
+    Feedback and battery events beyond `limit` are dropped, oldest first. The rest is never dropped; beyond `limit` it
+    is let go of (`evict`) once it is in the spool.
+
+    `unsafe` is what is nowhere but here, and must not be lost.
+    """
+
+    def __init__(self, limit: int) -> None:
+        self.limit = limit
+        self.goals: dict[str, Goal] = {}
+        self.keys: dict[str, Key] = {}
+        self.events: dict[str, Event] = {}
+        self.droppable: dict[str, Event] = {}
+        self.gaps: dict[str, str] = {}
+        self.dropped = 0
+        self._unsafe: dict[tuple[str, str], Goal | Event | Key] = {}
+
+    def __len__(self) -> int:
+        return len(self.goals) + len(self.events) + len(self.droppable) + len(self.keys)
+
+    @property
+    def anything(self) -> bool:
+        """Whether there is anything to write."""
+        return bool(self.goals or self.keys or self.events or self.droppable or self.gaps)
+
+    @property
+    def precious(self) -> bool:
+        """Whether there is anything that must not be lost."""
+        return bool(self.goals or self.keys or self.events)
+
+    def put_goal(self, goal: Goal, *, safe: bool = False) -> Goal:
+        """Take a goal as it stands now; returns what is waiting."""
+        waiting = self.goals.get(goal.goal_id)
+        kept = copy(goal) if waiting is None else merge(waiting, goal)
+        self.goals[goal.goal_id] = kept
+        if not safe:
+            self._unsafe["goal", goal.goal_id] = kept
+        return kept
+
+    def forget_goal(self, goal_id: str) -> None:
+        """A goal that is not to be kept after all."""
+        self.goals.pop(goal_id, None)
+        self._unsafe.pop(("goal", goal_id), None)
+
+    def put_key(self, key: Key, *, safe: bool = False) -> None:
+        """Take a key; the first goal that has it keeps it."""
+        if key.key not in self.keys:
+            self.keys[key.key] = key
+            if not safe:
+                self._unsafe["key", key.key] = key
+
+    def put_event(self, event: Event, *, safe: bool = False) -> None:
+        """Take an event that has an id."""
+        identity = event.id or ""
+        if event.droppable:
+            self.droppable.setdefault(identity, event)
+            if len(self.droppable) > self.limit:
+                self.drop(self.droppable[next(iter(self.droppable))])
+        elif identity not in self.events:
+            self.events[identity] = event
+            if not safe:
+                self._unsafe["event", identity] = event
+
+    def drop(self, event: Event) -> None:
+        """Give up an event, and remember that it is missing."""
+        self.droppable.pop(event.id or "", None)
+        self.events.pop(event.id or "", None)
+        self.dropped += 1
+        self.gaps[event.topic] = max(event.id or "", self.gaps.get(event.topic, ""))
+
+    def find_event(self, event_id: str) -> Event | None:
+        """One event that waits."""
+        return self.events.get(event_id) or self.droppable.get(event_id)
+
+    def batch(self) -> Batch:
+        """What is written next, oldest first; it goes on waiting until it is `done`."""
+        return Batch(
+            goals=_first(self.goals, BATCH_GOALS),
+            keys=_first(self.keys, BATCH_GOALS),
+            events=[*_first(self.events, BATCH_EVENTS), *_first(self.droppable, BATCH_EVENTS)][:BATCH_EVENTS],
+            gaps=dict(self.gaps),
+        )
+
+    def done(self, batch: Batch) -> None:
+        """The batch is in the database: what has not changed meanwhile waits no longer."""
+        for goal in batch.goals:
+            if self.goals.get(goal.goal_id) is goal:
+                del self.goals[goal.goal_id]
+                self._unsafe.pop(("goal", goal.goal_id), None)
+        for key in batch.keys:
+            self.keys.pop(key.key, None)
+            self._unsafe.pop(("key", key.key), None)
+        for event in batch.events:
+            self.events.pop(event.id or "", None)
+            self.droppable.pop(event.id or "", None)
+            self._unsafe.pop(("event", event.id or ""), None)
+        for topic, event_id in batch.gaps.items():
+            if self.gaps.get(topic) == event_id:
+                del self.gaps[topic]
+
+    def unsafe(self) -> list[Goal | Event | Key]:
+        """What is nowhere else."""
+        return list(self._unsafe.values())
+
+    def saved(self, entries: list[Goal | Event | Key]) -> None:
+        """These are in the spool now."""
+        gone = {id(entry) for entry in entries}
+        self._unsafe = {name: entry for name, entry in self._unsafe.items() if id(entry) not in gone}
+
+    def evict(self) -> int:
+        """Let go of the oldest of what is in the spool, where there is too much; how many those were."""
+        evicted = 0
+        for name, held in (("goal", self.goals), ("event", self.events), ("key", self.keys)):
+            if len(held) <= self.limit:
+                continue
+            safe = [identity for identity in held if (name, identity) not in self._unsafe]
+            for identity in safe[: len(held) - self.limit]:
+                del held[identity]
+                evicted += 1
+        return evicted
+
+
+def _first(held: dict[str, Kept], limit: int) -> list[Kept]:
+    return list(islice(held.values(), limit))

@@ -1,0 +1,290 @@
+"""Writes behind, in batches; tries again when the database does not take them, and spools what is precious."""
+
+import asyncio
+import logging
+import time
+from contextlib import suppress
+from datetime import UTC, datetime
+
+import sqlalchemy.exc as sa_errors
+
+from dock_gateway.errors import Unavailable
+from dock_gateway.goals import Goal
+from dock_gateway.history import store
+from dock_gateway.history.database import Database
+from dock_gateway.history.rows import Batch, Key
+from dock_gateway.history.spool import Entry, Spool
+from dock_gateway.history.waiting import Waiting
+
+log = logging.getLogger(__name__)
+
+# Whatever a database may do wrong, in its own words.
+DATABASE_ERRORS = (sa_errors.SQLAlchemyError, OSError, TimeoutError, RuntimeError)
+
+ANSWER_TIMEOUT = 0.1  # a new goal waits so long for the database, then it goes to the spool
+SPOOL_TIMEOUT = 5.0
+WRITE_TIMEOUT = 10.0
+BATCH_INTERVAL = 0.2
+# What is precious and not in the database after so long goes to the spool.
+SPOOL_AFTER = 0.5
+RETRY_FIRST, RETRY_LAST = 0.1, 2.0
+
+
+class Writer:
+    """The only one who writes goals and events."""
+
+    def __init__(self, database: Database, spool: Spool, waiting: Waiting) -> None:
+        self.reachable = False
+        self.last_error: str | None = None
+        self.evicted = 0  # entries that are in the spool and no longer in memory
+        self.answered = asyncio.Event()  # the database has answered, or failed to, for the first time
+        self._database = database
+        self._spool = spool
+        self._waiting = waiting
+        self._tickets: dict[str, list[asyncio.Future[None]]] = {}
+        self._wake = asyncio.Event()
+        self._urgent = asyncio.Event()
+        self._guard = asyncio.Event()
+        self._tasks: list[asyncio.Task[None]] = []
+
+    def start(self) -> None:
+        """Begin to write."""
+        self._tasks = [asyncio.create_task(self._write_on()), asyncio.create_task(self._spool_on())]
+
+    def notice(self, *, precious: bool) -> None:
+        """Something has been put among what waits."""
+        self._wake.set()
+        if precious:
+            self._guard.set()
+
+    # ------------------------------------------------------------------ a new goal
+
+    async def keep(self, goal: Goal, key: Key | None) -> None:
+        """See a new goal to the database or to the spool.
+
+        Raises:
+            Unavailable: Neither takes it.
+        """
+        ticket = asyncio.get_running_loop().create_future()
+        self._tickets.setdefault(goal.goal_id, []).append(ticket)
+        kept = self._waiting.put_goal(goal)
+        if key is not None:
+            self._waiting.put_key(key)
+        self.notice(precious=True)
+        self._urgent.set()
+        if self.reachable:
+            with suppress(TimeoutError, *DATABASE_ERRORS):
+                async with asyncio.timeout(ANSWER_TIMEOUT):
+                    await asyncio.shield(ticket)
+                return
+        entries: list[Entry] = [kept] if key is None else [key, kept]
+        try:
+            async with asyncio.timeout(SPOOL_TIMEOUT):
+                await self._spool.append(entries)
+        except OSError as error:  # TimeoutError is one
+            if ticket.done() and not ticket.cancelled() and ticket.exception() is None:
+                return
+            log.error("a goal can be kept neither in the database (%s) nor in the spool (%s)", self.last_error, error)
+            self._waiting.forget_goal(goal.goal_id)
+            raise Unavailable("the goal cannot be stored, so it was not sent", code="history_unavailable") from error
+        self._waiting.saved(entries)
+        self._wake.set()
+
+    def _settle(self, batch: Batch, error: Exception | None) -> None:
+        for goal in batch.goals:
+            for ticket in self._tickets.pop(goal.goal_id, ()):
+                if not ticket.done():
+                    ticket.set_result(None) if error is None else ticket.set_exception(error)
+                    ticket.exception()  # whoever waited may have gone
+
+    # ------------------------------------------------------------------ the database
+
+    async def _write_on(self) -> None:
+        pause = 0.0
+        while True:
+            if pause:
+                await asyncio.sleep(pause)
+            else:
+                await self._wake.wait()
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(BATCH_INTERVAL):
+                        await self._urgent.wait()
+            self._urgent.clear()
+            self._wake.clear()
+            pause = 0.0 if await self.flush() else min(max(2 * pause, RETRY_FIRST), RETRY_LAST)
+
+    async def flush(self) -> bool:
+        """Write all that waits; False if the database does not take it."""
+        batch = Batch()
+        try:
+            if not self._database.prepared:
+                async with asyncio.timeout(WRITE_TIMEOUT):
+                    await self._database.prepare()
+            while len(batch := self._waiting.batch()) or not self.reachable:
+                await self._write(batch)
+                self._waiting.done(batch)
+                self._settle(batch, None)
+                self._say_reachable()
+                if not batch.full:
+                    break
+            await self._empty_spool()
+        except Exception as error:
+            if not isinstance(error, DATABASE_ERRORS):
+                log.exception("while writing the history")
+            self._settle(batch, error)
+            self._say_unreachable(error)
+            return False
+        finally:
+            self.answered.set()
+        return True
+
+    async def _write(self, batch: Batch) -> None:
+        try:
+            async with asyncio.timeout(WRITE_TIMEOUT), self._database.write(durable=batch.precious) as connection:
+                await store.write(connection, batch)
+        except (sa_errors.StatementError, ValueError) as error:
+            if not _about_data(error):
+                raise
+            await self._write_one_by_one(batch)
+
+    async def _write_one_by_one(self, batch: Batch) -> None:
+        """One of these the database cannot take at all: the others must not suffer."""
+        for part in batch.split():
+            try:
+                async with asyncio.timeout(WRITE_TIMEOUT), self._database.write() as connection:
+                    await store.write(connection, part)
+            except (sa_errors.StatementError, ValueError) as error:
+                if not _about_data(error):
+                    raise
+                log.error("the database refuses %s: %s", part, error)
+
+    async def _empty_spool(self) -> None:
+        if not self._spool.count or (self._waiting.precious and not self.evicted):
+            return
+        evicted, self.evicted = self.evicted, 0
+        paths = await self._spool.rotate()
+        try:
+            if evicted:
+                async for entries in self._spool.read(paths):
+                    await self._write(batch_of(entries))
+                    await asyncio.sleep(0)
+        except BaseException:
+            self.evicted += evicted
+            raise
+        if self._waiting.precious and not evicted:
+            return  # something came meanwhile, and may be in one of these files alone
+        await self._spool.remove(paths)
+        log.info("the spool is in the database")
+
+    def _say_reachable(self) -> None:
+        if not self.reachable:
+            log.info("the history database answers")
+        self.reachable = True
+        self.last_error = None
+
+    def _say_unreachable(self, error: Exception) -> None:
+        self.last_error = _brief(error)
+        if self.reachable or not self.answered.is_set():
+            log.warning("the history database does not answer; goals go to the spool: %s", self.last_error)
+        self.reachable = False
+
+    def doubt(self, error: Exception) -> None:
+        """A reader found the database away: find out."""
+        if self.reachable:
+            self._say_unreachable(error)
+        self._wake.set()
+        self._urgent.set()
+
+    # ------------------------------------------------------------------ the spool
+
+    async def _spool_on(self) -> None:
+        complained = -60.0
+        while True:
+            await self._guard.wait()
+            self._guard.clear()
+            await asyncio.sleep(SPOOL_AFTER)
+            try:
+                await self.save()
+            except OSError as error:
+                self._guard.set()
+                if time.monotonic() - complained > 60.0:
+                    complained = time.monotonic()
+                    log.error("the spool cannot be written: %s", error)
+
+    async def save(self) -> None:
+        """Bring what is nowhere but in memory to the spool."""
+        entries = self._waiting.unsafe()
+        if not entries:
+            return
+        async with asyncio.timeout(SPOOL_TIMEOUT):
+            await self._spool.append(entries)
+        self._waiting.saved(entries)
+        self.evicted += self._waiting.evict()
+        self._wake.set()
+
+    async def take_over(self) -> None:
+        """Take up what processes before this one have left in the spool."""
+        try:
+            paths = await self._spool.take_over()
+            async for entries in self._spool.read(paths):
+                for entry in entries:
+                    self._put(entry)
+                self.evicted += self._waiting.evict()
+        except OSError as error:
+            log.error("the spool cannot be read: %s", error)
+        if self._spool.count:
+            log.info("%d entries of the spool wait for the database", self._spool.count)
+        self._wake.set()
+        self._urgent.set()
+
+    def _put(self, entry: Entry) -> None:
+        if isinstance(entry, Goal):
+            self._waiting.put_goal(entry, safe=True)
+        elif isinstance(entry, Key):
+            self._waiting.put_key(entry, safe=True)
+        else:
+            self._waiting.put_event(entry, safe=True)
+
+    async def close(self, timeout: float) -> None:
+        """Write what waits, and spool what is left when the time is up."""
+        for task in self._tasks:
+            task.cancel()
+        last = asyncio.create_task(self._write_last())
+        await asyncio.wait([last], timeout=timeout)
+        last.cancel()
+        try:
+            await self.save()
+        except OSError as error:
+            log.error("%d entries are lost: the spool cannot be written: %s", len(self._waiting.unsafe()), error)
+        with suppress(OSError):
+            await self._spool.close()
+
+    async def _write_last(self) -> None:
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        if self._waiting.anything or self._spool.count:
+            await self.flush()
+
+
+def batch_of(entries: list[Entry]) -> Batch:
+    """Entries of the spool, for one transaction; the accounts of one goal become one."""
+    waiting = Waiting(len(entries))
+    for entry in entries:
+        if isinstance(entry, Goal):
+            waiting.put_goal(entry)
+    keys = [entry for entry in entries if isinstance(entry, Key) and entry.expires_at > datetime.now(UTC)]
+    events = [entry for entry in entries if not isinstance(entry, Goal | Key)]
+    return Batch(goals=list(waiting.goals.values()), events=events, keys=keys)
+
+
+def _about_data(error: Exception) -> bool:
+    """Whether the database would refuse the same data again; SQLSTATE classes 22 and 23 say so."""
+    if not isinstance(error, sa_errors.DBAPIError):
+        return True
+    sqlstate = str(getattr(error.orig, "sqlstate", None) or "")
+    return isinstance(error, sa_errors.DataError | sa_errors.IntegrityError) or sqlstate[:2] in ("22", "23")
+
+
+def _brief(error: Exception) -> str:
+    """One line, without the statement and its data."""
+    cause = error.orig if isinstance(error, sa_errors.DBAPIError) and error.orig is not None else error
+    return (str(cause) or type(cause).__name__).splitlines()[0][:300]

