@@ -10,10 +10,12 @@ SHELL := /bin/bash
 VENV := .venv
 BIN := $(VENV)/bin
 STAMPS := $(VENV)/.stamps
+BENCH := benchmarks/.environments
 UV ?= $(shell command -v uv || echo .tools/uv/bin/uv)
 PYTHON_VERSIONS := >=3.11,<3.15
 UP_ARGS ?=
 PYTEST_ARGS ?=
+BENCH_ARGS ?=
 
 # An environment that is active in the caller's shell must not leak into ours.
 unexport VIRTUAL_ENV PYTHONPATH PYTHONHOME _ROS_WHEELS_BOOTSTRAP_COMPLETE
@@ -24,7 +26,7 @@ INTERFACES := backend/action_tutorials_interfaces
 INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check format lock interfaces-wheel clean
+.PHONY: help run setup test check bench format lock interfaces-wheel clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-18s %s\n", $$1, $$2}'
@@ -39,6 +41,13 @@ test: setup ## lint, format, types, import rules, Python tests, frontend tests
 
 check: setup ## the fast part of `make test`: everything but the tests
 	@scripts/check
+
+bench: setup $(BENCH)/installed ## measure (BENCH_ARGS='--short --cases ab'); see docs/performance.md
+	@$(BENCH)/own/bin/python -m benchmarks --peers $(BENCH) $(BENCH_ARGS)
+
+$(BENCH)/installed: benchmarks/install benchmarks/requirements.txt benchmarks/peers.txt | setup
+	@benchmarks/install $(BENCH)
+	@touch $@
 
 format: setup ## format Python and TypeScript
 	$(BIN)/ruff check --fix --quiet . || true
@@ -55,7 +64,7 @@ interfaces-wheel: $(UV) ## build and try the interface package on PYTHON=3.12 (o
 	scripts/interfaces-wheel $(or $(PYTHON),3.12)
 
 clean: ## remove everything that the other targets made
-	rm -rf .venv .tools dist frontend/dist frontend/node_modules test-results
+	rm -rf .venv .tools dist $(BENCH) frontend/dist frontend/node_modules test-results
 
 .tools/uv/bin/uv:
 	@scripts/get-uv .tools/uv

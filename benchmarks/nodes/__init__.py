@@ -1,0 +1,1 @@
+"""ROS programs that the benchmark starts in the product's environment."""

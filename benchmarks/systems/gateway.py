@@ -1,0 +1,132 @@
+"""dock-gateway, out of this checkout or another one."""
+
+import asyncio
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import orjson
+from tests.support.processes import Process
+
+from benchmarks.figures import OURS
+from benchmarks.http import Connection, free_port
+from benchmarks.readers import Tally, WebSocketReader, connect
+from benchmarks.site import PRODUCT, Goal, Site
+from benchmarks.systems.base import Impossible, Reading, System, Timing
+
+MARK = b'"type":"feedback"'
+START_TIMEOUT = 20.0
+
+
+class Gateway(System):
+    """The gateway as it is started by `dock-gateway serve`.
+
+    Args:
+        where: Where to start it.
+        variant: Name of another version, and the folder that holds its `dock_gateway`.
+    """
+
+    def __init__(self, where: Site, variant: tuple[str, Path] | None = None) -> None:
+        super().__init__(where)
+        self.name = f"{OURS} {variant[0]}" if variant else OURS
+        self._source = variant[1].resolve() if variant else None
+        self.port = free_port()
+
+    async def start(self) -> None:
+        """Start it and have a first goal accepted."""
+        await self.start_idle()
+        await asyncio.to_thread(self._until_accepted)
+
+    async def start_idle(self) -> None:
+        """Start it, and come back when it answers HTTP."""
+        self._data = tempfile.TemporaryDirectory()
+        variables = {"XDG_DATA_HOME": self._data.name, "DOCK_GATEWAY_PORT": str(self.port)}
+        variables |= {"DOCK_GATEWAY_MAX_SUBSCRIBERS": "2000", "DOCK_GATEWAY_LOG_LEVEL": "warning"}
+        if self._source:
+            variables["PYTHONPATH"] = str(self._source)
+        command = (str(PRODUCT / "bin/dock-gateway"), "serve")
+        self.process = Process(*command, env=self.site.environment(**variables)).__enter__()
+        await asyncio.to_thread(self._until_listening)
+
+    def _until_listening(self) -> None:
+        deadline = time.monotonic() + START_TIMEOUT
+        while time.monotonic() < deadline and self.process.running:
+            try:
+                Connection(self.port).__exit__()
+            except OSError:
+                time.sleep(0.01)
+            else:
+                return
+        raise Impossible(f"it did not start: {self.process.output[-300:]}")
+
+    def _until_accepted(self) -> None:
+        deadline = time.monotonic() + START_TIMEOUT
+        while time.monotonic() < deadline and self.process.running:
+            try:
+                with Connection(self.port) as connection:
+                    if connection.request("POST", "/dock")[0] == 202:
+                        return
+            except OSError:
+                pass
+            time.sleep(0.02)
+        raise Impossible(f"no goal was accepted within {START_TIMEOUT:g} s: {self.process.output[-300:]}")
+
+    async def submit(self) -> Timing:
+        """One goal to its acceptance, another one to its result."""
+        return await asyncio.to_thread(self._submit)
+
+    def _submit(self) -> Timing:
+        if not hasattr(self, "_connection"):
+            self._connection = Connection(self.port)
+        start = time.perf_counter()
+        status, goal = self._connection.request("POST", "/dock")
+        accepted = time.perf_counter() - start
+        assert status == 202, goal
+        while self._connection.request("GET", f"/dock/{goal['goal_id']}")[1]["finished_at"] is None:
+            time.sleep(0.002)
+        start = time.perf_counter()
+        status, goal = self._connection.request("POST", "/dock", headers="Prefer: wait=10\r\n")
+        assert status == 200, goal
+        return Timing(accepted * 1e3, (time.perf_counter() - start) * 1e3)
+
+    async def stream(self, goal: Goal, readers: int) -> Reading:
+        """Read /ws/feedback."""
+        return await self.read(goal, readers, ["/dock"])
+
+    async def read(self, goal: Goal, readers: int, submit_to: list[str]) -> Reading:
+        """Have a goal run at each of some addresses, and read all feedback."""
+        tally = Tally()
+        url = f"ws://127.0.0.1:{self.port}/ws/feedback"
+        connections = []
+        for first in range(0, readers, 50):
+            batch = (connect(url, lambda: WebSocketReader(tally, MARK)) for _ in range(first, min(readers, first + 50)))
+            connections += await asyncio.gather(*batch)
+        try:
+            await asyncio.wait_for(asyncio.gather(*(reader.begun for _, reader in connections)), 30)
+            body: dict[str, Any] = {"desired_battery_state": goal.state}
+            await asyncio.to_thread(self._post, submit_to, body)
+            cpu = await self.cpu_during(goal.seconds, goal.delay)
+            expected = goal.count * readers * len(submit_to)
+            await tally.settle(expected)
+        finally:
+            for transport, _ in connections:
+                transport.disconnect()
+        return Reading.of(expected, list(tally.latencies), list(tally.stamps), cpu)
+
+    def _post(self, paths: list[str], body: dict[str, Any]) -> None:
+        with Connection(self.port) as connection:
+            for path in paths:
+                status, answer = connection.request("POST", path, body)
+                assert status == 202, orjson.dumps(answer).decode()
+
+    def actions(self) -> list[str] | None:
+        """The actions it knows and could send goals to; None where it has no /actions."""
+        with Connection(self.port) as connection:
+            status, answer = connection.request("GET", "/actions")
+        return None if status == 404 else [action["action_name"] for action in answer["actions"] if action["available"]]
+
+    async def close(self) -> None:
+        """End it."""
+        await super().close()
+        self._data.cleanup()
