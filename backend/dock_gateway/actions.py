@@ -131,7 +131,7 @@ class ActionRegistry:
         self._uninstalled = {name: entry for name, entry in self._uninstalled.items() if name in scan.actions}
         for action in list(self._actions.values()):
             unseen = time.monotonic() - action.last_seen > FORGET_AFTER
-            if unseen and not action.pinned and not action.tracker.running():
+            if unseen and not action.pinned and not action.tracker.live:
                 await self._forget(action)
         if self._unfinished and time.monotonic() - self._started > FORGET_AFTER:
             self._give_up()

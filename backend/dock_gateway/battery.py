@@ -75,6 +75,7 @@ class BatteryPublisher:
         self._hub = hub
         self._publisher = Publisher()
         self._task: asyncio.Task[None] | None = None
+        self._changing = asyncio.Lock()
         self._told_at = 0.0
 
     def document(self) -> dict[str, Any]:
@@ -97,23 +98,25 @@ class BatteryPublisher:
             InvalidField: It is not a BatteryState.
         """
         message = self._port.codec.parse(value, "state")
-        await self._cancel()
-        stamp = _unstamped(message)
-        state = fragment(await self._port.publish(message, stamp=stamp))
-        self._publisher = Publisher(True, state, rate_hz, 1, utc_now())
-        self._task = asyncio.create_task(self._run(message, 1 / rate_hz, stamp=stamp))
-        self._tell()
+        async with self._changing:
+            await self._cancel()
+            stamp = _unstamped(message)
+            state = fragment(await self._port.publish(message, stamp=stamp))
+            self._publisher = Publisher(True, state, rate_hz, 1, utc_now())
+            self._task = asyncio.create_task(self._run(message, 1 / rate_hz, stamp=stamp))
+            self._tell()
 
     async def stop(self) -> None:
         """Publish no more."""
-        was_active = self._publisher.active
-        await self._cancel()
-        self._publisher = Publisher()
-        if was_active:
-            self._tell()
+        async with self._changing:
+            was_active = self._publisher.active
+            await self._cancel()
+            if was_active:
+                self._tell()
 
     async def _cancel(self) -> None:
         task, self._task = self._task, None
+        self._publisher = Publisher()
         if task is not None:
             task.cancel()
             await asyncio.gather(task, return_exceptions=True)

@@ -69,6 +69,7 @@ class ServerWatch:
             except GatewayError as error:
                 log.warning("cannot look after the action server: %s", error.detail)
                 self._set(available=False, answering=False)
+                self._judge()
             await asyncio.sleep(self._settings.ping_interval)
 
     async def look(self, *, ping: bool = True) -> ServerState:
@@ -126,6 +127,8 @@ class ServerWatch:
         silence = now - self._tracker.last_heard
         left = self._gone_since is not None and now - self._gone_since > GONE_GRACE
         for goal in self._tracker.running():
+            if goal.status is GoalStatus.PENDING and goal.goal_id not in self._tracker.taken_up:
+                continue  # its sender is waiting, with a deadline of its own
             if left:
                 self._tracker.lose(goal, GoalError("action_server_lost", "the action server left the ROS graph"))
             elif silence > self._settings.lost_after:

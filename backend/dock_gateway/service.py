@@ -7,6 +7,7 @@ import uuid
 from collections.abc import Collection
 from typing import Any
 
+from dock_gateway.canceler import TOO_LATE, Canceler
 from dock_gateway.errors import Conflict, GatewayError, NotFound, ServerTimeout, TooManyRequests, Unavailable
 from dock_gateway.events import utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
@@ -19,11 +20,9 @@ from dock_gateway.tracker import GoalTracker
 
 log = logging.getLogger(__name__)
 
-STOP_TIMEOUT = 1.0
 # A key that another replica has claimed: so long may it take until its goal is kept.
 CLAIM_WAIT = 2.0
-TOO_LATE = "the action server accepted the goal only after the gateway had given up on it, so it was canceled"
-STOPPED = "a stop was asked for while the goal was on its way"
+STOPPED_ON_ITS_WAY = "a stop was asked for while the goal was on its way"
 
 
 class GoalService:
@@ -40,8 +39,8 @@ class GoalService:
         self._submitting: dict[str, tuple[Any, asyncio.Task[Goal]]] = {}
         self._pending = 0
         self._stops = 0
-        self._disowned: dict[str, str] = {}  # goals to be canceled as soon as they turn up, and why
-        tracker.on_return = self.on_return
+        self._tasks: set[asyncio.Task[Goal]] = set()
+        self._canceler = Canceler(settings, tracker)
 
     # ------------------------------------------------------------------ submit
 
@@ -59,7 +58,7 @@ class GoalService:
             TooManyRequests: Too many goals wait for an answer.
         """
         if idempotency_key is None:
-            return await asyncio.shield(asyncio.create_task(self._submit(message, None)))
+            return await asyncio.shield(self._start(message, None))
         under_way = self._submitting.get(idempotency_key)
         if under_way is None:
             first = await self._known(idempotency_key)
@@ -72,7 +71,7 @@ class GoalService:
                 return await self._outcome_of(first, time.monotonic() + self._settings.accept_timeout)
             under_way = self._submitting.get(idempotency_key)
         if under_way is None:
-            task = asyncio.create_task(self._submit(message, idempotency_key))
+            task = self._start(message, idempotency_key)
             self._submitting[idempotency_key] = (message, task)
             task.add_done_callback(lambda _: self._submitting.pop(idempotency_key))
         else:
@@ -116,6 +115,13 @@ class GoalService:
         if first != second:
             raise Conflict("this Idempotency-Key was used for another goal", code="idempotency_key_reused")
 
+    def _start(self, message: Any, idempotency_key: str | None) -> asyncio.Task[Goal]:
+        """Submit in a task of its own, which goes on when the client goes away."""
+        task = asyncio.create_task(self._submit(message, idempotency_key))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
     async def _submit(self, message: Any, idempotency_key: str | None) -> Goal:
         if self._pending >= self._settings.max_pending_goals:
             raise TooManyRequests(f"{self._pending} goals are waiting for the action server's answer already")
@@ -136,10 +142,10 @@ class GoalService:
         await self._history.add(goal, idempotency_key)
         self._tracker.add(goal)
         if self._stops != stops:
-            self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError("goal_rejected", STOPPED))
+            self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError("goal_rejected", STOPPED_ON_ITS_WAY))
             return _outcome(goal)
-        call = port.send(goal.goal_id, message)
         try:
+            call = port.send(goal.goal_id, message)
             async with asyncio.timeout(max(0.1, deadline - time.monotonic())):
                 response = await asyncio.shield(call.response)
         except TimeoutError:
@@ -158,24 +164,32 @@ class GoalService:
     def _accept(self, goal: Goal, response: Any) -> None:
         self._tracker.move(goal, GoalStatus.ACCEPTED, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
         self._tracker.request_result(goal)
-        if goal.goal_id in self._disowned:
-            self.on_return(goal)
+        self._canceler.turned_up(goal)
+
+    def _busy_with(self, goal: Goal) -> str | None:
+        return next(
+            (
+                other.goal_id
+                for other in self._tracker.running()
+                if other is not goal and other.status is not GoalStatus.PENDING
+            ),
+            None,
+        )
 
     async def _reject(self, goal: Goal) -> None:
+        busy_with = self._busy_with(goal)
         reason = await self._reasons.of(goal.goal_id)
-        busy = [other for other in self._tracker.running() if other is not goal and other.status.value != "pending"]
-        if busy:
-            detail = f"goal {busy[0].goal_id} is running; cancel it first"
-            error = GoalError("dock_busy", reason.detail if reason else detail)
+        if reason is not None:
+            code = "dock_busy" if reason.code == "dock_busy" else "goal_rejected"
+            error = GoalError(code, reason.detail)
+        elif busy_with is not None:
+            error = GoalError("dock_busy", f"goal {busy_with} is running; cancel it first")
         else:
-            error = GoalError(
-                "goal_rejected",
-                reason.detail if reason else "the action server rejected the goal and did not say why",
-            )
+            error = GoalError("goal_rejected", "the action server rejected the goal and did not say why")
         self._tracker.end(goal, GoalStatus.REJECTED, error=error)
 
     def _give_up(self, goal: Goal, call: PendingCall) -> None:
-        self._disowned[goal.goal_id] = TOO_LATE
+        self._canceler.disown(goal, TOO_LATE)
         detail = f"the action server did not accept or reject the goal within {self._settings.accept_timeout:g} s"
         self._tracker.lose(goal, GoalError("action_server_timeout", detail))
 
@@ -186,28 +200,14 @@ class GoalService:
             if response.result().accepted:
                 self._accept(goal, response.result())
             else:
-                self._disowned.pop(goal.goal_id, None)
                 self._tracker.end(goal, GoalStatus.REJECTED, error=goal.error)
 
         call.response.add_done_callback(answered)
 
-    def on_return(self, goal: Goal) -> None:
-        """A goal that was given up is there after all: it must not run."""
-        if detail := self._disowned.pop(goal.goal_id, None):
-            log.warning("canceling goal %s: %s", goal.goal_id, detail)
-            goal.error = GoalError("action_server_timeout" if detail is TOO_LATE else "stopped", detail)
-            self._tracker.spawn(self._cancel_quietly(goal))
-
-    async def _cancel_quietly(self, goal: Goal) -> None:
-        try:
-            await self.cancel(goal.goal_id)
-        except GatewayError as error:
-            log.warning("goal %s could not be canceled: %s", goal.goal_id, error.detail)
-
     # ------------------------------------------------------------------ cancel
 
     async def cancel(self, goal_id: str) -> Goal:
-        """Ask the server to cancel a goal, whoever sent it.
+        """Ask the server to cancel a goal, whoever sent it. A lost one is canceled when it turns up.
 
         Raises:
             NotFound: There is no such goal.
@@ -216,32 +216,12 @@ class GoalService:
             ServerTimeout: It did not answer in time.
         """
         goal = await self.get(goal_id)
-        if goal.status.terminal:
-            raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal_id)
-        if goal.status is GoalStatus.CANCELING:
-            return goal
-        try:
-            answer = await self._tracker.port.cancel(goal_id, self._settings.cancel_timeout)
-        except TimeoutError:
-            detail = f"the action server did not answer the cancel request within {self._settings.cancel_timeout:g} s"
-            raise ServerTimeout(detail, goal_id=goal_id) from None
-        self._tracker.heard()
-        if goal_id in answer.goal_ids:
-            self._tracker.move(goal, GoalStatus.CANCELING)
-            return goal
-        if goal.status is GoalStatus.PENDING:
-            self._disowned[goal_id] = "it was canceled before it was accepted"
-            return goal
-        if goal.status.terminal:
-            raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal_id)
-        raise Conflict("the action server refuses to cancel the goal", code="cancel_rejected", goal_id=goal_id)
+        await self._canceler.cancel(goal)
+        return goal
 
     def disown_pending(self) -> None:
-        """Goals that are on their way must not run: they are canceled as soon as they are accepted."""
+        """A stop is asked for: what is on its way must not run."""
         self._stops += 1
-        for goal in self._tracker.running():
-            if goal.status is GoalStatus.PENDING:
-                self._disowned[goal.goal_id] = STOPPED
 
     async def cancel_all(self) -> list[str]:
         """Ask the server to cancel every goal, other clients' too; returns the ids of those that it will cancel.
@@ -249,20 +229,9 @@ class GoalService:
         Raises:
             Unavailable: There are goals and no action server.
             ServerTimeout: The server does not answer.
+            Conflict: It refuses.
         """
-        try:
-            answer = await self._tracker.port.cancel(None, STOP_TIMEOUT)
-        except TimeoutError:
-            detail = "the action server does not answer; it was sent the request to cancel every goal"
-            raise ServerTimeout(detail) from None
-        except Unavailable:
-            if self._tracker.running():
-                raise
-            return []
-        self._tracker.heard()
-        for goal_id in answer.goal_ids & self._tracker.live.keys():
-            self._tracker.move(self._tracker.live[goal_id], GoalStatus.CANCELING)
-        return sorted(answer.goal_ids)
+        return await self._canceler.cancel_all()
 
     # ------------------------------------------------------------------ look
 
@@ -292,15 +261,19 @@ class GoalService:
         await self._tracker.wait_terminal(goal, timeout)
 
 
+# What the sender of a goal is told when it did not even start, by the code of the goal's error.
+_REFUSALS: dict[str, type[GatewayError]] = {
+    "action_server_unavailable": Unavailable,
+    "ros_unavailable": Unavailable,
+    "action_server_timeout": ServerTimeout,
+}
+
+
 def _outcome(goal: Goal) -> Goal:
     """The goal, or the error that the sender of it gets: the same one for each retry with the same key."""
     error = goal.error
-    if error is None:
+    gave_up = error is not None and goal.status is GoalStatus.LOST and error.code == ServerTimeout.code
+    if error is None or not (goal.status is GoalStatus.REJECTED or gave_up):
         return goal
-    if goal.status is GoalStatus.REJECTED:
-        if error.code == Unavailable.code:
-            raise Unavailable(error.detail, goal_id=goal.goal_id)
-        raise Conflict(error.detail, code=error.code, goal_id=goal.goal_id)
-    if error.code == ServerTimeout.code and goal.status is GoalStatus.LOST:
-        raise ServerTimeout(error.detail, goal_id=goal.goal_id)
-    return goal
+    refusal = _REFUSALS.get(error.code, Conflict)
+    raise refusal(error.detail, code=error.code, goal_id=goal.goal_id)

@@ -33,19 +33,27 @@ async def stop(robots: RobotRegistry, actions: ActionRegistry, namespace: str | 
     """
     name = robots.get(namespace).namespace
     report = StopReport()
-    targets = actions.under(name)
+    targets, stopped = actions.under(name), robots.under(name)
     for action in targets:
         action.goals.disown_pending()
-    stopped = robots.under(name)
-    await asyncio.gather(*(robot.velocity.publish_zero() for robot in stopped))
+    zeros = asyncio.gather(*(robot.velocity.publish_zero() for robot in stopped), return_exceptions=True)
     answers = await asyncio.gather(*(action.goals.cancel_all() for action in targets), return_exceptions=True)
     for action, answer in zip(targets, answers, strict=True):
-        if isinstance(answer, GatewayError):
-            report.failed.append({"action_name": action.name, "code": answer.code, "detail": answer.detail})
-        elif isinstance(answer, BaseException):
-            raise answer
-        else:
+        if isinstance(answer, list):
             report.canceling.extend(answer)
-    await asyncio.gather(*(robot.velocity.publish_zero() for robot in stopped))
+        else:
+            report.failed.append(_failure(action.name, answer))
+            report.canceling.extend(getattr(answer, "extra", {}).get("canceling", []))
+    again = await asyncio.gather(*(robot.velocity.publish_zero() for robot in stopped), return_exceptions=True)
     log.info("stop of %s: zero velocity, canceling %s", name, report.canceling or "no goal")
+    for error in (*await zeros, *again):
+        if error is not None:
+            raise error
     return report
+
+
+def _failure(action_name: str, error: BaseException) -> dict[str, str]:
+    if isinstance(error, GatewayError):
+        return {"action_name": action_name, "code": error.code, "detail": error.detail}
+    log.error("while stopping %s", action_name, exc_info=error)
+    return {"action_name": action_name, "code": GatewayError.code, "detail": "the gateway's log has the details"}

@@ -18,6 +18,7 @@ from dock_gateway.history import History
 from dock_gateway.hub import Hub
 from dock_gateway.later import Later
 from dock_gateway.ros.actions import ActionPort, StatusReport
+from dock_gateway.ros.bridge import PendingCall
 
 log = logging.getLogger(__name__)
 
@@ -27,6 +28,8 @@ RESULT_WAIT = 2.0
 END_STAMP_WAIT = 0.2
 # What is said of a goal that is new to us waits so long for what the history knows of it.
 LOOK_UP_WAIT = 0.5
+# Goals that end so have a result, which may come late.
+WITH_RESULT = frozenset({GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED})
 MAX_REMEMBERED = 2000
 MAX_LOST = 100
 
@@ -44,6 +47,7 @@ class GoalTracker:
         live: The goals that run, and lost ones that may return.
         taken_up: Ids of goals from before a restart.
         on_return: Called with a goal that was `lost` and shows signs of life.
+        on_end: Called with a goal that nothing more is expected of.
         last_heard: When the action server gave its last sign of life, on the monotonic clock.
     """
 
@@ -51,6 +55,7 @@ class GoalTracker:
         self.live: dict[str, Goal] = {}
         self.taken_up: set[str] = set()
         self.on_return: Callable[[Goal], None] = lambda _: None
+        self.on_end: Callable[[Goal], None] = lambda _: None
         self.last_heard = time.monotonic()
         self.port = port
         self._hub = hub
@@ -60,7 +65,7 @@ class GoalTracker:
         self._end_stamps: Later[int] = Later(END_STAMP_WAIT)
         self._held: dict[str, list[Callable[[], Event]]] = {}
         self._waiters: dict[str, asyncio.Event] = {}
-        self._result_requested: set[str] = set()
+        self._result_calls: dict[str, PendingCall] = {}
         self._goal_heard: dict[str, float] = {}
         self._tasks: set[asyncio.Task[Any]] = set()
 
@@ -187,7 +192,7 @@ class GoalTracker:
         if not late_result and not goal.advance(status, utc_now()):
             return
         goal.result = result
-        goal.error = error or goal.error
+        goal.error = error if late_result else error or goal.error
         if late_result or not stamp_ns:  # an event of its own
             stamp_ns = time.time_ns()
         if not late_result:
@@ -212,40 +217,50 @@ class GoalTracker:
         self.live.pop(goal.goal_id, None)
         self.taken_up.discard(goal.goal_id)
         self._goal_heard.pop(goal.goal_id, None)
+        if goal.result is not None or goal.status not in WITH_RESULT:
+            self._forget_call(goal.goal_id)
+        self.on_end(goal)
         self._ended[goal.goal_id] = goal
         if len(self._ended) > MAX_REMEMBERED:
-            self._ended.popitem(last=False)
+            self._forget_call(self._ended.popitem(last=False)[0])
+
+    def _forget_call(self, goal_id: str) -> None:
+        if (call := self._result_calls.pop(goal_id, None)) is not None:
+            call.forget()
 
     # ------------------------------------------------------------------ results
 
     def request_result(self, goal: Goal) -> None:
         """Ask for the goal's result, once; whoever sent the goal, the answer tells how it ended."""
-        if goal.goal_id not in self._result_requested:
-            self._result_requested.add(goal.goal_id)
-            self.spawn(self._await_result(goal))
+        if goal.goal_id not in self._result_calls:
+            self.request_result_again(goal)
 
     def request_result_again(self, goal: Goal) -> None:
         """Ask once more: the server may have been restarted, and the first request died with it."""
-        self.spawn(self._await_result(goal))
+        try:
+            call = self.port.request_result(goal.goal_id)
+        except Unavailable:
+            return  # asked again when the ROS thread is back
+        self._forget_call(goal.goal_id)
+        self._result_calls[goal.goal_id] = call
+        self.spawn(self._await_result(goal, call))
 
-    async def _await_result(self, goal: Goal) -> None:
-        call = self.port.request_result(goal.goal_id)
+    async def _await_result(self, goal: Goal, call: PendingCall) -> None:
         try:
             response = await call.response
         except Unavailable:
-            return  # asked again when the server is back
+            response = None  # asked again when the server is back
         finally:
-            self._result_requested.discard(goal.goal_id)
-            if not call.response.done():
-                call.forget()
+            if self._result_calls.get(goal.goal_id) is call:
+                del self._result_calls[goal.goal_id]
+        if response is None:
+            return
         self.heard()
         status, result = self.port.read_result(response)
         if status is None:
             if not goal.status.terminal:
-                self.lose(
-                    goal,
-                    GoalError("action_server_lost", "the action server was restarted and does not know the goal"),
-                )
+                detail = "the action server was restarted and does not know the goal"
+                self.lose(goal, GoalError("action_server_lost", detail))
             return
         stamp_ns = await self._end_stamps.of(goal.goal_id)
         error = None
@@ -297,6 +312,8 @@ class GoalTracker:
     async def close(self) -> None:
         """Stop waiting for anything."""
         self.release_all()
+        for call in list(self._result_calls.values()):
+            call.forget()
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)

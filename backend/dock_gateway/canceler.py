@@ -1,0 +1,158 @@
+"""Canceling goals: now where that can be done, else as soon as it can.
+
+A goal that was canceled, stopped or given up must not run, also when its server was frozen, out of reach or too late:
+it is unwanted from then on, and the server is asked again whenever the goal turns up, until it has ended or the server
+refuses.
+"""
+
+import asyncio
+import logging
+
+from dock_gateway.errors import Conflict, GatewayError, ServerTimeout, Unavailable
+from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.settings import Settings
+from dock_gateway.tracker import GoalTracker
+
+log = logging.getLogger(__name__)
+
+STOP_TIMEOUT = 1.0
+# A server that does not answer is asked again after so many seconds.
+RETRY_INTERVAL = 1.0
+UNKNOWN_GOAL = 2  # action_msgs/CancelGoal ERROR_UNKNOWN_GOAL_ID
+
+TOO_LATE = GoalError(
+    "action_server_timeout",
+    "the action server accepted the goal only after the gateway had given up on it, so it was canceled",
+)
+STOPPED = GoalError("stopped", "a stop was asked for")
+CANCELED = GoalError("canceled", "it was canceled while the action server could not be reached")
+
+
+class Canceler:
+    """Cancels the goals of one action, whoever sent them."""
+
+    def __init__(self, settings: Settings, tracker: GoalTracker) -> None:
+        self._settings = settings
+        self._tracker = tracker
+        self._unwanted: dict[str, GoalError] = {}
+        self._insisting: set[str] = set()
+        tracker.on_return = self.turned_up
+        tracker.on_end = self._forget
+
+    async def cancel(self, goal: Goal) -> None:
+        """Ask the server to cancel a goal; where it cannot be reached, the goal stays unwanted.
+
+        Raises:
+            Conflict: It has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
+            Unavailable: The action server is not there. Should the goal turn up again, it is canceled.
+            ServerTimeout: The server did not answer in time. It is asked again.
+        """
+        if goal.status.final:
+            raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal.goal_id)
+        if goal.status in (GoalStatus.PENDING, GoalStatus.LOST):
+            self.disown(goal, CANCELED)
+        if goal.status is GoalStatus.LOST:
+            return
+        try:
+            await self._ask(goal)
+        except (ServerTimeout, Unavailable):
+            self.disown(goal, CANCELED)
+            self.turned_up(goal)
+            raise
+
+    async def _ask(self, goal: Goal) -> None:
+        for attempt in range(2):
+            try:
+                answer = await self._tracker.port.cancel(goal.goal_id, self._settings.cancel_timeout)
+            except TimeoutError:
+                seconds = self._settings.cancel_timeout
+                detail = f"the action server did not answer within {seconds:g} s; it is asked again"
+                raise ServerTimeout(detail, goal_id=goal.goal_id) from None
+            self._tracker.heard()
+            if goal.goal_id in answer.goal_ids:
+                self._tracker.move(goal, GoalStatus.CANCELING)
+                return
+            if answer.return_code == UNKNOWN_GOAL and attempt == 0 and not goal.status.terminal:
+                await asyncio.sleep(0.1)  # it may just be on its way
+                continue
+            break
+        if goal.status in (GoalStatus.PENDING, GoalStatus.CANCELING, GoalStatus.LOST):
+            return
+        if goal.status.terminal:
+            raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal.goal_id)
+        self._unwanted.pop(goal.goal_id, None)
+        raise Conflict("the action server refuses to cancel the goal", code="cancel_rejected", goal_id=goal.goal_id)
+
+    async def cancel_all(self) -> list[str]:
+        """Ask the server to cancel every goal; returns the ids of those that it will cancel.
+
+        Raises:
+            Unavailable: There are goals and no action server.
+            ServerTimeout: The server does not answer.
+            Conflict: `cancel_rejected`: it refuses for some; the others are canceled.
+        """
+        goals = [goal for goal in self._tracker.live.values() if not goal.status.final]
+        for goal in goals:
+            self.disown(goal, STOPPED)
+        try:
+            answer = await self._tracker.port.cancel(None, STOP_TIMEOUT)
+        except TimeoutError:
+            self._insist_on(goals)
+            detail = "the action server does not answer; it was asked to cancel every goal, and is asked again"
+            raise ServerTimeout(detail) from None
+        except Unavailable:
+            self._insist_on(goals)
+            if goals:
+                raise
+            return []
+        self._tracker.heard()
+        for goal_id in answer.goal_ids & self._tracker.live.keys():
+            self._tracker.move(self._tracker.live[goal_id], GoalStatus.CANCELING)
+        refused = [goal.goal_id for goal in goals if goal.status in (GoalStatus.ACCEPTED, GoalStatus.EXECUTING)]
+        if refused:
+            for goal_id in refused:
+                self._unwanted.pop(goal_id, None)
+            raise Conflict(
+                f"the action server refuses to cancel {', '.join(refused)}",
+                code="cancel_rejected",
+                canceling=sorted(answer.goal_ids),
+            )
+        return sorted(answer.goal_ids)
+
+    def disown(self, goal: Goal, why: GoalError) -> None:
+        """The goal must not run, whenever it turns up."""
+        self._unwanted.setdefault(goal.goal_id, why)
+
+    def turned_up(self, goal: Goal) -> None:
+        """A goal was accepted, or is back: where it is unwanted, it is canceled."""
+        why = self._unwanted.get(goal.goal_id)
+        if why is None or goal.goal_id in self._insisting:
+            return
+        log.warning("canceling goal %s: %s", goal.goal_id, why.detail)
+        goal.error = why
+        self._insisting.add(goal.goal_id)
+        self._tracker.spawn(self._insist(goal))
+
+    def _insist_on(self, goals: list[Goal]) -> None:
+        for goal in goals:
+            if goal.status is not GoalStatus.LOST:
+                self.turned_up(goal)
+
+    async def _insist(self, goal: Goal) -> None:
+        try:
+            while goal.goal_id in self._unwanted and not goal.status.terminal:
+                try:
+                    await self._ask(goal)
+                    if goal.status is GoalStatus.CANCELING:
+                        return
+                except Conflict as error:
+                    log.warning("goal %s could not be canceled: %s", goal.goal_id, error.detail)
+                    return
+                except GatewayError as error:
+                    log.info("goal %s could not be canceled yet: %s", goal.goal_id, error.detail)
+                await asyncio.sleep(RETRY_INTERVAL)
+        finally:
+            self._insisting.discard(goal.goal_id)
+
+    def _forget(self, goal: Goal) -> None:
+        self._unwanted.pop(goal.goal_id, None)

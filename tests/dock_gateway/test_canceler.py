@@ -1,0 +1,167 @@
+"""A goal that must not run is canceled whenever it turns up. The port is a fake; tests/system has the real one."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from datetime import UTC, datetime
+
+import pytest
+
+from dock_gateway import canceler as canceler_module
+from dock_gateway.canceler import TOO_LATE, Canceler
+from dock_gateway.errors import Conflict, GatewayError, ServerTimeout, Unavailable
+from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.history import MemoryHistory
+from dock_gateway.hub import Hub
+from dock_gateway.later import Later
+from dock_gateway.ros.actions import CancelAnswer
+from dock_gateway.settings import Settings
+from dock_gateway.tracker import GoalTracker
+
+A = "aaaaaaaa-0000-4000-8000-000000000000"
+S = GoalStatus
+LOST = GoalError("action_server_lost", "silent")
+
+
+class FakePort:
+    """Answers a cancel request with what the test has put into `script`; the last one stays."""
+
+    action_name = "/dock"
+    action_type = "pkg/action/Dock"
+
+    def __init__(self) -> None:
+        self.asked: list[str | None] = []
+        self.script: list[CancelAnswer | Exception] = [CancelAnswer(frozenset({A}), 0)]
+
+    async def cancel(self, goal_id: str | None, timeout: float) -> CancelAnswer:
+        self.asked.append(goal_id)
+        answer = self.script.pop(0) if len(self.script) > 1 else self.script[0]
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+
+class Scene:
+    def __init__(self) -> None:
+        self.port = FakePort()
+        hub = Hub(queue_limit=10, max_subscribers=10)
+        self.tracker = GoalTracker(self.port, hub, MemoryHistory(10), Later(0.01))  # type: ignore[arg-type]
+        self.canceler = Canceler(Settings(), self.tracker)
+
+    def goal(self, status: GoalStatus) -> Goal:
+        goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC))
+        self.tracker.add(goal)
+        if status is S.LOST:
+            self.tracker.move(goal, S.EXECUTING)
+            self.tracker.lose(goal, LOST)
+        elif status is not S.PENDING:
+            self.tracker.move(goal, status)
+        return goal
+
+
+@pytest.fixture
+async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
+    monkeypatch.setattr(canceler_module, "RETRY_INTERVAL", 0.01)
+    scene = Scene()
+    yield scene
+    await scene.tracker.close()
+
+
+async def test_a_running_goal(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    await scene.canceler.cancel(goal)
+    assert goal.status is S.CANCELING
+    await scene.canceler.cancel(goal)  # once more does no harm
+    assert scene.port.asked == [A, A]
+
+
+async def test_a_refusal(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel(goal)
+    assert refused.value.code == "cancel_rejected"
+    assert goal.status is S.EXECUTING
+
+
+async def test_an_ended_goal(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel(goal)
+    assert refused.value.code == "goal_terminal"
+    assert scene.port.asked == []
+
+
+async def test_a_goal_on_its_way_is_canceled_once_it_is_accepted(scene: Scene) -> None:
+    goal = scene.goal(S.PENDING)
+    scene.port.script = [CancelAnswer(frozenset(), 2), CancelAnswer(frozenset(), 2), CancelAnswer(frozenset({A}), 0)]
+    await scene.canceler.cancel(goal)
+    scene.tracker.move(goal, S.ACCEPTED)
+    scene.canceler.turned_up(goal)
+    await asyncio.sleep(0.05)
+    assert goal.status is S.CANCELING
+
+
+async def test_a_lost_goal_is_canceled_when_it_is_back(scene: Scene) -> None:
+    goal = scene.goal(S.LOST)
+    await scene.canceler.cancel(goal)
+    assert scene.port.asked == []
+    scene.tracker.move(goal, S.EXECUTING)
+    await asyncio.sleep(0.05)
+    assert goal.status is S.CANCELING
+    assert goal.error is not None
+
+
+@pytest.mark.parametrize("failure", [TimeoutError(), Unavailable("gone")])
+async def test_a_server_that_cannot_be_reached_is_asked_again(scene: Scene, failure: Exception) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [failure, failure, failure, CancelAnswer(frozenset({A}), 0)]
+    with pytest.raises((ServerTimeout, Unavailable)):
+        await scene.canceler.cancel(goal)
+    await asyncio.sleep(0.1)
+    assert goal.status is S.CANCELING
+    assert scene.port.asked == [A] * 4
+
+
+async def test_a_goal_that_was_given_up(scene: Scene) -> None:
+    goal = scene.goal(S.PENDING)
+    scene.canceler.disown(goal, TOO_LATE)
+    scene.tracker.lose(goal, LOST)
+    scene.port.script = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
+    scene.tracker.move(goal, S.ACCEPTED)  # late
+    await asyncio.sleep(0.1)
+    assert goal.status is S.CANCELING
+    assert goal.error == TOO_LATE
+
+
+async def test_a_stop_reaches_goals_that_run_are_on_their_way_or_lost(scene: Scene) -> None:
+    goal = scene.goal(S.LOST)
+    scene.port.script = [Unavailable("gone"), CancelAnswer(frozenset({A}), 0)]
+    with pytest.raises(Unavailable):
+        await scene.canceler.cancel_all()
+    scene.tracker.move(goal, S.EXECUTING)
+    await asyncio.sleep(0.05)
+    assert goal.status is S.CANCELING
+    assert scene.port.asked == [None, A]
+
+
+async def test_a_stop_tells_which_goals_the_server_refuses_to_cancel(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    with pytest.raises(GatewayError) as refused:
+        await scene.canceler.cancel_all()
+    assert refused.value.code == "cancel_rejected"
+    assert A in refused.value.detail
+    assert goal.status is S.EXECUTING
+
+
+async def test_a_stop_without_goals_and_server_is_fine(scene: Scene) -> None:
+    scene.port.script = [Unavailable("nobody")]
+    assert await scene.canceler.cancel_all() == []
+
+
+async def test_nothing_is_remembered_of_ended_goals(scene: Scene) -> None:
+    goal = scene.goal(S.PENDING)
+    scene.canceler.disown(goal, TOO_LATE)
+    scene.tracker.end(goal, S.REJECTED, error=LOST)
+    assert scene.canceler._unwanted == {}
