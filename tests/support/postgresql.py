@@ -9,7 +9,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -47,10 +47,20 @@ class PostgreSQL:
         return f"postgresql://postgres@127.0.0.1:{self.port}/{name}"
 
     def start(self) -> None:
-        command = [self.binaries / "postgres", "-D", self.folder / "data", "-p", str(self.port), "-k", self.folder]
+        command: list[str | Path] = [self.binaries / "postgres", "-D", self.folder / "data", "-k", self.folder]
         with (self.folder / "log").open("ab") as log:
             self.process = subprocess.Popen(
-                [*command, "-h", "127.0.0.1", "-c", "max_connections=60", "-c", "shared_buffers=16MB"],
+                [
+                    *command,
+                    "-h",
+                    "127.0.0.1",
+                    "-p",
+                    str(self.port),
+                    "-c",
+                    "max_connections=60",
+                    "-c",
+                    "shared_buffers=16MB",
+                ],
                 user=USER,
                 stdout=log,
                 stderr=log,
@@ -62,8 +72,8 @@ class PostgreSQL:
         while not ready:
             assert time.monotonic() < deadline, (self.folder / "log").read_text()
             time.sleep(0.05)
-            command = [self.binaries / "pg_isready", "-q", "-h", "127.0.0.1", "-p", str(self.port)]
-            ready = subprocess.run(command, check=False).returncode == 0
+            probe: list[str | Path] = [self.binaries / "pg_isready", "-q", "-h", "127.0.0.1", "-p", str(self.port)]
+            ready = subprocess.run(probe, check=False).returncode == 0
 
     def stop(self) -> None:
         """Stop at once, as in a power cut."""
@@ -85,7 +95,8 @@ class PostgreSQL:
             yield
         finally:
             for pid in everyone:
-                os.kill(pid, signal.SIGCONT)
+                with suppress(ProcessLookupError):  # it had lost its client, and has gone
+                    os.kill(pid, signal.SIGCONT)
 
 
 @contextmanager
@@ -101,7 +112,18 @@ def running_postgresql() -> Iterator[PostgreSQL]:
                 shutil.copytree(found.parent, folder / "install", symlinks=True)
                 folder.chmod(0o755)
                 found = folder / "install" / "bin"
-        initdb = [found / "initdb", "-D", folder / "data", "-U", "postgres", "-A", "trust", "-E", "UTF8", "--no-sync"]
+        initdb: list[str | Path] = [
+            found / "initdb",
+            "-D",
+            folder / "data",
+            "-U",
+            "postgres",
+            "-A",
+            "trust",
+            "-E",
+            "UTF8",
+            "--no-sync",
+        ]
         subprocess.run([*initdb, "--locale=C.UTF-8"], user=USER, check=True, capture_output=True, cwd="/")
         with socket.socket() as probe:
             probe.bind(("127.0.0.1", 0))

@@ -238,7 +238,7 @@ class SqlHistory:
             waiting=len(self._waiting),
             spooled=self._spool.count,
             dropped=self._waiting.dropped,
-            database_reachable=self._writer.reachable,
+            database_reachable=self._writer.reachable and not self._writer.hesitates,
             last_error=self._writer.last_error,
         )
 

@@ -35,6 +35,7 @@ class Writer:
 
     def __init__(self, database: Database, spool: Spool, waiting: Waiting) -> None:
         self.reachable = False
+        self.hesitates = False  # it kept a goal waiting, and has not answered since
         self.last_error: str | None = None
         self.evicted = 0  # entries that are in the spool and no longer in memory
         self.answered = asyncio.Event()  # the database has answered, or failed to, for the first time
@@ -72,11 +73,13 @@ class Writer:
             self._waiting.put_key(key)
         self.notice(precious=True)
         self._urgent.set()
-        if self.reachable:
-            with suppress(TimeoutError, *DATABASE_ERRORS):
+        if self.reachable and not self.hesitates:
+            with suppress(*DATABASE_ERRORS):
                 async with asyncio.timeout(ANSWER_TIMEOUT):
                     await asyncio.shield(ticket)
                 return
+            self.hesitates = True
+            self.last_error = self.last_error or f"no answer within {ANSWER_TIMEOUT * 1000:.0f} ms"
         entries: list[Entry] = [kept] if key is None else [key, kept]
         try:
             async with asyncio.timeout(SPOOL_TIMEOUT):
@@ -180,6 +183,7 @@ class Writer:
         if not self.reachable:
             log.info("the history database answers")
         self.reachable = True
+        self.hesitates = False
         self.last_error = None
 
     def _say_unreachable(self, error: Exception) -> None:

@@ -1,0 +1,77 @@
+"""The tables come into being, once, whoever else is at it, and are those of `tables.py`."""
+
+import asyncio
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import sqlalchemy as sa
+from alembic.autogenerate import compare_metadata
+from alembic.config import Config
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
+
+from dock_gateway.history.migrate import HEAD, MIGRATIONS
+from dock_gateway.history.tables import metadata
+from tests.support.history import make_goal, open_at, until, written
+
+PROGRAM = [sys.executable, "-m", "tests.support.history"]
+
+
+def test_the_newest_revision_is_named() -> None:
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS))
+    assert ScriptDirectory.from_config(config).get_current_head() == HEAD
+
+
+async def test_migrations_make_the_tables_that_the_code_expects(database_url: str, tmp_path: Path) -> None:
+    def differences(connection: sa.Connection) -> list[Any]:
+        return compare_metadata(MigrationContext.configure(connection), metadata)
+
+    async with open_at(database_url, tmp_path) as history, history._database.read() as connection:
+        assert await connection.run_sync(differences) == []
+
+
+async def test_replicas_start_at_the_same_time(database_url: str, tmp_path: Path) -> None:
+    """Processes that find no tables, and claim the same key: one makes the tables, and one gets the key."""
+
+    async def claim(name: str) -> list[str]:
+        process = await asyncio.create_subprocess_exec(
+            *PROGRAM, "claim", database_url, str(tmp_path), "key", name, stdout=subprocess.PIPE
+        )
+        output, _ = await asyncio.wait_for(process.communicate(), 30)
+        return output.decode().split()
+
+    answers = await asyncio.gather(*(claim(f"g{number}") for number in range(3)))
+    assert {answer[2] for answer in answers} == {"True"}, "each of them reached the database"
+    assert len({answer[0] for answer in answers}) == 1, answers
+
+
+async def test_the_tables_of_a_newer_version_are_left_alone(
+    database_url: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with open_at(database_url, tmp_path) as history, history._database.write() as connection:
+        await connection.execute(sa.text("UPDATE alembic_version SET version_num = '9999'"))
+    async with open_at(database_url, tmp_path) as history:
+        await history.add(make_goal(1))
+        stats = history.stats()
+        assert not stats.database_reachable
+        assert stats.spooled == 1
+        assert "another version of the gateway" in (stats.last_error or "")
+        assert await history.get("goal-0001") is not None
+    assert "another version of the gateway" in caplog.text
+
+
+async def test_a_file_that_is_no_database(sqlite_url: str, tmp_path: Path) -> None:
+    file = tmp_path / "history.db"
+    file.write_bytes(b"something else " * 1000)
+    async with open_at(sqlite_url, tmp_path) as history:
+        await history.add(make_goal(1))
+        assert history.stats().spooled == 1
+        assert "not a database" in (history.stats().last_error or "")
+        file.unlink()
+        await until(lambda: history.stats().database_reachable)
+        await written(history)
+        assert await history.get("goal-0001") is not None

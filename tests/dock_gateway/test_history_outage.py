@@ -1,0 +1,225 @@
+"""The database slow, locked, frozen, full or away: no goal waits for it, and none is lost."""
+
+import asyncio
+import sqlite3
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+from sqlalchemy.ext.asyncio import AsyncConnection
+
+from dock_gateway.errors import Unavailable
+from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.history import store
+from dock_gateway.history.rows import Batch
+from dock_gateway.history.sql import SqlHistory
+from tests.support.history import EVERYTHING, make_event, make_goal, open_at, timed, until, written
+from tests.support.postgresql import PostgreSQL
+
+# 100 ms for the database, and what a busy machine needs for the file
+QUICK = 0.4
+BARRED = "the history database does not answer"
+
+Outage = Callable[[], AbstractContextManager[None]]
+
+
+@contextmanager
+def locked(path: str) -> Iterator[None]:
+    """Another process writes to the SQLite file and does not come to an end."""
+    connection = sqlite3.connect(path, isolation_level=None)
+    connection.execute("PRAGMA journal_mode=WAL")
+    connection.execute("BEGIN EXCLUSIVE")
+    try:
+        yield
+    finally:
+        connection.execute("ROLLBACK")
+        connection.close()
+
+
+@contextmanager
+def stopped(server: PostgreSQL) -> Iterator[None]:
+    server.stop()
+    try:
+        yield
+    finally:
+        server.start()
+
+
+@pytest.fixture(params=["sqlite locked", "postgresql stopped", "postgresql frozen"])
+def outage(request: pytest.FixtureRequest) -> tuple[str, Outage]:
+    """A database, and how to have it not answer."""
+    kind: str = request.param
+    if kind == "sqlite locked":
+        url: str = request.getfixturevalue("sqlite_url")
+        return url, lambda: locked(url.removeprefix("sqlite:///"))
+    url = request.getfixturevalue("postgresql_url")
+    server: PostgreSQL = request.getfixturevalue("postgresql_server")
+    return url, (lambda: stopped(server)) if kind == "postgresql stopped" else server.frozen
+
+
+async def test_goals_go_on_and_arrive_later(outage: tuple[str, Outage], tmp_path: Path) -> None:
+    url, not_answering = outage
+    async with open_at(url, tmp_path) as history:
+        await history.add(make_goal(0, GoalStatus.PENDING))
+        with not_answering():
+            assert await timed(history.add(make_goal(1, GoalStatus.PENDING), "key-1")) < QUICK
+            await until(lambda: not history.stats().database_reachable)
+            times = [await timed(history.add(make_goal(number, GoalStatus.PENDING))) for number in range(2, 12)]
+            assert sum(times) / len(times) < 0.1, "what is known to be away is not waited for"
+            history.record(make_goal(1, GoalStatus.EXECUTING))
+            history.record_event(make_event(1))
+            history.record_event(make_event(2, droppable=True))
+            await until(lambda: history.stats().spooled >= 14)
+            stats = history.stats()
+            assert stats.waiting >= 13
+            assert stats.last_error
+            goal = await history.get("goal-0001")
+            assert goal is not None
+            assert goal.status is GoalStatus.EXECUTING
+            assert (await history.by_key("key-1") or goal).goal_id == "goal-0001"
+            assert len(await history.unfinished()) >= 11
+            assert await timed(history.claim("key-2", "g2", "f")) < 1
+            assert await history.claim("key-2", "g3", "f") == ("g2", "f")
+        await written(history)
+        assert history.stats().database_reachable
+        assert history.stats().last_error is None
+        assert len(await pages(history)) == 12
+        assert list((tmp_path / "spool").iterdir()) == []
+    async with open_at(url, tmp_path) as history:
+        assert len(await history.unfinished()) == 12
+        assert (await history.by_key("key-1") or goal).status is GoalStatus.EXECUTING
+
+
+async def pages(history: SqlHistory) -> list[Goal]:
+    """All goals, as soon as the database is read again."""
+    for _ in range(100):
+        try:
+            return await history.page(action_name=None, statuses=(), limit=10_000, before=None)
+        except Unavailable:
+            await asyncio.sleep(0.1)
+    raise AssertionError("the database is not read again")
+
+
+async def test_across_a_restart(outage: tuple[str, Outage], tmp_path: Path) -> None:
+    url, not_answering = outage
+    async with open_at(url, tmp_path):
+        pass
+    with not_answering():
+        async with open_at(url, tmp_path) as history:
+            await history.add(make_goal(1, GoalStatus.PENDING), "key-1")
+            history.record(make_goal(2, GoalStatus.EXECUTING))
+            history.record_event(make_event(1))
+            start = time.perf_counter()
+        assert time.perf_counter() - start < 2.0
+        start = time.perf_counter()
+        async with open_at(url, tmp_path) as history:
+            assert time.perf_counter() - start < 3.5
+            assert [goal.goal_id for goal in await history.unfinished()] == ["goal-0001", "goal-0002"]
+            assert await history.claim("key-1", "g2", "f") != ("g2", "f")
+    async with open_at(url, tmp_path) as history:
+        await written(history)
+        assert len(await pages(history)) == 2
+        later = await history.events_after(
+            make_event(1).id or "", goal_id=None, action_name=None, topics=EVERYTHING, limit=10
+        )
+        assert later == []
+
+
+async def test_what_cannot_be_looked_up_is_not_said_to_be_missing(
+    postgresql_url: str, postgresql_server: PostgreSQL, tmp_path: Path
+) -> None:
+    async with open_at(postgresql_url, tmp_path) as history:
+        await history.add(make_goal(1))
+        with stopped(postgresql_server):
+            for _ in range(2):
+                with pytest.raises(Unavailable, match=BARRED):
+                    await history.get("goal-0001")
+            with pytest.raises(Unavailable, match=BARRED):
+                await history.page(action_name=None, statuses=(), limit=1, before=None)
+        await until(lambda: history.stats().database_reachable)
+        assert len(await pages(history)) == 1
+
+
+async def test_memory_is_bounded_and_nothing_precious_is_dropped(outage: tuple[str, Outage], tmp_path: Path) -> None:
+    url, not_answering = outage
+    async with open_at(url, tmp_path, max_waiting=100) as history:
+        history.record_event(make_event(0))
+        await written(history)
+        with not_answering():
+            for number in range(1, 1001):
+                history.record_event(make_event(number, droppable=number % 2 == 0))
+                history.record(make_goal(number))
+            assert history.stats().dropped == 400
+            await until(lambda: history.stats().waiting <= 300)
+            assert history.stats().spooled >= 1500
+            with pytest.raises(Unavailable):
+                await history.page(action_name=None, statuses=(), limit=1, before=None)
+        await written(history, 30)
+        assert len(await pages(history)) == 1000
+        after = {"goal_id": None, "action_name": None, "topics": EVERYTHING, "limit": 10_000}
+        assert await history.events_after(make_event(0).id or "", **after) is None  # type: ignore[arg-type]
+        later = await history.events_after(make_event(801).id or "", **after)  # type: ignore[arg-type]
+        assert later == [make_event(number, droppable=number % 2 == 0) for number in range(802, 1001)]
+        async with history._database.read() as connection:
+            count = await connection.scalar(sa.text("SELECT count(*) FROM events WHERE NOT droppable"))
+        assert count == 501
+
+
+async def test_a_slow_database_delays_nobody(
+    database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with open_at(database_url, tmp_path, max_waiting=5000) as history:
+        fast = store.write
+
+        async def slow(connection: AsyncConnection, batch: Batch) -> None:
+            await asyncio.sleep(0.7)
+            await fast(connection, batch)
+
+        monkeypatch.setattr(store, "write", slow)
+        for number in range(3):
+            assert await timed(history.add(make_goal(number))) < QUICK
+            start = time.perf_counter()
+            for feedback in range(500):
+                history.record_event(make_event(1000 * number + feedback, droppable=True))
+            assert time.perf_counter() - start < 0.1
+            assert len(await pages(history)) == number + 1
+        await written(history)
+        assert history.stats().dropped == 0
+        assert history.stats().database_reachable
+
+
+async def test_a_full_database(sqlite_url: str, tmp_path: Path) -> None:
+    async with open_at(sqlite_url, tmp_path) as history:
+        await history.add(make_goal(0))
+        engine = history._database._writer.sync_engine
+
+        def limit(connection: sa.Connection) -> None:
+            connection.exec_driver_sql(f"PRAGMA max_page_count={pages_allowed}")
+
+        pages_allowed = 1
+        sa.event.listen(engine, "begin", limit)
+        big = b'"%s"' % (b"x" * 20_000)
+        for number in range(1, 20):
+            assert await timed(history.add(make_goal(number, result=big))) < QUICK
+        await until(lambda: "full" in (history.stats().last_error or ""))
+        assert len(await pages(history)) == 20
+        pages_allowed = 100_000
+        await written(history)
+        assert len(await pages(history)) == 20
+
+
+async def test_a_goal_that_nothing_takes_is_refused(sqlite_url: str, tmp_path: Path) -> None:
+    async with open_at(sqlite_url, tmp_path):
+        pass
+    (tmp_path / "spool").touch()
+    with locked(f"{tmp_path}/history.db"):
+        history = SqlHistory(sqlite_url, tmp_path / "spool", max_waiting=10, max_age=1, max_bytes=1)
+        await history.open()
+        with pytest.raises(Unavailable, match="was not sent"):
+            await history.add(make_goal(1))
+    await until(lambda: history.stats().database_reachable)
+    assert await history.get("goal-0001") is None
+    await history.close()

@@ -1,0 +1,188 @@
+"""The history in real databases: what is written is read, at once and after a restart, in pages and by event."""
+
+import asyncio
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import sqlalchemy as sa
+
+from dock_gateway.events import Event
+from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.history.sql import SqlHistory
+from dock_gateway.history.tables import events, goals, idempotency_keys
+from tests.support.history import EVERYTHING, NOW, make_event, make_goal, open_at, written
+
+
+async def count(history: SqlHistory, table: sa.Table) -> int:
+    async with history._database.read() as connection:
+        return await connection.scalar(sa.select(sa.func.count()).select_from(table)) or 0
+
+
+async def ids(history: SqlHistory, **query: object) -> list[str]:
+    asked = {"action_name": None, "statuses": (), "limit": 100, "before": None} | query
+    return [goal.goal_id for goal in await history.page(**asked)]  # type: ignore[arg-type]
+
+
+async def after(history: SqlHistory, number: int, **query: object) -> list[bytes] | None:
+    asked = {"goal_id": None, "action_name": None, "topics": EVERYTHING, "limit": 100} | query
+    found = await history.events_after(make_event(number).id or "", **asked)  # type: ignore[arg-type]
+    return None if found is None else [event.data for event in found]
+
+
+async def test_a_goal_is_the_same_after_a_restart(database_url: str, tmp_path: Path) -> None:
+    goal = make_goal(
+        1,
+        GoalStatus.ABORTED,
+        feedback='{"name":"\u00e4"}'.encode(),
+        result=b'{"a": 1,  "as_it_was": 2.50}',
+        error=GoalError("goal_aborted", "why\0 \u20ac \ud800"),
+        origin="external",
+        finished_at=NOW + timedelta(microseconds=1),
+        feedback_count=3,
+        last_event_id="7",
+        updated_at=NOW + timedelta(days=1),
+    )
+    async with open_at(database_url, tmp_path) as history:
+        await history.add(goal, "key")
+    async with open_at(database_url, tmp_path) as history:
+        found = await history.get(goal.goal_id)
+        assert found is not None
+        goal.error = GoalError("goal_aborted", "why \u20ac ?")
+        assert {name: getattr(found, name) for name in Goal.__slots__} == {
+            name: getattr(goal, name) for name in Goal.__slots__
+        }
+        assert (await history.by_key("key") or goal).goal_id == goal.goal_id
+        assert await history.get("another") is None
+        assert await history.by_key("another") is None
+
+
+async def test_what_waits_is_read_as_if_it_were_written(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path) as history:
+        goal = make_goal(1, GoalStatus.PENDING)
+        await history.add(goal)
+        await written(history)
+        goal.status = GoalStatus.EXECUTING
+        history.record(goal)
+        history.record(make_goal(2, GoalStatus.EXECUTING))
+        goal.status = GoalStatus.SUCCEEDED  # not recorded
+        assert history.stats().waiting == 2
+        assert await ids(history, statuses={GoalStatus.EXECUTING}) == ["goal-0002", "goal-0001"]
+        assert await ids(history, statuses={GoalStatus.PENDING}) == []
+        assert await ids(history, before="goal-0002") == ["goal-0001"]
+        assert [each.goal_id for each in await history.unfinished()] == ["goal-0001", "goal-0002"]
+        found = await history.get("goal-0001")
+        assert found is not None
+        assert found.status is GoalStatus.EXECUTING
+        await written(history)
+        assert await ids(history, statuses={GoalStatus.EXECUTING}) == ["goal-0002", "goal-0001"]
+
+
+async def test_pages_are_stable(database_url: str, tmp_path: Path) -> None:
+    """Also of goals made at the same time, and while new ones come; half of them still wait."""
+    async with open_at(database_url, tmp_path) as history:
+        made = [make_goal(number, created_at=NOW + timedelta(seconds=number // 4)) for number in range(20)]
+        for goal in made[::2]:
+            history.record(goal)
+        await written(history)
+        for goal in made[1::2]:
+            history.record(goal)
+        history.record(make_goal(3000, action="/other"))
+        seen: list[str] = []
+        for number in range(100):
+            page = await ids(history, action_name="/dock", limit=3, before=seen[-1] if seen else None)
+            if not page:
+                break
+            seen += page
+            history.record(make_goal(1000 + number))
+        assert seen == [goal.goal_id for goal in reversed(made)]
+        assert await ids(history, before="unknown") == []
+
+
+async def test_the_first_claim_holds_for_a_day(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path) as one, open_at(database_url, tmp_path) as other:
+        assert await one.claim("key", "g1", "f1") == ("g1", "f1")
+        assert await other.claim("key", "g2", "f2") == ("g1", "f1")
+        assert await one.claim("key", "g3", "f3") == ("g1", "f1")
+    async with open_at(database_url, tmp_path) as history:
+        assert await history.claim("key", "g2", "f2") == ("g1", "f1")
+        async with history._database.write() as connection:
+            past = datetime.now(UTC) - timedelta(seconds=1)
+            await connection.execute(sa.update(idempotency_keys).values(expires_at=past))
+        history._keys.clear()
+        assert await history.by_key("key") is None
+        assert await history.claim("key", "g2", "f2") == ("g2", "f2")
+
+
+async def test_one_of_many_claims_wins(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path) as one, open_at(database_url, tmp_path) as other:
+        for round_ in range(10):
+            claims = [
+                history.claim(f"key-{round_}", f"g{number}", "f")
+                for number, history in enumerate([one, other, one, other])
+            ]
+            assert len(set(await asyncio.gather(*claims))) == 1
+
+
+async def test_two_replicas_store_everything_once(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path) as one, open_at(database_url, tmp_path) as other:
+        for number in range(200):
+            for history in (one, other):
+                history.record_event(make_event(number, droppable=number % 2 == 0))
+                goal = make_goal(number % 20, GoalStatus.EXECUTING)
+                goal.feedback_count = number
+                history.record(goal)
+        await written(one)
+        await written(other)
+        assert await count(one, events) == 200
+        assert await count(one, goals) == 20
+        assert one.stats().last_error is None
+        assert other.stats().last_error is None
+        found = await after(other, 1)
+        assert found == [make_event(number, droppable=number % 2 == 0).data for number in range(2, 200)][:100]
+
+
+async def test_replicas_agree_on_a_goal_that_both_write(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path) as one, open_at(database_url, tmp_path) as other:
+        sent = make_goal(1, GoalStatus.PENDING)
+        seen = make_goal(1, GoalStatus.SUCCEEDED, origin="external", goal=None, result=b'{"done":true}')
+        other.record(seen)
+        await asyncio.gather(one.add(sent), written(other))
+        await written(one)
+        for history in (one, other):
+            goal = await history.get(sent.goal_id)
+            assert goal is not None
+            assert (goal.origin, goal.status, goal.goal, goal.result) == (
+                "gateway",
+                GoalStatus.SUCCEEDED,
+                sent.goal,
+                seen.result,
+            )
+
+
+async def test_events_after_an_event(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path) as history:
+        for number in (3, 1, 2, 3):
+            history.record_event(make_event(number))
+        await written(history)
+        history.record_event(make_event(4, goal_id="g2"))
+        history.record_event(make_event(5, "battery"))
+        history.record_event(Event(b"{}", "goals"))  # without an id
+        assert await after(history, 1) == [make_event(number).data for number in (2, 3, 4, 5)]
+        assert await after(history, 1, goal_id="g2", topics=frozenset({"goals"})) == [make_event(4).data]
+        assert await after(history, 1, goal_id="g2", action_name="/other", topics=frozenset({"goals"})) == []
+        assert await after(history, 1, limit=1) == [make_event(2).data]
+        assert await after(history, 4) == [make_event(5).data]
+        assert await after(history, 5) == []
+        assert await after(history, 9) is None
+
+
+async def test_what_a_database_cannot_take_harms_nothing_else(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path) as history:
+        history.record(make_goal(1))
+        history.record(make_goal(2, action="/bad\0name", result=b"\xff"))
+        history.record(make_goal(3))
+        history.record_event(make_event(1))
+        await written(history)
+        assert await ids(history) == ["goal-0003", "goal-0001"]
+        assert await after(history, 1) == []
+        assert history.stats().database_reachable

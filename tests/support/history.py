@@ -1,0 +1,86 @@
+"""Goals, events and histories for tests of the history. As a program: a process that keeps goals, and can be killed."""
+
+import asyncio
+import sys
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+from dock_gateway.events import Event, event_id
+from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.history.sql import SqlHistory
+
+NOW = datetime(2026, 11, 21, tzinfo=UTC)
+EVERYTHING = frozenset({"goals", "battery", "cmd_vel"})
+
+
+def make_goal(number: int, status: GoalStatus = GoalStatus.SUCCEEDED, action: str = "/dock", **more: object) -> Goal:
+    goal = Goal(f"goal-{number:04d}", action, "pkg/action/T", NOW + timedelta(seconds=number), goal=b'{"order":5}')
+    goal.status = status
+    for name, value in more.items():
+        setattr(goal, name, value)
+    return goal
+
+
+def make_event(number: int, topic: str = "goals", *, droppable: bool = False, goal_id: str | None = "g1") -> Event:
+    """An event of today; the number orders them."""
+    identity = event_id(START_NS + number, "f" if droppable else "s", "g1")
+    named = goal_id if topic == "goals" else None
+    data = b'{"id":"%s","text":"\xc3\xa4"}' % identity.encode()
+    return Event(data, topic, named, "/dock" if named else None, droppable, id=identity)
+
+
+START_NS = time.time_ns()
+
+
+@asynccontextmanager
+async def open_at(
+    url: str, folder: Path, *, max_waiting: int = 1000, max_age: float = 3600.0, max_bytes: int = 10**9
+) -> AsyncIterator[SqlHistory]:
+    """A history, closed in the end."""
+    history = SqlHistory(url, folder / "spool", max_waiting=max_waiting, max_age=max_age, max_bytes=max_bytes)
+    await history.open()
+    try:
+        yield history
+    finally:
+        await history.close()
+
+
+async def until(holds: Callable[[], bool], timeout: float = 15.0) -> None:
+    """Wait until something holds."""
+    deadline = time.monotonic() + timeout
+    while not holds():
+        assert time.monotonic() < deadline, "it never came to be"
+        await asyncio.sleep(0.02)
+
+
+async def written(history: SqlHistory, timeout: float = 15.0) -> None:
+    """Wait until all is in the database."""
+    await until(lambda: not history.stats().waiting and not history.stats().spooled, timeout)
+
+
+async def timed(work: Awaitable[object]) -> float:
+    """Seconds that something takes."""
+    start = time.perf_counter()
+    await work
+    return time.perf_counter() - start
+
+
+async def main(command: str, url: str, folder: str, *arguments: str) -> None:
+    """`keep FIRST COUNT`: keep goals, say so, and wait to be killed. `claim KEY NAME`: claim, and say whose it is."""
+    async with open_at(url, Path(folder)) as history:
+        if command == "claim":
+            print(*await history.claim(arguments[0], arguments[1], "print"), history.stats().database_reachable)
+            return
+        first, count = map(int, arguments)
+        for number in range(first, first + count):
+            await history.add(make_goal(number, GoalStatus.PENDING), f"key-{number}")
+            print(f"kept {number} spooled {history.stats().spooled}", flush=True)
+        print("all kept", flush=True)
+        await asyncio.sleep(60)
+
+
+if __name__ == "__main__":
+    asyncio.run(main(*sys.argv[1:]))
