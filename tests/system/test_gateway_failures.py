@@ -193,3 +193,21 @@ def test_a_restarted_server_does_not_know_the_goal(gateway: RunningGateway, doma
         with running_dock_server(domain):
             lost = stream.until_status("lost", timeout=20)
             assert lost["error"]["code"] == "action_server_lost"
+
+
+def test_a_stop_reaches_a_goal_whose_server_is_off_the_graph(gateway: RunningGateway, domain: int) -> None:
+    """A lost link looks like a frozen server: after some 20 s DDS takes it off the graph, and no request reaches it."""
+    with running_dock_server(domain) as server, gateway.stream("?include=system") as stream:
+        gateway.wait_until_ready()
+        gateway.publish(LOW)
+        goal_id = gateway.http.post("/dock").json()["goal_id"]
+        stream.until_type("feedback")
+        server.send_signal(signal.SIGSTOP)
+        stream.until(
+            lambda event: event["type"] == "action_server" and not event["action_server"]["available"], timeout=60
+        )
+        assert gateway.goal(goal_id)["status"] == "lost"
+        assert gateway.http.post("/stop").json()["failed"][0]["code"] == "action_server_unavailable"
+        server.send_signal(signal.SIGCONT)
+        assert stream.until_type("result", timeout=40)["status"] == "canceled"
+        assert gateway.goal(goal_id)["error"]["code"] == "stopped"

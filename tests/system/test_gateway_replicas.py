@@ -1,0 +1,133 @@
+"""Two gateways on one ROS domain and one PostgreSQL, behind a plain reverse proxy: either can go at any time."""
+
+import contextlib
+import signal
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import httpx2
+import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+
+from tests.support.domain import ros_domain
+from tests.support.gateway import CHARGING, LOW, RunningGateway, Stream, running_dock_server, running_gateway
+from tests.support.postgresql import binaries, running_postgresql
+from tests.support.proxy import proxy
+
+pytestmark = [pytest.mark.ros, pytest.mark.skipif(binaries() is None, reason="no PostgreSQL is installed")]
+
+
+@pytest.fixture(scope="module")
+def database() -> Iterator[str]:
+    with running_postgresql() as server:
+        yield server.url
+
+
+@pytest.fixture
+def replicas(database: str) -> Iterator[tuple[RunningGateway, RunningGateway]]:
+    with (
+        ros_domain() as domain,
+        running_dock_server(domain),
+        running_gateway(domain, database_url=database) as first,
+        running_gateway(domain, database_url=database) as second,
+    ):
+        first.wait_until_ready()
+        second.wait_until_ready()
+        yield first, second
+
+
+def ids(events: list[dict[str, Any]]) -> list[str]:
+    return [event["id"] for event in events if "id" in event]
+
+
+def test_a_goal_sent_through_one_is_watched_and_canceled_through_the_other(
+    replicas: tuple[RunningGateway, RunningGateway],
+) -> None:
+    first, second = replicas
+    first.publish(LOW)
+    with second.stream() as stream:
+        sent = first.http.post("/dock", json={"desired_battery_state": CHARGING}).json()
+        stream.until_type("feedback")
+        seen = second.goal(sent["goal_id"])
+        assert (seen["origin"], seen["goal"]) == ("gateway", sent["goal"])
+        statuses = [event for event in stream.seen if event["type"] == "status"]
+        assert {event["origin"] for event in statuses} == {"gateway"}
+        assert second.http.post(f"/dock/{sent['goal_id']}/cancel").status_code == 202
+        assert stream.until_type("result")["status"] == "canceled"
+    assert first.wait_for_goal(sent["goal_id"], "canceled")["result"] is not None
+    assert second.http.get("/dock").json()["goals"][0]["goal_id"] == sent["goal_id"]
+
+
+def test_a_reader_that_loses_one_resumes_at_the_other(replicas: tuple[RunningGateway, RunningGateway]) -> None:
+    first, second = replicas
+    second.publish(LOW)
+    with proxy(first.url, second.url) as front, second.stream() as witness:
+        goal_id = httpx2.post(f"{front.url}/dock", trust_env=False, timeout=15).raise_for_status().json()["goal_id"]
+        with first.stream(f"?goal_id={goal_id}") as reader:
+            for _ in range(10):
+                reader.until_type("feedback")
+            first.process.send_signal(signal.SIGKILL)
+            with contextlib.suppress(ConnectionClosed):
+                while True:
+                    reader.next()
+            before = reader.seen
+        last = ids(before)[-1]
+        time.sleep(1)
+        address = f"{front.url.replace('http', 'ws')}/ws/feedback?goal_id={goal_id}&after={last}"
+        with connect(address, max_size=None) as connection:
+            again = Stream(connection)
+            assert again.next()["type"] == "resumed"
+            for _ in range(10):
+                again.until_type("feedback")
+            second.publish(CHARGING)
+            assert again.until_type("result")["status"] == "succeeded"
+        witness.until_type("result")
+    together = ids(before) + ids(again.seen)
+    assert [event for event, count in Counter(together).items() if count > 1] == []
+    every = [event["id"] for event in witness.seen if event.get("goal_id") == goal_id]
+    missing = set(every) - set(together)
+    snapshot = next(event for event in before if event["type"] == "snapshot")
+    assert {event for event in missing if event > snapshot["goals"][0]["last_event_id"]} == set()
+
+
+def test_one_key_is_one_goal_through_both(replicas: tuple[RunningGateway, RunningGateway]) -> None:
+    first, second = replicas
+    first.publish(LOW)
+    headers = {"Idempotency-Key": f"race-{time.time_ns()}"}
+
+    def send(gateway: RunningGateway) -> tuple[int, str]:
+        response = httpx2.post(f"{gateway.url}/dock", headers=headers, trust_env=False, timeout=15)
+        return response.status_code, response.json()["goal_id"]
+
+    with ThreadPoolExecutor(8) as pool:
+        answers = list(pool.map(send, [first, second] * 4))
+    assert {status for status, _ in answers} == {202}
+    assert len({goal_id for _, goal_id in answers}) == 1
+    running = first.http.get("/dock", params={"status": "executing"}).json()["goals"]
+    assert [goal["goal_id"] for goal in running] == [answers[0][1]]
+    assert first.http.post("/stop").status_code == 200
+
+
+def test_history_has_each_event_once(replicas: tuple[RunningGateway, RunningGateway]) -> None:
+    first, second = replicas
+    first.publish(LOW)
+    with first.stream() as one, second.stream() as two:
+        goal_id = first.http.post("/dock").json()["goal_id"]
+        for _ in range(20):
+            one.until_type("feedback")
+        first.publish(CHARGING)
+        for stream in (one, two):
+            stream.until(lambda event: event["type"] == "result" and event["goal_id"] == goal_id)
+    pending = ids([event for event in one.seen if event.get("goal_id") == goal_id])[0]
+    time.sleep(1.5)  # both have written what they saw
+    for gateway in (first, second):
+        gateway.process.send_signal(signal.SIGKILL)
+        gateway.process.wait()
+    own = [event for event in ids(one.seen) if event >= pending]
+    assert len(set(own)) == len(own)
+    feedback = [event["id"] for event in one.seen if event["type"] == "feedback"]
+    assert feedback == [event["id"] for event in two.seen if event["type"] == "feedback"]
