@@ -4,6 +4,7 @@ An event's id is built on the ROS source timestamp of the message that caused it
 the network: nanoseconds, padded so that ids sort as text, then what it is and whose it is.
 """
 
+import struct
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cached_property
@@ -35,6 +36,16 @@ class Event:
         """The event as Server-Sent Events have it."""
         identity = b"" if self.id is None else b"id: " + self.id.encode() + b"\n"
         return identity + b"data: " + self.data + b"\n\n"
+
+    @cached_property
+    def frame(self) -> bytes:
+        """The event as a WebSocket frame, from a server and without compression: RFC 6455, section 5.2."""
+        size = len(self.data)
+        if size < 126:
+            return struct.pack("!BB", 0x81, size) + self.data
+        if size < 65_536:
+            return struct.pack("!BBH", 0x81, 126, size) + self.data
+        return struct.pack("!BBQ", 0x81, 127, size) + self.data
 
     @cached_property
     def text(self) -> str:

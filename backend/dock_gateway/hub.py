@@ -15,6 +15,10 @@ class Subscriber:
 
     Feedback beyond `limit` is dropped, oldest first, and counted; what must not be lost (status, result) is kept up to
     a hard limit, beyond which the reader is `overrun` and has to be cut off.
+
+    Attributes:
+        at_once: Sends an event without the detour by the queue and the task that takes from it, or says False. Used
+            only while that task waits and nothing is queued, so that the order stays.
     """
 
     HARD_LIMIT = 10_000
@@ -22,6 +26,8 @@ class Subscriber:
     def __init__(self, limit: int, interest: Interest) -> None:
         self.interest = interest
         self.overrun = False
+        self.at_once: Callable[[Event], bool] | None = None
+        self._waiting = False
         self._limit = limit
         self._queue: deque[Event] = deque()
         self._droppable = 0
@@ -29,7 +35,9 @@ class Subscriber:
         self._wake = asyncio.Event()
 
     def put(self, event: Event) -> None:
-        """Queue an event; never waits."""
+        """Send an event at once where that is possible, else queue it; never waits."""
+        if self._waiting and self.at_once is not None and not self._queue and self.at_once(event):
+            return
         if event.droppable:
             if self._droppable >= self._limit:
                 self._drop_oldest()
@@ -64,11 +72,14 @@ class Subscriber:
 
     async def take(self, timeout: float) -> tuple[list[Event], int]:
         """Wait for events; return all that are queued and how many were dropped: `([], 0)` at a time-out."""
+        self._waiting = True
         try:
             async with asyncio.timeout(timeout):
                 await self._wake.wait()
         except TimeoutError:
             return [], 0
+        finally:
+            self._waiting = False
         self._wake.clear()
         events, dropped = list(self._queue), self._dropped
         self.clear()

@@ -1,5 +1,7 @@
 """Fan-out: who gets what, and what a slow reader loses."""
 
+import asyncio
+
 import pytest
 
 from dock_gateway.errors import TooManyRequests, Unavailable
@@ -123,3 +125,34 @@ async def test_events_that_come_another_way_leave_the_queue() -> None:
         hub.publish(Event(f"{number}".encode(), "goals", A, "/dock", droppable=True, id=f"{number}"))
     subscriber.forget({"0", "1"})
     assert await texts(subscriber) == (["2"], 0)
+
+
+async def test_events_go_out_at_once_only_while_the_reader_waits_and_nothing_is_queued() -> None:
+    hub = make(limit=10)
+    reader = hub.subscribe(Interest())
+    sent: list[str] = []
+    writable = True
+
+    def at_once(event: Event) -> bool:
+        if writable:
+            sent.append(event.text)
+        return writable
+
+    reader.at_once = at_once
+    hub.publish(feedback(1))  # nobody waits yet: the snapshot comes first
+    assert sent == []
+    assert await texts(reader) == (["f1"], 0)
+
+    taking = asyncio.create_task(reader.take(5))
+    await asyncio.sleep(0)
+    hub.publish(feedback(2))
+    assert sent == ["f2"]
+    writable = False  # the reader's buffer is full
+    hub.publish(feedback(3))
+    writable = True
+    hub.publish(feedback(4))  # must not overtake
+    assert sent == ["f2"]
+    events, _ = await taking
+    assert [event.text for event in events] == ["f3", "f4"]
+    hub.publish(feedback(5))  # the taken ones are being sent
+    assert sent == ["f2"]

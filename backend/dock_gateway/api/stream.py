@@ -10,6 +10,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.api.answers import GoalId, TheGateway
 from dock_gateway.api.feed import begin, feed
+from dock_gateway.api.frames import short_way
 from dock_gateway.api.interests import QUERY, read_after, read_interest, read_max_rate
 from dock_gateway.api.problems import problem_response, problems
 from dock_gateway.api.requests import known_query
@@ -46,6 +47,8 @@ async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
         return
     try:
         await websocket.accept()
+        if max_rate is None:
+            subscriber.at_once = short_way(websocket)
         await _serve(websocket, gateway, subscriber, feed(gateway, subscriber, after=after, max_rate=max_rate))
     finally:
         gateway.hub.unsubscribe(subscriber)

@@ -8,6 +8,7 @@ import click
 import orjson
 import uvicorn
 
+from dock_gateway.api.frames import FramesProtocol
 from dock_gateway.app import create_app
 from dock_gateway.cli.options import read_settings, settings_options
 from dock_gateway.gateway import Gateway
@@ -58,7 +59,7 @@ def run(settings: Settings) -> bool:
         create_app(settings),
         host=settings.host,
         port=settings.port,
-        ws="websockets-sansio",
+        ws=FramesProtocol,
         ws_max_size=settings.max_body_bytes,
         ws_per_message_deflate=False,
         timeout_graceful_shutdown=GRACE,
