@@ -40,7 +40,7 @@ class Results:
 
     def missing(self, case: str, measure: str, system: str, why: str) -> None:
         """Say why there is no figure."""
-        self.add(case, measure, system, None, "", why)
+        self.add(case, measure, system, None, unit="", note=why)
 
     def rows(self) -> list[tuple[str, str]]:
         """Each case and measure, in the order they were measured."""

@@ -70,7 +70,7 @@ class HttpGateway(System):
             except OSError:
                 pass
             time.sleep(0.02)
-        raise Impossible(f"no goal was accepted within {START_TIMEOUT:g} s: {self.process.output[-300:]}")
+        raise Impossible(f"no goal was accepted within {START_TIMEOUT:g} s: {self.process.output[:300]}")
 
     async def submit(self) -> Timing:
         """One goal to its acceptance; its results are asked for by polling, so none is timed."""

@@ -52,7 +52,7 @@ class Rosbridge(System):
             LD_PRELOAD=libpython,
             ROS_DISTRO="jazzy",
         )
-        command = (str(binary), "--address", "127.0.0.1", "--port", str(self.port))
+        command = (str(binary), "--bind", f"127.0.0.1:{self.port}", "--log-directory", self._folder.name, "--no-rosapi")
         self.process = Process(*command, env=environment).__enter__()
         await self._until_answered()
 
@@ -65,7 +65,7 @@ class Rosbridge(System):
             except OSError:
                 await asyncio.sleep(0.02)
         else:
-            raise Impossible(f"it did not start: {self.process.output[-300:]}")
+            raise Impossible(f"it did not start: {self.process.output[:300]}")
         try:
             await self._goal(Goal(), START_TIMEOUT)
         except TimeoutError:
