@@ -69,12 +69,11 @@ class Gateway:
             return [await self.goal(interest.goal_id)]
         newest: list[Goal] = []
         with suppress(Unavailable):  # a stream goes on without the past
-            newest = await self.history.page(
-                action_name=interest.action_name, statuses=(), limit=5 * RECENT, before=None
-            )
-        covered = [goal for goal in newest if interest.covers_goal(goal.goal_id, goal.action_name)][:RECENT]
-        running = [goal for goal in self.actions.running() if interest.covers_goal(goal.goal_id, goal.action_name)]
-        goals = {goal.goal_id: goal for goal in [*covered, *running]}
+            # The docking action's are asked for by name, so that a busier action does not crowd them out.
+            for name in dict.fromkeys((interest.action_name, interest.action_name or self.dock.name)):
+                newest += await self.history.page(action_name=name, statuses=(), limit=RECENT, before=None)
+        known = [*newest, *self.actions.running()]
+        goals = {goal.goal_id: goal for goal in known if interest.covers_goal(goal.goal_id, goal.action_name)}
         return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)
 
     def say_goodbye(self) -> None:
