@@ -20,8 +20,8 @@ class Settings(BaseSettings):
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         (),
-        description="Host names that requests may be addressed to, separated by commas; `*` for any. "
-        "Empty: the loopback names while listening on loopback, else any.",
+        description="Host names that requests may be addressed to, such as `robot.local`, separated by commas; `*` for "
+        "any. The loopback names and IP addresses always pass.",
     )
     allowed_origins: Annotated[tuple[str, ...], NoDecode] = Field(
         (),
@@ -103,20 +103,16 @@ class Settings(BaseSettings):
     @field_validator("allowed_hosts", "allowed_origins", mode="before")
     @classmethod
     def _split(cls, value: object) -> object:
-        return tuple(part.strip() for part in value.split(",") if part.strip()) if isinstance(value, str) else value
+        parts = value.split(",") if isinstance(value, str) else value
+        if not isinstance(parts, list | tuple):
+            return value
+        return tuple(part.strip().lower() if isinstance(part, str) else part for part in parts if part)
 
     @model_validator(mode="after")
     def _check(self) -> Self:
         if self.lost_after <= self.stalled_after:
             raise ValueError("lost_after must be longer than stalled_after")
         return self
-
-    @property
-    def host_names(self) -> frozenset[str]:
-        """The names a request may be addressed to; empty for any."""
-        if self.allowed_hosts:
-            return frozenset() if "*" in self.allowed_hosts else frozenset(self.allowed_hosts)
-        return LOOPBACK_HOSTS if self.host in LOOPBACK_HOSTS else frozenset()
 
     def resolve(self, name: str, namespace: str | None = None) -> str:
         """A ROS name as the graph has it: absolute, under the namespace (the configured one) where it was relative."""

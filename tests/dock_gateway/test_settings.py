@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from dock_gateway.cli import main
 from dock_gateway.cli.options import option_name, read_settings
-from dock_gateway.settings import LOOPBACK_HOSTS, Settings
+from dock_gateway.settings import Settings
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "configuration.md"
 
@@ -63,11 +63,10 @@ def test_settings_are_frozen() -> None:
         Settings().port = 1  # type: ignore[misc]
 
 
-def test_only_loopback_names_are_answered_on_loopback() -> None:
-    assert Settings().host_names == LOOPBACK_HOSTS
-    assert Settings(host="0.0.0.0").host_names == frozenset()
-    assert Settings(host="0.0.0.0", allowed_hosts="robot.local").host_names == {"robot.local"}  # type: ignore[arg-type]
-    assert Settings(allowed_hosts="*").host_names == frozenset()  # type: ignore[arg-type]
+def test_host_names_are_read_in_lower_case() -> None:
+    assert Settings(allowed_hosts="Robot.Local, b").allowed_hosts == ("robot.local", "b")  # type: ignore[arg-type]
+    assert Settings(allowed_hosts=("Robot.Local",)).allowed_hosts == ("robot.local",)
+    assert Settings(allowed_hosts="").allowed_hosts == ()  # type: ignore[arg-type]
 
 
 def test_names_are_resolved_as_ros_does() -> None:

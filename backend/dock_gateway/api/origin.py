@@ -4,6 +4,7 @@ A page of another site must not move the robot behind its user's back: neither b
 name that it lets point to this machine (Host, DNS rebinding). Programs that are not browsers send no Origin and pass.
 """
 
+from ipaddress import ip_address
 from urllib.parse import SplitResult, urlsplit
 
 from starlette.datastructures import Headers
@@ -12,9 +13,10 @@ from starlette.websockets import WebSocket
 
 from dock_gateway.api.problems import problem_response
 from dock_gateway.errors import GatewayError, NotAllowed
-from dock_gateway.settings import Settings
+from dock_gateway.settings import LOOPBACK_HOSTS, Settings
 
-SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+# OPTIONS is not among them: a preflight is answered (CORS) to the pages that are allowed.
+SAFE_METHODS = frozenset({"GET", "HEAD"})
 
 
 class OriginGuard:
@@ -22,7 +24,7 @@ class OriginGuard:
 
     def __init__(self, app: ASGIApp, settings: Settings) -> None:
         self._app = app
-        self._hosts = settings.host_names
+        self._hosts = LOOPBACK_HOSTS.union(settings.allowed_hosts)
         self._origins = frozenset(settings.allowed_origins)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -45,7 +47,7 @@ class OriginGuard:
         headers = Headers(scope=scope)
         host = headers.get("host", "")
         name = _split(f"//{host}").hostname or ""
-        if self._hosts and name not in self._hosts:
+        if not ({name, "*"} & self._hosts or _is_address(name)):
             raise NotAllowed(
                 f"this gateway does not answer to the name {name[:100]!r}; DOCK_GATEWAY_ALLOWED_HOSTS can allow it",
                 code="host_not_allowed",
@@ -58,6 +60,15 @@ class OriginGuard:
         raise NotAllowed(
             f"pages of {origin[:100]!r} may not use this gateway; DOCK_GATEWAY_ALLOWED_ORIGINS can allow them"
         )
+
+
+def _is_address(name: str) -> bool:
+    """Whether it is an IP address: nobody can let one point elsewhere."""
+    try:
+        ip_address(name)
+    except ValueError:
+        return False
+    return True
 
 
 def _split(url: str) -> SplitResult:
