@@ -47,6 +47,7 @@ def find_dashboard(settings: Settings) -> Path | None:
 def install_dashboard(app: FastAPI, settings: Settings) -> None:
     """Serve the page at `/` and `/ui/…`, and its assets; comes after every API route."""
     folder = find_dashboard(settings)
+    files = {path.name: path for path in folder.iterdir() if "." in path.name and path.is_file()} if folder else {}
 
     def page() -> Response:
         if folder is None:
@@ -64,7 +65,7 @@ def install_dashboard(app: FastAPI, settings: Settings) -> None:
     @app.get("/{name}", include_in_schema=False)
     async def file(name: str) -> Response:
         """Files beside the page, such as its icon."""
-        path = folder / name if folder else None
-        if path is None or "." not in name or path.parent != folder or not path.is_file():
-            raise HTTPException(404, f"there is nothing at /{name}")
+        path = files.get(name)
+        if path is None:
+            raise HTTPException(404, f"there is nothing at /{name[:100]}")
         return FileResponse(path, headers={"Cache-Control": "no-cache", "X-Content-Type-Options": "nosniff"})
