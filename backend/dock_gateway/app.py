@@ -6,6 +6,7 @@ from typing import TypedDict
 
 from fastapi import FastAPI
 from fastapi_swagger import patch_fastapi
+from starlette.middleware.cors import CORSMiddleware
 
 from dock_gateway import __version__
 from dock_gateway.api import actions, battery, dock, health, socket, stream
@@ -50,5 +51,14 @@ def create_app(settings: Settings) -> FastAPI:
     install_openapi(app)
     patch_fastapi(app, redirect_from_root_to_docs=False)  # /docs without a CDN: robots are often offline
     install_dashboard(app, settings)
-    app.add_middleware(OriginGuard, settings=settings)
+    if settings.allowed_origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=settings.allowed_origins,
+            allow_methods=("GET", "POST", "PUT", "DELETE"),
+            allow_headers=("Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"),
+            expose_headers=("Location", "Retry-After"),
+            allow_private_network=True,  # a robot's address mostly is in one
+        )
+    app.add_middleware(OriginGuard, settings=settings)  # comes first, the last added being the outermost
     return app
