@@ -1,5 +1,7 @@
 """Where goals, their events and idempotency keys are kept: SQLite by default, PostgreSQL by URL, or memory."""
 
+import asyncio
+import importlib
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -7,10 +9,9 @@ import platformdirs
 
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.history.protocol import History, HistoryStats, fingerprint_of
-from dock_gateway.history.sql import SqlHistory
 from dock_gateway.settings import Settings
 
-__all__ = ["History", "HistoryStats", "MemoryHistory", "SqlHistory", "fingerprint_of", "open_history"]
+__all__ = ["History", "HistoryStats", "MemoryHistory", "fingerprint_of", "open_history"]
 
 
 @asynccontextmanager
@@ -19,6 +20,10 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
     if settings.database_url == "memory:":
         yield MemoryHistory(settings.max_goals)
         return
+    # SQLAlchemy takes half a second to load: beside the rest of the start, and not in programs that keep nothing.
+    await asyncio.to_thread(importlib.import_module, "dock_gateway.history.sql")
+    from dock_gateway.history.sql import SqlHistory  # noqa: PLC0415
+
     folder = platformdirs.user_data_path("dock-gateway", appauthor=False)
     history = SqlHistory(
         settings.database_url or f"sqlite:///{folder / 'history.db'}",
