@@ -69,6 +69,11 @@ def test_an_action_appears_is_used_and_goes(gateway: RunningGateway, domain: int
         assert gateway.http.post(f"/actions/fibonacci/goals/{running}/cancel").status_code == 202
         assert stream.until_type("result")["status"] == "canceled"
 
+        empty = gateway.http.post("/actions/fibonacci/goals")
+        assert (empty.status_code, empty.json()["code"]) == (422, "invalid_field")
+        defaults = gateway.http.post("/actions/fibonacci/goals", json={}, headers={"Prefer": "wait=10"})
+        assert defaults.json()["goal"] == {"order": 0}
+
         wrong = gateway.http.post("/actions/fibonacci/goals", json={"order": "ten", "sequence": []})
         assert [error["path"] for error in wrong.json()["errors"]] == ["order", "sequence"]
     wait_for_action(gateway, "/fibonacci", there=False, timeout=30)

@@ -22,7 +22,7 @@ from dock_gateway.api.schemas import ActionGoal, ActionGoalPage, ActionInfo, Act
 router = APIRouter(tags=["Actions"], prefix="/actions")
 
 NO_QUERY = Depends(known_query())
-GOAL_BODY = body({"type": "object", "description": "The goal message's own fields"}, required=False)
+GOAL_BODY = body({"type": "object", "description": "The goal message's own fields"}, required=True)
 
 
 def describe(action: Action) -> dict[str, object]:
@@ -69,9 +69,9 @@ async def list_actions(gateway: TheGateway) -> Response:
     dependencies=[NO_QUERY],
 )
 async def send_action_goal(name: str, request: Request, gateway: TheGateway) -> Response:
-    """Send a goal; the body holds the goal message's own fields."""
+    """Send a goal; the body holds the goal message's own fields, `{}` for its defaults."""
     action = await gateway.actions.find(f"/{name}")
-    return await goals.send_goal(request, action, f"/actions{action.name}/goals", {})
+    return await goals.send_goal(request, action, f"/actions{action.name}/goals")
 
 
 @router.get(

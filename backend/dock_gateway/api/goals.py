@@ -19,14 +19,15 @@ HEADERS = [
 ]
 
 
-async def send_goal(request: Request, action: Action, base: str, default: dict[str, Any]) -> Response:
-    """Send the goal in the body, `default` where there is none; wait for its end where `Prefer` asks for it.
+async def send_goal(request: Request, action: Action, base: str, default: dict[str, Any] | None = None) -> Response:
+    """Send the goal in the body, or `default`; wait for its end where `Prefer` asks for it.
 
     Args:
         request: The request.
         action: The action.
         base: Path that a goal id is appended to for `Location`.
-        default: The goal's fields where the body is empty.
+        default: The goal's fields where the body is empty; None where it must not be. A message's defaults are a goal
+            only for who says `{}`: zeros may well be a pose to drive to.
     """
     wait, key = read_wait(request), read_key(request)
     message = action.port.goal_codec.parse(await read_json(request, empty=default))

@@ -48,6 +48,7 @@ async def read_json(request: Request, *, empty: Any = None) -> Any:
     """The body as decoded JSON, `empty` where there is none.
 
     Raises:
+        InvalidField: There is none, and nothing that it would mean.
         MalformedRequest: It is not JSON, too large, too slow, not all there, or says that it is something else.
     """
     settings = get_gateway(request).settings
@@ -63,6 +64,8 @@ async def read_json(request: Request, *, empty: Any = None) -> Any:
     except ClientDisconnect:
         raise MalformedRequest("the body was cut off") from None
     if not raw:
+        if empty is None:
+            raise InvalidField([FieldError("", "an object, {} for the defaults", "got no body")])
         return empty
     content_type = request.headers.get("content-type", JSON_TYPES[0]).partition(";")[0].strip().lower()
     if content_type not in JSON_TYPES and not content_type.endswith("+json"):

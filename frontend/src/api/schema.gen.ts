@@ -168,7 +168,7 @@ export interface paths {
         put?: never;
         /**
          * Send Action Goal
-         * @description Send a goal; the body holds the goal message's own fields.
+         * @description Send a goal; the body holds the goal message's own fields, `{}` for its defaults.
          */
         post: operations["send_action_goal"];
         delete?: never;
@@ -1535,7 +1535,7 @@ export interface operations {
             };
             cookie?: never;
         };
-        requestBody?: {
+        requestBody: {
             content: {
                 "application/json": Record<string, never>;
             };

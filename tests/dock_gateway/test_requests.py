@@ -1,0 +1,42 @@
+"""Bodies: one that is not there means something only where that is documented."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from starlette.requests import Request
+
+from dock_gateway.api.goals import send_goal
+from dock_gateway.api.requests import read_json
+from dock_gateway.errors import InvalidField
+from dock_gateway.settings import Settings
+
+
+def request(body: bytes) -> Request:
+    async def receive() -> dict[str, Any]:
+        return {"type": "http.request", "body": body, "more_body": False}
+
+    state = {"gateway": SimpleNamespace(settings=Settings())}
+    return Request({"type": "http", "headers": [], "state": state}, receive)
+
+
+async def test_an_empty_body_is_refused() -> None:
+    with pytest.raises(InvalidField) as refused:
+        await read_json(request(b""))
+    assert refused.value.extra["errors"][0]["expected"] == "an object, {} for the defaults"
+
+
+async def test_an_empty_body_where_it_has_a_meaning() -> None:
+    assert await read_json(request(b""), empty={"order": 1}) == {"order": 1}
+    assert await read_json(request(b""), empty={}) == {}
+
+
+@pytest.mark.parametrize(("body", "value"), [(b"null", None), (b"[]", []), (b"0", 0), (b'""', ""), (b"false", False)])
+async def test_what_is_false_is_not_empty(body: bytes, value: object) -> None:
+    assert await read_json(request(body), empty={"order": 1}) == value
+
+
+async def test_no_goal_is_sent_for_an_empty_body() -> None:
+    action: Any = SimpleNamespace(port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value)))
+    with pytest.raises(InvalidField):
+        await send_goal(request(b""), action, "/actions/fibonacci/goals")
