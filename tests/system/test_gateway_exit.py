@@ -110,6 +110,32 @@ def test_a_reader_that_never_reads_is_cut_off_and_harms_nobody(domain: int) -> N
         assert reader.until_type("result")["status"] == "canceled"
 
 
+def test_a_reader_of_server_sent_events_that_never_reads_is_cut_off(domain: int) -> None:
+    with running_dock_server(domain), running_gateway(domain, subscriber_timeout="2") as gateway:
+        gateway.wait_until_ready()
+        state = LOW | {"location": "x" * 60_000}
+        gateway.http.put("/battery/publisher", json={"state": state, "rate_hz": 100}).raise_for_status()
+        goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
+        host, port = gateway.url.removeprefix("http://").split(":")
+        with socket.socket() as sleeper:
+            sleeper.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            sleeper.connect((host, int(port)))
+            sleeper.sendall(f"GET /dock/{goal_id}/events HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+            wait_for_subscribers(gateway, 1)
+            wait_for_subscribers(gateway, 0)
+        assert gateway.goal(goal_id)["status"] == "executing"
+        gateway.http.post(f"/dock/{goal_id}/cancel").raise_for_status()
+        gateway.wait_for_goal(goal_id, "canceled")
+        assert "Traceback" not in gateway.process.output
+
+
+def wait_for_subscribers(gateway: RunningGateway, number: int, timeout: float = 30.0) -> None:
+    deadline = time.monotonic() + timeout
+    while (there := gateway.http.get("/healthz").json()["subscribers"]) != number:
+        assert time.monotonic() < deadline, f"{there} subscribers, not {number}"
+        time.sleep(0.05)
+
+
 @contextmanager
 def up(domain: int, port: int, **more: str) -> Iterator[tuple[Process, RunningGateway]]:
     environment = ros_environment(domain, **more)

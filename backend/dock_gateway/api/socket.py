@@ -18,7 +18,7 @@ from dock_gateway.api.feed import feed
 from dock_gateway.api.interests import read_after, read_interest, read_max_rate
 from dock_gateway.api.problems import problem_response
 from dock_gateway.api.requests import known_query
-from dock_gateway.api.stream import SERVICE_RESTART, TRY_AGAIN_LATER, send_text
+from dock_gateway.api.stream import SERVICE_RESTART, TRY_AGAIN_LATER, send_text, until_one_ends
 from dock_gateway.errors import Conflict, FieldError, GatewayError, InvalidField, MalformedRequest, TooManyRequests
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals import encode
@@ -74,16 +74,7 @@ class Session:
 
     async def run(self, place: Subscriber) -> None:
         """Go on until the client leaves, does not read, or the gateway closes."""
-        reader = asyncio.create_task(self._read())
-        farewell = asyncio.create_task(self._farewell(place))
-        done, pending = await asyncio.wait((reader, farewell), return_when=asyncio.FIRST_COMPLETED)
-        for task in pending:
-            task.cancel()
-        await asyncio.gather(*pending, return_exceptions=True)
-        for task in done:
-            error = task.exception()
-            if error is not None and not isinstance(error, WebSocketDisconnect | TimeoutError):
-                log.error("a socket broke", exc_info=error)
+        await until_one_ends(self._read(), self._farewell(place))
 
     async def close(self) -> None:
         """End the subscriptions; commands that are under way go on without us."""

@@ -2,10 +2,14 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncGenerator, AsyncIterator, Coroutine
+from contextlib import aclosing
+from typing import Any
 
 from fastapi import APIRouter, Request, WebSocket
+from starlette.requests import ClientDisconnect
 from starlette.responses import Response, StreamingResponse
+from starlette.types import Message, Receive, Scope, Send
 from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.api.answers import GoalId, TheGateway
@@ -49,23 +53,25 @@ async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
         await websocket.accept()
         if max_rate is None:
             subscriber.at_once = short_way(websocket)
-        await _serve(websocket, gateway, subscriber, feed(gateway, subscriber, after=after, max_rate=max_rate))
+        events = feed(gateway, subscriber, after=after, max_rate=max_rate)
+        await until_one_ends(_write(websocket, gateway, subscriber, events), _ignore_input(websocket))
     finally:
         gateway.hub.unsubscribe(subscriber)
 
 
-async def _serve(websocket: WebSocket, gateway: Gateway, subscriber: Subscriber, events: AsyncIterator[Event]) -> None:
-    """Write until the reader leaves, does not read, or the gateway closes; its input is ignored."""
-    writer = asyncio.create_task(_write(websocket, gateway, subscriber, events))
-    reader = asyncio.create_task(_ignore_input(websocket))
-    done, pending = await asyncio.wait((writer, reader), return_when=asyncio.FIRST_COMPLETED)
-    for task in pending:
-        task.cancel()
-    await asyncio.gather(*pending, return_exceptions=True)
+async def until_one_ends(*sides: Coroutine[Any, Any, None]) -> None:
+    """Run the sides of a WebSocket, such as its reader and its writer, until the first of them ends."""
+    tasks = [asyncio.create_task(side) for side in sides]
+    try:
+        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
     for task in done:
         error = task.exception()
         if error is not None and not isinstance(error, WebSocketDisconnect | TimeoutError):
-            log.error("a stream broke", exc_info=error)
+            log.error("a WebSocket broke", exc_info=error)
 
 
 async def _ignore_input(websocket: WebSocket) -> None:
@@ -88,12 +94,46 @@ async def send_text(websocket: WebSocket, gateway: Gateway, text: str) -> None:
     Raises:
         TimeoutError: It did not.
     """
+    await _send_in_time(websocket.send, {"type": "websocket.send", "text": text}, gateway.settings.subscriber_timeout)
+
+
+async def _send_in_time(send: Send, message: Message, timeout: float) -> None:
     try:
-        async with asyncio.timeout(gateway.settings.subscriber_timeout):
-            await websocket.send({"type": "websocket.send", "text": text})
+        async with asyncio.timeout(timeout):
+            await send(message)
     except TimeoutError:
-        log.info("a subscriber did not read for %g s and is cut off", gateway.settings.subscriber_timeout)
+        log.info("a subscriber did not read for %g s and is cut off", timeout)
         raise
+
+
+class EventStream(StreamingResponse):
+    """Server-Sent Events; a client that does not read for so long is cut off.
+
+    Args:
+        first: The first piece.
+        chunks: The others; closed when the stream ends, however it does.
+        timeout: Seconds that the client may not read.
+    """
+
+    def __init__(self, first: bytes, chunks: AsyncGenerator[bytes], timeout: float) -> None:
+        headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+        super().__init__(self._pieces(first, chunks), media_type="text/event-stream", headers=headers)
+        self._chunks = chunks
+        self._timeout = timeout
+
+    @staticmethod
+    async def _pieces(first: bytes, chunks: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
+        yield first
+        async for chunk in chunks:
+            yield chunk
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send it."""
+        async with aclosing(self._chunks):
+            try:
+                await super().__call__(scope, receive, lambda message: _send_in_time(send, message, self._timeout))
+            except (TimeoutError, ClientDisconnect):
+                log.debug("a stream of Server-Sent Events was left unfinished")
 
 
 @router.get("/dock/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
@@ -114,19 +154,12 @@ async def _sse(request: Request, gateway: Gateway, goal_id: str) -> Response:
     after = read_after(request.query_params if last is None else {"after": last})
     chunks = _sse_chunks(gateway, goal_id, after, read_max_rate(request.query_params))
     first = await anext(chunks)  # what is wrong is said before the stream begins
-
-    async def stream() -> AsyncIterator[bytes]:
-        yield first
-        async for chunk in chunks:
-            yield chunk
-
-    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    return StreamingResponse(stream(), media_type="text/event-stream", headers=headers)
+    return EventStream(first, chunks, gateway.settings.subscriber_timeout)
 
 
 async def _sse_chunks(
     gateway: Gateway, goal_id: str, after: str | None, max_rate: float | None
-) -> AsyncIterator[bytes]:
+) -> AsyncGenerator[bytes]:
     ended = (await gateway.goal(goal_id)).status.terminal
     subscriber = gateway.hub.subscribe(await read_interest(gateway, {"goal_id": goal_id}))
     try:
