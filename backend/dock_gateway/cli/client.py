@@ -1,8 +1,10 @@
 """`dock-gateway dock`, `cancel`, `stop`, `watch`, `battery`: a client of a running gateway."""
 
 import sys
-from collections.abc import Iterator
+import uuid
+from collections.abc import Iterator, Mapping
 from typing import Any
+from urllib.parse import urlsplit
 
 import click
 import httpx2
@@ -10,6 +12,9 @@ import orjson
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 from websockets.sync.client import connect
 
+from dock_gateway.settings import LOOPBACK_HOSTS
+
+TIMEOUT = 15.0
 TERMINAL = ("succeeded", "canceled", "aborted", "rejected", "lost")
 POWER_SUPPLY_STATUS = {0: "UNKNOWN", 1: "CHARGING", 2: "DISCHARGING", 3: "NOT CHARGING", 4: "FULL"}
 BY_NAME = {name.replace(" ", "_").lower(): number for number, name in POWER_SUPPLY_STATUS.items()}
@@ -39,7 +44,15 @@ class StatusChoice(click.ParamType[int]):
         return self.fail(f"{value!r} is not one of {', '.join(BY_NAME)} or 0 to 255", param, ctx)
 
 
-def call(url: str, method: str, path: str, body: object = None, timeout: float = 15.0) -> Any:
+def on_this_machine(url: str) -> bool:
+    """Whether a gateway is on this very machine, where no proxy leads to."""
+    try:
+        return (urlsplit(url).hostname or "") in LOOPBACK_HOSTS
+    except ValueError:
+        return False
+
+
+def call(url: str, method: str, path: str, body: object = None, headers: Mapping[str, str] | None = None) -> Any:
     """Send a request and return the decoded answer.
 
     Raises:
@@ -50,10 +63,11 @@ def call(url: str, method: str, path: str, body: object = None, timeout: float =
             method,
             f"{url.rstrip('/')}{path}",
             content=None if body is None else orjson.dumps(body),
-            headers={"Content-Type": "application/json"} if body is not None else {},
-            timeout=timeout,
+            headers={**({} if body is None else {"Content-Type": "application/json"}), **(headers or {})},
+            timeout=TIMEOUT,
+            trust_env=not on_this_machine(url),
         )
-    except httpx2.TransportError as error:
+    except (httpx2.TransportError, httpx2.InvalidURL) as error:
         raise click.ClickException(f"no gateway answers at {url} ({error}); start one with `dock-gateway up`") from None
     try:
         answer = orjson.loads(response.content) if response.content else None
@@ -75,7 +89,7 @@ def events(url: str, query: str) -> Iterator[dict[str, Any]]:
     """
     address = f"{url.rstrip('/').replace('http', 'ws', 1)}/ws/feedback{query}"
     try:
-        with connect(address, max_size=None) as stream:
+        with connect(address, max_size=None, proxy=None if on_this_machine(url) else True) as stream:
             for message in stream:
                 yield orjson.loads(message)
     except InvalidHandshake as error:
@@ -143,17 +157,21 @@ def follow(url: str, goal_id: str, *, as_json: bool) -> dict[str, Any]:
 @url_option
 def dock(url: str, status: int, voltage: float | None, percentage: float | None, no_wait: bool, as_json: bool) -> None:
     """Send the robot to its charging dock and show its feedback. Ctrl-C cancels the goal."""
-    desired = {"power_supply_status": status, "voltage": voltage, "percentage": percentage}
-    goal = call(url, "POST", "/dock", {"desired_battery_state": desired})
-    if no_wait:
-        click.echo(orjson.dumps(goal) if as_json else goal["goal_id"])
-        return
-    if not as_json:
-        click.echo(f"goal {goal['goal_id']} accepted")
+    body = {"desired_battery_state": {"power_supply_status": status, "voltage": voltage, "percentage": percentage}}
+    headers = {"Idempotency-Key": str(uuid.uuid4())}
+    goal: dict[str, Any] | None = None
     try:
+        goal = call(url, "POST", "/dock", body, headers)
+        if no_wait:
+            click.echo(orjson.dumps(goal) if as_json else goal["goal_id"])
+            return
+        if not as_json:
+            click.echo(f"goal {goal['goal_id']} accepted")
         goal = follow(url, goal["goal_id"], as_json=as_json)
     except KeyboardInterrupt:
         click.echo("canceling …", err=True)
+        if goal is None:  # it may be on its way to the robot already: the same key tells which one it is
+            goal = call(url, "POST", "/dock", body, headers)
         call(url, "POST", f"/dock/{goal['goal_id']}/cancel")
         goal = follow(url, goal["goal_id"], as_json=as_json)
     if goal["status"] != "succeeded":
