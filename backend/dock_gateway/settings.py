@@ -1,5 +1,6 @@
 """What can be set, each by an environment variable `DOCK_GATEWAY_…` or an option of the command line."""
 
+import re
 from pathlib import Path
 from typing import Annotated, Self
 
@@ -7,6 +8,11 @@ from pydantic import Field, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "::1", "localhost"})
+
+# What ROS takes for a name, for a namespace and for the type of an action.
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+NAMESPACE = re.compile(rf"/?|/?{NAME.pattern}(/{NAME.pattern})*/?")
+ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
 
 Seconds = Annotated[float, Field(gt=0, le=3600)]
 
@@ -108,8 +114,31 @@ class Settings(BaseSettings):
             return value
         return tuple(part.strip().lower() if isinstance(part, str) else part for part in parts if part)
 
+    @field_validator("node_name")
+    @classmethod
+    def _check_node_name(cls, value: str) -> str:
+        if not NAME.fullmatch(value):
+            raise ValueError(f"{value[:100]!r} is no name of a ROS node: letters, digits and _, no digit first")
+        return value
+
+    @field_validator("namespace")
+    @classmethod
+    def _check_namespace(cls, value: str) -> str:
+        if not NAMESPACE.fullmatch(value):
+            raise ValueError(f"{value[:100]!r} is no ROS namespace, such as /robot1: letters, digits, _ and /")
+        return value
+
+    @field_validator("dock_action_type")
+    @classmethod
+    def _check_action_type(cls, value: str) -> str:
+        if not ACTION_TYPE.fullmatch(value):
+            raise ValueError(f"{value[:100]!r} is no type of an action, such as some_package/action/Dock")
+        return value
+
     @model_validator(mode="after")
     def _check(self) -> Self:
+        if self.stalled_after <= self.ping_interval:
+            raise ValueError("ping_interval must be shorter than stalled_after")
         if self.lost_after <= self.stalled_after:
             raise ValueError("lost_after must be longer than stalled_after")
         return self

@@ -51,11 +51,35 @@ def test_the_environment_is_read_and_options_win(monkeypatch: pytest.MonkeyPatch
         ("log_level", "loud"),
         ("lost_after", "2"),
         ("max_goals", "0"),
+        ("ping_interval", "3"),
+        ("node_name", "dock-gateway"),
+        ("node_name", ""),
+        ("node_name", "1st"),
+        ("namespace", "/robot 1"),
+        ("namespace", "/robot1//arm"),
+        ("namespace", "/1st"),
+        ("namespace", "//"),
+        ("dock_action_type", "ConnectToChargingDock"),
+        ("dock_action_type", "some_package/msg/Dock"),
+        ("dock_action_type", "../action/Dock"),
     ],
 )
 def test_wrong_settings_are_refused_by_name(name: str, value: str) -> None:
     with pytest.raises(click.UsageError, match=name):
         read_settings({name: value})
+
+
+@pytest.mark.parametrize("namespace", ["", "/", "robot1", "/robot1", "/fleet/robot_2/", "_x"])
+def test_namespaces(namespace: str) -> None:
+    assert Settings(namespace=namespace).namespace == namespace
+
+
+def test_what_is_wrong_is_said_in_a_plain_sentence() -> None:
+    with pytest.raises(click.UsageError) as refused:
+        read_settings({"namespace": "/robot 1"})
+    assert (
+        refused.value.message == "namespace: '/robot 1' is no ROS namespace, such as /robot1: letters, digits, _ and /"
+    )
 
 
 def test_settings_are_frozen() -> None:
