@@ -15,6 +15,7 @@ import click
 import httpx2
 
 from dock_gateway.cli.options import option_name, read_settings, settings_options
+from dock_gateway.settings import Settings
 
 # The parts get so many seconds to end by themselves.
 END_TIMEOUT = 2.3
@@ -98,6 +99,12 @@ def _announce(url: str, ended: threading.Event) -> None:
             return
 
 
+def own_url(settings: Settings) -> str:
+    """Where the gateway is reached from this machine."""
+    host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(settings.host, settings.host)  # noqa: S104 - every address is ours
+    return f"http://[{host}]:{settings.port}" if ":" in host else f"http://{host}:{settings.port}"
+
+
 @click.command()
 @click.option("--no-sim", is_flag=True, help="No simulated robot: battery states are published by hand.")
 @settings_options
@@ -108,6 +115,8 @@ def up(no_sim: bool, **options: str | None) -> None:
     not move a robot that happens to be on the same network.
     """
     settings = read_settings(options)
+    if settings.port == 0:
+        raise click.UsageError("port: `up` tells where to go before the gateway runs, so it needs a port other than 0")
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     arguments = [f"{option_name(name)}={value}" for name, value in options.items() if value is not None]
     namespace = ["--ros-args", "-r", f"__ns:=/{settings.namespace.strip('/')}"] if settings.namespace.strip("/") else []
@@ -118,8 +127,7 @@ def up(no_sim: bool, **options: str | None) -> None:
         signal.signal(number, lambda *_: ended.set())
     gateway = Part("the gateway", [sys.executable, "-m", "dock_gateway", "serve", *arguments])
     parts = [gateway, Part("the action server", action_server)]
-    host = "127.0.0.1" if settings.host in ("0.0.0.0", "::") else settings.host  # noqa: S104 - where to reach ourselves
-    threading.Thread(target=_announce, args=(f"http://{host}:{settings.port}", ended), daemon=True).start()
+    threading.Thread(target=_announce, args=(own_url(settings), ended), daemon=True).start()
     failed = False
     try:
         while not ended.wait(0.1):
