@@ -1,6 +1,7 @@
 """`dock-gateway serve`: the gateway alone; `dock-gateway openapi`: its OpenAPI document."""
 
 import asyncio
+import importlib
 import logging
 import socket
 
@@ -71,11 +72,30 @@ def run(settings: Settings) -> bool:
     return server.started
 
 
+def check_installed(action_type: str) -> None:
+    """Refuse the type of an action that this Python does not have; only the graph's other actions may lack theirs.
+
+    Raises:
+        click.UsageError: It says what is missing.
+    """
+    package, _, name = action_type.split("/")
+    try:
+        found = hasattr(importlib.import_module(f"{package}.action"), name)
+    except ModuleNotFoundError:
+        found = False
+    if not found:
+        raise click.UsageError(
+            f"dock_action_type: the ROS interfaces {package} with the action {name} are not installed"
+        )
+
+
 @click.command()
 @settings_options
 def serve(**options: str | None) -> None:
     """Run the gateway alone, beside an action server that is there already."""
-    if not run(read_settings(options)):
+    settings = read_settings(options)
+    check_installed(settings.dock_action_type)
+    if not run(settings):
         raise SystemExit(1)
 
 

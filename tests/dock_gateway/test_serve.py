@@ -1,0 +1,22 @@
+"""`dock-gateway serve`: what cannot work is said before anything starts."""
+
+import pytest
+from click.testing import CliRunner
+
+from dock_gateway.cli import main
+from dock_gateway.cli.serve import check_installed
+from dock_gateway.settings import Settings
+
+
+@pytest.mark.parametrize(
+    "action_type", ["no_such_package/action/Dock", "action_tutorials_interfaces/action/Dock", "sensor_msgs/action/Dock"]
+)
+def test_a_docking_action_that_is_not_installed(action_type: str) -> None:
+    result = CliRunner().invoke(main, ["serve", "--dock-action-type", action_type])
+    assert result.exit_code == 2
+    assert "dock_action_type: the ROS interfaces" in result.output
+    assert "Traceback" not in result.output
+
+
+def test_the_default_is_installed() -> None:
+    check_installed(Settings().dock_action_type)
