@@ -148,9 +148,7 @@ def test_a_lost_goal_goes_on_when_its_server_thaws(gateway: RunningGateway, doma
 def test_a_goal_accepted_too_late_is_canceled(domain: int) -> None:
     """The server freezes before the gateway has noticed: the goal waits in its queue, and must not run afterwards."""
     with (
-        running_gateway(
-            domain, accept_timeout="2", ping_interval="30", stalled_after="40", lost_after="60"
-        ) as gateway,
+        running_gateway(domain, accept_timeout="2", ping_interval="30", stalled_after="40", lost_after="60") as gateway,
         running_dock_server(domain) as server,
         gateway.stream() as stream,
     ):
