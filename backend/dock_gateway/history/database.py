@@ -1,6 +1,8 @@
 """The connections to SQLite or PostgreSQL, and transactions on them."""
 
+import asyncio
 import logging
+import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -18,6 +20,8 @@ CONNECT_TIMEOUT = 2.0
 STATEMENT_TIMEOUT = 10.0
 # SQLite: how long another process may hold the lock before a statement fails, to be tried again
 BUSY_MS = 500
+# and for the tables to be made, when several start at the same time
+LOCK_PATIENCE = 1.5
 
 
 class Database:
@@ -73,8 +77,16 @@ class Database:
         """Make the tables, or bring them up to date; several processes may do so at the same time."""
         if self._path is not None:
             self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        await migrate(self._writer)
-        self.prepared = True
+        deadline = time.monotonic() + LOCK_PATIENCE
+        while not self.prepared:
+            try:
+                await migrate(self._writer)
+                self.prepared = True
+            except sa.exc.OperationalError as error:
+                # SQLite does not wait for another process that is making the file; so this one does.
+                if "locked" not in str(error.orig) or time.monotonic() > deadline:
+                    raise
+                await asyncio.sleep(0.05)
 
     @asynccontextmanager
     async def write(self, *, durable: bool = True) -> AsyncIterator[AsyncConnection]:
