@@ -145,6 +145,7 @@ def test_a_command_whose_socket_breaks_is_carried_out_once(gateway: RunningGatew
         ('{"op": "send_goal", "id": "a", "goal": {"desired_battery_state": {"voltage": "x"}}}', "invalid_field", "a"),
         ('{"op": "send_goal", "id": "a", "action": "/nothing", "goal": {}}', "action_not_found", "a"),
         ('{"op": "send_goal", "id": "a", "robot": "/robot9"}', "robot_not_found", "a"),
+        ('{"op": "send_goal", "id": "a", "action": "connect_to_charging_dock"}', "invalid_field", "a"),
         ('{"op": "send_goal", "id": "a", "idempotency_key": ""}', "invalid_field", "a"),
         ('{"op": "cancel_goal", "id": "a"}', "invalid_field", "a"),
         ('{"op": "cancel_goal", "id": "a", "goal_id": "7d9c1c9e-0000-4000-8000-000000000000"}', "goal_not_found", "a"),

@@ -51,7 +51,7 @@ async def get_battery(gateway: TheGateway, robot: RobotQuery = None) -> Response
 )
 async def publish_battery(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Publish one battery state; floats that are left out are NaN."""
-    state = await gateway.robots.get(robot).publisher.publish(await read_json(request, empty={}))
+    state = await gateway.robots.get(robot).publisher.publish(await read_json(request))
     return json_response({"state": fragment(state)})
 
 

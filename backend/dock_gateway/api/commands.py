@@ -56,14 +56,13 @@ def check_fields(fields: Fields, texts: tuple[str, ...] = (), others: tuple[str,
 
 async def _send_goal(gateway: Gateway, fields: Fields) -> Fields:
     check_fields(fields, ("action", "robot", "idempotency_key"), ("goal",))
-    name, robot, default = fields.get("action"), fields.get("robot"), {}
+    name, robot, goal = fields.get("action"), fields.get("robot"), fields.get("goal")
     if name is None:
-        action, default = await gateway.dock_of(robot), CHARGING
+        action, goal = await gateway.dock_of(robot), CHARGING if goal is None else goal
     else:
         namespace = None if robot is None else gateway.robots.get(robot).namespace
         action = await gateway.actions.find(gateway.settings.resolve(name, namespace))
-    goal = fields.get("goal")
-    message = action.port.goal_codec.parse(default if goal is None else goal, "goal" if goal is not None else "")
+    message = action.port.goal_codec.parse(goal, "goal")
     key = fields.get("idempotency_key")
     return {"goal": (await action.goals.submit(message, check_key(key, "idempotency_key"))).document()}
 
