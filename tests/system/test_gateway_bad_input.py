@@ -165,7 +165,7 @@ def test_streams_that_cannot_be_opened(gateway: RunningGateway, query: str) -> N
     with pytest.raises(InvalidStatus) as refused, gateway.stream(query):
         pass
     assert refused.value.response.status_code in (404, 422)
-    assert json.loads(refused.value.response.body)["code"] in ("goal_not_found", "invalid_field")
+    assert json.loads(refused.value.response.body)["code"] in ("goal_not_found", "robot_not_found", "invalid_field")
 
 
 def test_a_stream_from_a_foreign_page_is_refused(gateway: RunningGateway) -> None:
