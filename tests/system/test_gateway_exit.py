@@ -195,7 +195,7 @@ def test_up_on_a_port_that_is_taken_says_so(domain: int) -> None:
         with Process(str(BIN / "dock-gateway"), "up", "--port", port, env=ros_environment(domain)) as process:
             assert process.wait(20) == 1
             assert "address already in use" in process.output
-            assert "could not be started" in process.output
+            assert "--port takes another" in process.output
 
 
 def test_up_stays_on_this_machine_unless_told_otherwise(domain: int) -> None:

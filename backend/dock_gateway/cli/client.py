@@ -68,7 +68,10 @@ def call(url: str, method: str, path: str, body: object = None, headers: Mapping
             trust_env=not on_this_machine(url),
         )
     except (httpx2.TransportError, httpx2.InvalidURL) as error:
-        raise click.ClickException(f"no gateway answers at {url} ({error}); start one with `dock-gateway up`") from None
+        raise click.ClickException(
+            f"no gateway answers at {url} ({error}); "
+            "start one with `dock-gateway up`, or name another with --url or DOCK_GATEWAY_URL"
+        ) from None
     try:
         answer = orjson.loads(response.content) if response.content else None
     except orjson.JSONDecodeError:

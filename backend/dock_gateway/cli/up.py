@@ -4,6 +4,7 @@ import ctypes
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -105,6 +106,26 @@ def own_url(settings: Settings) -> str:
     return f"http://[{host}]:{settings.port}" if ":" in host else f"http://{host}:{settings.port}"
 
 
+def require_free_port(settings: Settings) -> None:
+    """Refuse to start beside someone else on the same port, before anything is started.
+
+    Raises:
+        click.ClickException: The port cannot be listened on.
+    """
+    family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
+    with socket.socket(family) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((settings.host, settings.port))
+            probe.listen()
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise click.ClickException(
+                f"cannot listen on {settings.host} port {settings.port}: {reason}; is a gateway running already? "
+                "--port takes another"
+            ) from None
+
+
 @click.command()
 @click.option("--no-sim", is_flag=True, help="No simulated robot: battery states are published by hand.")
 @settings_options
@@ -117,6 +138,7 @@ def up(no_sim: bool, **options: str | None) -> None:
     settings = read_settings(options)
     if settings.port == 0:
         raise click.UsageError("port: `up` tells where to go before the gateway runs, so it needs a port other than 0")
+    require_free_port(settings)
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     arguments = [f"{option_name(name)}={value}" for name, value in options.items() if value is not None]
     namespace = ["--ros-args", "-r", f"__ns:=/{settings.namespace.strip('/')}"] if settings.namespace.strip("/") else []

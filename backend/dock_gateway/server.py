@@ -1,0 +1,68 @@
+"""The server process: uvicorn with our farewell and our short way to WebSockets."""
+
+import asyncio
+import logging
+import socket
+
+import uvicorn
+
+from dock_gateway.api.frames import FramesProtocol
+from dock_gateway.app import create_app
+from dock_gateway.gateway import Gateway
+from dock_gateway.settings import LOOPBACK_HOSTS, Settings
+
+log = logging.getLogger(__name__)
+
+# Answers under way get so many seconds when the process is told to end.
+GRACE = 1
+
+
+class Server(uvicorn.Server):
+    """uvicorn, which says where it listens and lets streams say goodbye before it closes their connections."""
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start, and log the address."""
+        await super().startup(sockets)
+        for listener in (listener for server in self.servers for listener in server.sockets):
+            host, port = listener.getsockname()[:2]
+            log.info("listening on http://%s:%d", f"[{host}]" if ":" in host else host, port)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End every stream with a reason, then everything else."""
+        gateway: Gateway | None = getattr(self.config.app.state, "gateway", None)  # type: ignore[union-attr]
+        if gateway is not None:
+            gateway.say_goodbye()
+            await asyncio.sleep(0.1)
+        await super().shutdown(sockets)
+
+
+def _log_config(level: str) -> None:
+    logging.basicConfig(level=level.upper(), format="[%(levelname)s] [%(asctime)s] [%(name)s]: %(message)s")
+    for noisy in ("alembic", "asyncio", "httpcore", "httpx2", "websockets"):
+        logging.getLogger(noisy).setLevel(logging.WARNING)
+    if level != "debug":
+        logging.getLogger("uvicorn").setLevel(logging.WARNING)
+
+
+def run(settings: Settings) -> bool:
+    """Serve until a signal comes; False where the server could not be started."""
+    _log_config(settings.log_level)
+    if settings.host not in LOOPBACK_HOSTS:
+        log.warning(
+            "listening on %s: everyone who reaches this machine on the network can move the robot",
+            settings.host,
+        )
+    config = uvicorn.Config(
+        create_app(settings),
+        host=settings.host,
+        port=settings.port,
+        ws=FramesProtocol,
+        ws_max_size=settings.max_body_bytes,
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=GRACE,
+        log_config=None,
+        server_header=False,
+    )
+    server = Server(config)
+    server.run()
+    return server.started
