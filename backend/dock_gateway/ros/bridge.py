@@ -1,33 +1,30 @@
-"""The only place where the ROS thread and the asyncio loop meet: one crossing each way.
+"""The only place where ROS's threads and the asyncio loop meet: one crossing each way.
 
-rclpy's clients, publishers and subscriptions are touched on the ROS thread alone; the loop is touched from there
-through `call_soon_threadsafe` alone. Nobody else needs to know that there are two threads.
+rclpy's clients, publishers and subscriptions are made, used and destroyed on the ROS thread alone; what subscriptions
+hear comes from a listener's thread. The loop is touched from there through `call_soon_threadsafe` alone. Nobody else
+needs to know that there are threads.
 """
 
 import asyncio
 import logging
 import os
-import threading
-import time
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import rclpy
 from rclpy.client import Client
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
-from rclpy.node import Node
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future as RosFuture
 
 from dock_gateway.errors import Unavailable
+from dock_gateway.ros.listener import Listener, ListeningNode
+from dock_gateway.ros.threads import RosThread
 
 log = logging.getLogger(__name__)
 
 T = TypeVar("T")
-
-# So many crashes of the spinning thread within so many seconds, and it is given up.
-MAX_CRASHES, CRASH_WINDOW = 5, 10.0
 
 
 class PendingCall:
@@ -55,7 +52,7 @@ class PendingCall:
 
 
 class Bridge:
-    """An rclpy context, node and executor, spun in a thread of their own.
+    """An rclpy context, node and executor, spun in a thread of their own, and a listener for the node's subscriptions.
 
     Args:
         node_name: Name of the node.
@@ -66,46 +63,27 @@ class Bridge:
         self._loop = asyncio.get_running_loop()
         self._context = Context()
         rclpy.init(args=None, context=self._context, signal_handler_options=SignalHandlerOptions.NO)
-        self.node = Node(node_name, namespace=namespace or None, context=self._context)
+        self._listener = Listener(self._context)
+        self.node = ListeningNode(node_name, namespace or None, self._context, self._listener)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
-        self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
-        self._stopping = False
+        self._thread = RosThread("ros", self._executor.spin)
 
     @property
     def alive(self) -> bool:
-        """Whether the ROS thread runs."""
-        return self._thread.is_alive() and not self._stopping
+        """Whether both ROS threads run."""
+        return self._thread.alive and self._listener.alive
 
     def start(self) -> None:
         """Spin from now on. Publishers, clients and subscriptions are best created before."""
         self._thread.start()
-
-    def _spin(self) -> None:
-        crashes: list[float] = []
-        while not self._stopping:
-            try:
-                self._executor.spin()
-            except ExternalShutdownException:
-                return
-            except Exception:
-                if self._stopping:
-                    return
-                log.exception("the ROS thread hit an error and goes on")
-                now = time.monotonic()
-                crashes = [at for at in crashes if now - at < CRASH_WINDOW] + [now]
-                if len(crashes) >= MAX_CRASHES:
-                    log.critical("the ROS thread failed %d times in %.0f s and is given up", len(crashes), CRASH_WINDOW)
-                    return
+        self._listener.start()
 
     def close(self) -> None:
         """Stop spinning and leave the ROS graph; blocks for a moment."""
-        self._stopping = True
+        self._thread.stopping = True
         self._executor.shutdown(timeout_sec=0.5)
-        if self._thread.is_alive():
-            self._thread.join(1.0)
-        if self._thread.is_alive():
-            log.warning("the ROS thread did not end; leaving it behind")
+        if not (self._listener.close() and self._thread.end()):
             return
         self.node.destroy_node()
         self._context.try_shutdown()
@@ -197,6 +175,7 @@ def guard(callback: Callable[..., None]) -> Callable[..., None]:
         except Exception:
             log.exception("an error in a ROS callback")
 
+    guarded.guarded = True  # type: ignore[attr-defined]
     return guarded
 
 

@@ -1,0 +1,96 @@
+"""Subscriptions that are heard beside rclpy's executor."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.qos import QoSProfile
+from std_msgs.msg import Int32
+
+from dock_gateway.ros.bridge import guard
+from dock_gateway.ros.listener import Listener, ListeningNode
+
+pytestmark = pytest.mark.ros
+
+
+@pytest.fixture
+def node(domain: int) -> Iterator[ListeningNode]:
+    context = Context()
+    rclpy.init(context=context, domain_id=domain)
+    listener = Listener(context)
+    node = ListeningNode("listening", None, context, listener)
+    listener.start()
+    yield node
+    assert listener.alive
+    assert listener.close()
+    node.destroy_node()
+    context.try_shutdown()
+
+
+def wait_for(condition: Callable[[], bool], timeout: float = 10.0) -> None:
+    deadline = time.monotonic() + timeout
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def test_every_message_is_heard_in_order_with_its_timestamp(node: ListeningNode) -> None:
+    heard: list[tuple[int, int, str]] = []
+
+    def hear(message: Any, info: dict[str, Any]) -> None:
+        heard.append((message.data, info["source_timestamp"], threading.current_thread().name))
+        if message.data == 7:
+            raise ValueError("it goes on")
+
+    publisher = node.create_publisher(Int32, "numbers", QoSProfile(depth=1000))
+    node.create_subscription(Int32, "numbers", guard(hear), QoSProfile(depth=1000))
+    wait_for(lambda: publisher.get_subscription_count() == 1)
+    for number in range(500):
+        publisher.publish(Int32(data=number))
+    wait_for(lambda: len(heard) == 500)
+    assert [number for number, _, _ in heard] == list(range(500))
+    assert [stamp for _, stamp, _ in heard] == sorted(stamp for _, stamp, _ in heard)
+    assert {thread for _, _, thread in heard} == {"ros-listener"}
+
+
+def test_subscriptions_come_and_go_while_messages_do(node: ListeningNode) -> None:
+    publisher = node.create_publisher(Int32, "numbers", QoSProfile(depth=10))
+    stop = threading.Event()
+
+    def publish() -> None:
+        while not stop.wait(0.0005):
+            publisher.publish(Int32(data=1))
+
+    heard: list[int] = []
+    talking = threading.Thread(target=publish)
+    talking.start()
+    try:
+        for _ in range(30):
+            heard.clear()
+            subscription = node.create_subscription(
+                Int32, "numbers", guard(lambda message, _: heard.append(message.data)), 10
+            )
+            wait_for(lambda: len(heard) > 3)
+            assert node.destroy_subscription(subscription)
+    finally:
+        stop.set()
+        talking.join()
+
+
+def test_subscriptions_without_guard_are_left_to_the_executor(node: ListeningNode) -> None:
+    heard: list[int] = []
+    publisher = node.create_publisher(Int32, "numbers", 10)
+    subscription = node.create_subscription(Int32, "numbers", lambda message: heard.append(message.data), 10)
+    wait_for(lambda: publisher.get_subscription_count() == 1)
+    publisher.publish(Int32(data=3))
+    time.sleep(0.2)
+    assert heard == []
+    executor = rclpy.executors.SingleThreadedExecutor(context=node.context)
+    executor.add_node(node)
+    wait_for(lambda: executor.spin_once(0.1) is None and heard == [3])
+    executor.shutdown()
+    assert node.destroy_subscription(subscription)
