@@ -58,7 +58,7 @@ class Gateway(System):
                 time.sleep(0.01)
             else:
                 return
-        raise Impossible(f"it did not start: {self.process.output[:300]}")
+        raise Impossible(f"it did not start: {self.process.output[-600:]}")
 
     def _until_accepted(self) -> None:
         deadline = time.monotonic() + START_TIMEOUT
@@ -70,7 +70,7 @@ class Gateway(System):
             except OSError:
                 pass
             time.sleep(0.02)
-        raise Impossible(f"no goal was accepted within {START_TIMEOUT:g} s: {self.process.output[:300]}")
+        raise Impossible(f"no goal was accepted within {START_TIMEOUT:g} s: {self.process.output[-600:]}")
 
     async def submit(self) -> Timing:
         """One goal to its acceptance, another one to its result."""
