@@ -17,6 +17,7 @@ from dock_gateway.liveness import ServerState, ServerWatch
 from dock_gateway.ros.actions import ActionPort
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
+from dock_gateway.ros.interfaces import install_hint
 from dock_gateway.service import GoalService
 from dock_gateway.settings import Settings
 from dock_gateway.tracker import GoalTracker
@@ -152,9 +153,7 @@ class ActionRegistry:
             await self.open(name, types[0])
         except ImportError as error:
             package = types[0].partition("/")[0]
-            wheel = f"ros-jazzy-{package.replace('_', '-')}"
-            hint = f"install the Python package of the ROS interfaces {package} (such as {wheel})"
-            self._uninstalled[name] = Uninstalled(name, types[0], hint)
+            self._uninstalled[name] = Uninstalled(name, types[0], install_hint(package))
             log.info("action %s is there and cannot be used: %s", name, error)
 
     async def _forget(self, action: Action) -> None:

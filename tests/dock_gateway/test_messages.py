@@ -1,6 +1,8 @@
 """ROS messages to JSON and back, from the definitions themselves."""
 
+import importlib
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,15 +10,25 @@ import orjson
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseWithCovariance
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from sensor_msgs.msg import BatteryState, RegionOfInterest
-from std_msgs.msg import ByteMultiArray, UInt8MultiArray
+from jsonschema import Draft202012Validator
+from nav_msgs.msg import OccupancyGrid
+from rcl_interfaces.msg import ParameterDescriptor, ParameterValue
+from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import BatteryState, Image, JoyFeedback, NavSatStatus, PointField, RegionOfInterest
+from shape_msgs.msg import SolidPrimitive
+from std_msgs.msg import ByteMultiArray, Char, Empty, Int64, UInt8MultiArray, UInt64, UInt64MultiArray
+from test_msgs.action import NestedMessage
+from test_msgs.msg import Defaults, MultiNested, WStrings
+from type_description_interfaces.msg import FieldType
 from unique_identifier_msgs.msg import UUID
 
 from action_tutorials_interfaces.action import ConnectToChargingDock, Fibonacci
 from dock_gateway.errors import InvalidField
-from dock_gateway.ros.messages import MAX_ERRORS, codec, load_action
+from dock_gateway.ros.fields import MAX_ERRORS
+from dock_gateway.ros.messages import codec
+from tests.support.messages import alike, documents
 
 
 def round_trip(message_class: type[Any], value: dict[str, Any]) -> Any:
@@ -50,6 +62,14 @@ def test_unset_floats_are_nan_where_the_message_asks_for_it_also_inside_another(
     assert pose.pose.position.x == 0.0
 
 
+def test_the_largest_float32_goes_there_and_back() -> None:
+    largest = float(np.finfo(np.float32).max)
+    value = round_trip(BatteryState, {"voltage": largest, "cell_voltage": [-largest]})
+    assert value["voltage"] == 3.4028235e38
+    message = through_cdr(codec(BatteryState).parse(value))
+    assert (message.voltage, list(message.cell_voltage)) == (largest, [-largest])
+
+
 def test_infinity_from_ros_is_null() -> None:
     assert orjson.loads(codec(BatteryState).encode(BatteryState(voltage=math.inf)))["voltage"] is None
 
@@ -78,7 +98,7 @@ def test_nested_messages_and_octets() -> None:
 
 
 def test_fixed_arrays_have_their_length() -> None:
-    with pytest.raises(InvalidField, match="uuid: expected an array of 16 items, got 3"):
+    with pytest.raises(InvalidField, match="uuid: expected an array of 16 items, or base64, got 3"):
         codec(UUID).parse({"uuid": [1, 2, 3]})
     assert len(codec(PoseWithCovariance).parse({"covariance": [0.5] * 36}).covariance) == 36
 
@@ -110,18 +130,164 @@ def test_any_json_is_a_message_or_a_clear_error(value: Any) -> None:
     assert all(refusals)
 
 
-def test_schemas() -> None:
-    schema = codec(BatteryState).schema()
-    assert schema["properties"]["power_supply_status"] == {"type": "integer", "minimum": 0, "maximum": 255}
-    assert schema["properties"]["voltage"]["type"] == ["number", "null"]
-    assert "required" not in schema
-    complete = codec(BatteryState).schema(complete=True)
-    assert complete["required"] == list(complete["properties"])
-    assert complete["properties"]["header"]["properties"]["stamp"]["required"] == ["sec", "nanosec"]
+PACKAGES = (
+    *("diagnostic_msgs", "geometry_msgs", "nav_msgs", "sensor_msgs", "shape_msgs", "std_msgs", "test_msgs"),
+    *("trajectory_msgs", "visualization_msgs", "rcl_interfaces", "type_description_interfaces", "action_msgs"),
+)
+EVERY_MESSAGE = [
+    message_class
+    for package in PACKAGES
+    for message_class in vars(importlib.import_module(f"{package}.msg")).values()
+    if hasattr(message_class, "SLOT_TYPES")
+]
+ACTIONS = [ConnectToChargingDock, Fibonacci, NestedMessage]
+EVERY_MESSAGE += [part for action in ACTIONS for part in (action.Goal, action.Result, action.Feedback)]
 
 
-def test_action_types_by_name() -> None:
-    assert load_action("action_tutorials_interfaces/action/Fibonacci") is Fibonacci
-    for unknown in ("action_tutorials_interfaces/action/Nope", "nope_msgs/action/Nope", "nonsense", ""):
-        with pytest.raises(ImportError):
-            load_action(unknown)
+def through_cdr(message: Any) -> Any:
+    return deserialize_message(serialize_message(message), type(message))
+
+
+def errors_of(message_class: type[Any], value: Any) -> list[str]:
+    with pytest.raises(InvalidField) as refused:
+        codec(message_class).parse(value)
+    return [f"{error['path']}: {error['expected']}, {error['detail']}" for error in refused.value.extra["errors"]]
+
+
+@pytest.mark.parametrize("message_class", EVERY_MESSAGE, ids=lambda message_class: message_class.__name__)
+def test_any_message_to_cdr_and_back_within_its_schemas(message_class: type[Any]) -> None:
+    compiled = codec(message_class)
+    takes, writes = Draft202012Validator(compiled.schema()), Draft202012Validator(compiled.schema(complete=True))
+    for validator in (takes, writes):
+        validator.check_schema(validator.schema)
+
+    @settings(max_examples=20, deadline=None, suppress_health_check=list(HealthCheck))
+    @given(documents(message_class))
+    def round_trips(document: dict[str, Any]) -> None:
+        takes.validate(document)
+        message = compiled.parse(document)
+        received = through_cdr(message)
+        assert alike(received, message)
+        text = compiled.encode(received)
+        writes.validate(orjson.loads(text))
+        assert alike(through_cdr(compiled.parse(orjson.loads(text))), received)
+
+    round_trips()
+
+
+def test_an_empty_message() -> None:
+    assert codec(Empty).encode(codec(Empty).parse({})) == b"{}"
+    assert errors_of(Empty, {"data": 1}) == ["data: no fields, got an unknown field"]
+
+
+def test_defaults_of_the_definition_stay_where_nothing_is_given() -> None:
+    assert alike(codec(Defaults).parse({}), Defaults())
+    assert round_trip(Defaults, {"int8_value": 1})["uint64_value"] == 50000000
+
+
+@pytest.mark.parametrize("message_class", [Int64, UInt64])
+def test_integers_that_a_double_cannot_hold_are_strings_and_taken_both_ways(message_class: type[Any]) -> None:
+    safe, high = 2**53 - 1, 2**63 - 1
+    assert round_trip(message_class, {"data": safe}) == {"data": safe}
+    for given_as in (safe + 1, str(safe + 1)):
+        assert round_trip(message_class, {"data": given_as}) == {"data": "9007199254740992"}
+    assert codec(message_class).parse({"data": str(high)}).data == high
+    for text in ("", "1.0", "1e3", " 1", "0x1", "\u0661", "007", str(2**64), "9" * 100):
+        (error,) = errors_of(message_class, {"data": text})
+        assert error.startswith("data: ")
+        assert error.endswith(f"as a number or a decimal string), got {text[:40]!r}")
+    assert errors_of(UInt64, {"data": "-1"})
+    assert codec(Int64).parse({"data": str(-(2**63))}).data == -(2**63)
+    assert round_trip(Int64, {"data": -(2**53)}) == {"data": str(-(2**53))}
+
+
+@pytest.mark.parametrize("count", [2, 100])
+def test_arrays_of_64_bit_integers(count: int) -> None:
+    numbers = [0, 2**64 - 1] * (count // 2)
+    assert round_trip(UInt64MultiArray, {"data": numbers})["data"] == [0, "18446744073709551615"] * (count // 2)
+    assert round_trip(UInt64MultiArray, {"data": [str(number) for number in numbers]})["data"][1] == str(2**64 - 1)
+    assert round_trip(UInt64MultiArray, {"data": [5] * count})["data"] == [5] * count
+
+
+def test_bytes_as_numbers_and_as_base64() -> None:
+    assert bytes(codec(Image).parse({"data": "AAH/"}).data) == b"\x00\x01\xff"
+    assert codec(ByteMultiArray).parse({"data": "AAH/"}).data == [b"\x00", b"\x01", b"\xff"]
+    assert round_trip(UUID, {"uuid": "AAECAwQFBgcICQoLDA0ODw=="}) == {"uuid": list(range(16))}
+    assert len(codec(Image).parse({"data": [7] * 200_000}).data) == 200_000
+    assert errors_of(UUID, {"uuid": "AAEC"}) == ["uuid: an array of 16 items, or base64, got 3"]
+    for text in ("A", "AAEC\n", "é", "-_-_"):
+        (error,) = errors_of(Image, {"data": text})
+        assert "got a string that is not base64" in error
+    assert errors_of(OccupancyGrid, {"data": "AAEC"}) == ["data: an array of at most 10000 items, got a string"]
+
+
+def test_numbers_of_an_array_are_looked_at_one_by_one_where_one_is_wrong() -> None:
+    assert errors_of(Image, {"data": [0, 256, True, 1.0]}) == [
+        "data.1: uint8 (0 to 255), got 256",
+        "data.2: uint8 (0 to 255), got a boolean",
+        "data.3: uint8 (0 to 255), got 1.0",
+    ]
+    assert errors_of(BatteryState, {"cell_voltage": [1.0, 1e39]}) == [
+        "cell_voltage.1: float32 (-3.4e38 to 3.4e38) or null, got 1e+39"
+    ]
+    assert errors_of(SolidPrimitive, {"dimensions": [math.inf]}) == ["dimensions.0: float64 or null, got inf"]
+    assert [math.isnan(volts) for volts in codec(BatteryState).parse({"cell_voltage": [None, 4]}).cell_voltage] == [
+        True,
+        False,
+    ]
+
+
+def test_bounds() -> None:
+    assert errors_of(SolidPrimitive, {"dimensions": [1.0] * 4}) == ["dimensions: an array of at most 3 items, got 4"]
+    assert errors_of(FieldType, {"nested_type_name": "x" * 256}) == [
+        "nested_type_name: a string of at most 255 characters, got 256"
+    ]
+    assert errors_of(ParameterDescriptor, {"integer_range": [{}, {"step": -1}]}) == [
+        "integer_range: an array of at most 1 items, got 2"
+    ]
+    (error,) = errors_of(ParameterDescriptor, {"integer_range": [{"step": -1}]})
+    assert error.startswith("integer_range.0.step: uint64 (0 to 18446744073709551615")
+    assert errors_of(WStrings, {"wstring_value": "a\0b"}) == ["wstring_value: a string without NUL characters, got one"]
+
+
+def test_char_octet_and_wide_strings() -> None:
+    assert round_trip(Char, {"data": 255}) == {"data": 255}
+    assert round_trip(ParameterValue, {"byte_array_value": [1, 2]})["byte_array_value"] == [1, 2]
+    assert round_trip(WStrings, {"wstring_value": "ハローワールド"})["wstring_value"] == "ハローワールド"
+
+
+def test_deep_nesting_names_the_whole_path() -> None:
+    value = {"unbounded_sequence_of_unbounded_sequences": [{}, {"basic_types_values": [{"int8_value": 128}]}]}
+    assert errors_of(MultiNested, value) == [
+        "unbounded_sequence_of_unbounded_sequences.1.basic_types_values.0.int8_value: int8 (-128 to 127), got 128"
+    ]
+
+
+@pytest.mark.parametrize("name", ["CHARGING", "charging", "Charging", "POWER_SUPPLY_STATUS_CHARGING"])
+def test_constants_by_name(name: str) -> None:
+    message = codec(ConnectToChargingDock.Goal).parse({"desired_battery_state": {"power_supply_status": name}})
+    assert message.desired_battery_state.power_supply_status == 1
+
+
+def test_a_name_that_is_none_of_the_constants() -> None:
+    path = "desired_battery_state.power_supply_status"
+    for name in ("GOOD", "STATUS_CHARGING", "1", ""):
+        assert errors_of(ConnectToChargingDock.Goal, {"desired_battery_state": {"power_supply_status": name}}) == [
+            f"{path}: uint8 (0 to 255) or one of UNKNOWN, CHARGING, DISCHARGING, NOT_CHARGING, FULL, got {name!r}"
+        ]
+
+
+def test_constants_belong_to_the_field_they_are_named_after_and_nothing_is_guessed() -> None:
+    assert codec(NavSatStatus).parse({"status": "no_fix", "service": "GALILEO"}).status == -1
+    assert codec(JoyFeedback).parse({"type": "RUMBLE"}).type == 1
+    assert errors_of(NavSatStatus, {"service": "NO_FIX"})
+    assert errors_of(NavSatStatus, {"status": "_DEFAULT"})
+    assert errors_of(JoyFeedback, {"id": "RUMBLE"}) == ["id: uint8 (0 to 255), got a string"]
+    assert errors_of(PointField, {"datatype": "UINT8"}) == ["datatype: uint8 (0 to 255), got a string"]
+    assert errors_of(DiagnosticStatus, {"level": "WARN"}) == ["level: octet (0 to 255), got a string"]
+
+
+def test_the_compiled_code_and_a_field_called_m() -> None:
+    inertia = importlib.import_module("geometry_msgs.msg").Inertia
+    assert round_trip(inertia, {"m": 2.5})["m"] == 2.5
+    assert Path(codec(inertia).document.__code__.co_filename).name == "<string>"

@@ -5,6 +5,7 @@ from typing import Any
 
 import orjson
 import pytest
+from openapi_spec_validator import OpenAPIV31SpecValidator, validate
 
 from dock_gateway.app import create_app
 from dock_gateway.settings import Settings
@@ -22,6 +23,14 @@ def references(value: object) -> set[str]:
         own = {value["$ref"]} if isinstance(value.get("$ref"), str) else set()
         return own.union(*(references(item) for item in value.values()))
     return set().union(*(references(item) for item in value)) if isinstance(value, list) else set()
+
+
+def test_it_is_a_valid_openapi_3_1_document(document: dict[str, Any]) -> None:
+    assert document["openapi"].startswith("3.1")
+    plain = orjson.loads(orjson.dumps(document))
+    validate(plain, cls=OpenAPIV31SpecValidator)
+    plain["components"]["schemas"]["BatteryState"]["type"] = "battery"
+    assert list(OpenAPIV31SpecValidator(plain).iter_errors())
 
 
 def test_every_reference_has_its_schema(document: dict[str, Any]) -> None:
@@ -45,6 +54,8 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("post", "/actions/{name}/goals/{goal_id}/cancel"),
         ("get", "/actions/{name}/goals/{goal_id}/events"),
         ("get", "/dock/{goal_id}/events"),
+        ("get", "/interfaces"),
+        ("get", "/interfaces/{package}/action/{name}"),
         ("get", "/battery"),
         ("post", "/battery"),
         ("get", "/battery/publisher"),
@@ -67,6 +78,10 @@ def test_the_battery_comes_from_the_ros_definition(document: dict[str, Any]) -> 
     schemas = document["components"]["schemas"]
     assert schemas["BatteryState"]["required"] == list(schemas["BatteryStateInput"]["properties"])
     assert "required" not in schemas["BatteryStateInput"]
+    for name in ("BatteryState", "BatteryStateInput"):
+        voltage = schemas[name]["properties"]["voltage"]
+        assert voltage["description"] == "Voltage in Volts (Mandatory)"
+        assert voltage["x-unit"] == "V"
 
 
 def test_events_are_told_apart_by_their_type(document: dict[str, Any]) -> None:

@@ -48,17 +48,48 @@ def _build(app: FastAPI) -> dict[str, Any]:
             },
         },
     }
-    schemas["BatteryState"] = codec(BatteryState).schema(complete=True) | {
-        "description": "sensor_msgs/BatteryState; null is NaN: not measured."
-    }
-    schemas["BatteryStateInput"] = codec(BatteryState).schema() | {
-        "title": "BatteryStateInput",
-        "description": "sensor_msgs/BatteryState; what is left out is NaN (floats) or the default, null is NaN.",
-    }
+    _add_message(schemas, "BatteryState", "null is NaN: not measured.", complete=True)
+    _add_message(
+        schemas,
+        "BatteryStateInput",
+        "What is left out is NaN (floats) or the default, null is NaN; constants are also taken by name (CHARGING).",
+        complete=False,
+    )
     for unused in ("HTTPValidationError", "ValidationError"):
         schemas.pop(unused, None)
     document["components"]["schemas"] = dict(sorted(schemas.items()))
     return document
+
+
+def _add_message(schemas: dict[str, Any], name: str, note: str, *, complete: bool) -> None:
+    """Add BatteryState, and the messages inside of it, each as a component of its own."""
+    schema = codec(BatteryState).schema(complete=complete)
+    suffix = "" if complete else "Input"
+
+    def refer(value: Any) -> Any:
+        if isinstance(value, list):
+            return [refer(item) for item in value]
+        if not isinstance(value, dict):
+            return value
+        return {
+            key: f"{item.replace('#/$defs/', '#/components/schemas/')}{suffix}" if key == "$ref" else refer(item)
+            for key, item in _plain(value).items()
+        }
+
+    for nested, definition in schema.pop("$defs").items():
+        schemas[f"{nested}{suffix}"] = refer(definition)
+    schemas[name] = refer(schema) | {"title": name, "description": f"sensor_msgs/BatteryState. {note}"}
+
+
+def _plain(schema: dict[str, Any]) -> dict[str, Any]:
+    """Without what generators of types make too much of.
+
+    They take a field with a default for one that is always there, and numbers that may be given by name for text.
+    """
+    schema = {key: value for key, value in schema.items() if key != "default"}
+    if "x-constants" in schema and "anyOf" in schema:
+        schema |= next(option for option in schema.pop("anyOf") if option.get("type") == "integer")
+    return schema
 
 
 def battery_body(*, required: bool, wrapped: str | None = None) -> dict[str, Any]:

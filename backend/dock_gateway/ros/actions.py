@@ -18,7 +18,8 @@ from unique_identifier_msgs.msg import UUID
 
 from dock_gateway.goals import FROM_ROS, GoalStatus, Json
 from dock_gateway.ros.bridge import Bridge, PendingCall, guard
-from dock_gateway.ros.messages import codec, load_action
+from dock_gateway.ros.interfaces import load_action
+from dock_gateway.ros.messages import codec
 
 # At 3,000 Hz a depth of 10 lost messages on a busy machine; 1,000 lost none.
 FEEDBACK_DEPTH = 1000

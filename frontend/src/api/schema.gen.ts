@@ -237,6 +237,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/interfaces": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Interfaces
+         * @description The action types in the ament index; one that this Python cannot import says what to install.
+         */
+        get: operations["list_interfaces"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/interfaces/{package}/action/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Interface
+         * @description JSON Schema of goal, result and feedback, with the definition's comments, units, constants and defaults.
+         */
+        get: operations["get_interface"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/battery": {
         parameters: {
             query?: never;
@@ -413,6 +453,26 @@ export interface components {
             running_goals: number;
         };
         /**
+         * ActionInterface
+         * @description JSON Schema (draft 2020-12) of an action's messages: the goal as it is taken, the rest as it is written.
+         */
+        ActionInterface: {
+            /** Type */
+            type: string;
+            /** Goal */
+            goal: {
+                [key: string]: unknown;
+            };
+            /** Result */
+            result: {
+                [key: string]: unknown;
+            };
+            /** Feedback */
+            feedback: {
+                [key: string]: unknown;
+            };
+        };
+        /**
          * ActionList
          * @description The actions on the graph.
          */
@@ -487,62 +547,130 @@ export interface components {
         };
         /**
          * BatteryState
-         * @description sensor_msgs/BatteryState; null is NaN: not measured.
+         * @description sensor_msgs/BatteryState. null is NaN: not measured.
          */
         BatteryState: {
-            /** Header */
-            header: {
-                /** Time */
-                stamp: {
-                    sec: number;
-                    nanosec: number;
-                };
-                frame_id: string;
-            };
+            header: components["schemas"]["std_msgs.msg.Header"];
+            /**
+             * Format: float
+             * @description Voltage in Volts (Mandatory)
+             */
             voltage: number | null;
+            /**
+             * Format: float
+             * @description Temperature in Degrees Celsius (If unmeasured NaN)
+             */
             temperature: number | null;
+            /**
+             * Format: float
+             * @description Negative when discharging (A)  (If unmeasured NaN)
+             */
             current: number | null;
+            /**
+             * Format: float
+             * @description Current charge in Ah  (If unmeasured NaN)
+             */
             charge: number | null;
+            /**
+             * Format: float
+             * @description Capacity in Ah (last full capacity)  (If unmeasured NaN)
+             */
             capacity: number | null;
+            /**
+             * Format: float
+             * @description Capacity in Ah (design capacity)  (If unmeasured NaN)
+             */
             design_capacity: number | null;
+            /**
+             * Format: float
+             * @description Charge percentage on 0 to 1 range  (If unmeasured NaN)
+             */
             percentage: number | null;
+            /** @description The charging status as reported. Values defined above */
             power_supply_status: number;
+            /** @description The battery health metric. Values defined above */
             power_supply_health: number;
+            /** @description The battery chemistry. Values defined above */
             power_supply_technology: number;
+            /** @description True if the battery is present */
             present: boolean;
+            /**
+             * @description An array of individual cell voltages for each cell in the pack
+             *     If individual voltages unknown but number of cells known set each to NaN
+             */
             cell_voltage: (number | null)[];
+            /**
+             * @description An array of individual cell temperatures for each cell in the pack
+             *     If individual temperatures unknown but number of cells known set each to NaN
+             */
             cell_temperature: (number | null)[];
+            /** @description The location into which the battery is inserted. (slot number or plug) */
             location: string;
+            /** @description The best approximation of the battery serial number */
             serial_number: string;
         };
         /**
          * BatteryStateInput
-         * @description sensor_msgs/BatteryState; what is left out is NaN (floats) or the default, null is NaN.
+         * @description sensor_msgs/BatteryState. What is left out is NaN (floats) or the default, null is NaN; constants are also taken by name (CHARGING).
          */
         BatteryStateInput: {
-            /** Header */
-            header?: {
-                /** Time */
-                stamp?: {
-                    sec?: number;
-                    nanosec?: number;
-                };
-                frame_id?: string;
-            };
+            header?: components["schemas"]["std_msgs.msg.HeaderInput"];
+            /**
+             * Format: float
+             * @description Voltage in Volts (Mandatory)
+             */
             voltage?: number | null;
+            /**
+             * Format: float
+             * @description Temperature in Degrees Celsius (If unmeasured NaN)
+             */
             temperature?: number | null;
+            /**
+             * Format: float
+             * @description Negative when discharging (A)  (If unmeasured NaN)
+             */
             current?: number | null;
+            /**
+             * Format: float
+             * @description Current charge in Ah  (If unmeasured NaN)
+             */
             charge?: number | null;
+            /**
+             * Format: float
+             * @description Capacity in Ah (last full capacity)  (If unmeasured NaN)
+             */
             capacity?: number | null;
+            /**
+             * Format: float
+             * @description Capacity in Ah (design capacity)  (If unmeasured NaN)
+             */
             design_capacity?: number | null;
+            /**
+             * Format: float
+             * @description Charge percentage on 0 to 1 range  (If unmeasured NaN)
+             */
             percentage?: number | null;
+            /** @description The charging status as reported. Values defined above */
             power_supply_status?: number;
+            /** @description The battery health metric. Values defined above */
             power_supply_health?: number;
+            /** @description The battery chemistry. Values defined above */
             power_supply_technology?: number;
+            /** @description True if the battery is present */
             present?: boolean;
+            /**
+             * @description An array of individual cell voltages for each cell in the pack
+             *     If individual voltages unknown but number of cells known set each to NaN
+             */
             cell_voltage?: (number | null)[];
+            /**
+             * @description An array of individual cell temperatures for each cell in the pack
+             *     If individual temperatures unknown but number of cells known set each to NaN
+             */
             cell_temperature?: (number | null)[];
+            /** @description The location into which the battery is inserted. (slot number or plug) */
             location?: string;
+            /** @description The best approximation of the battery serial number */
             serial_number?: string;
         };
         /**
@@ -781,6 +909,28 @@ export interface components {
             last_error: string | null;
         };
         /**
+         * Interface
+         * @description An action type.
+         */
+        Interface: {
+            /** Type */
+            type: string;
+            /** Installed */
+            installed: boolean;
+            /** Hint */
+            hint: string | null;
+            /** Schema Path */
+            schema_path: string;
+        };
+        /**
+         * InterfaceList
+         * @description The action types that the machine knows.
+         */
+        InterfaceList: {
+            /** Interfaces */
+            interfaces: components["schemas"]["Interface"][];
+        };
+        /**
          * Problem
          * @description RFC 9457 problem document.
          */
@@ -994,6 +1144,62 @@ export interface components {
             y: number | null;
             /** Z */
             z: number | null;
+        };
+        /**
+         * Time
+         * @description This message communicates ROS Time defined here:
+         *     https://design.ros2.org/articles/clock_and_time.html
+         */
+        "builtin_interfaces.msg.Time": {
+            /** @description The seconds component, valid over all int32 values. */
+            sec: number;
+            /**
+             * @description The nanoseconds component, valid in the range [0, 1e9), to be added to the seconds component.
+             *     e.g.
+             *     The time -1.7 seconds is represented as {sec: -2, nanosec: 3e8}
+             *     The time 1.7 seconds is represented as {sec: 1, nanosec: 7e8}
+             */
+            nanosec: number;
+        };
+        /**
+         * Time
+         * @description This message communicates ROS Time defined here:
+         *     https://design.ros2.org/articles/clock_and_time.html
+         */
+        "builtin_interfaces.msg.TimeInput": {
+            /** @description The seconds component, valid over all int32 values. */
+            sec?: number;
+            /**
+             * @description The nanoseconds component, valid in the range [0, 1e9), to be added to the seconds component.
+             *     e.g.
+             *     The time -1.7 seconds is represented as {sec: -2, nanosec: 3e8}
+             *     The time 1.7 seconds is represented as {sec: 1, nanosec: 7e8}
+             */
+            nanosec?: number;
+        };
+        /**
+         * Header
+         * @description Standard metadata for higher-level stamped data types.
+         *     This is generally used to communicate timestamped data
+         *     in a particular coordinate frame.
+         */
+        "std_msgs.msg.Header": {
+            /** @description Two-integer timestamp that is expressed as seconds and nanoseconds. */
+            stamp: components["schemas"]["builtin_interfaces.msg.Time"];
+            /** @description Transform frame with which this data is associated. */
+            frame_id: string;
+        };
+        /**
+         * Header
+         * @description Standard metadata for higher-level stamped data types.
+         *     This is generally used to communicate timestamped data
+         *     in a particular coordinate frame.
+         */
+        "std_msgs.msg.HeaderInput": {
+            /** @description Two-integer timestamp that is expressed as seconds and nanoseconds. */
+            stamp?: components["schemas"]["builtin_interfaces.msg.TimeInput"];
+            /** @description Transform frame with which this data is associated. */
+            frame_id?: string;
         };
     };
     responses: never;
@@ -1800,6 +2006,67 @@ export interface operations {
             };
             /** @description Service Unavailable */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_interfaces: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["InterfaceList"];
+                };
+            };
+        };
+    };
+    get_interface: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                package: string;
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ActionInterface"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };
