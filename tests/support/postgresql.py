@@ -109,9 +109,8 @@ def running_postgresql() -> Iterator[PostgreSQL]:
         if USER is not None:
             shutil.chown(folder, USER)
             if not _reachable(found):
-                shutil.copytree(found.parent, folder / "install", symlinks=True)
+                found = _copy(found, folder / "install")
                 folder.chmod(0o755)
-                found = folder / "install" / "bin"
         initdb: list[str | Path] = [
             found / "initdb",
             "-D",
@@ -142,3 +141,12 @@ def _reachable(folder: Path) -> bool:
     except (PermissionError, subprocess.CalledProcessError):
         return False
     return True
+
+
+def _copy(found: Path, target: Path) -> Path:
+    """Copy a Python package's binaries, with the shared libraries that lie beside it, to where USER may run them."""
+    package = found.parent.parent
+    for source in (package, package.parent / f"{package.name}.libs"):
+        if source.is_dir():
+            shutil.copytree(source, target / source.name, symlinks=True)
+    return target / package.name / found.relative_to(package)
