@@ -3,8 +3,8 @@
 import asyncio
 import sqlite3
 import time
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import AbstractContextManager, asynccontextmanager, contextmanager
 from pathlib import Path
 
 import pytest
@@ -29,7 +29,7 @@ Outage = Callable[[], AbstractContextManager[None]]
 @contextmanager
 def locked(path: str) -> Iterator[None]:
     """Another process writes to the SQLite file and does not come to an end."""
-    connection = sqlite3.connect(path, isolation_level=None)
+    connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
     connection.execute("PRAGMA journal_mode=WAL")
     connection.execute("BEGIN EXCLUSIVE")
     try:
@@ -37,6 +37,17 @@ def locked(path: str) -> Iterator[None]:
     finally:
         connection.execute("ROLLBACK")
         connection.close()
+
+
+@asynccontextmanager
+async def happening(outage: Outage) -> AsyncIterator[None]:
+    """The outage, beside the loop: what the history has begun goes on to its end before the file can be locked."""
+    manager = outage()
+    await asyncio.to_thread(manager.__enter__)
+    try:
+        yield
+    finally:
+        await asyncio.to_thread(manager.__exit__, None, None, None)
 
 
 @contextmanager
@@ -64,7 +75,7 @@ async def test_goals_go_on_and_arrive_later(outage: tuple[str, Outage], tmp_path
     url, not_answering = outage
     async with open_at(url, tmp_path) as history:
         await history.add(make_goal(0, GoalStatus.PENDING))
-        with not_answering():
+        async with happening(not_answering):
             assert await timed(history.add(make_goal(1, GoalStatus.PENDING), "key-1")) < QUICK
             await until(lambda: not history.stats().database_reachable)
             times = [await timed(history.add(make_goal(number, GoalStatus.PENDING))) for number in range(2, 12)]
@@ -107,7 +118,7 @@ async def test_across_a_restart(outage: tuple[str, Outage], tmp_path: Path) -> N
     url, not_answering = outage
     async with open_at(url, tmp_path):
         pass
-    with not_answering():
+    async with happening(not_answering):
         async with open_at(url, tmp_path) as history:
             await history.add(make_goal(1, GoalStatus.PENDING), "key-1")
             history.record(make_goal(2, GoalStatus.EXECUTING))
@@ -148,7 +159,7 @@ async def test_memory_is_bounded_and_nothing_precious_is_dropped(outage: tuple[s
     async with open_at(url, tmp_path, max_waiting=100) as history:
         history.record_event(make_event(0))
         await written(history)
-        with not_answering():
+        async with happening(not_answering):
             for number in range(1, 1001):
                 history.record_event(make_event(number, droppable=number % 2 == 0))
                 history.record(make_goal(number))
