@@ -277,8 +277,7 @@ def _whole(kind: Sequence) -> Encoder:
         def floats(values: list[Any]) -> Any:
             if not set(map(type, values)) <= {int, float}:
                 return None
-            numbers = np.asarray(values, dtype=np.float64)
-            return pack(values) if not values or np.abs(numbers).max() <= limit else None
+            return pack(values) if max(map(abs, values), default=0) <= limit else None
 
         return floats
     return lambda _: None
