@@ -2,7 +2,9 @@
 
 import asyncio
 import logging
+import os
 import socket
+import threading
 
 import uvicorn
 
@@ -15,6 +17,8 @@ log = logging.getLogger(__name__)
 
 # Answers under way get so many seconds when the process is told to end.
 GRACE = 1
+# Once everything has been closed, the process is gone after so many seconds at the latest.
+LEAVE_AFTER = 1.0
 
 
 class Server(uvicorn.Server):
@@ -34,6 +38,10 @@ class Server(uvicorn.Server):
             gateway.say_goodbye()
             await asyncio.sleep(0.1)
         await super().shutdown(sockets)
+        # All is said and written. What does not end now, such as a driver that waits for a locked database, never will.
+        leave = threading.Timer(LEAVE_AFTER, os._exit, (0,))
+        leave.daemon = True
+        leave.start()
 
 
 def _log_config(level: str) -> None:

@@ -39,6 +39,13 @@ def locked(path: str) -> Iterator[None]:
         connection.close()
 
 
+@pytest.fixture(autouse=True)
+async def nothing_under_way() -> AsyncIterator[None]:
+    """What a closed history leaves behind, such as a connection that waits for a lock, ends before the loop does."""
+    yield
+    await until(lambda: len(asyncio.all_tasks()) == 1, 20)
+
+
 @asynccontextmanager
 async def happening(outage: Outage) -> AsyncIterator[None]:
     """The outage, beside the loop: what the history has begun goes on to its end before the file can be locked."""
