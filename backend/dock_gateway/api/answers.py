@@ -6,12 +6,12 @@ from typing import Annotated
 from fastapi import Depends, Query
 from starlette.responses import Response
 
-from dock_gateway.api.requests import get_gateway
+from dock_gateway.api.requests import depend_on_gateway
 from dock_gateway.errors import FieldError, InvalidField
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals import Goal, GoalStatus, encode
 
-TheGateway = Annotated[Gateway, Depends(get_gateway)]
+TheGateway = Annotated[Gateway, Depends(depend_on_gateway)]
 RobotQuery = Annotated[str | None, Query(description="Namespace of the robot, such as `/robot1`")]
 StatusQuery = Annotated[list[GoalStatus] | None, Query(description="Only goals in these states")]
 LimitQuery = Annotated[int, Query(ge=1, le=500)]
@@ -40,4 +40,8 @@ def read_goal_id(goal_id: str) -> str:
         raise InvalidField([FieldError("goal_id", "a UUID", f"got {goal_id[:60]!r}")]) from None
 
 
-GoalId = Annotated[str, Depends(read_goal_id)]
+async def _goal_id_in_path(goal_id: str) -> str:
+    return read_goal_id(goal_id)
+
+
+GoalId = Annotated[str, Depends(_goal_id_in_path)]

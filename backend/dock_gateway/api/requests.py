@@ -1,7 +1,7 @@
 """Reading requests: bodies within their limits, headers, and nothing that we would have to ignore."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from http import HTTPStatus
 from typing import Any
 
@@ -19,12 +19,20 @@ MAX_KEY = 200
 
 
 def get_gateway(connection: HTTPConnection) -> Gateway:
-    """The gateway of the running app, for `Depends`."""
+    """The gateway of the running app."""
     gateway: Gateway = connection.state.gateway
     return gateway
 
 
-def known_query(*names: str) -> Callable[[HTTPConnection], None]:
+# Dependencies are coroutines: FastAPI sends plain functions through a thread of a pool, each of them, each time.
+
+
+async def depend_on_gateway(connection: HTTPConnection) -> Gateway:
+    """The gateway of the running app, for `Depends`."""
+    return get_gateway(connection)
+
+
+def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
     """A dependency that refuses query parameters other than these.
 
     A parameter that is misspelt, or that belongs to another version, must not be ignored where a robot moves.
@@ -33,7 +41,7 @@ def known_query(*names: str) -> Callable[[HTTPConnection], None]:
         InvalidField: With each unknown parameter.
     """
 
-    def check(connection: HTTPConnection) -> None:
+    async def check(connection: HTTPConnection) -> None:
         expected = f"one of {', '.join(names)}" if names else "no query parameters"
         unknown = [name for name in connection.query_params if name not in names]
         if unknown:

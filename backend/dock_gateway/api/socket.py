@@ -38,7 +38,7 @@ SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 async def socket(websocket: WebSocket, gateway: TheGateway) -> None:
     """Take commands, send acks and events."""
     try:
-        known_query()(websocket)
+        await known_query()(websocket)
         # A socket counts as a subscriber, also without a subscription, and is woken for the farewell.
         place = gateway.hub.subscribe(Interest(topics=frozenset()))
     except GatewayError as error:

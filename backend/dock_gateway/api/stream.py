@@ -43,7 +43,7 @@ async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     """
     query = websocket.query_params
     try:
-        known_query(*QUERY, "after", "max_rate")(websocket)
+        await known_query(*QUERY, "after", "max_rate")(websocket)
         after, max_rate = read_after(query), read_max_rate(query)
         subscriber = gateway.hub.subscribe(await read_interest(gateway, query))
     except GatewayError as error:
@@ -149,7 +149,7 @@ async def action_events(name: str, goal_id: GoalId, request: Request, gateway: T
 
 
 async def _sse(request: Request, gateway: Gateway, goal_id: str) -> Response:
-    known_query("after", "max_rate")(request)
+    await known_query("after", "max_rate")(request)
     last = request.headers.get("last-event-id")
     after = read_after(request.query_params if last is None else {"after": last})
     chunks = _sse_chunks(gateway, goal_id, after, read_max_rate(request.query_params))
