@@ -35,7 +35,7 @@ const orange: MantineColorsTuple = [
   "#a33a00",
 ];
 
-/** The quiet text's colours, which are too faint by default. */
+/** The quiet text's colours and, in the dark, those of outlines, which are too faint by default. */
 export const cssVariables: CSSVariablesResolver = (base) => ({
   variables: {},
   light: {
@@ -45,6 +45,8 @@ export const cssVariables: CSSVariablesResolver = (base) => ({
   dark: {
     "--mantine-color-dimmed": base.colors.dark[1],
     "--mantine-color-placeholder": base.colors.dark[2],
+    "--mantine-color-blue-outline": base.colors.blue[3],
+    "--mantine-color-grape-outline": base.colors.grape[3],
   },
 });
 
