@@ -69,17 +69,16 @@ clean: ## remove everything that the other targets made
 .tools/uv/bin/uv:
 	@scripts/get-uv .tools/uv
 
-$(STAMPS)/venv: | $(UV)
+# From nothing each time the lock changes: the ROS wheels bring .egg-info files, which make uv take the messages'
+# Python modules for packages that are not in the lock, and remove them.
+$(STAMPS)/lock: requirements.lock | $(UV)
 	@scripts/preflight
 	@rm -rf $(VENV)
-	$(UV) venv --quiet --python '$(PYTHON_VERSIONS)' $(VENV)
-	@mkdir -p $(STAMPS) && touch $@
-
-$(STAMPS)/lock: requirements.lock $(STAMPS)/venv
+	@$(UV) venv --quiet --python '$(PYTHON_VERSIONS)' $(VENV)
 	@echo "Installing the locked packages …"
 	@$(UV) pip sync --quiet --python $(BIN)/python --require-hashes \
 	    --build-constraints build-requirements.lock requirements.lock
-	@touch $@
+	@mkdir -p $(STAMPS) && touch $@
 
 $(STAMPS)/interfaces: $(INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
 	@scripts/preflight $(BIN)/python
@@ -93,6 +92,6 @@ $(STAMPS)/project: pyproject.toml backend/hatch_build.py $(wildcard backend/acti
 	    --build-constraints build-requirements.lock --editable .
 	@touch $@
 
-frontend/dist/index.html: $(DASHBOARD_SOURCES) | $(STAMPS)/venv
+frontend/dist/index.html: $(DASHBOARD_SOURCES) | $(STAMPS)/lock
 	@scripts/build-dashboard
 	@touch $@
