@@ -62,6 +62,7 @@ async def _run_together(options: Options, results: Results, makers: list[Callabl
     try:
         for new in makers if cases else []:
             system = new()
+            system.patience = 3
             systems.append(system)
             try:
                 await system.start()

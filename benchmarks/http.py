@@ -1,9 +1,31 @@
 """A keep-alive HTTP/1.1 client that costs next to nothing, so that what it measures is the server."""
 
 import socket
+import time
+from collections.abc import Callable
 from typing import Any, Self
 
 import orjson
+
+
+class KeptConnection:
+    """A connection that is made anew when it has been idle for longer than servers keep it."""
+
+    IDLE = 2.0
+
+    def __init__(self, make: Callable[[], "Connection"]) -> None:
+        self._make = make
+        self._connection: Connection | None = None
+        self._used = 0.0
+
+    def get(self) -> "Connection":
+        """The connection, ready for use."""
+        if self._connection is None or time.monotonic() - self._used > self.IDLE:
+            if self._connection is not None:
+                self._connection.__exit__()
+            self._connection = self._make()
+        self._used = time.monotonic()
+        return self._connection
 
 
 class Connection:

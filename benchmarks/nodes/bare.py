@@ -47,6 +47,12 @@ class Bare(Node):
         self.executor_.spin_until_future_complete(future, timeout)
         return future.result()
 
+    def settle(self, seconds: float = 0.05) -> None:
+        """Hear all there is to hear of earlier goals."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            self.executor_.spin_once(left)
+
     def hear(self, message: Any) -> None:
         """Note when a feedback message arrived."""
         now = time.time_ns()
@@ -59,6 +65,7 @@ class Bare(Node):
         """Submit a goal and wait for its result."""
         client = self.client(ACTION)
         message = ConnectToChargingDock.Goal()
+        self.settle()
         start = time.perf_counter()
         handle = self.wait(client.send_goal_async(message))
         accepted = time.perf_counter()

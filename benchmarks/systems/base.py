@@ -52,6 +52,7 @@ class System(ABC):
 
     name: str
     process: Process
+    patience = 1  # so many first goals may stay without an answer
 
     def __init__(self, where: Site) -> None:
         self.site = where

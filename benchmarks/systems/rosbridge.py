@@ -66,10 +66,13 @@ class Rosbridge(System):
                 await asyncio.sleep(0.02)
         else:
             raise Impossible(f"it did not start: {self.process.output[:300]}")
-        try:
-            await self._goal(Goal(), START_TIMEOUT)
-        except TimeoutError:
-            raise Impossible(f"the first goal was never answered ({START_TIMEOUT:g} s)") from None
+        for _ in range(self.patience):
+            try:
+                await self._goal(Goal(), START_TIMEOUT / 2)
+            except TimeoutError:
+                continue
+            return
+        raise Impossible(f"the first goal was never answered ({START_TIMEOUT / 2:g} s)")
 
     async def _open(self) -> None:
         self._results: dict[str, asyncio.Future[None]] = {}
