@@ -27,9 +27,11 @@ from action_tutorials_interfaces.action import ConnectToChargingDock
 from docking.admission import admit
 from docking.battery import Battery
 from docking.battery_node import BatteryStateSubscriber
-from docking.controllers import STANDSTILL, Controller, Rotate, Velocity
+from docking.controllers.protocol import Controller
+from docking.controllers.rotate import Rotate
 from docking.failures import ErrorCode, Stage
 from docking.goal import DockGoal, End, Outcome
+from docking.observation import STANDSTILL, Observation, Velocity
 from docking.parameters import DOCK_SERVER, DockSettings, dock_settings
 from docking.report import Report, report_on
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
@@ -176,7 +178,7 @@ class DockServer(Node):  # type: ignore[misc] # rclpy has no types
             self._end(running, running.goal.abort(ErrorCode.UNKNOWN, f"{type(error).__name__}: {error}"))
 
     def _step(self, running: _Execution) -> None:
-        step = running.goal.step(time.monotonic(), self._battery.latest)
+        step = running.goal.step(Observation(time.monotonic(), self._battery.latest))
         if isinstance(step, Outcome):
             self._end(running, step)
             return

@@ -4,8 +4,9 @@ import enum
 from dataclasses import dataclass
 
 from docking.battery import BatteryReading
-from docking.controllers import STANDSTILL, Controller, Velocity
+from docking.controllers.protocol import Controller, Done, Failed
 from docking.failures import ErrorCode, Stage
+from docking.observation import STANDSTILL, Observation, Velocity
 
 
 @dataclass(frozen=True)
@@ -83,19 +84,20 @@ class DockGoal:
         self._controller = controller
         self._limits = limits
         self._started_at = started_at
+        self._stepped_at = started_at
 
-    def step(self, now: float, battery: BatteryReading | None) -> Command | Outcome:
+    def step(self, observation: Observation) -> Command | Outcome:
         """What to do now.
 
         A charger that is connected ends the goal well, but only a reading that is not stale can say so: one from
         before the goal counts as long as it is fresh.
 
         Args:
-            now: Seconds of the monotonic clock.
-            battery: The latest reading, or None where none ever came.
+            observation: What is known now.
         """
         if self.outcome is not None:
             return self.outcome
+        now, battery = observation.now, observation.battery
         stale = battery is None or battery.age(now) > self._limits.battery_stale_after
         if battery is not None and battery.connected and not stale:
             return self._finish(Outcome(End.SUCCEEDED))
@@ -103,12 +105,18 @@ class DockGoal:
             return self.abort(
                 ErrorCode.TIMEOUT, f"the battery was not charging within {self._limits.goal_timeout:g} s (goal_timeout)"
             )
-        if stale:
-            return self._wait(now, battery)
-        velocity = self._controller.step(now)
-        if not velocity.finite:
-            return self.abort(ErrorCode.FAILED_TO_CONTROL, f"the controller gave {velocity}")
-        return Command(Stage.CONTROLLING, velocity)
+        return self._wait(now, battery) if stale else self._control(observation)
+
+    def _control(self, observation: Observation) -> Command | Outcome:
+        step = self._controller.step(observation, observation.now - self._stepped_at)
+        self._stepped_at = observation.now
+        if isinstance(step, Failed):
+            return self.abort(step.error_code, step.error_msg)
+        if isinstance(step, Done):
+            return Command(Stage.CONTROLLING, STANDSTILL)
+        if not step.finite:
+            return self.abort(ErrorCode.FAILED_TO_CONTROL, f"the controller gave {step}")
+        return Command(Stage.CONTROLLING, step)
 
     def _wait(self, now: float, battery: BatteryReading | None) -> Command | Outcome:
         heard_at = self._started_at if battery is None else max(self._started_at, battery.received_at)

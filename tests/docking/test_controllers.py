@@ -2,15 +2,17 @@ import math
 
 import pytest
 
-from docking.controllers import STANDSTILL, Rotate, Velocity
+from docking.controllers.rotate import Rotate
+from docking.observation import STANDSTILL, Observation, Velocity
 
 
 def test_rotate_turns_on_the_spot_as_in_the_tutorial() -> None:
-    assert Rotate().step(0.0) == Rotate().step(1e6) == Velocity(linear_x=0.0, angular_z=0.15)
+    rotate = Rotate()
+    assert rotate.step(Observation(0.0), 0.0) == rotate.step(Observation(1e6), 0.1) == Velocity(0.0, 0.15)
 
 
 def test_rotate_turns_as_fast_as_told() -> None:
-    assert Rotate(-0.5).step(0.0) == Velocity(0.0, -0.5)
+    assert Rotate(-0.5).step(Observation(0.0), 0.0) == Velocity(0.0, -0.5)
 
 
 @pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])

@@ -1,9 +1,9 @@
 import pytest
 
 from docking.admission import Rejection
-from docking.controllers import Velocity
 from docking.failures import ErrorCode, Stage
 from docking.goal import Command, End, Outcome
+from docking.observation import Velocity
 from docking.report import LEVELS, Level, Report, report_on
 
 

@@ -12,7 +12,7 @@ from sensor_msgs.msg import BatteryState
 from action_tutorials_interfaces.action import ConnectToChargingDock
 from docking.battery import Battery
 from docking.battery_node import BatteryStateSubscriber
-from docking.controllers import Controller
+from docking.controllers.protocol import Controller
 from docking.dock_server_node import DockServer
 from docking.parameters import DockSettings
 from docking.ros.process import Spinner

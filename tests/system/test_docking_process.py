@@ -41,8 +41,9 @@ def test_a_signal_in_the_middle_of_a_goal_stops_the_robot(
 
 HANGING_CONTROLLER = """
 import sys, time
-from docking import controllers, dock_server_node
-controllers.Rotate.step = lambda self, now: time.sleep(600)
+from docking import dock_server_node
+from docking.controllers.rotate import Rotate
+Rotate.step = lambda self, observation, dt: time.sleep(600)
 sys.exit(dock_server_node.main())
 """
 

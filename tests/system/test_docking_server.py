@@ -9,7 +9,7 @@ from rcl_interfaces.srv import DescribeParameters
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState
 
-from docking.controllers import Velocity
+from docking.observation import Observation, Velocity
 from docking.parameters import DOCK_SERVER, DockSettings
 from docking.ros.action_server import RESULT_TIMEOUT
 from tests.support.docking import (
@@ -184,7 +184,7 @@ class RaisesAtFirst:
         type(self).made += 1
         self.breaks = self.made == 1
 
-    def step(self, _now: float) -> Velocity:
+    def step(self, _observation: Observation, _dt: float) -> Velocity:
         self.steps += 1
         if self.breaks and self.steps > 2:
             raise ZeroDivisionError("the dock is nowhere")
@@ -213,7 +213,7 @@ class NotANumber:
     def __init__(self, _settings: DockSettings) -> None:
         pass
 
-    def step(self, _now: float) -> Velocity:
+    def step(self, _observation: Observation, _dt: float) -> Velocity:
         return Velocity(math.nan, 0.0)
 
 

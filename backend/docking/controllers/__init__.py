@@ -1,0 +1,1 @@
+"""Controllers: what moves the robot towards its dock."""
