@@ -19,17 +19,19 @@ from rclpy.type_support import check_for_type_support
 PACKAGE = "action_tutorials_interfaces"
 PREFIX = Path(sys.prefix).resolve()
 
+BATTERY_FIELDS = {
+    "Goal": {"desired_battery_state": "sensor_msgs/BatteryState"},
+    "Result": {"final_battery_state": "sensor_msgs/BatteryState"},
+    "Feedback": {"current_battery_state": "sensor_msgs/BatteryState"},
+}
 FIELDS = {
     "Fibonacci": {
         "Goal": {"order": "int32"},
         "Result": {"sequence": "sequence<int32>"},
         "Feedback": {"partial_sequence": "sequence<int32>"},
     },
-    "ConnectToChargingDock": {
-        "Goal": {"desired_battery_state": "sensor_msgs/BatteryState"},
-        "Result": {"final_battery_state": "sensor_msgs/BatteryState"},
-        "Feedback": {"current_battery_state": "sensor_msgs/BatteryState"},
-    },
+    "ConnectToChargingDock": BATTERY_FIELDS,
+    "DisconnectFromChargingDock": BATTERY_FIELDS,
 }
 TYPESUPPORTS = [
     "rosidl_generator_c",
@@ -51,7 +53,7 @@ def expect(is_so: bool, what: str) -> None:
 
 
 def prove_imports() -> None:
-    """Both actions import, from this environment, with the fields that the definitions name."""
+    """Every action imports, from this environment, with the fields that the definitions name."""
     actions = importlib.import_module(f"{PACKAGE}.action")
     expect(PREFIX in Path(str(actions.__file__)).resolve().parents, "imported from this environment")
     for name, parts in FIELDS.items():
@@ -100,7 +102,7 @@ def prove_files() -> None:
     # `ros2 interface list` and `ros2 interface show` read this entry.
     expect(PACKAGE in get_resources("rosidl_interfaces"), "ament index: rosidl_interfaces")
     listed = get_resource("rosidl_interfaces", PACKAGE)[0].split()
-    expect(all(f"action/{name}.action" in listed for name in FIELDS), "ament index: both actions listed")
+    expect(all(f"action/{name}.action" in listed for name in FIELDS), "ament index: every action listed")
     for typesupport in TYPESUPPORTS:
         library = PREFIX / "lib" / f"lib{PACKAGE}__{typesupport}.so"
         ctypes.CDLL(str(library))

@@ -107,6 +107,14 @@ def test_the_docking_action(client: TestClient) -> None:
     assert document["result"]["$defs"]["sensor_msgs.msg.BatteryState"]["properties"]["current"]["x-unit"] == "A"
 
 
+@pytest.mark.parametrize("name", ["Fibonacci", "ConnectToChargingDock", "DisconnectFromChargingDock"])
+def test_every_field_of_our_actions_is_explained(client: TestClient, name: str) -> None:
+    document = client.get(f"/interfaces/action_tutorials_interfaces/action/{name}").json()
+    for part in ("goal", "result", "feedback"):
+        assert document[part]["description"].endswith(".")
+        assert all(field["description"].endswith(".") for field in document[part]["properties"].values())
+
+
 @pytest.mark.parametrize(
     ("path", "status", "code", "detail"),
     [
