@@ -1,0 +1,207 @@
+"""The robot: two driven wheels, motors with limits, wheels that slip."""
+
+import math
+from dataclasses import dataclass
+from random import Random
+
+from docking.geometry import Pose, normalize_angle
+from docking.observation import STANDSTILL, Velocity
+
+
+@dataclass(frozen=True, slots=True)
+class RobotSettings:
+    """What the robot is like.
+
+    Attributes:
+        radius: Of its round body, whose centre is base_link, in m.
+        wheel_separation: Between the two wheels, in m.
+        linear_max: The fastest that it drives, either way, in m/s.
+        angular_max: The fastest that it turns, either way, in rad/s.
+        linear_acceleration: The most, either way, in m/s².
+        angular_acceleration: The most, either way, in rad/s².
+        slip: The part of a wheel's turning that is lost on the ground, 0…1.
+        slip_noise: Standard deviation of a wheel's way on the ground after 1 m, in m; it grows with the way's root.
+        watchdog: Seconds without a command after which the robot stops.
+        stall_time: Seconds that a motor bears a wheel that is stuck, until both motors are switched off. They
+            come back with the next command to stand still.
+    """
+
+    radius: float = 0.15
+    wheel_separation: float = 0.23
+    linear_max: float = 0.3
+    angular_max: float = 1.2
+    linear_acceleration: float = 1.0
+    angular_acceleration: float = 4.0
+    slip: float = 0.01
+    slip_noise: float = 0.003
+    watchdog: float = 0.5
+    stall_time: float = 0.5
+
+
+class Robot:
+    """A differential drive in the world.
+
+    The way of a wheel on the ground is that of its turning, less the slip, with noise whose variance is proportional to
+    the way (Siegwart and Nourbakhsh, Introduction to Autonomous Mobile Robots, 2004, section 5.2.4).
+
+    Attributes:
+        x: In world, in m.
+        y: In world, in m.
+        theta: In world, in rad.
+        linear: What the wheels do, in m/s forward.
+        angular: What the wheels do, in rad/s counter-clockwise.
+        left: The way that the left wheel has turned in the last step, in m.
+        right: The same for the right one.
+        stalled: Whether something kept a wheel from turning in the last step.
+    """
+
+    __slots__ = (
+        "_command",
+        "_command_age",
+        "_random",
+        "_settings",
+        "_stalled_for",
+        "angular",
+        "left",
+        "linear",
+        "right",
+        "stalled",
+        "theta",
+        "x",
+        "y",
+    )
+
+    def __init__(self, settings: RobotSettings, pose: Pose, random: Random) -> None:
+        """Set the robot down.
+
+        Args:
+            settings: What it is like.
+            pose: In world.
+            random: Where the noise comes from.
+        """
+        self._settings = settings
+        self._random = random
+        self._command = STANDSTILL
+        self._command_age = math.inf
+        self.place(pose)
+
+    @property
+    def pose(self) -> Pose:
+        """Of base_link in world."""
+        return Pose(self.x, self.y, self.theta)
+
+    @property
+    def velocity(self) -> Velocity:
+        """What the wheels do."""
+        return Velocity(self.linear, self.angular)
+
+    @property
+    def radius(self) -> float:
+        """Of the body, in m."""
+        return self._settings.radius
+
+    def place(self, pose: Pose) -> None:
+        """Lift the robot and set it down somewhere else in the world, standing still."""
+        self.x, self.y, self.theta = pose.x, pose.y, normalize_angle(pose.theta)
+        self.linear = self.angular = self.left = self.right = 0.0
+        self.stalled = False
+        self._stalled_for = 0.0
+
+    def command(self, velocity: Velocity) -> None:
+        """Take over a velocity, as from cmd_vel; beyond the limits it is cut, and one that is no number is ignored."""
+        if not velocity.finite:
+            return
+        self._command = velocity
+        self._command_age = 0.0
+        if velocity == STANDSTILL:
+            self._stalled_for = 0.0
+
+    def step(self, dt: float, *, halted: bool = False, stuck: bool = False) -> None:
+        """Drive on for `dt` seconds, as if nothing stood in the way.
+
+        Args:
+            dt: In s, above 0.
+            halted: The robot must not move, whatever the command.
+            stuck: The left wheel does not turn.
+        """
+        settings = self._settings
+        linear, angular = self._target(dt, halted)
+        if stuck:
+            linear, angular = self._with_stuck_wheel(linear, angular, dt)
+        else:
+            self.stalled = False
+            self._stalled_for = 0.0
+        self.linear = _approach(self.linear, linear, settings.linear_acceleration * dt)
+        self.angular = _approach(self.angular, angular, settings.angular_acceleration * dt)
+        if self.linear == 0.0 == self.angular:
+            self.left = self.right = 0.0
+            return
+        half = 0.5 * settings.wheel_separation * self.angular
+        self.left = (self.linear - half) * dt
+        self.right = (self.linear + half) * dt
+        left, right = self._on_ground(self.left), self._on_ground(self.right)
+        turn = (right - left) / settings.wheel_separation
+        way, heading = 0.5 * (left + right), self.theta + 0.5 * turn
+        self.x += way * math.cos(heading)
+        self.y += way * math.sin(heading)
+        self.theta = normalize_angle(self.theta + turn)
+
+    def block(self, x: float, y: float, normal_x: float, normal_y: float) -> None:
+        """Something solid stands in the way: the body slides along it, the wheels stall.
+
+        Args:
+            x: Where base_link is kept, in world.
+            y: The same.
+            normal_x: The direction away from the obstacle, of length 1.
+            normal_y: The same.
+        """
+        self.x, self.y = x, y
+        across = math.cos(self.theta) * normal_x + math.sin(self.theta) * normal_y
+        if across * self.linear < 0.0:
+            kept = 1.0 - across * across
+            lost = 0.5 * (self.left + self.right) * (1.0 - kept)
+            self.left -= lost
+            self.right -= lost
+            self.linear *= kept
+            self.stalled = True
+
+    def _target(self, dt: float, halted: bool) -> tuple[float, float]:
+        settings, command = self._settings, self._command
+        self._command_age += dt
+        if halted or self._command_age > settings.watchdog:
+            return 0.0, 0.0
+        return (
+            min(settings.linear_max, max(-settings.linear_max, command.linear_x)),
+            min(settings.angular_max, max(-settings.angular_max, command.angular_z)),
+        )
+
+    def _with_stuck_wheel(self, linear: float, angular: float, dt: float) -> tuple[float, float]:
+        """The robot pivots around the wheel that is stuck, for as long as the motor bears it."""
+        settings = self._settings
+        half = 0.5 * settings.wheel_separation
+        self.stalled = linear != angular * half
+        if self.stalled:
+            self._stalled_for += dt
+        if self._stalled_for > settings.stall_time:
+            self.stalled = False
+            return 0.0, 0.0
+        right = min(settings.linear_max, max(-settings.linear_max, linear + angular * half))
+        turning = right / settings.wheel_separation
+        turning = min(settings.angular_max, max(-settings.angular_max, turning))
+        return turning * half, turning
+
+    def _on_ground(self, way: float) -> float:
+        settings = self._settings
+        ground = way * (1.0 - settings.slip)
+        if settings.slip_noise > 0.0 and way != 0.0:
+            ground += self._random.gauss(0.0, settings.slip_noise * math.sqrt(abs(way)))
+        return ground
+
+
+def _approach(value: float, target: float, most: float) -> float:
+    change = target - value
+    if change > most:
+        return value + most
+    if change < -most:
+        return value - most
+    return target
