@@ -20,6 +20,18 @@ class FloatParameter:
 
 
 @dataclass(frozen=True)
+class IntegerParameter:
+    """An integer with a closed range; the unit is empty where it only counts."""
+
+    name: str
+    default: int
+    minimum: int
+    maximum: int
+    unit: str
+    description: str
+
+
+@dataclass(frozen=True)
 class ChoiceParameter:
     """A string out of a few."""
 
@@ -29,7 +41,7 @@ class ChoiceParameter:
     description: str
 
 
-Parameter = FloatParameter | ChoiceParameter
+Parameter = FloatParameter | IntegerParameter | ChoiceParameter
 
 DOCK_SERVER: tuple[Parameter, ...] = (
     ChoiceParameter(

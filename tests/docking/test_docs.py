@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from docking.failures import ErrorCode, Stage
-from docking.parameters import DOCK_SERVER, FIBONACCI_SERVER, ChoiceParameter, Parameter
+from docking.parameters import DOCK_SERVER, FIBONACCI_SERVER, ChoiceParameter, IntegerParameter, Parameter
 from docking.report import LEVELS
 from docking.session import ExitCode
 
@@ -24,6 +24,9 @@ def documented(parameter: Parameter) -> list[str]:
     if isinstance(parameter, ChoiceParameter):
         choices = ", ".join(f"`{choice}`" for choice in parameter.choices)
         cells = ["string", "", choices, f"`{parameter.default}`"]
+    elif isinstance(parameter, IntegerParameter):
+        limits = f"{parameter.minimum} … {parameter.maximum}"
+        cells = ["integer", parameter.unit, limits, f"{parameter.default}"]
     else:
         limits = f"{parameter.minimum:.10g} … {parameter.maximum:.10g}"
         cells = ["double", parameter.unit, limits, f"{parameter.default:g}"]

@@ -2,7 +2,14 @@ import pytest
 
 from docking.admission import GoalPolicy
 from docking.goal import Limits
-from docking.parameters import DOCK_SERVER, FIBONACCI_SERVER, DockSettings, FloatParameter, dock_settings, find_fault
+from docking.parameters import (
+    DOCK_SERVER,
+    FIBONACCI_SERVER,
+    ChoiceParameter,
+    DockSettings,
+    dock_settings,
+    find_fault,
+)
 
 DEFAULTS = {parameter.name: parameter.default for parameter in DOCK_SERVER}
 
@@ -14,10 +21,10 @@ def test_the_defaults_are_the_documented_ones() -> None:
 def test_the_defaults_have_no_fault_and_are_in_range() -> None:
     assert find_fault(DOCK_SERVER, DEFAULTS) is None
     for parameter in DOCK_SERVER + FIBONACCI_SERVER:
-        if isinstance(parameter, FloatParameter):
-            assert parameter.minimum <= parameter.default <= parameter.maximum
-        else:
+        if isinstance(parameter, ChoiceParameter):
             assert parameter.default in parameter.choices
+        else:
+            assert parameter.minimum <= parameter.default <= parameter.maximum
 
 
 def test_an_unknown_choice_is_a_fault_that_names_the_known_ones() -> None:

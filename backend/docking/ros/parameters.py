@@ -2,24 +2,27 @@
 
 from collections.abc import Callable
 
-from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
-from docking.parameters import FloatParameter, Parameter, find_fault
+from docking.parameters import ChoiceParameter, FloatParameter, Parameter, find_fault
 
 
 def _descriptor(parameter: Parameter) -> ParameterDescriptor:
+    if isinstance(parameter, ChoiceParameter):
+        return ParameterDescriptor(
+            description=parameter.description, additional_constraints=f"one of: {', '.join(parameter.choices)}"
+        )
+    descriptor = ParameterDescriptor(
+        description=parameter.description, additional_constraints=f"in {parameter.unit}" if parameter.unit else ""
+    )
     if isinstance(parameter, FloatParameter):
         limits = FloatingPointRange(from_value=parameter.minimum, to_value=parameter.maximum)
-        return ParameterDescriptor(
-            description=parameter.description,
-            additional_constraints=f"in {parameter.unit}",
-            floating_point_range=[limits],
-        )
-    return ParameterDescriptor(
-        description=parameter.description, additional_constraints=f"one of: {', '.join(parameter.choices)}"
-    )
+        descriptor.floating_point_range = [limits]
+    else:
+        descriptor.integer_range = [IntegerRange(from_value=parameter.minimum, to_value=parameter.maximum, step=1)]
+    return descriptor
 
 
 def declare_parameters(
