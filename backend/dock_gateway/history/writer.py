@@ -89,7 +89,7 @@ class Writer:
                 return
             log.error("a goal can be kept neither in the database (%s) nor in the spool (%s)", self.last_error, error)
             self._waiting.forget_goal(goal.goal_id)
-            raise Unavailable("the goal cannot be stored, so it was not sent", code="history_unavailable") from error
+            raise Unavailable("the goal cannot be stored, so it must not run", code="history_unavailable") from error
         self._waiting.saved(entries)
         self._wake.set()
 
