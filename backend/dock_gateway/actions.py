@@ -12,6 +12,7 @@ from dock_gateway.events import system_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import History
 from dock_gateway.hub import Hub
+from dock_gateway.interlock import Interlock
 from dock_gateway.later import Later
 from dock_gateway.liveness import ServerState, ServerWatch
 from dock_gateway.ros.actions import ActionPort
@@ -41,6 +42,7 @@ class Action:
         history: History,
         reasons: Later[GoalError],
         *,
+        interlock: Interlock,
         pinned: bool,
     ) -> None:
         def tell(state: ServerState) -> None:
@@ -53,7 +55,7 @@ class Action:
         self.last_seen = time.monotonic()
         self.tracker = GoalTracker(port, hub, history, reasons)
         self.watch = ServerWatch(self.tracker, settings, tell, ping_idle=pinned)
-        self.goals = GoalService(settings, history, self.tracker, self.watch, reasons)
+        self.goals = GoalService(settings, history, self.tracker, self.watch, reasons, interlock=interlock)
         self._watching = asyncio.create_task(self.watch.run())
 
     async def close(self) -> None:
@@ -82,14 +84,23 @@ class ActionRegistry:
         hub: Where events go.
         history: Where goals are kept.
         reasons: Why goals were rejected or aborted.
+        interlock: Which robots are held by a stop.
     """
 
     def __init__(
-        self, settings: Settings, bridge: Bridge, hub: Hub, history: History, reasons: Later[GoalError]
+        self,
+        settings: Settings,
+        bridge: Bridge,
+        hub: Hub,
+        history: History,
+        reasons: Later[GoalError],
+        *,
+        interlock: Interlock,
     ) -> None:
         self._settings = settings
         self._bridge = bridge
         self._parts = (settings, hub, history, reasons)
+        self._interlock = interlock
         self._history = history
         self._actions: dict[str, Action] = {}
         self._uninstalled: dict[str, Uninstalled] = {}
@@ -114,7 +125,7 @@ class ActionRegistry:
             ImportError: The type's package is not installed.
         """
         port = await self._bridge.call(lambda: ActionPort(self._bridge, name, type_name))
-        action = Action(port, *self._parts, pinned=pinned)
+        action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
         self._actions[name] = action
         for goal in self._unfinished.pop(name, []):
             action.tracker.take_up(goal)

@@ -9,7 +9,7 @@ from fastapi_swagger import patch_fastapi
 from starlette.middleware.cors import CORSMiddleware
 
 from dock_gateway import __version__
-from dock_gateway.api import actions, battery, dock, health, interfaces, socket, stream
+from dock_gateway.api import actions, battery, dock, health, interfaces, socket, stop, stream
 from dock_gateway.api.dashboard import install_dashboard
 from dock_gateway.api.openapi import install_openapi
 from dock_gateway.api.origin import OriginGuard
@@ -46,7 +46,7 @@ def create_app(settings: Settings) -> FastAPI:
         generate_unique_id_function=lambda route: route.name,
     )
     install_problems(app)
-    for module in (dock, stream, actions, interfaces, battery, health, socket):
+    for module in (dock, stop, stream, actions, interfaces, battery, health, socket):
         app.include_router(module.router)
     install_openapi(app)
     patch_fastapi(app, redirect_from_root_to_docs=False)  # /docs without a CDN: robots are often offline

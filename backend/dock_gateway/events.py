@@ -125,7 +125,7 @@ def message_event(kind: str, message: Json, stamp_ns: int, *, robot: str = "/") 
 def system_event(
     kind: str, payload: object, now: datetime, *, robot: str | None = None, action_name: str | None = None
 ) -> Event:
-    """A change in the gateway's surroundings: `battery_publisher` of a robot, or `action_server` of an action."""
+    """A change of what is around goals: `battery_publisher` or `stop` of a robot, `action_server` of an action."""
     document = {"type": kind, "time": now, kind: payload} | ({} if robot is None else {"robot": robot})
     return Event(encode(document), "system", robot=robot, action_name=action_name)
 

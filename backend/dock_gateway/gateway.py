@@ -12,12 +12,15 @@ from dock_gateway.goals import Goal, GoalError
 from dock_gateway.history import History, open_history
 from dock_gateway.hub import Hub
 from dock_gateway.interest import Interest
+from dock_gateway.interlock import Interlock
+from dock_gateway.latch import LatchFile
 from dock_gateway.later import Later
-from dock_gateway.robots import RobotRegistry
+from dock_gateway.robots import RobotRegistry, normalize_namespace
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import scan
 from dock_gateway.ros.topics import DiagnosticsPort
 from dock_gateway.settings import Settings
+from dock_gateway.stop import Stopper
 
 log = logging.getLogger(__name__)
 
@@ -39,6 +42,7 @@ class Gateway:
     history: History
     actions: ActionRegistry
     robots: RobotRegistry
+    stopper: Stopper
     dock: Action
 
     async def dock_of(self, robot: str | None) -> Action:
@@ -98,22 +102,26 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
     bridge = Bridge(settings.node_name, settings.namespace)
     bridge.start()
     try:
-        actions = ActionRegistry(settings, bridge, hub, history, reasons)
-        robots = RobotRegistry(settings, bridge, hub)
+        interlock = Interlock(hub, LatchFile(settings.stop_file), normalize_namespace(settings.namespace))
+        actions = ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock)
+        robots = RobotRegistry(settings, bridge, hub, interlock)
+        stopper = Stopper(robots, actions, interlock)
         await bridge.call(lambda: DiagnosticsPort(bridge, settings.diagnostics_topic, reasons.put))
         await robots.open(robots.default_namespace)
         actions.expect(await history.unfinished())
         dock = await actions.open(settings.resolve(settings.dock_action), settings.dock_action_type, pinned=True)
         watching = asyncio.create_task(_watch_graph(bridge, actions, robots))
         try:
-            yield Gateway(settings, bridge, hub, history, actions, robots, dock)
+            yield Gateway(settings, bridge, hub, history, actions, robots, stopper, dock)
         finally:
             hub.close()
             watching.cancel()
             with suppress(asyncio.CancelledError):
                 await watching
+            await stopper.close()
             await robots.close()
             await actions.close()
+            await interlock.close()
     finally:
         await asyncio.to_thread(bridge.close)
 

@@ -8,9 +8,10 @@ from dock_gateway.errors import FieldError, InvalidField, NotFound
 from dock_gateway.events import message_event
 from dock_gateway.goals import Json
 from dock_gateway.hub import Hub
+from dock_gateway.interlock import Interlock
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
-from dock_gateway.ros.topics import BatteryPort, VelocityPort
+from dock_gateway.ros.topics import BatteryPort, LatchPort, VelocityPort
 from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
@@ -29,10 +30,11 @@ class Robot:
 class RobotRegistry:
     """The robots on the graph: the configured one always, others as their battery topic or docking action appears."""
 
-    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub) -> None:
+    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub, interlock: Interlock) -> None:
         self._settings = settings
         self._bridge = bridge
         self._hub = hub
+        self._interlock = interlock
         self._robots: dict[str, Robot] = {}
         self.default_namespace = normalize_namespace(settings.namespace)
 
@@ -44,17 +46,22 @@ class RobotRegistry:
         def hear_velocity(message: Json, stamp_ns: int) -> None:
             hub.publish(message_event("cmd_vel", message, stamp_ns, robot=namespace))
 
-        def make() -> tuple[BatteryPort, VelocityPort]:
+        def hear_latch(latched: bool) -> None:
+            self._interlock.heard(namespace, latched=latched)
+
+        def make() -> tuple[BatteryPort, VelocityPort, LatchPort]:
             battery_topic = settings.resolve(settings.battery_topic, namespace)
             velocity_topic = settings.resolve(settings.cmd_vel_topic, namespace)
             return (
                 BatteryPort(self._bridge, battery_topic, battery.on_battery),
                 VelocityPort(self._bridge, velocity_topic, hear_velocity),
+                LatchPort(self._bridge, settings.resolve(settings.stop_topic, namespace), hear_latch),
             )
 
-        battery_port, velocity = await self._bridge.call(make)
+        battery_port, velocity, latch = await self._bridge.call(make)
         robot = Robot(namespace, battery, BatteryPublisher(battery_port, hub, namespace), velocity)
         self._robots[namespace] = robot
+        self._interlock.join(namespace, latch)
         log.info("robot %s", namespace)
         return robot
 

@@ -12,6 +12,7 @@ from dock_gateway.errors import Conflict, GatewayError, NotFound, ServerTimeout,
 from dock_gateway.events import utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import History, fingerprint_of
+from dock_gateway.interlock import Interlock
 from dock_gateway.later import Later
 from dock_gateway.liveness import ServerWatch
 from dock_gateway.ros.bridge import PendingCall
@@ -29,13 +30,21 @@ class GoalService:
     """Submits, cancels and finds goals of one action."""
 
     def __init__(
-        self, settings: Settings, history: History, tracker: GoalTracker, watch: ServerWatch, reasons: Later[GoalError]
+        self,
+        settings: Settings,
+        history: History,
+        tracker: GoalTracker,
+        watch: ServerWatch,
+        reasons: Later[GoalError],
+        *,
+        interlock: Interlock,
     ) -> None:
         self._settings = settings
         self._history = history
         self._tracker = tracker
         self._watch = watch
         self._reasons = reasons
+        self._interlock = interlock
         self._submitting: dict[str, tuple[Any, asyncio.Task[Goal]]] = {}
         self._pending = 0
         self._stops = 0
@@ -52,7 +61,8 @@ class GoalService:
             idempotency_key: Another submission with this key gets the goal of the first.
 
         Raises:
-            Conflict: The server rejected it (`goal_rejected`, `dock_busy`), or the key was used for another goal.
+            Conflict: A stop is latched (`stop_latched`), the server rejected it (`goal_rejected`, `dock_busy`), or the
+                key was used for another goal.
             Unavailable: There is no action server.
             ServerTimeout: It did not answer in time. Should it accept the goal later, the goal is canceled at once.
             TooManyRequests: Too many goals wait for an answer.
@@ -134,14 +144,15 @@ class GoalService:
     async def _send(self, message: Any, idempotency_key: str | None) -> Goal:
         deadline = time.monotonic() + self._settings.accept_timeout
         stops = self._stops
-        await self._watch.require()
         port = self._tracker.port
+        self._interlock.require_released(port.action_name)
+        await self._watch.require()
         goal = Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now(), goal=port.encode_goal(message))
         if idempotency_key is not None and (first := await self._claim(idempotency_key, goal)):
             return await self._outcome_of(first, deadline)
         await self._history.add(goal, idempotency_key)
         self._tracker.add(goal)
-        if self._stops != stops:
+        if self._stops != stops or self._interlock.holds(goal.action_name):
             self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError("goal_rejected", STOPPED_ON_ITS_WAY))
             return _outcome(goal)
         try:

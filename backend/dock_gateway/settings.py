@@ -1,9 +1,11 @@
 """What can be set, each by an environment variable `DOCK_GATEWAY_…` or an option of the command line."""
 
+import os
 import re
 from pathlib import Path
 from typing import Annotated, Self
 
+import platformdirs
 from pydantic import Field, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
@@ -52,6 +54,9 @@ class Settings(BaseSettings):
     cmd_vel_topic: str = Field(
         "cmd_vel", description="Topic of `geometry_msgs/Twist`, which `/stop` publishes zeros on."
     )
+    stop_topic: str = Field(
+        "stop_latched", description="Topic of `std_msgs/Bool`, which says whether a stop is latched."
+    )
     diagnostics_topic: str = Field(
         "/diagnostics",
         description="Topic of `diagnostic_msgs/DiagnosticArray`, where action servers say why a goal ended.",
@@ -80,6 +85,11 @@ class Settings(BaseSettings):
     spool_path: Path | None = Field(
         None,
         description="Folder for goals that the database does not take at once. Empty: in the user's data directory.",
+    )
+    stop_path: Path | None = Field(
+        None,
+        description="File that keeps latched stops across restarts. Empty: `stops-<ROS_DOMAIN_ID>.json` in the user's "
+        "data directory.",
     )
     history_queue: int = Field(
         10_000,
@@ -142,6 +152,12 @@ class Settings(BaseSettings):
         if self.lost_after <= self.stalled_after:
             raise ValueError("lost_after must be longer than stalled_after")
         return self
+
+    @property
+    def stop_file(self) -> Path:
+        """Where latched stops are kept: robots of another domain are other robots."""
+        name = f"stops-{os.environ.get('ROS_DOMAIN_ID') or 0}.json"
+        return self.stop_path or platformdirs.user_data_path("dock-gateway", appauthor=False) / name
 
     def resolve(self, name: str, namespace: str | None = None) -> str:
         """A ROS name as the graph has it: absolute, under the namespace (the configured one) where it was relative."""

@@ -81,7 +81,8 @@ def page(browser: Browser, gateway: RunningGateway, request: pytest.FixtureReque
     RESULTS.mkdir(exist_ok=True)
     page.screenshot(path=RESULTS / f"{request.node.name}.png", full_page=True)
     context.close()
-    gateway.http.post("/stop")
+    gateway.http.delete("/stop")
+    gateway.stop_once()
     gateway.http.delete("/battery/publisher")
     if not request.node.get_closest_marker("expect_page_errors"):
         assert errors == []

@@ -46,6 +46,8 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("get", "/dock/{goal_id}"),
         ("post", "/dock/{goal_id}/cancel"),
         ("post", "/stop"),
+        ("get", "/stop"),
+        ("delete", "/stop"),
         ("get", "/actions"),
         ("get", "/actions/{name}"),
         ("post", "/actions/{name}/goals"),
@@ -90,7 +92,7 @@ def test_events_are_told_apart_by_their_type(document: dict[str, Any]) -> None:
         schemas[option["$ref"].rpartition("/")[2]]["properties"]["type"]["const"]
         for option in schemas["Event"]["oneOf"]
     ]
-    assert len(set(kinds)) == len(kinds) == 11
+    assert len(set(kinds)) == len(kinds) == 12
 
 
 def test_the_dashboards_copy_is_fresh(document: dict[str, Any]) -> None:

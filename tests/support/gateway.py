@@ -80,6 +80,12 @@ class RunningGateway:
             assert time.monotonic() < deadline, "not ready"
             time.sleep(0.05)
 
+    def stop_once(self, query: str = "") -> dict[str, Any]:
+        """Stop, wait for what it brings about, and let goals through again at once."""
+        answer = self.http.post(f"/stop{query}", json={"latch": False}, headers={"Prefer": "wait=5"})
+        report: dict[str, Any] = answer.raise_for_status().json()
+        return report
+
     def publish(self, state: dict[str, Any], rate_hz: float = 5.0) -> None:
         self.http.put("/battery/publisher", json={"state": state, "rate_hz": rate_hz}).raise_for_status()
 
@@ -89,6 +95,7 @@ def running_gateway(domain: int, **settings: str) -> Iterator[RunningGateway]:
     """`dock-gateway serve` on a free port, with a database of its own; settings as in DOCK_GATEWAY_<NAME>."""
     with TemporaryDirectory(prefix="dock-gateway-", ignore_cleanup_errors=True) as folder, ExitStack() as stack:
         defaults = {"port": "0", "database_url": f"sqlite:///{folder}/history.db", "spool_path": f"{folder}/spool"}
+        defaults["stop_path"] = f"{folder}/stops.json"
         variables = {f"DOCK_GATEWAY_{name.upper()}": value for name, value in {**defaults, **settings}.items()}
         environment = ros_environment(domain, **variables)
         process = stack.enter_context(Process(str(BIN / "dock-gateway"), "serve", env=environment))

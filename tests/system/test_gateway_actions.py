@@ -84,7 +84,7 @@ def test_stop_reaches_every_action_of_the_robot(gateway: RunningGateway, domain:
     with fibonacci(domain), gateway.stream("?action=fibonacci") as stream:
         wait_for_action(gateway, "/fibonacci")
         goal_id = gateway.http.post("/actions/fibonacci/goals", json={"order": 40}).json()["goal_id"]
-        assert goal_id in gateway.http.post("/stop").json()["canceling"]
+        assert goal_id in gateway.stop_once()["canceling"]
         assert stream.until_type("result")["status"] == "canceled"
 
 
@@ -113,9 +113,9 @@ def test_a_robot_is_a_namespace(gateway: RunningGateway, domain: int) -> None:
             ]
             assert gateway.http.get("/dock").json()["goals"] == []
 
-            assert gateway.http.post("/stop?robot=/fleet/robot2").json()["canceling"] == []
+            assert gateway.stop_once("?robot=/fleet/robot2")["canceling"] == []
             assert gateway.goal(first["goal_id"])["status"] == "executing"
-            assert gateway.http.post("/stop?robot=/robot1").json()["canceling"] == [first["goal_id"]]
+            assert gateway.stop_once("?robot=/robot1")["canceling"] == [first["goal_id"]]
             assert stream.until_type("result")["status"] == "canceled"
             goal_actions = {e["action_name"] for e in stream.seen if "goal_id" in e}
             assert goal_actions == {f"/robot1{ACTION}"}
@@ -129,5 +129,5 @@ def test_stop_without_a_robot_stops_them_all(gateway: RunningGateway, domain: in
         while (response := gateway.http.post("/dock?robot=/robot1")).status_code != 202:
             assert time.monotonic() < deadline, response.text
         goal_id = response.json()["goal_id"]
-        assert gateway.http.post("/stop").json()["canceling"] == [goal_id]
+        assert gateway.stop_once()["canceling"] == [goal_id]
         assert gateway.wait_for_goal(goal_id, "canceled")["error"] is None

@@ -109,7 +109,11 @@ BODIES: dict[str, tuple[str, str, bytes, int, str]] = {
     "a path nobody knows": ("GET", "/docks/a/b", b"", 404, "not_found"),
     "a path out of the dashboard": ("GET", "/assets/..%2f..%2fpackage.json", b"", 404, "not_found"),
     "a verb that is not offered": ("PATCH", GOAL, b"", 405, "method_not_allowed"),
-    "the wrong verb": ("DELETE", "/stop", b"", 405, "method_not_allowed"),
+    "the wrong verb": ("PUT", "/stop", b"", 405, "method_not_allowed"),
+    "a latch that is none": ("POST", "/stop", b'{"latch": 1}', 422, "invalid_field"),
+    "a name that is none": ("POST", "/stop", b'{"by": ["Ada"]}', 422, "invalid_field"),
+    "a stop with a field too many": ("POST", "/stop", b'{"lock": true}', 422, "invalid_field"),
+    "a release of a robot nobody knows": ("DELETE", "/stop?robot=/robot1", b"", 404, "robot_not_found"),
 }
 
 

@@ -27,7 +27,7 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
 @pytest.fixture(autouse=True)
 def no_goal_left(gateway: RunningGateway) -> Iterator[None]:
     yield
-    gateway.http.post("/stop").raise_for_status()
+    gateway.stop_once()
     for goal in gateway.http.get("/dock").json()["goals"]:
         gateway.wait_for_goal(goal["goal_id"], "succeeded", "canceled", "aborted", "rejected", "lost")
     gateway.http.delete("/battery/publisher")
@@ -132,8 +132,8 @@ def test_stop_cancels_and_publishes_zero(gateway: RunningGateway) -> None:
     goal_id = gateway.http.post("/dock").json()["goal_id"]
     with gateway.stream("?include=cmd_vel") as stream:
         stream.until(lambda e: e["type"] == "cmd_vel" and e["cmd_vel"]["angular"]["z"] != 0)
-        response = gateway.http.post("/stop")
-        assert response.json() == {"canceling": [goal_id], "failed": []}
+        report = gateway.stop_once()
+        assert (report["canceling"], report["failed"], report["unconfirmed"]) == ([goal_id], [], [])
         stream.until_type("result")
         stream.until_type("heartbeat")
     assert [e["cmd_vel"]["angular"]["z"] for e in stream.seen if e["type"] == "cmd_vel"][-1] == 0
@@ -233,6 +233,16 @@ def test_the_command_line(gateway: RunningGateway, domain: int) -> None:
     with run("battery") as command:
         command.wait_for("CHARGING")
         assert command.wait() == 0
-    with run("stop") as command:
+    with run("stop", "--by", "Ada") as command:
         command.wait_for("zero velocity published")
+        command.wait_for("no goal is sent until the stop is released")
         assert command.wait() == 0
+    with run("dock") as command:
+        command.wait_for("stop_latched: / was stopped by Ada")
+        assert command.wait() == 1
+    with run("release") as command:
+        command.wait_for("released")
+        assert command.wait() == 0
+    with run("dock") as dock:
+        dock.wait_for("succeeded")
+        assert dock.wait() == 0

@@ -44,7 +44,8 @@ def post_timed(gateway: RunningGateway) -> tuple[int, str, float]:
 def test_without_a_server_a_goal_is_refused_and_works_once_it_is_there(gateway: RunningGateway, domain: int) -> None:
     assert gateway.http.get("/healthz").status_code == 200
     assert gateway.http.get("/readyz").status_code == 503
-    assert gateway.http.post("/stop").json() == {"canceling": [], "failed": []}
+    stop = gateway.stop_once()
+    assert (stop["canceling"], stop["failed"], stop["unconfirmed"]) == ([], [], [])
     status, code, _ = post_timed(gateway)
     assert (status, code) == (503, "action_server_unavailable")
     with running_dock_server(domain):
@@ -119,7 +120,7 @@ def test_a_frozen_server_and_its_return(gateway: RunningGateway, domain: int) ->
         status, code, took = post_timed(gateway)
         assert (status, code) == (504, "action_server_timeout")
         assert took < 10
-        stop = gateway.http.post("/stop").json()
+        stop = gateway.stop_once()
         assert stop["failed"][0]["code"] == "action_server_timeout"
         server.send_signal(signal.SIGCONT)
         # The stop was waiting for it: the goal is left as canceled, and the robot does not go on.
@@ -155,7 +156,7 @@ def test_a_goal_accepted_too_late_is_canceled(domain: int) -> None:
         deadline = time.monotonic() + 20
         while gateway.http.post("/dock").status_code != 202:  # with so long an interval, /readyz would not know yet
             assert time.monotonic() < deadline, "no action server"
-        gateway.http.post("/stop").raise_for_status()
+        gateway.stop_once()
         stream.until_type("result")
         server.send_signal(signal.SIGSTOP)
         status, code, took = post_timed(gateway)
@@ -207,7 +208,7 @@ def test_a_stop_reaches_a_goal_whose_server_is_off_the_graph(gateway: RunningGat
             lambda event: event["type"] == "action_server" and not event["action_server"]["available"], timeout=60
         )
         assert gateway.goal(goal_id)["status"] == "lost"
-        assert gateway.http.post("/stop").json()["failed"][0]["code"] == "action_server_unavailable"
+        assert gateway.stop_once()["failed"][0]["code"] == "action_server_unavailable"
         server.send_signal(signal.SIGCONT)
         assert stream.until_type("result", timeout=40)["status"] == "canceled"
         assert gateway.goal(goal_id)["error"]["code"] == "stopped"

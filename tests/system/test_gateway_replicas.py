@@ -109,7 +109,7 @@ def test_one_key_is_one_goal_through_both(replicas: tuple[RunningGateway, Runnin
     assert len({goal_id for _, goal_id in answers}) == 1
     running = first.http.get("/dock", params={"status": "executing"}).json()["goals"]
     assert [goal["goal_id"] for goal in running] == [answers[0][1]]
-    assert first.http.post("/stop").status_code == 200
+    assert first.stop_once()["canceling"] == [answers[0][1]]
 
 
 def test_history_has_each_event_once(replicas: tuple[RunningGateway, RunningGateway]) -> None:

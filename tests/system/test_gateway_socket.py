@@ -69,7 +69,7 @@ def open_socket(gateway: RunningGateway) -> Iterator[Socket]:
 def socket(gateway: RunningGateway) -> Iterator[Socket]:
     with open_socket(gateway) as socket:
         yield socket
-    gateway.http.post("/stop").raise_for_status()
+    gateway.stop_once()
     gateway.http.delete("/battery/publisher")
     for goal in gateway.http.get("/dock").json()["goals"]:
         gateway.wait_for_goal(goal["goal_id"], "succeeded", "canceled", "rejected", "aborted")
@@ -102,7 +102,14 @@ def test_cancel_stop_and_ping(socket: Socket) -> None:
     second = socket.ask("send_goal", idempotency_key="socket")["goal"]["goal_id"]
     assert socket.ask("send_goal", idempotency_key="socket")["goal"]["goal_id"] == second
     assert socket.ask("send_goal")["code"] == "dock_busy"
-    assert socket.ask("stop")["canceling"] == [second]
+    assert socket.ask("stop", by=7)["code"] == "invalid_field"
+    socket.ask("subscribe", include="system")
+    stopped = socket.ask("stop", by="Ada")
+    assert second in stopped["canceling"] or stopped["unconfirmed"]
+    assert (stopped["stop"]["latched"], stopped["stop"]["by"]) == (True, "Ada")
+    assert socket.until(type="stop")["stop"] == stopped["stop"]
+    assert socket.ask("send_goal")["code"] == "stop_latched"
+    assert socket.ask("release_stop")["stop"]["latched"] is False
     assert "time" in socket.ask("ping")
 
 

@@ -28,7 +28,7 @@ def running(gateway: RunningGateway) -> Iterator[str]:
     gateway.publish(LOW)
     goal_id: str = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
     yield goal_id
-    gateway.http.post("/stop").raise_for_status()
+    gateway.stop_once()
     gateway.wait_for_goal(goal_id, "canceled", "succeeded")
 
 

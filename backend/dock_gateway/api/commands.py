@@ -7,11 +7,11 @@ from dock_gateway.api.answers import read_goal_id
 from dock_gateway.api.battery import read_rate
 from dock_gateway.api.dock import CHARGING
 from dock_gateway.api.requests import check_key
+from dock_gateway.api.stop import read_stop
 from dock_gateway.errors import FieldError, InvalidField
 from dock_gateway.events import utc_now
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals import fragment
-from dock_gateway.stop import stop
 
 Fields = dict[str, Any]
 Command = Callable[[Gateway, Fields], Awaitable[Fields]]
@@ -91,9 +91,13 @@ async def _stop_publishing(gateway: Gateway, fields: Fields) -> Fields:
 
 
 async def _stop(gateway: Gateway, fields: Fields) -> Fields:
+    check_fields(fields, ("robot", "by"), ("latch",))
+    return dict(vars(await gateway.stopper.stop(fields.get("robot"), **read_stop(fields))))
+
+
+async def _release_stop(gateway: Gateway, fields: Fields) -> Fields:
     check_fields(fields, ("robot",))
-    report = await stop(gateway.robots, gateway.actions, fields.get("robot"))
-    return {"canceling": report.canceling, "failed": report.failed}
+    return {"stop": await gateway.stopper.release(fields.get("robot"))}
 
 
 async def _ping(_: Gateway, fields: Fields) -> Fields:
@@ -107,5 +111,6 @@ COMMANDS: dict[str, Command] = {
     "publish_battery": _publish_battery,
     "stop_publishing": _stop_publishing,
     "stop": _stop,
+    "release_stop": _release_stop,
     "ping": _ping,
 }

@@ -1,4 +1,4 @@
-"""`/dock`: goals on the docking action of a robot, and `/stop`."""
+"""`/dock`: goals on the docking action of a robot."""
 
 from fastapi import APIRouter, Depends, Request
 from sensor_msgs.msg import BatteryState
@@ -13,13 +13,11 @@ from dock_gateway.api.answers import (
     StatusQuery,
     TheGateway,
     goal_response,
-    json_response,
 )
 from dock_gateway.api.openapi import battery_body
 from dock_gateway.api.problems import problems
 from dock_gateway.api.requests import known_query
-from dock_gateway.api.schemas import Goal, GoalPage, StopReport
-from dock_gateway.stop import stop as stop_robot
+from dock_gateway.api.schemas import Goal, GoalPage
 
 router = APIRouter(tags=["Dock"])
 
@@ -78,12 +76,3 @@ async def cancel_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
     goal = await gateway.goal(goal_id)
     action = await gateway.actions.find(goal.action_name)
     return goal_response(await action.goals.cancel(goal_id), f"/dock/{goal_id}", 202)
-
-
-@router.post("/stop", response_model=StopReport, responses=problems(404, 422, 503), dependencies=[ROBOT])
-async def stop(gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Publish zero velocity at once and cancel every goal on every action of the robot, other clients' too.
-
-    Robots in namespaces below it are stopped, too: without `robot`, on a gateway without a namespace, all of them.
-    """
-    return json_response(await stop_robot(gateway.robots, gateway.actions, robot))

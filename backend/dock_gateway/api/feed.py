@@ -86,7 +86,7 @@ async def _from_history(gateway: Gateway, subscriber: Subscriber, after: str) ->
 
 
 async def snapshot(gateway: Gateway, subscriber: Subscriber) -> Event:
-    """How things stand: running and recent goals, the robot's battery, the docking action server."""
+    """How things stand: running and recent goals, the robot's battery and stop, the docking action server."""
     interest = subscriber.interest
     goals = await gateway.recent_goals(interest)
     robot = gateway.robots.get(interest.robot)
@@ -96,5 +96,6 @@ async def snapshot(gateway: Gateway, subscriber: Subscriber) -> Event:
         goals=[goal.document() for goal in goals],
         battery=robot.battery.document(),
         battery_publisher=robot.publisher.document(),
+        stop=gateway.stopper.state(interest.robot),
         action_server=gateway.dock.watch.state,
     )

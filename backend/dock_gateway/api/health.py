@@ -31,8 +31,16 @@ async def healthz(gateway: TheGateway) -> Response:
 
 @router.get("/readyz", response_model=Readiness, responses={503: {"model": Readiness}})
 async def readyz(gateway: TheGateway) -> Response:
-    """Whether the action server is there and answers; and how the history is kept, which holds up no goal."""
+    """Whether the action server is there and answers; and how the history is kept, which holds up no goal.
+
+    A latched stop is shown, and is no fault: the gateway is ready to release it.
+    """
     state = gateway.dock.watch.state
     ready = gateway.bridge.alive and state.available and state.answering
-    document = {"ready": ready, "action_server": state, "history": gateway.history.stats()}
+    document = {
+        "ready": ready,
+        "action_server": state,
+        "history": gateway.history.stats(),
+        "stop": gateway.stopper.state(),
+    }
     return json_response(document, 200 if ready else 503)

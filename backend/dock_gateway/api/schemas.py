@@ -106,11 +106,22 @@ class StopFailure(Schema):
     detail: str
 
 
+class StopState(Schema):
+    """Whether a stop is latched for a robot, since when and by whom; `robots` at or below it are held by a stop."""
+
+    latched: bool
+    since: datetime | None
+    by: str | None
+    robots: list[str]
+
+
 class StopReport(Schema):
-    """What a stop did."""
+    """What a stop did; the actions in `unconfirmed` were asked to cancel their goals and have not answered yet."""
 
     canceling: list[str]
     failed: list[StopFailure]
+    unconfirmed: list[str]
+    stop: StopState
 
 
 class Battery(Schema):
@@ -191,6 +202,7 @@ class Readiness(Schema):
     ready: bool
     action_server: ActionServer
     history: HistoryState
+    stop: StopState
 
 
 class FieldProblem(Schema):
@@ -236,6 +248,7 @@ class SnapshotEvent(Schema):
     goals: list[Goal]
     battery: Battery
     battery_publisher: Publisher
+    stop: StopState
     action_server: ActionServer
 
 
@@ -308,6 +321,15 @@ class ActionServerEvent(Schema):
     action_server: ActionServer
 
 
+class StopEvent(Schema):
+    """A stop was latched or released."""
+
+    type: Literal["stop"]
+    time: datetime
+    robot: str
+    stop: StopState
+
+
 class HeartbeatEvent(Schema):
     """The stream lives."""
 
@@ -340,6 +362,7 @@ EVENTS: tuple[type[BaseModel], ...] = (
     CmdVelEvent,
     PublisherEvent,
     ActionServerEvent,
+    StopEvent,
     HeartbeatEvent,
     DroppedEvent,
     ClosingEvent,

@@ -1,10 +1,10 @@
-"""`dock-gateway dock`, `cancel`, `stop`, `watch`, `battery`: a client of a running gateway."""
+"""`dock-gateway dock`, `cancel`, `stop`, `release`, `watch`, `battery`: a client of a running gateway."""
 
 import sys
 import uuid
 from collections.abc import Iterator, Mapping
 from typing import Any
-from urllib.parse import urlsplit
+from urllib.parse import urlencode, urlsplit
 
 import click
 import httpx2
@@ -26,6 +26,7 @@ url_option = click.option(
     show_default=True,
     help="Where the gateway is.",
 )
+robot_option = click.option("--robot", help="Namespace of the robot, such as /robot1.")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, a line each.")
 
 
@@ -50,6 +51,11 @@ def on_this_machine(url: str) -> bool:
         return (urlsplit(url).hostname or "") in LOOPBACK_HOSTS
     except ValueError:
         return False
+
+
+def robot_query(robot: str | None) -> str:
+    """The query that names a robot."""
+    return "" if robot is None else f"?{urlencode({'robot': robot})}"
 
 
 def call(url: str, method: str, path: str, body: object = None, headers: Mapping[str, str] | None = None) -> Any:
@@ -197,15 +203,32 @@ def cancel(url: str, goal_id: str | None) -> None:
 
 
 @click.command()
+@click.option("--by", help="Who stops it, for others to see.")
+@click.option("--no-latch", is_flag=True, help="Let goals through again at once.")
+@robot_option
 @url_option
-def stop(url: str) -> None:
-    """Stop the robot: zero velocity, and every goal is canceled."""
-    report = call(url, "POST", "/stop")
+def stop(url: str, robot: str | None, no_latch: bool, by: str | None) -> None:
+    """Stop the robot: zero velocity, every goal is canceled, and none is sent until `dock-gateway release`."""
+    body = {"latch": not no_latch, "by": by}
+    report = call(url, "POST", f"/stop{robot_query(robot)}", body, {"Prefer": "wait=2"})
     click.echo(f"zero velocity published; canceling {', '.join(report['canceling']) or 'no goal'}")
+    if report["stop"]["latched"]:
+        click.echo("no goal is sent until the stop is released: dock-gateway release")
     for failure in report["failed"]:
         click.echo(f"{failure['action_name']}: {failure['detail']}", err=True)
-    if report["failed"]:
+    for name in report["unconfirmed"]:
+        click.echo(f"{name}: the action server has not answered yet", err=True)
+    if report["failed"] or report["unconfirmed"]:
         sys.exit(1)
+
+
+@click.command()
+@robot_option
+@url_option
+def release(url: str, robot: str | None) -> None:
+    """Release a stop: goals are let through again. The robot stays where it is."""
+    call(url, "DELETE", f"/stop{robot_query(robot)}")
+    click.echo("released")
 
 
 @click.command()

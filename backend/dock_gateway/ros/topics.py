@@ -1,16 +1,19 @@
-"""The topics around an action: battery state in and out, velocity in and zero out, diagnostics in.
+"""The topics around an action: battery state in and out, velocity in and zero out, the stop latch, diagnostics in.
 
 Ports are made and closed on the ROS thread; all else of them is for the loop.
 """
 
+import time
 from collections.abc import Callable
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Twist
+from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from sensor_msgs.msg import BatteryState
+from std_msgs.msg import Bool
 
 from dock_gateway.goals import GoalError, Json
 from dock_gateway.ros.bridge import Bridge, guard
@@ -19,6 +22,11 @@ from dock_gateway.ros.messages import codec
 # Best effort and volatile matches every publisher: some send batteries with sensor data QoS, others reliably.
 LISTEN = QoSProfile(depth=50, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
 TALK = QoSProfile(depth=10)
+# Who comes later gets the last message, too.
+LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+# A message that is stamped so many nanoseconds after we began to publish may be ours.
+OWN_WITHIN = 1_000_000_000
 
 OnMessage = Callable[[Json, int], None]
 OnReason = Callable[[str, GoalError], None]
@@ -81,6 +89,57 @@ class VelocityPort:
     async def publish_zero(self) -> None:
         """Tell the robot to stand still."""
         await self._bridge.call(lambda: self._publisher.publish(Twist()))
+
+
+class LatchPort:
+    """`std_msgs/Bool` on `stop_latched`: whether a stop holds for the robot; the last message counts.
+
+    Args:
+        bridge: Where the ROS thread is.
+        topic: Absolute name.
+        on_latch: Called on the loop with what others say.
+    """
+
+    def __init__(self, bridge: Bridge, topic: str, on_latch: Callable[[bool], None]) -> None:
+        self._bridge = bridge
+        self._topic = topic
+        self._own: tuple[tuple[int, int], ...] = ()  # when we published: the listener is another thread
+        self._publisher = self._make_publisher()
+
+        def hear(message: Bool, info: dict[str, Any]) -> None:
+            stamp = info["source_timestamp"]
+            if not any(first <= stamp <= last for first, last in self._own):
+                bridge.to_loop(on_latch, message.data)
+
+        self._subscription = bridge.node.create_subscription(Bool, topic, guard(hear), LATCHED)
+
+    def _make_publisher(self) -> Publisher:
+        return self._bridge.node.create_publisher(Bool, self._topic, LATCHED)
+
+    def close(self) -> None:
+        """Leave the topic."""
+        self._bridge.node.destroy_subscription(self._subscription)
+        self._bridge.node.destroy_publisher(self._publisher)
+
+    async def publish(self, *, latched: bool) -> None:
+        """Say it; who comes later hears the last that was said."""
+
+        def publish() -> None:
+            before, first = self._own[-16:], time.time_ns()
+            self._own = (*before, (first, first + OWN_WITHIN))  # it may be heard before the end is known
+            self._publisher.publish(Bool(data=latched))
+            self._own = (*before, (first, time.time_ns()))
+
+        await self._bridge.call(publish)
+
+    async def withdraw(self) -> None:
+        """Who comes later hears nothing from us."""
+
+        def withdraw() -> None:
+            self._bridge.node.destroy_publisher(self._publisher)
+            self._publisher = self._make_publisher()
+
+        await self._bridge.call(withdraw)
 
 
 class DiagnosticsPort:

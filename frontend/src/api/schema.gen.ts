@@ -78,16 +78,27 @@ export interface paths {
             path?: never;
             cookie?: never;
         };
-        get?: never;
+        /**
+         * Get Stop
+         * @description Whether a stop is latched for a robot.
+         */
+        get: operations["get_stop"];
         put?: never;
         /**
          * Stop
-         * @description Publish zero velocity at once and cancel every goal on every action of the robot, other clients' too.
+         * @description Publish zero velocity at once, cancel every goal on every action of the robot, and let none be sent any more.
          *
-         *     Robots in namespaces below it are stopped, too: without `robot`, on a gateway without a namespace, all of them.
+         *     Goals of other clients are canceled, too. New ones are refused (`409 stop_latched`) until the stop is released by
+         *     `DELETE /stop`; with `{"latch": false}` they are not. Robots in namespaces below are stopped, too: without
+         *     `robot`, on a gateway without a namespace, all of them. The answer comes within 100 ms: an action server that has
+         *     not answered by then is in `unconfirmed`. `Prefer: wait=2` waits for it that long.
          */
         post: operations["stop"];
-        delete?: never;
+        /**
+         * Release Stop
+         * @description Release the stop of a robot and of those below it; also where none is latched. The robot stays where it is.
+         */
+        delete: operations["release_stop"];
         options?: never;
         head?: never;
         patch?: never;
@@ -359,6 +370,8 @@ export interface paths {
         /**
          * Readyz
          * @description Whether the action server is there and answers; and how the history is kept, which holds up no goal.
+         *
+         *     A latched stop is shown, and is no fault: the gateway is ready to release it.
          */
         get: operations["readyz"];
         put?: never;
@@ -752,7 +765,7 @@ export interface components {
             count: number;
         };
         /** @description A message of /ws/feedback. */
-        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ClosingEvent"];
+        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * FeedbackEvent
          * @description A goal's feedback.
@@ -1006,6 +1019,7 @@ export interface components {
             ready: boolean;
             action_server: components["schemas"]["ActionServer"];
             history: components["schemas"]["HistoryState"];
+            stop: components["schemas"]["StopState"];
         };
         /**
          * ResultEvent
@@ -1051,6 +1065,7 @@ export interface components {
             goals: components["schemas"]["Goal"][];
             battery: components["schemas"]["Battery"];
             battery_publisher: components["schemas"]["Publisher"];
+            stop: components["schemas"]["StopState"];
             action_server: components["schemas"]["ActionServer"];
         };
         /**
@@ -1104,6 +1119,25 @@ export interface components {
             time: string;
         };
         /**
+         * StopEvent
+         * @description A stop was latched or released.
+         */
+        StopEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "stop";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Robot */
+            robot: string;
+            stop: components["schemas"]["StopState"];
+        };
+        /**
          * StopFailure
          * @description An action that could not be stopped.
          */
@@ -1117,13 +1151,30 @@ export interface components {
         };
         /**
          * StopReport
-         * @description What a stop did.
+         * @description What a stop did; the actions in `unconfirmed` were asked to cancel their goals and have not answered yet.
          */
         StopReport: {
             /** Canceling */
             canceling: string[];
             /** Failed */
             failed: components["schemas"]["StopFailure"][];
+            /** Unconfirmed */
+            unconfirmed: string[];
+            stop: components["schemas"]["StopState"];
+        };
+        /**
+         * StopState
+         * @description Whether a stop is latched for a robot, since when and by whom; `robots` at or below it are held by a stop.
+         */
+        StopState: {
+            /** Latched */
+            latched: boolean;
+            /** Since */
+            since: string | null;
+            /** By */
+            by: string | null;
+            /** Robots */
+            robots: string[];
         };
         /**
          * Twist
@@ -1486,7 +1537,7 @@ export interface operations {
             };
         };
     };
-    stop: {
+    get_stop: {
         parameters: {
             query?: {
                 /** @description Namespace of the robot, such as `/robot1` */
@@ -1504,11 +1555,159 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["StopReport"];
+                    "application/json": components["schemas"]["StopState"];
                 };
             };
             /** @description Not Found */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    stop: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
+            header?: {
+                /** @example wait=2 */
+                Prefer?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": {
+                    /** @description Whether goals are refused until the stop is released; true where it is left out */
+                    latch?: boolean;
+                    /** @description Who asks for the stop */
+                    by?: string | null;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StopReport"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    release_stop: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StopState"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
