@@ -27,6 +27,7 @@ from action_tutorials_interfaces.action import ConnectToChargingDock
 from docking.admission import admit
 from docking.battery import Battery
 from docking.battery_node import BatteryStateSubscriber
+from docking.controllers.plan import Solo
 from docking.controllers.protocol import Controller
 from docking.controllers.rotate import Rotate
 from docking.failures import ErrorCode, Stage
@@ -134,7 +135,7 @@ class DockServer(Node):  # type: ignore[misc] # rclpy has no types
         execution = _Execution(
             handle,
             goal_id_text(handle.goal_id),
-            DockGoal(self._make_controller(self._settings), self._settings.limits, time.monotonic()),
+            DockGoal(Solo(self._make_controller(self._settings)), self._settings.limits, time.monotonic()),
         )
         if self._running is not None:
             outcome = self._running.goal.abort(ErrorCode.PREEMPTED, f"goal {execution.goal_id} took over")

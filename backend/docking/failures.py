@@ -1,9 +1,11 @@
-"""Stages of docking and the codes of what can go wrong, all in one place.
+"""Stages of docking, and all that can go wrong: a code, a number and an exception each, all in one place.
 
-The words follow nav2's docking server where it has one (`error_code`, `error_msg`, stage CONTROLLING, …).
+Words and numbers are those of nav2's docking server (nav2_msgs/action/DockRobot and UndockRobot) where it has them;
+the numbers from 950 on are our own, below nav2's UNKNOWN.
 """
 
 import enum
+from typing import ClassVar
 
 
 class Stage(enum.StrEnum):
@@ -11,8 +13,18 @@ class Stage(enum.StrEnum):
 
     IDLE = "IDLE"
     """No goal has come yet."""
+    INITIAL_PERCEPTION = "INITIAL_PERCEPTION"
+    """The dock is looked for, by turning if need be."""
+    NAV_TO_STAGING_POSE = "NAV_TO_STAGING_POSE"
+    """The robot drives to its staging pose in front of the dock."""
     CONTROLLING = "CONTROLLING"
-    """A controller moves the robot."""
+    """A controller moves the robot towards the dock."""
+    WAIT_FOR_CHARGE = "WAIT_FOR_CHARGE"
+    """The robot stands on the dock and waits for its battery to charge."""
+    RETRY = "RETRY"
+    """The robot backs off, to try again."""
+    UNDOCKING = "UNDOCKING"
+    """The robot backs out of the dock."""
     WAIT_FOR_BATTERY = "WAIT_FOR_BATTERY"
     """The battery is silent, so the wheels stand still; the goal goes on."""
     SUCCEEDED = "SUCCEEDED"
@@ -32,6 +44,8 @@ class ErrorCode(enum.StrEnum):
     """Rejected: the desired power_supply_status is not one that docking can bring about."""
     SHUTTING_DOWN = "SHUTTING_DOWN"
     """Rejected or aborted: the action server is ending."""
+    STOP_LATCHED = "STOP_LATCHED"
+    """Rejected or aborted: a stop is latched, and nothing may move until it is released."""
     BATTERY_STALE = "BATTERY_STALE"
     """Waiting: no battery message for battery_stale_after."""
     BATTERY_LOST = "BATTERY_LOST"
@@ -40,7 +54,142 @@ class ErrorCode(enum.StrEnum):
     """Aborted: goal_timeout is over."""
     PREEMPTED = "PREEMPTED"
     """Aborted: a newer goal took over and goal_policy is `preempt`."""
+    FAILED_TO_STAGE = "FAILED_TO_STAGE"
+    """Aborted: the staging pose was not reached in time."""
+    FAILED_TO_DETECT_DOCK = "FAILED_TO_DETECT_DOCK"
+    """Aborted: the dock was not found in time."""
     FAILED_TO_CONTROL = "FAILED_TO_CONTROL"
-    """Aborted: the controller gave a velocity that is not a number."""
+    """Aborted: the dock was not reached in time, or the controller gave a velocity that is not a number."""
+    FAILED_TO_CHARGE = "FAILED_TO_CHARGE"
+    """Aborted: the robot is on the dock, but its battery does not charge."""
+    LOST_MARKER = "LOST_MARKER"
+    """Aborted: the marker on the dock was seen, and then no longer."""
+    INFRARED_LOST = "INFRARED_LOST"
+    """Aborted: the dock's infrared beacon was seen, and then no longer, or the receivers are silent."""
+    BLOCKED = "BLOCKED"
+    """Aborted: the robot was told to move and did not, or not as it was told."""
+    PUSHED_OFF = "PUSHED_OFF"
+    """Aborted: the robot was on the dock, and was moved away from it."""
+    ODOMETRY_LOST = "ODOMETRY_LOST"
+    """Aborted: no odometry for odometry_timeout."""
+    FAILED_TO_UNDOCK = "FAILED_TO_UNDOCK"
+    """Aborted: the robot did not get away from the dock in time, or its battery is charging still."""
     UNKNOWN = "UNKNOWN"
     """Aborted: an unexpected error; the log has it."""
+
+    @property
+    def number(self) -> int:
+        """The number that stands for it: nav2's where nav2 has one."""
+        return NUMBERS[self]
+
+
+NUMBERS = {
+    ErrorCode.NONE: 0,
+    ErrorCode.FAILED_TO_STAGE: 903,
+    ErrorCode.FAILED_TO_DETECT_DOCK: 904,
+    ErrorCode.FAILED_TO_CONTROL: 905,
+    ErrorCode.FAILED_TO_CHARGE: 906,
+    ErrorCode.TIMEOUT: 907,
+    ErrorCode.UNKNOWN: 999,
+    ErrorCode.DOCK_BUSY: 950,
+    ErrorCode.INVALID_GOAL: 951,
+    ErrorCode.SHUTTING_DOWN: 952,
+    ErrorCode.STOP_LATCHED: 953,
+    ErrorCode.PREEMPTED: 954,
+    ErrorCode.BATTERY_STALE: 960,
+    ErrorCode.BATTERY_LOST: 961,
+    ErrorCode.LOST_MARKER: 962,
+    ErrorCode.INFRARED_LOST: 963,
+    ErrorCode.ODOMETRY_LOST: 964,
+    ErrorCode.BLOCKED: 970,
+    ErrorCode.PUSHED_OFF: 971,
+    ErrorCode.FAILED_TO_UNDOCK: 972,
+}
+
+
+class DockingError(Exception):
+    """Something went wrong on the way to the dock or away from it.
+
+    DockingError
+    ├── FailedToStage
+    ├── FailedToDetectDock
+    ├── FailedToControl
+    ├── FailedToCharge
+    ├── LostMarker
+    ├── InfraredLost
+    ├── OdometryLost
+    ├── Blocked
+    ├── PushedOff
+    └── FailedToUndock
+
+    Attributes:
+        error_code: Its code.
+        worth_a_retry: Whether backing off and trying again may help.
+    """
+
+    error_code: ClassVar[ErrorCode]
+    worth_a_retry: ClassVar[bool] = True
+
+
+class FailedToStage(DockingError):
+    """The staging pose was not reached in time."""
+
+    error_code = ErrorCode.FAILED_TO_STAGE
+    worth_a_retry = False
+
+
+class FailedToDetectDock(DockingError):
+    """The dock was not found in time."""
+
+    error_code = ErrorCode.FAILED_TO_DETECT_DOCK
+    worth_a_retry = False
+
+
+class FailedToControl(DockingError):
+    """The dock was not reached in time, or not straight enough."""
+
+    error_code = ErrorCode.FAILED_TO_CONTROL
+
+
+class FailedToCharge(DockingError):
+    """The robot is on the dock, but its battery does not charge."""
+
+    error_code = ErrorCode.FAILED_TO_CHARGE
+
+
+class LostMarker(DockingError):
+    """The marker on the dock was seen, and then no longer."""
+
+    error_code = ErrorCode.LOST_MARKER
+
+
+class InfraredLost(DockingError):
+    """The dock's beacon was seen, and then no longer, or the receivers are silent."""
+
+    error_code = ErrorCode.INFRARED_LOST
+
+
+class OdometryLost(DockingError):
+    """No odometry comes, without which the robot can neither back off nor try again."""
+
+    error_code = ErrorCode.ODOMETRY_LOST
+    worth_a_retry = False
+
+
+class Blocked(DockingError):
+    """The robot was told to move and did not, or not as it was told."""
+
+    error_code = ErrorCode.BLOCKED
+
+
+class PushedOff(DockingError):
+    """The robot was on the dock, and was moved away from it."""
+
+    error_code = ErrorCode.PUSHED_OFF
+
+
+class FailedToUndock(DockingError):
+    """The robot did not get away from the dock in time, or its battery is charging still."""
+
+    error_code = ErrorCode.FAILED_TO_UNDOCK
+    worth_a_retry = False

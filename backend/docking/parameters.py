@@ -1,10 +1,22 @@
 """The parameters of the action servers: names, types, units, ranges and defaults in one table."""
 
+import enum
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
+from typing import Any, TypeVar
 
 from docking.admission import GoalPolicy
+from docking.dock import Dock
 from docking.goal import Limits
+from docking.limiter import MotionLimits
+
+
+class ControllerName(enum.StrEnum):
+    """What drives the robot to its dock."""
+
+    ROTATE = "rotate"
+    DOCK_POSE = "dock_pose"
+    INFRARED = "infrared"
 
 
 @dataclass(frozen=True)
@@ -43,7 +55,7 @@ class ChoiceParameter:
 
 Parameter = FloatParameter | IntegerParameter | ChoiceParameter
 
-DOCK_SERVER: tuple[Parameter, ...] = (
+_GOAL: tuple[Parameter, ...] = (
     ChoiceParameter(
         "goal_policy",
         "reject",
@@ -70,6 +82,38 @@ DOCK_SERVER: tuple[Parameter, ...] = (
     FloatParameter(
         "goal_timeout", 0.0, 0.0, 86400.0, "s", "The longest that a goal may take before it is aborted; 0 is for ever."
     ),
+)
+
+_MOTION: tuple[Parameter, ...] = (
+    FloatParameter("v_linear_max", 0.26, 0.01, 2.0, "m/s", "The fastest that the robot drives, either way (linear.x)."),
+    FloatParameter(
+        "v_angular_max", 1.0, 0.05, 4.0, "rad/s", "The fastest that the robot turns, either way (angular.z)."
+    ),
+    FloatParameter("a_linear_max", 0.5, 0.05, 5.0, "m/s²", "How fast linear.x may change, but for a stop."),
+    FloatParameter("a_angular_max", 2.0, 0.1, 20.0, "rad/s²", "How fast angular.z may change, but for a stop."),
+    FloatParameter("odometry_timeout", 1.0, 0.1, 60.0, "s", "Silence of odometry that aborts the goal."),
+    FloatParameter(
+        "blocked_after", 2.0, 0.5, 60.0, "s", "How long the robot may not move as it is told before it is blocked."
+    ),
+    FloatParameter(
+        "staging_x_offset",
+        -0.7,
+        -3.0,
+        -0.3,
+        "m",
+        "From the docked pose to the staging pose along the robot's x axis; negative is in front of the dock.",
+    ),
+)
+
+DOCK_SERVER: tuple[Parameter, ...] = (
+    *_GOAL,
+    ChoiceParameter(
+        "controller",
+        "rotate",
+        ("rotate", "dock_pose", "infrared"),
+        "What drives the robot: the tutorial's turning, the pose of a marker on the dock, or three infrared receivers."
+        " All parameters after rotate_speed are for the last two.",
+    ),
     FloatParameter(
         "rotate_speed",
         0.15,
@@ -77,6 +121,73 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         2.0,
         "rad/s",
         "How fast the robot turns on the spot while it looks for the dock (angular.z); counter-clockwise is positive.",
+    ),
+    *_MOTION,
+    FloatParameter(
+        "v_linear_min",
+        0.04,
+        0.005,
+        0.5,
+        "m/s",
+        "The slowest on the way, and the speed of the last piece before contact.",
+    ),
+    FloatParameter("search_speed", 0.6, 0.05, 4.0, "rad/s", "How fast the robot turns while it looks for the dock."),
+    IntegerParameter("max_retries", 3, 0, 100, "", "How often the robot backs off and tries again."),
+    FloatParameter(
+        "initial_perception_timeout", 20.0, 0.1, 3600.0, "s", "The longest that the robot may look for the dock."
+    ),
+    FloatParameter("staging_timeout", 60.0, 0.1, 3600.0, "s", "The longest that the way to the staging pose may take."),
+    FloatParameter(
+        "dock_approach_timeout", 30.0, 0.1, 3600.0, "s", "The longest that the way from there to the dock may take."
+    ),
+    FloatParameter(
+        "wait_charge_timeout", 5.0, 0.1, 3600.0, "s", "The longest that the battery may take on the dock to charge."
+    ),
+    FloatParameter("retry_timeout", 30.0, 0.1, 3600.0, "s", "The longest that backing off may take."),
+    FloatParameter(
+        "external_detection_timeout",
+        2.0,
+        0.1,
+        60.0,
+        "s",
+        "Silence of the marker's detections, or of the receivers, on the way to the dock after which it is lost.",
+    ),
+    FloatParameter(
+        "external_detection_translation_x",
+        -0.2,
+        -2.0,
+        0.0,
+        "m",
+        "From the marker, or the beacon, to the docked robot along the marker's x axis, which points into the dock.",
+    ),
+    FloatParameter(
+        "external_detection_translation_y",
+        0.0,
+        -1.0,
+        1.0,
+        "m",
+        "The same along the marker's y axis.",
+    ),
+    FloatParameter(
+        "external_detection_rotation_yaw",
+        0.0,
+        -3.1416,
+        3.1416,
+        "rad",
+        "How the docked robot is turned against the marker's x axis.",
+    ),
+)
+
+UNDOCK_SERVER: tuple[Parameter, ...] = (
+    *_GOAL,
+    *_MOTION,
+    FloatParameter(
+        "undocking_timeout",
+        20.0,
+        0.1,
+        3600.0,
+        "s",
+        "The longest that backing out may take, until the battery no longer charges.",
     ),
 )
 
@@ -87,11 +198,44 @@ FIBONACCI_SERVER: tuple[Parameter, ...] = (
 
 @dataclass(frozen=True)
 class DockSettings:
-    """The parameters of the docking action server, as the program uses them."""
+    """The parameters of the docking action server, as the program uses them.
+
+    Attributes:
+        goal_policy: What happens to a goal that comes while another one runs.
+        limits: Deadlines and retries.
+        rotate_speed: Of the controller `rotate`, in rad/s.
+        controller: What drives the robot.
+        motion: What the robot may do.
+        search_speed: In rad/s.
+        detection_timeout: external_detection_timeout, in s.
+        dock: Where the robot stands when docked, and where it waits in front.
+    """
 
     goal_policy: GoalPolicy
-    limits: Limits
-    rotate_speed: float
+    limits: Limits = field(default_factory=Limits)
+    rotate_speed: float = 0.15
+    controller: ControllerName = ControllerName.ROTATE
+    motion: MotionLimits = field(default_factory=MotionLimits)
+    search_speed: float = 0.6
+    detection_timeout: float = 2.0
+    dock: Dock = field(default_factory=Dock)
+
+
+@dataclass(frozen=True)
+class UndockSettings:
+    """The parameters of the undocking action server, as the program uses them.
+
+    Attributes:
+        goal_policy: What happens to a goal that comes while another one runs.
+        limits: Deadlines.
+        motion: What the robot may do.
+        distance: How far to back out, in m.
+    """
+
+    goal_policy: GoalPolicy
+    limits: Limits = field(default_factory=Limits)
+    motion: MotionLimits = field(default_factory=MotionLimits)
+    distance: float = 0.7
 
 
 def find_fault(table: tuple[Parameter, ...], values: Mapping[str, object]) -> str | None:
@@ -111,15 +255,40 @@ def find_fault(table: tuple[Parameter, ...], values: Mapping[str, object]) -> st
     return None
 
 
+Part = TypeVar("Part", Limits, MotionLimits, Dock)
+
+
 def dock_settings(values: Mapping[str, object]) -> DockSettings:
     """The settings from a value for each parameter of `DOCK_SERVER`."""
-    numbers = {name: value for name, value in values.items() if isinstance(value, float)}
+    numbers = _numbers(values)
     return DockSettings(
         goal_policy=GoalPolicy(str(values["goal_policy"])),
-        limits=Limits(
-            battery_stale_after=numbers["battery_stale_after"],
-            battery_lost_after=numbers["battery_lost_after"],
-            goal_timeout=numbers["goal_timeout"],
-        ),
+        limits=_part(Limits, numbers),
         rotate_speed=numbers["rotate_speed"],
+        controller=ControllerName(str(values["controller"])),
+        motion=_part(MotionLimits, numbers),
+        search_speed=numbers["search_speed"],
+        detection_timeout=numbers["external_detection_timeout"],
+        dock=_part(Dock, numbers),
     )
+
+
+def undock_settings(values: Mapping[str, object]) -> UndockSettings:
+    """The settings from a value for each parameter of `UNDOCK_SERVER`."""
+    numbers = _numbers(values)
+    return UndockSettings(
+        goal_policy=GoalPolicy(str(values["goal_policy"])),
+        limits=_part(Limits, numbers),
+        motion=_part(MotionLimits, numbers),
+        distance=-numbers["staging_x_offset"],
+    )
+
+
+def _numbers(values: Mapping[str, object]) -> dict[str, float]:
+    return {name: value for name, value in values.items() if isinstance(value, (int, float))}
+
+
+def _part(kind: type[Part], numbers: Mapping[str, float]) -> Part:
+    """A dataclass whose fields are named as the parameters are; what is no parameter keeps its default."""
+    named: dict[str, Any] = {part.name: numbers[part.name] for part in fields(kind) if part.name in numbers}
+    return kind(**named)

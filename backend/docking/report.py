@@ -18,7 +18,12 @@ class Level(enum.IntEnum):
 
 LEVELS = {
     Stage.IDLE: Level.OK,
+    Stage.INITIAL_PERCEPTION: Level.OK,
+    Stage.NAV_TO_STAGING_POSE: Level.OK,
     Stage.CONTROLLING: Level.OK,
+    Stage.WAIT_FOR_CHARGE: Level.OK,
+    Stage.RETRY: Level.WARN,
+    Stage.UNDOCKING: Level.OK,
     Stage.WAIT_FOR_BATTERY: Level.WARN,
     Stage.SUCCEEDED: Level.OK,
     Stage.CANCELED: Level.OK,
@@ -36,12 +41,14 @@ class Report:
         error_code: NONE, or what is wrong.
         error_msg: The same as a sentence, empty with NONE.
         goal_id: The goal it is about as a canonical UUID; empty before the first goal.
+        retries: How often the goal has begun anew.
     """
 
     stage: Stage = Stage.IDLE
     error_code: ErrorCode = ErrorCode.NONE
     error_msg: str = ""
     goal_id: str = ""
+    retries: int = 0
 
     @property
     def level(self) -> Level:
@@ -60,15 +67,14 @@ class Report:
             "error_code": self.error_code.value,
             "error_msg": self.error_msg,
             "goal_id": self.goal_id,
+            "error_number": str(self.error_code.number),
+            "retries": str(self.retries),
         }
 
 
 def report_on(event: Command | Outcome | Rejection, goal_id: str) -> Report:
     """The report on what has become of a goal."""
-    if isinstance(event, Command):
-        stage = event.stage
-    elif isinstance(event, Outcome):
-        stage = event.end.stage
-    else:
-        stage = Stage.REJECTED
-    return Report(stage, event.error_code, event.error_msg, goal_id)
+    if isinstance(event, Rejection):
+        return Report(Stage.REJECTED, event.error_code, event.error_msg, goal_id)
+    stage = event.stage if isinstance(event, Command) else event.end.stage
+    return Report(stage, event.error_code, event.error_msg, goal_id, event.retries)

@@ -6,7 +6,14 @@ from pathlib import Path
 import pytest
 
 from docking.failures import ErrorCode, Stage
-from docking.parameters import DOCK_SERVER, FIBONACCI_SERVER, ChoiceParameter, IntegerParameter, Parameter
+from docking.parameters import (
+    DOCK_SERVER,
+    FIBONACCI_SERVER,
+    UNDOCK_SERVER,
+    ChoiceParameter,
+    IntegerParameter,
+    Parameter,
+)
 from docking.report import LEVELS
 from docking.session import ExitCode
 
@@ -35,7 +42,11 @@ def documented(parameter: Parameter) -> list[str]:
 
 @pytest.mark.parametrize(
     ("node", "table"),
-    [("connect_to_charging_dock_action_server", DOCK_SERVER), ("fibonacci_action_server", FIBONACCI_SERVER)],
+    [
+        ("connect_to_charging_dock_action_server", DOCK_SERVER),
+        ("disconnect_from_charging_dock_action_server", UNDOCK_SERVER),
+        ("fibonacci_action_server", FIBONACCI_SERVER),
+    ],
 )
 def test_every_parameter_is_documented(node: str, table: tuple[Parameter, ...]) -> None:
     assert rows(f"### {node}\n") == [documented(parameter) for parameter in table]
@@ -45,8 +56,8 @@ def test_every_stage_is_documented_with_its_level() -> None:
     assert {row[0]: row[1] for row in rows("| stage |")} == {f"`{stage}`": LEVELS[stage].name for stage in Stage}
 
 
-def test_every_error_code_is_documented() -> None:
-    assert [row[0] for row in rows("| error_code |")] == [f"`{code}`" for code in ErrorCode]
+def test_every_error_code_is_documented_with_its_number() -> None:
+    assert [row[:2] for row in rows("| error_code |")] == [[f"`{code}`", f"{code.number}"] for code in ErrorCode]
 
 
 def test_every_exit_code_is_documented() -> None:

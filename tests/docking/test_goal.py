@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from docking.battery import BatteryReading
+from docking.controllers.plan import Solo
 from docking.controllers.rotate import Rotate
 from docking.failures import ErrorCode, Stage
 from docking.goal import Command, DockGoal, End, Limits, Outcome
@@ -15,7 +16,7 @@ LIMITS = Limits(battery_stale_after=2.0, battery_lost_after=60.0, goal_timeout=0
 
 
 def make_goal(limits: Limits = LIMITS) -> DockGoal:
-    return DockGoal(Rotate(), limits, START)
+    return DockGoal(Solo(Rotate()), limits, START)
 
 
 def reading(status: int, at: float) -> BatteryReading:
@@ -97,7 +98,7 @@ def test_a_velocity_that_is_no_number_aborts(velocity: Velocity) -> None:
         def step(self, observation: Observation, dt: float) -> Velocity:
             return velocity
 
-    step = DockGoal(Broken(), LIMITS, START).step(Observation(START, reading(3, START)))
+    step = DockGoal(Solo(Broken()), LIMITS, START).step(Observation(START, reading(3, START)))
     assert isinstance(step, Outcome)
     assert (step.end, step.error_code) == (End.ABORTED, ErrorCode.FAILED_TO_CONTROL)
 

@@ -5,22 +5,30 @@ from docking.goal import Limits
 from docking.parameters import (
     DOCK_SERVER,
     FIBONACCI_SERVER,
+    UNDOCK_SERVER,
     ChoiceParameter,
+    ControllerName,
     DockSettings,
+    UndockSettings,
     dock_settings,
     find_fault,
+    undock_settings,
 )
 
 DEFAULTS = {parameter.name: parameter.default for parameter in DOCK_SERVER}
 
 
 def test_the_defaults_are_the_documented_ones() -> None:
-    assert dock_settings(DEFAULTS) == DockSettings(GoalPolicy.REJECT, Limits(2.0, 60.0, 0.0), 0.15)
+    settings = dock_settings(DEFAULTS)
+    assert settings == DockSettings(GoalPolicy.REJECT, Limits(2.0, 60.0, 0.0), 0.15)
+    assert settings.controller is ControllerName.ROTATE
+    undocking = {parameter.name: parameter.default for parameter in UNDOCK_SERVER}
+    assert undock_settings(undocking) == UndockSettings(GoalPolicy.REJECT)
 
 
 def test_the_defaults_have_no_fault_and_are_in_range() -> None:
     assert find_fault(DOCK_SERVER, DEFAULTS) is None
-    for parameter in DOCK_SERVER + FIBONACCI_SERVER:
+    for parameter in DOCK_SERVER + UNDOCK_SERVER + FIBONACCI_SERVER:
         if isinstance(parameter, ChoiceParameter):
             assert parameter.default in parameter.choices
         else:

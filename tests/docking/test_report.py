@@ -26,9 +26,7 @@ def test_every_stage_has_a_level() -> None:
         (Rejection(ErrorCode.DOCK_BUSY, "busy"), "REJECTED", Level.WARN),
     ],
 )
-def test_what_becomes_of_a_goal_is_told_in_four_values(
-    event: Command | Outcome | Rejection, stage: str, level: Level
-) -> None:
+def test_what_becomes_of_a_goal_is_told(event: Command | Outcome | Rejection, stage: str, level: Level) -> None:
     report = report_on(event, "the-goal")
     assert report.level is level
     assert report.values() == {
@@ -36,11 +34,20 @@ def test_what_becomes_of_a_goal_is_told_in_four_values(
         "error_code": event.error_code.value,
         "error_msg": event.error_msg,
         "goal_id": "the-goal",
+        "error_number": str(event.error_code.number),
+        "retries": "0",
     }
 
 
 def test_before_the_first_goal_nothing_is_wrong() -> None:
-    assert Report().values() == {"stage": "IDLE", "error_code": "NONE", "error_msg": "", "goal_id": ""}
+    assert Report().values() == {
+        "stage": "IDLE",
+        "error_code": "NONE",
+        "error_msg": "",
+        "goal_id": "",
+        "error_number": "0",
+        "retries": "0",
+    }
     assert Report().message == "idle"
 
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Protocol
 
-from docking.failures import ErrorCode
+from docking.failures import DockingError
 from docking.observation import Observation, Velocity
 
 
@@ -17,12 +17,10 @@ class Failed:
     """The controller cannot go on from here; the robot is to stand still.
 
     Attributes:
-        error_code: Why.
-        error_msg: The same as a sentence.
+        error: Why.
     """
 
-    error_code: ErrorCode
-    error_msg: str
+    error: DockingError
 
 
 Step = Velocity | Done | Failed

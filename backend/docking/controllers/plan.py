@@ -1,0 +1,73 @@
+"""What a plan is: the stages of docking by one kind of sensor, and the controller of each."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from docking.controllers.protocol import Controller
+from docking.failures import DockingError, FailedToDetectDock, Stage
+from docking.geometry import Pose
+from docking.limiter import MotionLimits
+from docking.observation import Observation
+
+
+@dataclass(frozen=True, slots=True)
+class Poses:
+    """What a plan knows of the dock, in the frame odom; None for what it does not know.
+
+    Attributes:
+        dock: Of base_link when docked, by the last detection alone.
+        filtered_dock: The same by all detections.
+        staging: Of base_link in front of the dock.
+    """
+
+    dock: Pose | None = None
+    filtered_dock: Pose | None = None
+    staging: Pose | None = None
+
+
+class Plan(Protocol):
+    """How to dock by one kind of sensor; a new one is made for each goal.
+
+    Attributes:
+        stages: In their order. After the last one the robot stands still until the battery charges.
+        motion: What the robot may do; None leaves velocities as they are and needs no odometry.
+        lost: What has happened when the dock cannot be found again after it was seen.
+        poses: What is known of the dock now.
+    """
+
+    @property
+    def stages(self) -> tuple[Stage, ...]: ...  # noqa: D102 - see above
+
+    @property
+    def motion(self) -> MotionLimits | None: ...  # noqa: D102
+
+    @property
+    def lost(self) -> type[DockingError]: ...  # noqa: D102
+
+    @property
+    def poses(self) -> Poses: ...  # noqa: D102
+
+    def observe(self, observation: Observation) -> None:
+        """Take notice, whatever the stage; called once before the controller's step."""
+
+    def controller(self, stage: Stage) -> Controller:
+        """A new controller for one of the stages, or for RETRY."""
+
+
+class Solo:
+    """The plan of a controller that needs no stages, such as `Rotate`."""
+
+    stages = (Stage.CONTROLLING,)
+    motion = None
+    lost = FailedToDetectDock
+    poses = Poses()
+
+    def __init__(self, controller: Controller) -> None:
+        self._controller = controller
+
+    def observe(self, observation: Observation) -> None:
+        """Nothing to remember."""
+
+    def controller(self, stage: Stage) -> Controller:
+        """The only one."""
+        return self._controller

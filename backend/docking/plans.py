@@ -1,0 +1,12 @@
+"""The plan that the parameters ask for."""
+
+from docking.controllers.plan import Plan, Solo
+from docking.controllers.rotate import Rotate
+from docking.parameters import ControllerName, DockSettings
+
+
+def make_plan(settings: DockSettings) -> Plan:
+    """A new plan for a goal, by the parameter `controller`."""
+    if settings.controller is ControllerName.ROTATE:
+        return Solo(Rotate(settings.rotate_speed))
+    raise NotImplementedError(settings.controller)
