@@ -46,7 +46,9 @@ def create_app(settings: Settings) -> FastAPI:
         generate_unique_id_function=lambda route: route.name,
     )
     install_problems(app)
-    for module in (dock, stop, stream, actions, interfaces, battery, health, socket):
+    for router in dock.routers:
+        app.include_router(router)
+    for module in (stop, stream, actions, interfaces, battery, health, socket):
         app.include_router(module.router)
     install_openapi(app)
     patch_fastapi(app, redirect_from_root_to_docs=False)  # /docs without a CDN: robots are often offline

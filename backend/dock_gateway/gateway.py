@@ -44,6 +44,7 @@ class Gateway:
     robots: RobotRegistry
     stopper: Stopper
     dock: Action
+    undock: Action
 
     async def dock_of(self, robot: str | None) -> Action:
         """The docking action of a robot, the configured one where none is named.
@@ -51,10 +52,18 @@ class Gateway:
         Raises:
             NotFound: There is no such robot, or it has no docking action.
         """
-        if robot is None:
-            return self.dock
-        namespace = self.robots.get(robot).namespace
-        return await self.actions.find(self.settings.resolve(self.settings.dock_action, namespace))
+        return self.dock if robot is None else await self._action_of(robot, self.settings.dock_action)
+
+    async def undock_of(self, robot: str | None) -> Action:
+        """The undocking action of a robot, likewise.
+
+        Raises:
+            NotFound: There is no such robot, or it has no undocking action.
+        """
+        return self.undock if robot is None else await self._action_of(robot, self.settings.undock_action)
+
+    async def _action_of(self, robot: str, name: str) -> Action:
+        return await self.actions.find(self.settings.resolve(name, self.robots.get(robot).namespace))
 
     async def goal(self, goal_id: str) -> Goal:
         """One goal, on whatever action.
@@ -73,8 +82,9 @@ class Gateway:
             return [await self.goal(interest.goal_id)]
         newest: list[Goal] = []
         with suppress(Unavailable):  # a stream goes on without the past
-            # The docking action's are asked for by name, so that a busier action does not crowd them out.
-            for name in dict.fromkeys((interest.action_name, interest.action_name or self.dock.name)):
+            # Those of docking and undocking are asked for by name, so that a busier action does not crowd them out.
+            wanted = interest.action_name
+            for name in dict.fromkeys((wanted, wanted or self.dock.name, wanted or self.undock.name)):
                 newest += await self.history.page(action_name=name, statuses=(), limit=RECENT, before=None)
         known = [*newest, *self.actions.running()]
         goals = {goal.goal_id: goal for goal in known if interest.covers_goal(goal.goal_id, goal.action_name)}
@@ -110,9 +120,10 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         await robots.open(robots.default_namespace)
         actions.expect(await history.unfinished())
         dock = await actions.open(settings.resolve(settings.dock_action), settings.dock_action_type, pinned=True)
+        undock = await actions.open(settings.resolve(settings.undock_action), settings.undock_action_type, pinned=True)
         watching = asyncio.create_task(_watch_graph(bridge, actions, robots))
         try:
-            yield Gateway(settings, bridge, hub, history, actions, robots, stopper, dock)
+            yield Gateway(settings, bridge, hub, history, actions, robots, stopper, dock, undock)
         finally:
             hub.close()
             watching.cancel()

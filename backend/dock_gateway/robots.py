@@ -67,7 +67,8 @@ class RobotRegistry:
 
     async def update(self, scan: Scan) -> None:
         """Take up robots that have appeared. None is forgotten: a battery that falls silent is news, not the end."""
-        suffixes = (f"/{self._settings.dock_action}", f"/{self._settings.battery_topic}")
+        settings = self._settings
+        suffixes = tuple(f"/{name}" for name in (settings.dock_action, settings.undock_action, settings.battery_topic))
         for name in (*scan.actions, *scan.topics):
             for suffix in suffixes:
                 if name.endswith(suffix) and (namespace := name.removesuffix(suffix) or "/") not in self._robots:

@@ -50,6 +50,12 @@ class Settings(BaseSettings):
     dock_action_type: str = Field(
         "action_tutorials_interfaces/action/ConnectToChargingDock", description="The type of that action."
     )
+    undock_action: str = Field(
+        "disconnect_from_charging_dock", description="The action behind `/undock`, relative to the namespace."
+    )
+    undock_action_type: str = Field(
+        "action_tutorials_interfaces/action/DisconnectFromChargingDock", description="The type of that action."
+    )
     battery_topic: str = Field("battery_status", description="Topic of `sensor_msgs/BatteryState`.")
     cmd_vel_topic: str = Field(
         "cmd_vel", description="Topic of `geometry_msgs/Twist`, which `/stop` publishes zeros on."
@@ -138,7 +144,7 @@ class Settings(BaseSettings):
             raise ValueError(f"{value[:100]!r} is no ROS namespace, such as /robot1: letters, digits, _ and /")
         return value
 
-    @field_validator("dock_action_type")
+    @field_validator("dock_action_type", "undock_action_type")
     @classmethod
     def _check_action_type(cls, value: str) -> str:
         if not ACTION_TYPE.fullmatch(value):

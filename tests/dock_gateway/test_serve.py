@@ -8,15 +8,17 @@ from dock_gateway.cli.serve import check_installed
 from dock_gateway.settings import Settings
 
 
+@pytest.mark.parametrize("verb", ["dock", "undock"])
 @pytest.mark.parametrize(
     "action_type", ["no_such_package/action/Dock", "action_tutorials_interfaces/action/Dock", "sensor_msgs/action/Dock"]
 )
-def test_a_docking_action_that_is_not_installed(action_type: str) -> None:
-    result = CliRunner().invoke(main, ["serve", "--dock-action-type", action_type])
+def test_an_action_that_is_not_installed(action_type: str, verb: str) -> None:
+    result = CliRunner().invoke(main, ["serve", f"--{verb}-action-type", action_type])
     assert result.exit_code == 2
-    assert "dock_action_type: the ROS interfaces" in result.output
+    assert f" {verb}_action_type: the ROS interfaces" in result.output
     assert "Traceback" not in result.output
 
 
-def test_the_default_is_installed() -> None:
-    check_installed(Settings().dock_action_type)
+def test_the_defaults_are_installed() -> None:
+    check_installed("dock_action_type", Settings().dock_action_type)
+    check_installed("undock_action_type", Settings().undock_action_type)

@@ -62,6 +62,7 @@ def test_the_environment_is_read_and_options_win(monkeypatch: pytest.MonkeyPatch
         ("dock_action_type", "ConnectToChargingDock"),
         ("dock_action_type", "some_package/msg/Dock"),
         ("dock_action_type", "../action/Dock"),
+        ("undock_action_type", "Undock"),
     ],
 )
 def test_wrong_settings_are_refused_by_name(name: str, value: str) -> None:

@@ -1,9 +1,14 @@
-"""`/dock`: goals on the docking action of a robot."""
+"""`/dock` and `/undock`: goals on the docking and the undocking action of a robot."""
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any
 
 from fastapi import APIRouter, Depends, Request
 from sensor_msgs.msg import BatteryState
 from starlette.responses import Response
 
+from dock_gateway.actions import Action
 from dock_gateway.api import goals
 from dock_gateway.api.answers import (
     CursorQuery,
@@ -18,61 +23,104 @@ from dock_gateway.api.openapi import battery_body
 from dock_gateway.api.problems import problems
 from dock_gateway.api.requests import known_query
 from dock_gateway.api.schemas import Goal, GoalPage
-
-router = APIRouter(tags=["Dock"])
+from dock_gateway.gateway import Gateway
 
 CHARGING = {"desired_battery_state": {"power_supply_status": BatteryState.POWER_SUPPLY_STATUS_CHARGING}}
-ROBOT = Depends(known_query("robot"))
+NOT_CHARGING: dict[str, Any] = {"desired_battery_state": {}}
 
 
-@router.post(
-    "/dock",
-    status_code=202,
-    response_model=Goal,
-    responses={
-        200: {"model": Goal, "description": "It ended"},
-        **problems(400, 404, 409, 413, 415, 422, 429, 503, 504),
-    },
-    openapi_extra={**battery_body(required=False, wrapped="desired_battery_state"), "parameters": goals.HEADERS},
-    dependencies=[ROBOT],
-)
-async def dock(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Send the robot to its charging dock.
+@dataclass(frozen=True)
+class Verb:
+    """What can be asked of a robot at its path.
 
-    An empty body asks for CHARGING. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the
-    first goal.
+    Attributes:
+        name: `dock` or `undock`, which is the path, too.
+        description: What sending a goal does.
+        default: The goal of an empty body.
+        action_of: The action behind it, of the robot that is named or of the configured one.
+        prefix: Of the names of its other operations.
     """
-    return await goals.send_goal(request, await gateway.dock_of(robot), "/dock", CHARGING)
+
+    name: str
+    description: str
+    default: dict[str, Any]
+    action_of: Callable[[Gateway, str | None], Awaitable[Action]]
+    prefix: str = ""
 
 
-@router.get(
-    "/dock",
-    response_model=GoalPage,
-    responses=problems(404, 422),
-    dependencies=[Depends(known_query("robot", "status", "limit", "cursor"))],
+WAITING = "`Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal."
+DOCK = Verb(
+    "dock",
+    f"Send the robot to its charging dock.\n\nAn empty body asks for CHARGING. {WAITING}",
+    CHARGING,
+    Gateway.dock_of,
 )
-async def list_goals(
-    gateway: TheGateway,
-    robot: RobotQuery = None,
-    status: StatusQuery = None,
-    limit: LimitQuery = 50,
-    cursor: CursorQuery = None,
-) -> Response:
-    """Goals, newest first."""
-    return await goals.list_goals(await gateway.dock_of(robot), status, limit, cursor)
-
-
-@router.get("/dock/{goal_id}", response_model=Goal, responses=problems(404, 422))
-async def get_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
-    """One goal, of any robot."""
-    return goal_response(await gateway.goal(goal_id), f"/dock/{goal_id}")
-
-
-@router.post(
-    "/dock/{goal_id}/cancel", status_code=202, response_model=Goal, responses=problems(404, 409, 422, 503, 504)
+UNDOCK = Verb(
+    "undock",
+    "Drive the robot off its charging dock; where it is not docked, the goal succeeds at once.\n\n"
+    f"An empty body asks for a battery that is not charging, 2 or 3. {WAITING}",
+    NOT_CHARGING,
+    Gateway.undock_of,
+    "undock_",
 )
-async def cancel_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
-    """Ask the action server to cancel a goal, whoever sent it."""
-    goal = await gateway.goal(goal_id)
-    action = await gateway.actions.find(goal.action_name)
-    return goal_response(await action.goals.cancel(goal_id), f"/dock/{goal_id}", 202)
+
+
+def goal_routes(verb: Verb) -> APIRouter:
+    """The routes of a verb."""
+    router = APIRouter(tags=[verb.name.capitalize()], prefix=f"/{verb.name}")
+
+    @router.post(
+        "",
+        name=verb.name,
+        description=verb.description,
+        status_code=202,
+        response_model=Goal,
+        responses={
+            200: {"model": Goal, "description": "It ended"},
+            **problems(400, 404, 409, 413, 415, 422, 429, 503, 504),
+        },
+        openapi_extra={**battery_body(required=False, wrapped="desired_battery_state"), "parameters": goals.HEADERS},
+        dependencies=[Depends(known_query("robot"))],
+    )
+    async def send_goal(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+        return await goals.send_goal(request, await verb.action_of(gateway, robot), f"/{verb.name}", verb.default)
+
+    @router.get(
+        "",
+        name=f"list_{verb.prefix}goals",
+        response_model=GoalPage,
+        responses=problems(404, 422),
+        dependencies=[Depends(known_query("robot", "status", "limit", "cursor"))],
+    )
+    async def list_goals(
+        gateway: TheGateway,
+        robot: RobotQuery = None,
+        status: StatusQuery = None,
+        limit: LimitQuery = 50,
+        cursor: CursorQuery = None,
+    ) -> Response:
+        """Goals, newest first."""
+        return await goals.list_goals(await verb.action_of(gateway, robot), status, limit, cursor)
+
+    @router.get("/{goal_id}", name=f"get_{verb.prefix}goal", response_model=Goal, responses=problems(404, 422))
+    async def get_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
+        """One goal, of any robot."""
+        return goal_response(await gateway.goal(goal_id), f"/{verb.name}/{goal_id}")
+
+    @router.post(
+        "/{goal_id}/cancel",
+        name=f"cancel_{verb.prefix}goal",
+        status_code=202,
+        response_model=Goal,
+        responses=problems(404, 409, 422, 503, 504),
+    )
+    async def cancel_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
+        """Ask the action server to cancel a goal, whoever sent it."""
+        goal = await gateway.goal(goal_id)
+        action = await gateway.actions.find(goal.action_name)
+        return goal_response(await action.goals.cancel(goal_id), f"/{verb.name}/{goal_id}", 202)
+
+    return router
+
+
+routers = (goal_routes(DOCK), goal_routes(UNDOCK))

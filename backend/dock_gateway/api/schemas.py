@@ -22,19 +22,19 @@ class BatteryState(Schema):
 
 
 class DockGoal(Schema):
-    """Goal of ConnectToChargingDock."""
+    """Goal of ConnectToChargingDock and DisconnectFromChargingDock."""
 
     desired_battery_state: BatteryState
 
 
 class DockFeedback(Schema):
-    """Feedback of ConnectToChargingDock."""
+    """Feedback of ConnectToChargingDock and DisconnectFromChargingDock."""
 
     current_battery_state: BatteryState
 
 
 class DockResult(Schema):
-    """Result of ConnectToChargingDock."""
+    """Result of ConnectToChargingDock and DisconnectFromChargingDock."""
 
     final_battery_state: BatteryState
 
@@ -64,7 +64,7 @@ class GoalState(Schema):
 
 
 class GoalSummary(GoalState):
-    """A docking goal without its feedback and result."""
+    """A goal of docking or undocking without its feedback and result."""
 
     goal: DockGoal | None
 
@@ -85,7 +85,7 @@ class ActionGoalPage(Schema):
 
 
 class Goal(GoalSummary):
-    """A docking goal."""
+    """A goal of docking or undocking."""
 
     feedback: DockFeedback | None
     result: DockResult | None

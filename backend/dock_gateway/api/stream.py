@@ -136,9 +136,10 @@ class EventStream(StreamingResponse):
                 log.debug("a stream of Server-Sent Events was left unfinished")
 
 
+@router.get("/undock/{goal_id}/events", name="undock_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 @router.get("/dock/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 async def dock_events(goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
-    """The events of a docking goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes."""
+    """The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes."""
     return await _sse(request, gateway, goal_id)
 
 

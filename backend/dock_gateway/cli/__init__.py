@@ -3,7 +3,7 @@
 import click
 
 from dock_gateway import __version__
-from dock_gateway.cli.client import battery, cancel, dock, release, stop, watch
+from dock_gateway.cli.client import battery, cancel, dock, release, stop, undock, watch
 from dock_gateway.cli.serve import openapi, serve
 from dock_gateway.cli.up import up
 
@@ -14,5 +14,5 @@ def main() -> None:
     """Drive ROS 2 actions from a browser, curl or a WebSocket."""
 
 
-for command in (up, serve, dock, cancel, stop, release, watch, battery, openapi):
+for command in (up, serve, dock, undock, cancel, stop, release, watch, battery, openapi):
     main.add_command(command)

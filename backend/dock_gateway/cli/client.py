@@ -1,4 +1,4 @@
-"""`dock-gateway dock`, `cancel`, `stop`, `release`, `watch`, `battery`: a client of a running gateway."""
+"""`dock-gateway dock`, `undock`, `cancel`, `stop`, `release`, `watch`, `battery`: a client of a running gateway."""
 
 import sys
 import uuid
@@ -166,11 +166,25 @@ def follow(url: str, goal_id: str, *, as_json: bool) -> dict[str, Any]:
 @url_option
 def dock(url: str, status: int, voltage: float | None, percentage: float | None, no_wait: bool, as_json: bool) -> None:
     """Send the robot to its charging dock and show its feedback. Ctrl-C cancels the goal."""
-    body = {"desired_battery_state": {"power_supply_status": status, "voltage": voltage, "percentage": percentage}}
+    state = {"power_supply_status": status, "voltage": voltage, "percentage": percentage}
+    send(url, "/dock", {"desired_battery_state": state}, no_wait=no_wait, as_json=as_json)
+
+
+@click.command()
+@click.option("--no-wait", is_flag=True, help="Do not wait for the end; print the goal id.")
+@json_option
+@url_option
+def undock(url: str, no_wait: bool, as_json: bool) -> None:
+    """Drive the robot off its charging dock and show its feedback. Ctrl-C cancels the goal."""
+    send(url, "/undock", {}, no_wait=no_wait, as_json=as_json)
+
+
+def send(url: str, path: str, body: dict[str, Any], *, no_wait: bool, as_json: bool) -> None:
+    """Send a goal and show its events until it has ended; the exit code tells how."""
     headers = {"Idempotency-Key": str(uuid.uuid4())}
     goal: dict[str, Any] | None = None
     try:
-        goal = call(url, "POST", "/dock", body, headers)
+        goal = call(url, "POST", path, body, headers)
         if no_wait:
             click.echo(orjson.dumps(goal) if as_json else goal["goal_id"])
             return
@@ -180,8 +194,8 @@ def dock(url: str, status: int, voltage: float | None, percentage: float | None,
     except KeyboardInterrupt:
         click.echo("canceling …", err=True)
         if goal is None:  # it may be on its way to the robot already: the same key tells which one it is
-            goal = call(url, "POST", "/dock", body, headers)
-        call(url, "POST", f"/dock/{goal['goal_id']}/cancel")
+            goal = call(url, "POST", path, body, headers)
+        call(url, "POST", f"{path}/{goal['goal_id']}/cancel")
         goal = follow(url, goal["goal_id"], as_json=as_json)
     if goal["status"] != "succeeded":
         sys.exit(1)
@@ -194,7 +208,7 @@ def cancel(url: str, goal_id: str | None) -> None:
     """Cancel a goal; without GOAL_ID, the one that runs."""
     if goal_id is None:
         query = "&".join(f"status={status}" for status in ("pending", "accepted", "executing", "canceling"))
-        running = call(url, "GET", f"/dock?{query}")["goals"]
+        running = [goal for path in ("/dock", "/undock") for goal in call(url, "GET", f"{path}?{query}")["goals"]]
         if not running:
             raise click.ClickException("no goal is running")
         goal_id = running[0]["goal_id"]

@@ -12,7 +12,7 @@ from dock_gateway.cli.options import read_settings, settings_options
 from dock_gateway.settings import Settings
 
 
-def check_installed(action_type: str) -> None:
+def check_installed(setting: str, action_type: str) -> None:
     """Refuse the type of an action that this Python does not have; only the graph's other actions may lack theirs.
 
     Raises:
@@ -24,9 +24,7 @@ def check_installed(action_type: str) -> None:
     except ModuleNotFoundError:
         found = False
     if not found:
-        raise click.UsageError(
-            f"dock_action_type: the ROS interfaces {package} with the action {name} are not installed"
-        )
+        raise click.UsageError(f"{setting}: the ROS interfaces {package} with the action {name} are not installed")
 
 
 @click.command()
@@ -34,7 +32,8 @@ def check_installed(action_type: str) -> None:
 def serve(**options: str | None) -> None:
     """Run the gateway alone, beside an action server that is there already."""
     settings = read_settings(options)
-    check_installed(settings.dock_action_type)
+    check_installed("dock_action_type", settings.dock_action_type)
+    check_installed("undock_action_type", settings.undock_action_type)
     from dock_gateway.server import run  # noqa: PLC0415 - see above
 
     if not run(settings):

@@ -21,8 +21,7 @@ export interface paths {
          * Dock
          * @description Send the robot to its charging dock.
          *
-         *     An empty body asks for CHARGING. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the
-         *     first goal.
+         *     An empty body asks for CHARGING. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal.
          */
         post: operations["dock"];
         delete?: never;
@@ -71,6 +70,72 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/undock": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Undock Goals
+         * @description Goals, newest first.
+         */
+        get: operations["list_undock_goals"];
+        put?: never;
+        /**
+         * Undock
+         * @description Drive the robot off its charging dock; where it is not docked, the goal succeeds at once.
+         *
+         *     An empty body asks for a battery that is not charging, 2 or 3. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal.
+         */
+        post: operations["undock"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/undock/{goal_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Undock Goal
+         * @description One goal, of any robot.
+         */
+        get: operations["get_undock_goal"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/undock/{goal_id}/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel Undock Goal
+         * @description Ask the action server to cancel a goal, whoever sent it.
+         */
+        post: operations["cancel_undock_goal"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/stop": {
         parameters: {
             query?: never;
@@ -113,9 +178,29 @@ export interface paths {
         };
         /**
          * Dock Events
-         * @description The events of a docking goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes.
+         * @description The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes.
          */
         get: operations["dock_events"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/undock/{goal_id}/events": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Undock Events
+         * @description The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes.
+         */
+        get: operations["undock_events"];
         put?: never;
         post?: never;
         delete?: never;
@@ -727,21 +812,21 @@ export interface components {
         };
         /**
          * DockFeedback
-         * @description Feedback of ConnectToChargingDock.
+         * @description Feedback of ConnectToChargingDock and DisconnectFromChargingDock.
          */
         DockFeedback: {
             current_battery_state: components["schemas"]["BatteryState"];
         };
         /**
          * DockGoal
-         * @description Goal of ConnectToChargingDock.
+         * @description Goal of ConnectToChargingDock and DisconnectFromChargingDock.
          */
         DockGoal: {
             desired_battery_state: components["schemas"]["BatteryState"];
         };
         /**
          * DockResult
-         * @description Result of ConnectToChargingDock.
+         * @description Result of ConnectToChargingDock and DisconnectFromChargingDock.
          */
         DockResult: {
             final_battery_state: components["schemas"]["BatteryState"];
@@ -803,7 +888,7 @@ export interface components {
         };
         /**
          * Goal
-         * @description A docking goal.
+         * @description A goal of docking or undocking.
          */
         Goal: {
             /** Goal Id */
@@ -1537,6 +1622,282 @@ export interface operations {
             };
         };
     };
+    list_undock_goals: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+                /** @description Only goals in these states */
+                status?: components["schemas"]["GoalStatus"][] | null;
+                limit?: number;
+                /** @description `next_cursor` of the page before */
+                cursor?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GoalPage"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    undock: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
+            header?: {
+                /** @example wait=30 */
+                Prefer?: string;
+                "Idempotency-Key"?: string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": {
+                    desired_battery_state?: components["schemas"]["BatteryStateInput"];
+                };
+            };
+        };
+        responses: {
+            /** @description It ended */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Goal"];
+                };
+            };
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Goal"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Gateway Timeout */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_undock_goal: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Goal"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    cancel_undock_goal: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Goal"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Gateway Timeout */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_stop: {
         parameters: {
             query?: {
@@ -1736,6 +2097,64 @@ export interface operations {
         };
     };
     dock_events: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Events, each with its id */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/event-stream": unknown;
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Too Many Requests */
+            429: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    undock_events: {
         parameters: {
             query?: never;
             header?: never;
