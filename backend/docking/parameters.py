@@ -85,6 +85,7 @@ _GOAL: tuple[Parameter, ...] = (
 )
 
 _MOTION: tuple[Parameter, ...] = (
+    FloatParameter("controller_frequency", 20.0, 5.0, 100.0, "Hz", "How often a velocity is decided on and published."),
     FloatParameter("v_linear_max", 0.26, 0.01, 2.0, "m/s", "The fastest that the robot drives, either way (linear.x)."),
     FloatParameter(
         "v_angular_max", 1.0, 0.05, 4.0, "rad/s", "The fastest that the robot turns, either way (angular.z)."
@@ -209,6 +210,7 @@ class DockSettings:
         search_speed: In rad/s.
         detection_timeout: external_detection_timeout, in s.
         dock: Where the robot stands when docked, and where it waits in front.
+        control_period: Between two velocities, in s.
     """
 
     goal_policy: GoalPolicy
@@ -219,6 +221,7 @@ class DockSettings:
     search_speed: float = 0.6
     detection_timeout: float = 2.0
     dock: Dock = field(default_factory=Dock)
+    control_period: float = 0.05
 
 
 @dataclass(frozen=True)
@@ -230,12 +233,14 @@ class UndockSettings:
         limits: Deadlines.
         motion: What the robot may do.
         distance: How far to back out, in m.
+        control_period: Between two velocities, in s.
     """
 
     goal_policy: GoalPolicy
     limits: Limits = field(default_factory=Limits)
     motion: MotionLimits = field(default_factory=MotionLimits)
     distance: float = 0.7
+    control_period: float = 0.05
 
 
 def find_fault(table: tuple[Parameter, ...], values: Mapping[str, object]) -> str | None:
@@ -270,6 +275,7 @@ def dock_settings(values: Mapping[str, object]) -> DockSettings:
         search_speed=numbers["search_speed"],
         detection_timeout=numbers["external_detection_timeout"],
         dock=_part(Dock, numbers),
+        control_period=1.0 / numbers["controller_frequency"],
     )
 
 
@@ -281,6 +287,7 @@ def undock_settings(values: Mapping[str, object]) -> UndockSettings:
         limits=_part(Limits, numbers),
         motion=_part(MotionLimits, numbers),
         distance=-numbers["staging_x_offset"],
+        control_period=1.0 / numbers["controller_frequency"],
     )
 
 

@@ -9,8 +9,8 @@ import docking
 
 PACKAGE = Path(docking.__file__).parent
 MODULES = sorted(PACKAGE.rglob("*.py"))
-ROS = {"rclpy", "action_msgs", "action_tutorials_interfaces", "diagnostic_msgs", "geometry_msgs", "rcl_interfaces"}
-ROS |= {"sensor_msgs", "unique_identifier_msgs"}
+ROS = {"rclpy", "action_msgs", "action_tutorials_interfaces", "diagnostic_msgs", "geometry_msgs", "nav_msgs"}
+ROS |= {"rcl_interfaces", "sensor_msgs", "std_msgs", "std_srvs", "unique_identifier_msgs"}
 
 
 def imported(module: Path) -> set[str]:

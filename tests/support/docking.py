@@ -12,9 +12,10 @@ from sensor_msgs.msg import BatteryState
 from action_tutorials_interfaces.action import ConnectToChargingDock
 from docking.battery import Battery
 from docking.battery_node import BatteryStateSubscriber
-from docking.controllers.protocol import Controller
+from docking.controllers.plan import Plan
 from docking.dock_server_node import DockServer
 from docking.parameters import DockSettings
+from docking.plans import make_plan
 from docking.ros.process import Spinner
 from tests.support.observer import GoalOfTest, Observer, ros_nodes
 
@@ -45,19 +46,19 @@ def send_dock_goal(observer: Observer, status: int = 1, action: str = ACTION) ->
 def dock_server(
     domain: int,
     *parameters: str,
-    make_controller: Callable[[DockSettings], Controller] | None = None,
+    make_plan: Callable[[DockSettings], Plan] = make_plan,
 ) -> Iterator[DockServer]:
     """The server's two nodes in the test process.
 
     Args:
         domain: The ROS domain.
         parameters: As on the command line: `name:=value`.
-        make_controller: In place of Rotate.
+        make_plan: In place of what the parameters ask for.
     """
     arguments = [text for parameter in parameters for text in ("-p", parameter)]
     with ros_nodes(domain, *arguments) as context:
         battery = Battery()
-        server = DockServer(battery, make_controller=make_controller, context=context)
+        server = DockServer(battery, make_plan=make_plan, context=context)
         subscriber = BatteryStateSubscriber(battery, context=context)
         with Spinner(context, [server, subscriber]) as spinner:
             yield server

@@ -9,8 +9,9 @@ from rcl_interfaces.srv import DescribeParameters
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState
 
+from docking.controllers.plan import Solo
 from docking.observation import Observation, Velocity
-from docking.parameters import DOCK_SERVER, DockSettings
+from docking.parameters import DOCK_SERVER
 from docking.ros.action_server import RESULT_TIMEOUT
 from tests.support.docking import (
     ABORTED,
@@ -179,7 +180,7 @@ class RaisesAtFirst:
 
     made = 0
 
-    def __init__(self, _settings: DockSettings) -> None:
+    def __init__(self) -> None:
         self.steps = 0
         type(self).made += 1
         self.breaks = self.made == 1
@@ -192,7 +193,7 @@ class RaisesAtFirst:
 
 
 def test_an_exception_stops_the_robot_and_the_server_goes_on(domain: int, observer: Observer) -> None:
-    with dock_server(domain, make_controller=RaisesAtFirst):
+    with dock_server(domain, make_plan=lambda _settings: Solo(RaisesAtFirst())):
         wheels = watch_wheels(observer)
         reports = Reports(observer)
         with observer.publishing(LOW, BATTERY):
@@ -210,15 +211,12 @@ def test_an_exception_stops_the_robot_and_the_server_goes_on(domain: int, observ
 class NotANumber:
     """A controller that lost its mind."""
 
-    def __init__(self, _settings: DockSettings) -> None:
-        pass
-
     def step(self, _observation: Observation, _dt: float) -> Velocity:
         return Velocity(math.nan, 0.0)
 
 
 def test_a_velocity_that_is_no_number_is_never_published(domain: int, observer: Observer) -> None:
-    with dock_server(domain, make_controller=NotANumber):
+    with dock_server(domain, make_plan=lambda _settings: Solo(NotANumber())):
         wheels = watch_wheels(observer)
         with observer.publishing(LOW, BATTERY):
             assert send_dock_goal(observer).result().status == ABORTED
@@ -257,6 +255,8 @@ def test_the_report_is_repeated_while_nothing_happens(domain: int, observer: Obs
             "error_code": "NONE",
             "error_msg": "",
             "goal_id": "",
+            "error_number": "0",
+            "retries": "0",
         }
 
 

@@ -1,0 +1,56 @@
+"""Reports on `/diagnostics`."""
+
+from collections.abc import Mapping
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from docking.report import Level, Report
+
+
+class Diagnostics:
+    """Publishes what a node has to report on itself."""
+
+    def __init__(self, node: Node, name: str) -> None:
+        """Make the publisher.
+
+        Args:
+            node: The node that publishes.
+            name: What the reports are about.
+        """
+        self._node = node
+        self._prefix = f"{node.get_fully_qualified_name()[1:]}: "
+        self._name = name
+        # Absolute, as REP-107 has it: one topic for all robots, told apart by the name of the status.
+        self._publisher = node.create_publisher(
+            DiagnosticArray, "/diagnostics", 10, qos_overriding_options=QoSOverridingOptions.with_default_policies()
+        )
+
+    def publish(self, report: Report, sensor_faults: Mapping[str, str] | None) -> None:
+        """Publish a report.
+
+        Args:
+            report: On goals.
+            sensor_faults: What is wrong with the sensors' topics, as sentences; None where there are no sensors.
+        """
+        status = [self._status(self._name, report.level, report.message, report.values())]
+        if sensor_faults is not None:
+            level = Level.ERROR if sensor_faults else Level.OK
+            status.append(self._status("sensors", level, "; ".join(sensor_faults.values()) or "ok", sensor_faults))
+        array = DiagnosticArray(status=status)
+        array.header.stamp = self._node.get_clock().now().to_msg()
+        self._publisher.publish(array)
+
+    def _status(self, name: str, level: Level, message: str, values: Mapping[str, str]) -> DiagnosticStatus:
+        return DiagnosticStatus(
+            level=bytes([level]),
+            name=self._prefix + name,
+            message=message,
+            values=[KeyValue(key=key, value=value) for key, value in values.items()],
+        )
+
+    def wait_until_heard(self, seconds: float) -> None:
+        """Wait until every reader has the last report, at most so long."""
+        self._publisher.wait_for_all_acked(Duration(seconds=seconds))

@@ -1,0 +1,354 @@
+"""What the docking and the undocking node have in common: an action server that drives the robot."""
+
+import math
+import time
+import traceback
+from abc import abstractmethod
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any, TypeVar
+
+from rclpy.action import CancelResponse, GoalResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.task import Future
+from sensor_msgs.msg import BatteryState
+from std_msgs.msg import Bool
+
+from docking.admission import GoalPolicy, Purpose, admit
+from docking.battery import Battery
+from docking.failures import ErrorCode, Stage
+from docking.goal import Command, End, Goal, Outcome
+from docking.parameters import Parameter
+from docking.report import Report, report_on
+from docking.ros.action_server import IdentifyingActionServer, goal_id_text
+from docking.ros.diagnostics import Diagnostics
+from docking.ros.drive import Drive
+from docking.ros.parameters import declare_parameters
+from docking.ros.sensors import Sensor, Sensors
+
+Event = TypeVar("Event", Command, Outcome)
+
+FEEDBACK_PERIOD = 0.1
+DIAGNOSTICS_PERIOD = 1.0
+ACKNOWLEDGEMENT_TIMEOUT = 0.5
+LATCH_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+SENSED = frozenset(
+    {ErrorCode.FAILED_TO_DETECT_DOCK, ErrorCode.LOST_MARKER, ErrorCode.INFRARED_LOST, ErrorCode.ODOMETRY_LOST}
+)
+"""What a sensor's fault may be the cause of."""
+
+
+@dataclass(eq=False)
+class Execution:
+    """A goal that was accepted, the server it came to, and the future that holds its outcome."""
+
+    server: "GoalServer"
+    handle: ServerGoalHandle
+    goal_id: str
+    goal: Goal
+    ended: Future = field(default_factory=Future)
+
+
+@dataclass
+class Helm:
+    """Who drives the robot: one goal at a time, whichever of the process's servers it came to."""
+
+    running: Execution | None = None
+
+
+class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
+    """An action server whose goals move the robot; publishes `cmd_vel` and `/diagnostics`.
+
+    Everything here runs in the one thread that spins the node. Subclasses say what a goal is and find the words.
+    """
+
+    action_type: type
+    action_name: str
+    purpose: Purpose
+    parameters: tuple[Parameter, ...]
+
+    def __init__(
+        self,
+        name: str,
+        battery: Battery,
+        *,
+        helm: Helm | None = None,
+        context: Context | None = None,
+        **options: Any,
+    ) -> None:
+        """Make the node.
+
+        Args:
+            name: Of the node.
+            battery: Where the battery subscriber puts its readings.
+            helm: Shared by all servers that drive this robot; None where there is no other.
+            context: The ROS context; None is the default one.
+            options: For rclpy's Node.
+
+        Raises:
+            rclpy.exceptions.ParameterException: A parameter is wrong.
+        """
+        super().__init__(name, context=context, **options)
+        self._battery = battery
+        self._helm = helm or Helm()
+        self._closing = False
+        self._stop_latched = False
+        self._report = Report()
+        self._stage = Stage.IDLE
+        self._fed_back_at = -math.inf
+        self._sensors = Sensors(self, self._repeat_report)
+        declare_parameters(self, self.parameters, self._take_over)
+        self._drive = Drive(self)
+        self._diagnostics = Diagnostics(self, self.action_name)
+        self._server = IdentifyingActionServer(
+            self,
+            self.action_type,
+            self.action_name,
+            execute_callback=self._execute,
+            goal_callback=self._decide,
+            handle_accepted_callback=self._accept,
+            cancel_callback=self._cancel,
+        )
+        self._latch = self.create_subscription(
+            Bool,
+            "stop_latched",
+            self._take_latch,
+            LATCH_QOS,
+            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        )
+        # A simulated clock that stands still must not stop these.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._control_timer = self.create_timer(FEEDBACK_PERIOD, self.control, clock=steady)
+        self._control_timer.cancel()
+        self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._repeat_report, clock=steady)
+        self._equip()
+
+    # What subclasses say.
+
+    @abstractmethod
+    def _take_settings(self, values: dict[str, object]) -> None:
+        """Keep the values of all parameters."""
+
+    @property
+    @abstractmethod
+    def _goal_policy(self) -> GoalPolicy:
+        """What happens to a goal that comes while another one runs."""
+
+    @property
+    @abstractmethod
+    def _needs(self) -> frozenset[Sensor]:
+        """What the next goal needs to know."""
+
+    @property
+    @abstractmethod
+    def _control_period(self) -> float:
+        """Seconds between two control steps of the next goal."""
+
+    @abstractmethod
+    def _make_goal(self) -> Goal:
+        """A new goal, which begins now."""
+
+    @abstractmethod
+    def _tell_progress(self, command: Command) -> None:
+        """Say what the goal does, and show it."""
+
+    @abstractmethod
+    def _tell_success(self) -> None:
+        """Say that the goal has succeeded."""
+
+    # Parameters and equipment.
+
+    def _take_over(self, values: dict[str, object]) -> None:
+        self._take_settings(values)
+        if self.executor is not None:  # else the node is not spun yet, and its maker goes on with this
+            self.executor.create_task(self._equip)
+
+    def _equip(self) -> None:
+        """Subscribe to what the next goal needs; while a goal runs, it keeps what it has."""
+        if not self._drives:
+            self._sensors.listen_to(self._needs)
+            self._control_timer.timer_period_ns = round(self._control_period * 1e9)
+
+    # A goal comes: it is decided on, accepted, executed.
+
+    @property
+    def _drives(self) -> bool:
+        """Whether a goal of this server is running."""
+        return self._helm.running is not None and self._helm.running.server is self
+
+    def _decide(self, request: Any) -> GoalResponse:
+        running = self._helm.running
+        rejection = admit(
+            request.desired_battery_state.power_supply_status,
+            self.purpose,
+            active_goal_id=None if running is None else running.goal_id,
+            policy=self._goal_policy,
+            stop_latched=self._stop_latched,
+            shutting_down=self._closing,
+        )
+        if rejection is None:
+            return GoalResponse.ACCEPT
+        goal_id = self._server.deciding_on
+        self.get_logger().warning(f"Goal {goal_id} rejected: {rejection.error_msg} [{rejection.error_code.value}]")
+        report = report_on(rejection, goal_id)
+        if not self._drives:
+            self._report = report
+        self._publish_report(report)  # only once if a goal runs, which stays the subject
+        return GoalResponse.REJECT
+
+    def _accept(self, handle: ServerGoalHandle) -> None:
+        goal_id = goal_id_text(handle.goal_id)
+        running = self._helm.running
+        if running is not None:
+            running.server.end(running.goal.abort(ErrorCode.PREEMPTED, f"goal {goal_id} took over"))
+        self._equip()
+        execution = Execution(self, handle, goal_id, self._make_goal())
+        self._helm.running = execution
+        self._stage = Stage.IDLE
+        self._fed_back_at = -math.inf
+        self._drive.begin()
+        handle.execute(partial(self._execute, execution))
+
+    async def _execute(self, execution: Execution, handle: ServerGoalHandle) -> Any:
+        if execution is self._helm.running:
+            self.get_logger().info("Executing goal...")
+            self._control_timer.reset()
+            self.control()
+        outcome: Outcome = await execution.ended
+        result = self.action_type.Result(final_battery_state=self._battery_state())  # type: ignore[attr-defined]
+        if outcome.end is End.SUCCEEDED:
+            handle.succeed()
+        elif outcome.end is End.CANCELED and handle.is_cancel_requested:
+            handle.canceled()
+        else:
+            handle.abort()
+        return result
+
+    def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
+        running = self._helm.running
+        if running is None or running.goal_id != goal_id_text(handle.goal_id):
+            return CancelResponse.REJECT  # it has ended already
+        self.end(running.goal.cancel())
+        return CancelResponse.ACCEPT
+
+    def _take_latch(self, message: Bool) -> None:
+        self._stop_latched = message.data
+        running = self._helm.running
+        if self._stop_latched and running is not None:
+            running.server.end(running.goal.abort(ErrorCode.STOP_LATCHED, "a stop was latched"))
+
+    # A goal runs, and ends.
+
+    def control(self) -> None:
+        """Do the next control step, if a goal of this server runs."""
+        running = self._helm.running
+        if running is None or running.server is not self:
+            return
+        try:
+            self._step(running)
+        except Exception as error:  # noqa: BLE001 - whatever it is, the robot must stop and the server go on
+            self.get_logger().error(traceback.format_exc())
+            self.end(running.goal.abort(ErrorCode.UNKNOWN, f"{type(error).__name__}: {error}"))
+
+    def _step(self, running: Execution) -> None:
+        observation = self._sensors.observe(self._battery.latest)
+        step = running.goal.step(observation)
+        if isinstance(step, Outcome):
+            self.end(step)
+            return
+        self._drive.go(step.velocity, observation.now)
+        if observation.now - self._fed_back_at > 0.75 * FEEDBACK_PERIOD:
+            self._fed_back_at = observation.now
+            running.handle.publish_feedback(self._feedback())
+        self._tell_progress(step)
+        report = report_on(self._explained(step), running.goal_id)
+        if report != self._report:
+            self._report = report
+            self._tell_change(report)
+            self._publish_report(report)
+        self._stage = step.stage
+
+    def _tell_change(self, report: Report) -> None:
+        if report.error_msg:
+            verb = "tries again" if report.stage is Stage.RETRY else "waits"
+            self.get_logger().warning(f"Goal {report.goal_id} {verb}: {report.error_msg} [{report.error_code.value}]")
+        elif self._stage not in {report.stage, Stage.IDLE}:
+            self.get_logger().info(f"Goal {report.goal_id}: {report.message}")
+
+    def end(self, outcome: Outcome) -> None:
+        """End the running goal of this server: the robot stops, whatever the outcome."""
+        running = self._helm.running
+        if running is None:
+            return
+        outcome = self._explained(outcome)
+        self._helm.running = None
+        self._control_timer.cancel()
+        self.stop_robot()
+        running.ended.set_result(outcome)
+        self._report = report_on(outcome, running.goal_id)
+        logger = self.get_logger()
+        if outcome.end is End.SUCCEEDED:
+            running.handle.publish_feedback(self._feedback())
+            self._tell_success()
+        elif outcome.end is End.CANCELED:
+            logger.info(f"Goal {running.goal_id} canceled")
+        else:
+            logger.error(f"Goal {running.goal_id} aborted: {outcome.error_msg} [{outcome.error_code.value}]")
+        self._publish_report(self._report)
+        self._equip()
+
+    def stop_robot(self) -> None:
+        """Publish zero velocity. It never raises: those who call it have other things to end."""
+        self._drive.stop()
+
+    # What is told.
+
+    def _explained(self, event: Event) -> Event:
+        """With what is wrong with the sensors, where that may be the cause."""
+        if event.error_code not in SENSED or not self._sensors.faults:
+            return event
+        return replace(event, error_msg="; ".join([event.error_msg, *self._sensors.faults.values()]))
+
+    def _battery_state(self) -> BatteryState:
+        """The latest battery message; before the first, one whose status is UNKNOWN and whose floats are NaN."""
+        latest = self._battery.latest
+        if latest is not None and isinstance(latest.message, BatteryState):
+            return latest.message
+        unmeasured = ("voltage", "temperature", "current", "charge", "capacity", "design_capacity", "percentage")
+        return BatteryState(**dict.fromkeys(unmeasured, math.nan))
+
+    def _feedback(self) -> Any:
+        return self.action_type.Feedback(current_battery_state=self._battery_state())  # type: ignore[attr-defined]
+
+    def _repeat_report(self) -> None:
+        self._publish_report(self._report)
+
+    def _publish_report(self, report: Report) -> None:
+        self._diagnostics.publish(report, self._sensors.faults if self._needs else None)
+
+    # The server ends.
+
+    def destroy_node(self) -> None:
+        """Leave the ROS graph, with the action server, which rclpy would leave behind."""
+        self._drive.close()
+        self._server.destroy()
+        super().destroy_node()
+
+    def close(self) -> None:
+        """Let no more goals in, stop the robot, abort the goal that runs, and wait until all readers know.
+
+        The node must be spun for another moment, for the goal's result to go out.
+        """
+        self._closing = True
+        running = self._helm.running
+        if running is not None and running.server is self:
+            self.end(running.goal.abort(ErrorCode.SHUTTING_DOWN, "the action server is shutting down"))
+        deadline = time.monotonic() + ACKNOWLEDGEMENT_TIMEOUT
+        for told in (self._drive, self._diagnostics):
+            told.wait_until_heard(max(0.0, deadline - time.monotonic()))

@@ -1,0 +1,181 @@
+"""What a node hears of the robot's sensors, as the observation that goals and controllers want."""
+
+import enum
+import math
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry as OdometryMessage
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
+from sensor_msgs.msg import Range
+
+from docking.battery import BatteryReading, received_at
+from docking.observation import InfraredReading, MarkerDetection, Observation, Odometry, Velocity
+from docking.ros.geometry import pose_from
+from docking.track import Track
+
+# BEST_EFFORT and VOLATILE match every publisher. One message is kept: an older one is of no use.
+QOS = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1,
+    reliability=ReliabilityPolicy.BEST_EFFORT,
+    durability=DurabilityPolicy.VOLATILE,
+)
+RECEIVERS = ("left", "center", "right")
+
+
+class Sensor(enum.Enum):
+    """What can be listened to."""
+
+    ODOMETRY = "odometry"
+    MARKER = "marker"
+    INFRARED = "infrared"
+
+
+class Sensors:
+    """Subscribes a node to some sensors and keeps what they said last.
+
+    Attributes:
+        odometry_frame: The frame that odometry is given in; empty before the first message.
+        faults: What is wrong with the last message on each topic that has one, as sentences.
+    """
+
+    def __init__(self, node: Node, on_change: Callable[[], None]) -> None:
+        """Start without any sensor.
+
+        Args:
+            node: The node that subscribes. All calls must come from the thread that spins it.
+            on_change: Called when `faults` have changed.
+        """
+        self.odometry_frame = ""
+        self.faults: dict[str, str] = {}
+        self._node = node
+        self._on_change = on_change
+        self._base_frame = ""
+        self._subscriptions: dict[Sensor, list[Subscription]] = {}
+        self._track = Track()
+        self._marker: MarkerDetection | None = None
+        self._ranges: dict[str, tuple[float, float]] = {}  # in m, and when it was received
+
+    def listen_to(self, sensors: frozenset[Sensor]) -> None:
+        """Subscribe to these sensors, and to no others any longer."""
+        for sensor in self._subscriptions.keys() - sensors:
+            for subscription in self._subscriptions.pop(sensor):
+                self._node.destroy_subscription(subscription)
+                self._set_fault(subscription.topic_name, None)
+            self._forget(sensor)
+        for sensor in sensors - self._subscriptions.keys():
+            self._subscriptions[sensor] = self._subscribe(sensor)
+
+    def _subscribe(self, sensor: Sensor) -> list[Subscription]:
+        if sensor is Sensor.ODOMETRY:
+            return [self._subscription(OdometryMessage, "odom", self._take_odometry)]
+        if sensor is Sensor.MARKER:
+            return [self._subscription(PoseStamped, "detected_dock_pose", self._take_marker)]
+        return [self._subscription(Range, f"infrared/{name}", partial(self._take_range, name)) for name in RECEIVERS]
+
+    def _subscription(self, message_type: type, topic: str, take: Callable[[Any, float], None]) -> Subscription:
+        resolved = self._node.resolve_topic_name(topic)
+
+        def receive(message: Any, info: dict[str, Any]) -> None:
+            received_wall = info.get("received_timestamp", 0) / 1e9
+            try:
+                take(message, received_at(time.monotonic(), time.time(), received_wall))
+            except ValueError as error:
+                self._set_fault(resolved, f"{resolved} {error}")
+            else:
+                self._set_fault(resolved, None)
+
+        return self._node.create_subscription(
+            message_type,
+            topic,
+            receive,
+            QOS,
+            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        )
+
+    def _forget(self, sensor: Sensor) -> None:
+        if sensor is Sensor.ODOMETRY:
+            self._track.clear()
+        elif sensor is Sensor.MARKER:
+            self._marker = None
+        else:
+            self._ranges.clear()
+
+    def _set_fault(self, topic: str, fault: str | None) -> None:
+        if self.faults.get(topic) == fault:
+            return
+        if fault is None:
+            del self.faults[topic]
+        else:
+            self.faults[topic] = fault
+            self._node.get_logger().error(fault, throttle_duration_sec=1.0)
+        self._on_change()
+
+    # Messages come in.
+
+    def _take_odometry(self, message: OdometryMessage, received: float) -> None:
+        twist = message.twist.twist
+        velocity = Velocity(twist.linear.x, twist.angular.z)
+        pose = pose_from(message.pose.pose)
+        if not velocity.finite:
+            raise ValueError("has a velocity that is not a number")
+        self.odometry_frame, self._base_frame = _frame(message.header.frame_id), _frame(message.child_frame_id)
+        self._track.add(_seconds(message.header.stamp), Odometry(pose, velocity, received))
+
+    def _take_marker(self, message: PoseStamped, received: float) -> None:
+        seen = pose_from(message.pose)
+        if self._track.latest is None:
+            raise ValueError("cannot be used: no odometry has come yet")
+        try:
+            odometry = self._track.at(_seconds(message.header.stamp))
+        except LookupError as error:
+            raise ValueError(f"is stamped {error}: do the clocks of their publishers agree?") from None
+        frame = _frame(message.header.frame_id)
+        if frame == self._base_frame:
+            seen = odometry.pose.compose(seen)
+        elif frame != self.odometry_frame:
+            raise ValueError(
+                f"is given in the frame '{frame}', but odometry relates '{self.odometry_frame}' and"
+                f" '{self._base_frame}' only"
+            )
+        self._marker = MarkerDetection(seen, min(odometry.stamp, received))
+
+    def _take_range(self, receiver: str, message: Range, received: float) -> None:
+        measured = message.range
+        if math.isnan(measured):
+            raise ValueError("has a range that is not a number")
+        if measured > message.max_range:
+            measured = math.inf
+        self._ranges[receiver] = max(measured, message.min_range, 0.0), received
+
+    # What is known now.
+
+    def observe(self, battery: BatteryReading | None) -> Observation:
+        """All that is known now.
+
+        Args:
+            battery: The battery's latest reading, which comes another way.
+        """
+        return Observation(time.monotonic(), battery, self._track.latest, self._marker, self._infrared())
+
+    def _infrared(self) -> InfraredReading | None:
+        if len(self._ranges) < len(RECEIVERS):
+            return None
+        (left, center, right) = (self._ranges[name] for name in RECEIVERS)
+        return InfraredReading(left[0], center[0], right[0], min(left[1], center[1], right[1]))
+
+
+def _seconds(stamp: Time) -> float:
+    return float(stamp.sec + stamp.nanosec / 1e9)
+
+
+def _frame(name: str) -> str:
+    return name.removeprefix("/")
