@@ -7,6 +7,9 @@ from random import Random
 from docking.geometry import Pose, normalize_angle
 from docking.observation import STANDSTILL, Velocity
 
+ROUNDING = 1e-9
+"""What sums of many steps may be wrong by, in s."""
+
 
 @dataclass(frozen=True, slots=True)
 class RobotSettings:
@@ -58,6 +61,7 @@ class Robot:
     __slots__ = (
         "_command",
         "_command_age",
+        "_linear_target",
         "_random",
         "_settings",
         "_stalled_for",
@@ -103,7 +107,7 @@ class Robot:
     def place(self, pose: Pose) -> None:
         """Lift the robot and set it down somewhere else in the world, standing still."""
         self.x, self.y, self.theta = pose.x, pose.y, normalize_angle(pose.theta)
-        self.linear = self.angular = self.left = self.right = 0.0
+        self.linear = self.angular = self.left = self.right = self._linear_target = 0.0
         self.stalled = False
         self._stalled_for = 0.0
 
@@ -131,6 +135,7 @@ class Robot:
         else:
             self.stalled = False
             self._stalled_for = 0.0
+        self._linear_target = linear
         self.linear = _approach(self.linear, linear, settings.linear_acceleration * dt)
         self.angular = _approach(self.angular, angular, settings.angular_acceleration * dt)
         if self.linear == 0.0 == self.angular:
@@ -162,13 +167,14 @@ class Robot:
             lost = 0.5 * (self.left + self.right) * (1.0 - kept)
             self.left -= lost
             self.right -= lost
-            self.linear *= kept
+            most = kept * abs(self._linear_target)
+            self.linear = min(most, max(-most, self.linear))
             self.stalled = True
 
     def _target(self, dt: float, halted: bool) -> tuple[float, float]:
         settings, command = self._settings, self._command
         self._command_age += dt
-        if halted or self._command_age > settings.watchdog:
+        if halted or self._command_age > settings.watchdog + ROUNDING:
             return 0.0, 0.0
         return (
             min(settings.linear_max, max(-settings.linear_max, command.linear_x)),

@@ -7,7 +7,7 @@ while not simulation.charging:
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from random import Random
 
 from docking.battery import BatteryReading, PowerSupplyStatus
@@ -274,5 +274,9 @@ class Simulation:
             self.sighting = Sighting(marker, self.odometry.pose, self.time)
 
     def _measure_battery(self) -> None:
-        if Fault.SILENT_BATTERY not in self.faults:
-            self.measurement = (self.battery.measure(), self.time)
+        if Fault.SILENT_BATTERY in self.faults:
+            return
+        measured = self.battery.measure()
+        if Fault.PERCENTAGE_0_TO_100 in self.faults:
+            measured = replace(measured, percentage=100.0 * measured.percentage)
+        self.measurement = (measured, self.time)

@@ -1,0 +1,63 @@
+"""What the simulator says of itself."""
+
+from dataclasses import dataclass
+
+from docking.simulation.faults import Fault
+from docking.simulation.simulation import Simulation
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """The state of the simulation, as it is told on /diagnostics.
+
+    Attributes:
+        faults: What is broken.
+        contact: Whether robot and dock touch with their contacts.
+        docked: Whether the charger gives power over them.
+        halted: Whether a stop is latched.
+        battery_publisher: `self`, or `other` while someone else publishes the battery's state.
+        real_time_factor: Simulated seconds in each second.
+    """
+
+    faults: frozenset[Fault]
+    contact: bool
+    docked: bool
+    halted: bool
+    battery_publisher: str
+    real_time_factor: float
+
+    @property
+    def message(self) -> str:
+        """One line for a person."""
+        if self.faults:
+            return f"faults: {', '.join(sorted(self.faults))}"
+        if self.halted:
+            return "a stop is latched"
+        return "docked" if self.docked else "not docked"
+
+    def values(self) -> dict[str, str]:
+        """The key values, in their order."""
+        return {
+            **{fault.value: _word(fault in self.faults) for fault in Fault},
+            "contact": _word(self.contact),
+            "docked": _word(self.docked),
+            "halted": _word(self.halted),
+            "battery_publisher": self.battery_publisher,
+            "real_time_factor": f"{self.real_time_factor:g}",
+        }
+
+
+def status_of(simulation: Simulation, *, battery_publisher: str, real_time_factor: float) -> Status:
+    """The status of a simulation and of the node around it."""
+    return Status(
+        faults=simulation.faults,
+        contact=simulation.contact,
+        docked=simulation.charging,
+        halted=simulation.halted,
+        battery_publisher=battery_publisher,
+        real_time_factor=real_time_factor,
+    )
+
+
+def _word(value: bool) -> str:
+    return "true" if value else "false"

@@ -1,0 +1,33 @@
+import pytest
+
+from docking.simulation.faults import Fault
+from docking.simulation.simulation import Simulation
+from docking.simulation.status import status_of
+
+
+def values(simulation: Simulation) -> dict[str, str]:
+    return status_of(simulation, battery_publisher="self", real_time_factor=2.5).values()
+
+
+def test_it_tells_each_fault_and_where_the_robot_is() -> None:
+    assert values(Simulation()) == {
+        "dead_charger": "false",
+        "occluded_marker": "false",
+        "stuck_wheel": "false",
+        "silent_battery": "false",
+        "percentage_0_to_100": "false",
+        "contact": "false",
+        "docked": "false",
+        "halted": "false",
+        "battery_publisher": "self",
+        "real_time_factor": "2.5",
+    }
+
+
+@pytest.mark.parametrize("fault", Fault)
+def test_a_fault_is_told_by_its_name(fault: Fault) -> None:
+    simulation = Simulation()
+    simulation.set_fault(fault, True)
+    told = values(simulation)
+    assert [name for name, value in told.items() if value == "true"] == [fault.value]
+    assert fault.value in status_of(simulation, battery_publisher="other", real_time_factor=1.0).message
