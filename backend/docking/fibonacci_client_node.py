@@ -8,8 +8,7 @@ from rclpy.context import Context
 from rclpy.utilities import remove_ros_args
 
 from action_tutorials_interfaces.action import Fibonacci as FibonacciAction
-from docking.dock_client_node import seconds
-from docking.ros.goal_client import GoalClient, run_client
+from docking.ros.goal_client import GoalClient, run_client, seconds
 from docking.ros.process import run_process
 from docking.session import Patience
 

@@ -2,16 +2,21 @@ import math
 
 import pytest
 
-from docking import dock_client_node, fibonacci_client_node
+from docking import dock_client_node, fibonacci_client_node, undock_client_node
+from docking.ros.battery_client import parse_arguments
 
 
 def test_the_dock_client_sends_the_tutorials_goal_by_default() -> None:
-    options = dock_client_node.parse_arguments([])
+    options = parse_arguments(dock_client_node.ACTION, [])
     assert (options.voltage, options.percentage, options.status) == (2.16, 0.24, 1)
 
 
+def test_the_undock_client_asks_for_a_battery_that_is_not_charging() -> None:
+    assert parse_arguments(undock_client_node.ACTION, []).status == 3
+
+
 def test_the_dock_client_sends_what_it_is_told() -> None:
-    options = dock_client_node.parse_arguments(["--voltage", "12", "--percentage", "nan", "--status", "4"])
+    options = parse_arguments(dock_client_node.ACTION, ["--voltage", "12", "--percentage", "nan", "--status", "4"])
     assert (options.voltage, options.status) == (12.0, 4)
     assert math.isnan(options.percentage)
 
@@ -29,7 +34,7 @@ def test_the_dock_client_sends_what_it_is_told() -> None:
 )
 def test_the_dock_client_refuses_nonsense(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as refusal:
-        dock_client_node.parse_arguments(arguments)
+        parse_arguments(dock_client_node.ACTION, arguments)
     assert refusal.value.code == 2
     assert arguments[-1] in capsys.readouterr().err
 

@@ -109,7 +109,15 @@ def test_a_frozen_time_changes_nothing(domain: int, observer: Observer) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    [SERVER, "connect_to_charging_dock_client", "fibonacci_action_server", "fibonacci_action_client"],
+    [
+        SERVER,
+        "connect_to_charging_dock_client",
+        "disconnect_from_charging_dock_client",
+        "docking_server",
+        "dock_simulator",
+        "fibonacci_action_server",
+        "fibonacci_action_client",
+    ],
 )
 def test_ros2_run_finds_each_program(name: str) -> None:
     """`ros2 run` looks for the package in the ament index and for an executable in lib/<package>."""

@@ -1,5 +1,6 @@
 """A node that sends one goal, tells what becomes of it, and never hangs."""
 
+import argparse
 import time
 import uuid
 from abc import abstractmethod
@@ -183,6 +184,14 @@ class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
         elif self._session.exit_code is not ExitCode.SUCCEEDED:
             self.get_logger().error(text)
         self._on_over()
+
+
+def seconds(text: str) -> float:
+    """A duration from the command line, in seconds."""
+    value = float(text)
+    if not 0.0 < value <= 86400.0:
+        raise argparse.ArgumentTypeError(f"{text} is not between 0 and 86400 seconds")
+    return value
 
 
 def run_client(make_node: Callable[[Context, Callable[[], None]], GoalClient], args: Sequence[str] | None) -> int:
