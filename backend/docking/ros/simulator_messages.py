@@ -1,0 +1,122 @@
+"""What the simulator publishes, as messages. Those that are sent often are made once and filled anew."""
+
+from collections.abc import Mapping
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import BatteryState, Range
+
+from docking.geometry import Pose, quaternion_of
+from docking.observation import Velocity
+from docking.report import Level
+from docking.ros.geometry import pose_message
+from docking.simulation.battery import BatteryMeasurement
+from docking.simulation.infrared import InfraredSettings
+
+WORLD = "world"
+ODOM = "odom"
+BASE = "base_link"
+
+
+class OdometryMessage:
+    """A nav_msgs/Odometry with the velocity in base_link."""
+
+    def __init__(self, frame: str) -> None:
+        """Make the message.
+
+        Args:
+            frame: The frame of its poses.
+        """
+        self._message = Odometry(child_frame_id=BASE)
+        self._message.header.frame_id = frame
+
+    def fill(self, pose: Pose, velocity: Velocity, stamp: Time) -> Odometry:
+        """The message, until it is filled again."""
+        message = self._message
+        message.header.stamp = stamp
+        position, turn = message.pose.pose.position, message.pose.pose.orientation
+        position.x, position.y = pose.x, pose.y
+        turn.z, turn.w = quaternion_of(pose.theta)[2:]
+        message.twist.twist.linear.x = velocity.linear_x
+        message.twist.twist.angular.z = velocity.angular_z
+        return message
+
+
+class RangeMessage:
+    """A sensor_msgs/Range of an infrared receiver."""
+
+    def __init__(self, receiver: str, settings: InfraredSettings) -> None:
+        """Make the message.
+
+        Args:
+            receiver: `left`, `center` or `right`.
+            settings: Of the receivers.
+        """
+        self._message = Range(
+            radiation_type=Range.INFRARED,
+            field_of_view=settings.field_of_view,
+            min_range=settings.minimum,
+            max_range=settings.range,
+            variance=settings.noise**2,
+        )
+        self._message.header.frame_id = f"infrared_{receiver}"
+
+    def fill(self, distance: float, stamp: Time) -> Range:
+        """The message, until it is filled again; infinite is nothing seen (REP-117)."""
+        self._message.header.stamp = stamp
+        self._message.range = distance
+        return self._message
+
+
+def stamped_pose(pose: Pose, frame: str, stamp: Time) -> PoseStamped:
+    """A pose in a frame."""
+    message = PoseStamped(pose=pose_message(pose))
+    message.header.frame_id = frame
+    message.header.stamp = stamp
+    return message
+
+
+class BatteryMessage:
+    """The sensor_msgs/BatteryState of the simulated battery."""
+
+    def __init__(self) -> None:
+        self._message = BatteryState(
+            power_supply_health=BatteryState.POWER_SUPPLY_HEALTH_GOOD,
+            power_supply_technology=BatteryState.POWER_SUPPLY_TECHNOLOGY_NIMH,
+            present=True,
+            location="dock_simulator",
+        )
+        self._message.header.frame_id = BASE
+
+    def fill(self, measured: BatteryMeasurement, stamp: Time) -> BatteryState:
+        """The message, until it is filled again."""
+        message = self._message
+        message.header.stamp = stamp
+        message.voltage = measured.voltage
+        message.temperature = measured.temperature
+        message.current = measured.current
+        message.charge = measured.charge
+        message.capacity = measured.capacity
+        message.design_capacity = measured.design_capacity
+        message.percentage = measured.percentage
+        message.power_supply_status = int(measured.status)
+        message.cell_voltage = list(measured.cell_voltages)
+        message.cell_temperature = list(measured.cell_temperatures)
+        return message
+
+
+def diagnostics_message(
+    name: str, level: Level, message: str, values: Mapping[str, str], stamp: Time
+) -> DiagnosticArray:
+    """One status for `/diagnostics`."""
+    status = DiagnosticStatus(
+        level=bytes([level]),
+        name=name,
+        message=message,
+        values=[KeyValue(key=key, value=value) for key, value in values.items()],
+    )
+    array = DiagnosticArray(status=[status])
+    array.header.stamp = stamp
+    return array
