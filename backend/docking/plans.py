@@ -1,5 +1,6 @@
 """The plan that the parameters ask for."""
 
+from docking.controllers.dock_pose import DockPosePlan
 from docking.controllers.plan import Plan, Solo
 from docking.controllers.rotate import Rotate
 from docking.parameters import ControllerName, DockSettings
@@ -7,6 +8,13 @@ from docking.parameters import ControllerName, DockSettings
 
 def make_plan(settings: DockSettings) -> Plan:
     """A new plan for a goal, by the parameter `controller`."""
+    if settings.controller is ControllerName.DOCK_POSE:
+        return DockPosePlan(
+            settings.dock,
+            settings.motion,
+            search_speed=settings.search_speed,
+            detection_timeout=settings.detection_timeout,
+        )
     if settings.controller is ControllerName.ROTATE:
         return Solo(Rotate(settings.rotate_speed))
     raise NotImplementedError(settings.controller)

@@ -25,6 +25,21 @@ class Poses:
     staging: Pose | None = None
 
 
+class Aim(Protocol):
+    """What the controllers of several stages drive by.
+
+    Attributes:
+        docked: Where base_link is when docked, in odom; None before the dock was seen.
+        seen_at: When the dock was seen last.
+    """
+
+    @property
+    def docked(self) -> Pose | None: ...  # noqa: D102 - see above
+
+    @property
+    def seen_at(self) -> float: ...  # noqa: D102
+
+
 class Plan(Protocol):
     """How to dock by one kind of sensor; a new one is made for each goal.
 

@@ -1,0 +1,105 @@
+"""The controller `dock_pose`: drives by the pose of a marker on the dock."""
+
+import math
+
+from docking.controllers.approach import Approach
+from docking.controllers.charge import WaitForCharge
+from docking.controllers.marker_filter import MarkerFilter
+from docking.controllers.moves import bounded
+from docking.controllers.plan import Poses
+from docking.controllers.protocol import Controller
+from docking.controllers.search import Search
+from docking.controllers.staging import ToStaging
+from docking.controllers.straight import BackOut
+from docking.dock import Dock
+from docking.failures import LostMarker, Stage
+from docking.geometry import Pose
+from docking.limiter import MotionLimits
+from docking.observation import Observation
+
+ENOUGH = 8
+"""Detections that must agree before the robot drives."""
+IN_VIEW = 0.4
+"""How old the last detection may be, in s, for the marker to be in view."""
+MEMORY = 1.0
+"""How old a detection may be, in s, to be used at all."""
+
+
+class DockPosePlan:
+    """Finds the marker, drives to the staging pose in front of it, then along a smooth curve onto the dock."""
+
+    stages = (Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING, Stage.WAIT_FOR_CHARGE)
+    lost = LostMarker
+
+    def __init__(self, dock: Dock, motion: MotionLimits, *, search_speed: float, detection_timeout: float) -> None:
+        """Begin without knowing where the dock is.
+
+        Args:
+            dock: Where the robot stands when docked, and where it waits in front.
+            motion: What the robot may do.
+            search_speed: How fast to turn while the marker is looked for, in rad/s.
+            detection_timeout: For how long the marker may be out of sight on the way to the dock, in s.
+        """
+        self.motion = motion
+        self.dock = dock
+        self.marker = MarkerFilter(MEMORY)
+        self._detection_timeout = detection_timeout
+        self._search_speed = search_speed
+        self._robot: Pose | None = None
+
+    @property
+    def poses(self) -> Poses:
+        """As far as they are known."""
+        raw, docked = self.marker.raw, self.docked
+        return Poses(
+            None if raw is None else self.dock.docked(raw),
+            docked,
+            None if docked is None else self.dock.staging(docked),
+        )
+
+    @property
+    def docked(self) -> Pose | None:
+        """Where base_link is when docked, in odom."""
+        marker = self.marker.pose
+        return None if marker is None else self.dock.docked(marker)
+
+    def observe(self, observation: Observation) -> None:
+        """Keep up with the marker and the robot."""
+        self.marker.update(observation)
+        if observation.odometry is not None:
+            self._robot = observation.odometry.pose
+
+    def controller(self, stage: Stage) -> Controller:
+        """A new one for a stage."""
+        if stage is Stage.INITIAL_PERCEPTION:
+            return self._search()
+        if stage is Stage.NAV_TO_STAGING_POSE:
+            return ToStaging(self, self.dock, self.motion)
+        if stage is Stage.CONTROLLING:
+            return Approach(self, self.motion, self.lost, self._detection_timeout)
+        if stage is Stage.RETRY:
+            return self._back_off()
+        return WaitForCharge(self)
+
+    @property
+    def seen_at(self) -> float:
+        """When the marker was seen last."""
+        return self.marker.seen_at
+
+    def _search(self) -> Search:
+        marker, robot = self.marker.pose, self._robot
+        towards = None if marker is None or robot is None else math.atan2(marker.y - robot.y, marker.x - robot.x)
+        self.marker.count = 0
+        return Search(
+            self.motion,
+            self._search_speed,
+            sees=lambda now: now - self.marker.seen_at <= IN_VIEW,
+            knows=lambda: self.marker.count >= ENOUGH,
+            towards=towards,
+        )
+
+    def _back_off(self) -> BackOut:
+        staging, distance = -self.dock.staging_x_offset, 0.1
+        if self._robot is not None and self.docked is not None:
+            distance = staging + self._robot.relative_to(self.docked).x
+        return BackOut(bounded(distance, staging), self.motion)
