@@ -207,6 +207,12 @@ class ActionRegistry:
         """A goal that runs, or was lost, on any action."""
         return next((goal for action in self._actions.values() if (goal := action.tracker.live.get(goal_id))), None)
 
+    def on_progress(self, goal_id: str, stage: str | None, retries: int | None, stamp_ns: int) -> None:
+        """An action server says how far a goal is."""
+        for action in self._actions.values():
+            if goal := action.tracker.live.get(goal_id):
+                action.tracker.on_progress(goal, stage, retries, stamp_ns)
+
     def running(self) -> list[Goal]:
         """The goals that run, on all actions."""
         return [goal for action in self._actions.values() for goal in action.tracker.running()]

@@ -116,7 +116,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         actions = ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock)
         robots = RobotRegistry(settings, bridge, hub, interlock)
         stopper = Stopper(robots, actions, interlock)
-        await bridge.call(lambda: DiagnosticsPort(bridge, settings.diagnostics_topic, reasons.put))
+        await bridge.call(lambda: DiagnosticsPort(bridge, settings.diagnostics_topic, reasons.put, actions.on_progress))
         await robots.open(robots.default_namespace)
         actions.expect(await history.unfinished())
         dock = await actions.open(settings.resolve(settings.dock_action), settings.dock_action_type, pinned=True)

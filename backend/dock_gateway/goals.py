@@ -65,7 +65,8 @@ class GoalError:
 class Goal:
     """One goal on one action, whoever sent it.
 
-    `goal`, `feedback` and `result` are messages encoded to JSON, or None where they are not known (yet).
+    `goal`, `feedback` and `result` are messages encoded to JSON, or None where they are not known (yet). `stage` is the
+    last one that the server was in, in its own words, and `retries` how often it began anew, where it says so.
     """
 
     goal_id: str
@@ -78,6 +79,8 @@ class Goal:
     feedback: Json | None = None
     result: Json | None = None
     error: GoalError | None = None
+    stage: str | None = None
+    retries: int | None = None
     stalled: bool = False
     updated_at: datetime = field(init=False)
     finished_at: datetime | None = None
@@ -111,12 +114,22 @@ class Goal:
         self.feedback_count += 1
         self.updated_at = now
 
+    def progress(self, stage: str | None, retries: int | None, now: datetime) -> bool:
+        """Take up how far the server is; False where that is known. None is no news."""
+        stage, retries = stage or self.stage, self.retries if retries is None else retries
+        if (stage, retries) == (self.stage, self.retries):
+            return False
+        self.stage, self.retries, self.updated_at = stage, retries, now
+        return True
+
     def remember(self, known: "Goal") -> None:
         """Take over what another gateway, or this one before a restart, wrote down about the same goal."""
         self.origin = known.origin
         self.created_at = known.created_at
         self.goal = self.goal or known.goal
         self.feedback_count += known.feedback_count
+        self.stage = self.stage or known.stage
+        self.retries = known.retries if self.retries is None else self.retries
 
     def summary(self) -> dict[str, Any]:
         """Every field but feedback and result, ready for `orjson`."""
@@ -128,6 +141,8 @@ class Goal:
             "stalled": self.stalled,
             "origin": self.origin,
             "goal": fragment(self.goal),
+            "stage": self.stage,
+            "retries": self.retries,
             "error": self.error,
             "created_at": self.created_at,
             "updated_at": self.updated_at,

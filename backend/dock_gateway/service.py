@@ -23,6 +23,8 @@ log = logging.getLogger(__name__)
 
 # A key that another replica has claimed: so long may it take until its goal is kept.
 CLAIM_WAIT = 2.0
+# What an action server may say by these names, all else being `goal_rejected`.
+KNOWN_REJECTIONS = ("dock_busy", "stop_latched")
 STOPPED_ON_ITS_WAY = "a stop was asked for while the goal was on its way"
 
 
@@ -191,7 +193,7 @@ class GoalService:
         busy_with = self._busy_with(goal)
         reason = await self._reasons.of(goal.goal_id)
         if reason is not None:
-            code = "dock_busy" if reason.code == "dock_busy" else "goal_rejected"
+            code = reason.code if reason.code in KNOWN_REJECTIONS else "goal_rejected"
             error = GoalError(code, reason.detail)
         elif busy_with is not None:
             error = GoalError("dock_busy", f"goal {busy_with} is running; cancel it first")

@@ -113,6 +113,12 @@ class GoalTracker:
         goal.hear(feedback, utc_now())
         self._publish(goal, lambda: feedback_event(goal, stamp_ns))
 
+    def on_progress(self, goal: Goal, stage: str | None, retries: int | None, stamp_ns: int) -> None:
+        """What the server says on `/diagnostics` of a goal that runs."""
+        if not goal.status.terminal and goal.progress(stage, retries, utc_now()):
+            self._publish_status(goal, stamp_ns)
+            self._history.record(goal)
+
     # ------------------------------------------------------------------ goals
 
     def add(self, goal: Goal) -> None:

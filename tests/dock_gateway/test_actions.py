@@ -9,6 +9,8 @@ from dock_gateway.actions import ActionRegistry
 from dock_gateway.errors import NotFound, Unavailable
 from dock_gateway.history import MemoryHistory
 from dock_gateway.hub import Hub
+from dock_gateway.interlock import Interlock
+from dock_gateway.latch import LatchFile
 from dock_gateway.later import Later
 from dock_gateway.ros.graph import Scan
 from dock_gateway.settings import Settings
@@ -27,7 +29,9 @@ class FakeBridge:
 def registry() -> ActionRegistry:
     hub = Hub(queue_limit=10, max_subscribers=10)
     settings = Settings(server_wait=0.05)
-    return ActionRegistry(settings, FakeBridge(), hub, MemoryHistory(10), Later(0.05))  # type: ignore[arg-type]
+    interlock = Interlock(hub, LatchFile(settings.stop_file), "/")
+    bridge: Any = FakeBridge()
+    return ActionRegistry(settings, bridge, hub, MemoryHistory(10), Later(0.05), interlock=interlock)
 
 
 async def test_an_action_whose_package_is_missing(registry: ActionRegistry) -> None:

@@ -34,6 +34,17 @@ def test_old_news_are_ignored() -> None:
     assert goal.status is S.SUCCEEDED
 
 
+def test_progress_is_news_once() -> None:
+    goal, later = make(S.EXECUTING), NOW + timedelta(seconds=1)
+    assert goal.progress("CONTROLLING", 0, later)
+    assert (goal.stage, goal.retries, goal.updated_at) == ("CONTROLLING", 0, later)
+    assert not goal.progress("CONTROLLING", 0, later)
+    assert not goal.progress(None, None, later)
+    assert goal.progress(None, 1, later)
+    assert (goal.stage, goal.retries) == ("CONTROLLING", 1)
+    assert goal.document()["retries"] == 1
+
+
 def test_lost_is_left_again_and_its_error_forgotten() -> None:
     goal = make(S.EXECUTING)
     assert goal.advance(S.LOST, NOW)

@@ -22,6 +22,7 @@ def accounts(draw: st.DrawFn) -> Goal:
     goal.origin = draw(st.sampled_from(["gateway", "external"]))
     goal.goal, goal.feedback, goal.result = draw(messages), draw(messages), draw(messages)
     goal.error = draw(st.sampled_from([None, GoalError("goal_aborted", ""), GoalError("action_server_lost", "")]))
+    goal.stage, goal.retries = draw(st.sampled_from([None, "RETRY"])), draw(st.sampled_from([None, 0, 1]))
     goal.created_at, goal.updated_at = draw(times), draw(times)
     goal.finished_at = draw(times) if status.terminal else None
     goal.stalled = not status.terminal and draw(st.booleans())
@@ -48,7 +49,7 @@ def test_what_was_merged_may_come_again(stored: Goal, news: Goal) -> None:
 @given(accounts(), accounts())
 def test_nothing_known_is_lost(stored: Goal, news: Goal) -> None:
     merged = merge(stored, news)
-    for name in ("goal", "feedback", "result", "last_event_id"):
+    for name in ("goal", "feedback", "result", "last_event_id", "stage", "retries"):
         if getattr(stored, name) is not None or getattr(news, name) is not None:
             assert getattr(merged, name) is not None
     assert merged.feedback_count == max(stored.feedback_count, news.feedback_count)

@@ -8,13 +8,16 @@ from typing import Any
 
 import pytest
 import sqlalchemy as sa
+from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
+from dock_gateway.history.database import Database
 from dock_gateway.history.migrate import HEAD, MIGRATIONS
-from dock_gateway.history.tables import metadata
+from dock_gateway.history.rows import goal_row
+from dock_gateway.history.tables import goals, metadata
 from tests.support.history import make_goal, open_at, until, written
 
 PROGRAM = [sys.executable, "-m", "tests.support.history"]
@@ -32,6 +35,25 @@ async def test_migrations_make_the_tables_that_the_code_expects(database_url: st
 
     async with open_at(database_url, tmp_path) as history, history._database.read() as connection:
         assert await connection.run_sync(differences) == []
+
+
+async def test_goals_of_the_first_version_are_still_there(database_url: str, tmp_path: Path) -> None:
+    def make_first_tables(connection: sa.Connection) -> None:
+        config = Config()
+        config.set_main_option("script_location", str(MIGRATIONS))
+        config.attributes["connection"] = connection
+        command.upgrade(config, "0001")
+        old = {name: value for name, value in goal_row(make_goal(1)).items() if name not in ("stage", "retries")}
+        connection.execute(sa.insert(goals).values(old))
+
+    database = Database(database_url)
+    async with database.write() as connection:
+        await connection.run_sync(make_first_tables)
+    await database.close()
+    async with open_at(database_url, tmp_path) as history:
+        goal = await history.get("goal-0001")
+        assert goal is not None
+        assert (goal.goal, goal.stage, goal.retries) == (b'{"order":5}', None, None)
 
 
 async def test_replicas_start_at_the_same_time(database_url: str, tmp_path: Path) -> None:

@@ -36,6 +36,8 @@ async def test_a_goal_is_the_same_after_a_restart(database_url: str, tmp_path: P
         feedback='{"name":"\u00e4"}'.encode(),
         result=b'{"a": 1,  "as_it_was": 2.50}',
         error=GoalError("goal_aborted", "why\0 \u20ac \ud800"),
+        stage="CONTROLLING",
+        retries=2,
         origin="external",
         finished_at=NOW + timedelta(microseconds=1),
         feedback_count=3,

@@ -134,6 +134,25 @@ async def test_feedback_before_acceptance_and_after_the_result(scene: Scene) -> 
     assert (await scene.events())[-1] == "result:succeeded"
 
 
+async def test_progress_is_told_while_the_goal_runs(scene: Scene) -> None:
+    goal = scene.send()
+    scene.status((A, S.EXECUTING))
+    scene.tracker.on_progress(goal, "CONTROLLING", 0, 7)
+    scene.tracker.on_progress(goal, "CONTROLLING", 0, 8)  # said again
+    scene.tracker.on_progress(goal, "RETRY", 1, 9)
+    scene.tracker.end(goal, S.ABORTED, result=b"{}")
+    scene.tracker.on_progress(goal, "CONTROLLING", 2, 10)
+    assert (goal.stage, goal.retries) == ("RETRY", 1)
+    assert await scene.events() == [
+        "status:pending",
+        "status:executing",
+        "status:executing",
+        "status:executing",
+        "status:aborted",
+        "result:aborted",
+    ]
+
+
 async def test_a_goal_of_someone_else(scene: Scene) -> None:
     scene.status((B, S.EXECUTING))
     goal = scene.tracker.live[B]

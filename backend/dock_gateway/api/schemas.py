@@ -55,6 +55,8 @@ class GoalState(Schema):
     status: GoalStatus
     stalled: bool
     origin: Literal["gateway", "external"]
+    stage: str | None
+    retries: int | None
     error: GoalError | None
     created_at: datetime
     updated_at: datetime

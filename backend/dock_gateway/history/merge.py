@@ -12,8 +12,8 @@ def merge(stored: Goal, news: Goal) -> Goal:
 
     - The state moves forward, and a final one stays. Between `lost` and a state before it the later account counts.
     - `gateway`, who sent the goal, knows better than `external`, who saw it; and knows when it was sent.
-    - What is known of goal, feedback and result is never overwritten by nothing; nor is the error, unless it was that
-      of a `lost` goal that returned.
+    - What is known of goal, feedback, result and stage is never overwritten by nothing; nor is the error, unless it was
+      that of a `lost` goal that returned.
     """
     merged = copy(stored)
     status_from, other = (news, stored) if _supersedes(news, stored) else (stored, news)
@@ -26,6 +26,8 @@ def merge(stored: Goal, news: Goal) -> Goal:
     merged.result = status_from.result or other.result
     merged.goal = stored.goal or news.goal
     merged.feedback = latest.feedback or earlier.feedback
+    merged.stage = latest.stage or earlier.stage
+    merged.retries = max((goal.retries for goal in (stored, news) if goal.retries is not None), default=None)
     merged.feedback_count = max(stored.feedback_count, news.feedback_count)
     merged.last_event_id = max(filter(None, (stored.last_event_id, news.last_event_id)), default=None)
     merged.updated_at = latest.updated_at

@@ -9,7 +9,7 @@ from sqlalchemy.ext.asyncio import AsyncEngine
 log = logging.getLogger(__name__)
 
 # The newest revision, so that Alembic (a tenth of a second) is loaded only when there is something to do.
-HEAD = "0001"
+HEAD = "0002"
 MIGRATIONS = Path(__file__).parent / "migrations"
 
 _LOCK = 0x646F636B67617465  # any number that nobody else takes

@@ -18,6 +18,8 @@ BATCH_GOALS = 200
 BATCH_EVENTS = 1000
 
 _TIMES = ("created_at", "updated_at", "finished_at")
+# What a line of an older version does not have.
+_NEW = {"stage": None, "retries": None}
 _MESSAGES = ("goal", "feedback", "result")
 
 
@@ -83,6 +85,8 @@ def goal_row(goal: Goal) -> Row:
         "result": goal.result,
         "error_code": error and error.code,
         "error_detail": error and _storable(error.detail),
+        "stage": goal.stage and _storable(goal.stage),
+        "retries": goal.retries,
         "created_at": goal.created_at,
         "updated_at": goal.updated_at,
         "finished_at": goal.finished_at,
@@ -104,6 +108,8 @@ def goal_of(row: Mapping[Any, Any]) -> Goal:
         feedback=row["feedback"],
         result=row["result"],
         error=GoalError(row["error_code"], row["error_detail"] or "") if row["error_code"] else None,
+        stage=row["stage"],
+        retries=row["retries"],
         stalled=row["stalled"],
         finished_at=row["finished_at"],
         feedback_count=row["feedback_count"],
@@ -173,7 +179,7 @@ def entry_of(line: bytes) -> Goal | Event | Key:
         if kind == "goal":
             times = {name: row[name] and datetime.fromisoformat(row[name]) for name in _TIMES}
             messages = {name: row[name] if row[name] is None else row[name].encode() for name in _MESSAGES}
-            return goal_of(row | times | messages)
+            return goal_of(_NEW | row | times | messages)
         if kind == "event":
             return event_of(row | {"data": row["data"].encode()})
         return Key(**row | {"expires_at": datetime.fromisoformat(row["expires_at"])})

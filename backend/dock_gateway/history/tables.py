@@ -65,6 +65,8 @@ goals = sa.Table(
     sa.Column("result", JsonText),
     sa.Column("error_code", sa.Text),
     sa.Column("error_detail", sa.Text),
+    sa.Column("stage", sa.Text),
+    sa.Column("retries", sa.Integer),
     sa.Column("created_at", UtcTime, nullable=False),
     sa.Column("updated_at", UtcTime, nullable=False),
     sa.Column("finished_at", UtcTime),

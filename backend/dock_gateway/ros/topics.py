@@ -28,8 +28,15 @@ LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability
 # A message that is stamped so many nanoseconds after we began to publish may be ours.
 OWN_WITHIN = 1_000_000_000
 
+# More digits than these are no number of retries.
+MAX_DIGITS = 6
+
 OnMessage = Callable[[Json, int], None]
 OnReason = Callable[[str, GoalError], None]
+OnProgress = Callable[[str, str | None, int | None, int], None]
+
+# Stages that are the end of a goal, which its status tells.
+ENDS = frozenset({"SUCCEEDED", "CANCELED", "ABORTED", "REJECTED"})
 
 
 class BatteryPort:
@@ -143,21 +150,31 @@ class LatchPort:
 
 
 class DiagnosticsPort:
-    """`diagnostic_msgs/DiagnosticArray`: why an action server rejected or aborted a goal.
+    """`diagnostic_msgs/DiagnosticArray`: how far a goal is, and why an action server rejected or aborted it.
 
-    ROS's action protocol has no place for a reason. A server that wants to say it publishes a DiagnosticStatus whose
-    values (REP 107) hold `goal_id`, `error_code` and `error_msg`; where they hold a `stage`, it is the end of a goal
-    that counts, not what a running one waits for.
+    ROS's action protocol has no place for either. A server that wants to say it publishes a DiagnosticStatus whose
+    values (REP 107) hold `goal_id`, `error_code` and `error_msg`, `stage` and `retries`. Where they hold a `stage`, it
+    is the error at the end of a goal that counts, not what a running one waits for.
+
+    Args:
+        bridge: Where the ROS thread is.
+        topic: Absolute name.
+        on_reason: Called on the loop with a goal id and why it was rejected or aborted.
+        on_progress: Called on the loop with a goal id, stage, retries, and the source timestamp in ns.
     """
 
-    def __init__(self, bridge: Bridge, topic: str, on_reason: OnReason) -> None:
-        def hear(message: DiagnosticArray, _: dict[str, Any]) -> None:
+    def __init__(self, bridge: Bridge, topic: str, on_reason: OnReason, on_progress: OnProgress) -> None:
+        def hear(message: DiagnosticArray, info: dict[str, Any]) -> None:
             for status in message.status:
                 values = {pair.key: pair.value for pair in status.values}
-                goal_id, code = values.get("goal_id"), values.get("error_code")
-                ended = values.get("stage", "ABORTED") in ("ABORTED", "REJECTED")
-                if goal_id and code and ended and code not in ("0", "NONE"):
+                if not (goal_id := values.get("goal_id")):
+                    continue
+                code, stage, retries = values.get("error_code"), values.get("stage"), values.get("retries", "")
+                if code and code not in ("0", "NONE") and stage in (None, "ABORTED", "REJECTED"):
                     error = GoalError(code.lower(), values.get("error_msg") or status.message)
                     bridge.to_loop(on_reason, goal_id, error)
+                going_on = None if stage in ENDS else stage
+                count = int(retries) if retries.isdecimal() and len(retries) <= MAX_DIGITS else None
+                bridge.to_loop(on_progress, goal_id, going_on, count, info["source_timestamp"])
 
         bridge.node.create_subscription(DiagnosticArray, topic, guard(hear), LISTEN)

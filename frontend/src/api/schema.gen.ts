@@ -490,6 +490,10 @@ export interface components {
              * @enum {string}
              */
             origin: "gateway" | "external";
+            /** Stage */
+            stage: string | null;
+            /** Retries */
+            retries: number | null;
             error: components["schemas"]["GoalError"] | null;
             /**
              * Created At
@@ -905,6 +909,10 @@ export interface components {
              * @enum {string}
              */
             origin: "gateway" | "external";
+            /** Stage */
+            stage: string | null;
+            /** Retries */
+            retries: number | null;
             error: components["schemas"]["GoalError"] | null;
             /**
              * Created At
@@ -1172,6 +1180,10 @@ export interface components {
              * @enum {string}
              */
             origin: "gateway" | "external";
+            /** Stage */
+            stage: string | null;
+            /** Retries */
+            retries: number | null;
             error: components["schemas"]["GoalError"] | null;
             /**
              * Created At
