@@ -1,5 +1,6 @@
 """The node `battery_state_subscriber`: puts each battery message where the action server finds it."""
 
+import math
 import time
 from typing import Any
 
@@ -18,6 +19,15 @@ QOS = QoSProfile(
     reliability=ReliabilityPolicy.BEST_EFFORT,
     durability=DurabilityPolicy.VOLATILE,
 )
+
+
+def battery_message(battery: Battery) -> BatteryState:
+    """The latest message; before the first, one whose status is UNKNOWN and whose floats are NaN."""
+    latest = battery.latest
+    if latest is not None and isinstance(latest.message, BatteryState):
+        return latest.message
+    unmeasured = ("voltage", "temperature", "current", "charge", "capacity", "design_capacity", "percentage")
+    return BatteryState(**dict.fromkeys(unmeasured, math.nan))
 
 
 class BatteryStateSubscriber(Node):  # type: ignore[misc] # rclpy has no types

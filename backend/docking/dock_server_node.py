@@ -15,7 +15,8 @@ from docking.failures import Stage
 from docking.goal import Command, DockGoal
 from docking.parameters import DOCK_SERVER, ControllerName, DockSettings, dock_settings
 from docking.plans import make_plan
-from docking.ros.goal_server import FEEDBACK_PERIOD, GoalServer, Helm
+from docking.ros.goal_server import FEEDBACK_PERIOD, GoalServer
+from docking.ros.helm import Helm
 from docking.ros.poses import PosePublishers
 from docking.ros.process import run_process
 from docking.ros.sensors import Sensor
@@ -80,7 +81,7 @@ class DockServer(GoalServer):
 
     def _equip(self) -> None:
         super()._equip()
-        if not self._drives:
+        if self._running is None:
             self._poses.switch(on=Sensor.MARKER in self._needs)
 
     def _make_goal(self) -> DockGoal:

@@ -7,7 +7,8 @@ from rclpy.context import Context
 
 from docking.battery import Battery
 from docking.dock_server_node import DockServer
-from docking.ros.goal_server import GoalServer, Helm
+from docking.ros.goal_server import GoalServer
+from docking.ros.helm import Helm
 from docking.ros.process import run_process
 from docking.ros.server_process import serve
 from docking.undock_server_node import UndockServer

@@ -10,7 +10,8 @@ from docking.admission import UNDOCKING, GoalPolicy
 from docking.battery import Battery
 from docking.goal import Command
 from docking.parameters import UNDOCK_SERVER, undock_settings
-from docking.ros.goal_server import GoalServer, Helm
+from docking.ros.goal_server import GoalServer
+from docking.ros.helm import Helm
 from docking.ros.sensors import Sensor
 from docking.undock_goal import UndockGoal
 

@@ -4,7 +4,7 @@ import math
 import time
 import traceback
 from abc import abstractmethod
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, TypeVar
 
@@ -16,12 +16,11 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
-from rclpy.task import Future
-from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Bool
 
 from docking.admission import GoalPolicy, Purpose, admit
 from docking.battery import Battery
+from docking.battery_node import battery_message
 from docking.failures import ErrorCode, Stage
 from docking.goal import Command, End, Goal, Outcome
 from docking.parameters import Parameter
@@ -29,6 +28,7 @@ from docking.report import Report, report_on
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
 from docking.ros.diagnostics import Diagnostics
 from docking.ros.drive import Drive
+from docking.ros.helm import Execution, Helm
 from docking.ros.parameters import declare_parameters
 from docking.ros.sensors import Sensor, Sensors
 
@@ -42,24 +42,6 @@ SENSED = frozenset(
     {ErrorCode.FAILED_TO_DETECT_DOCK, ErrorCode.LOST_MARKER, ErrorCode.INFRARED_LOST, ErrorCode.ODOMETRY_LOST}
 )
 """What a sensor's fault may be the cause of."""
-
-
-@dataclass(eq=False)
-class Execution:
-    """A goal that was accepted, the server it came to, and the future that holds its outcome."""
-
-    server: "GoalServer"
-    handle: ServerGoalHandle
-    goal_id: str
-    goal: Goal
-    ended: Future = field(default_factory=Future)
-
-
-@dataclass
-class Helm:
-    """Who drives the robot: one goal at a time, whichever of the process's servers it came to."""
-
-    running: Execution | None = None
 
 
 class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
@@ -97,6 +79,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         super().__init__(name, context=context, **options)
         self._battery = battery
         self._helm = helm or Helm()
+        self._running: Execution | None = None  # None also while a goal of another server runs
         self._closing = False
         self._stop_latched = False
         self._report = Report()
@@ -171,16 +154,11 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
 
     def _equip(self) -> None:
         """Subscribe to what the next goal needs; while a goal runs, it keeps what it has."""
-        if not self._drives:
+        if self._running is None:
             self._sensors.listen_to(self._needs)
             self._control_timer.timer_period_ns = round(self._control_period * 1e9)
 
     # A goal comes: it is decided on, accepted, executed.
-
-    @property
-    def _drives(self) -> bool:
-        """Whether a goal of this server is running."""
-        return self._helm.running is not None and self._helm.running.server is self
 
     def _decide(self, request: Any) -> GoalResponse:
         running = self._helm.running
@@ -197,7 +175,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         goal_id = self._server.deciding_on
         self.get_logger().warning(f"Goal {goal_id} rejected: {rejection.error_msg} [{rejection.error_code.value}]")
         report = report_on(rejection, goal_id)
-        if not self._drives:
+        if self._running is None:
             self._report = report
         self._publish_report(report)  # only once if a goal runs, which stays the subject
         return GoalResponse.REJECT
@@ -206,22 +184,22 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         goal_id = goal_id_text(handle.goal_id)
         running = self._helm.running
         if running is not None:
-            running.server.end(running.goal.abort(ErrorCode.PREEMPTED, f"goal {goal_id} took over"))
+            running.end(running.goal.abort(ErrorCode.PREEMPTED, f"goal {goal_id} took over"))
         self._equip()
-        execution = Execution(self, handle, goal_id, self._make_goal())
-        self._helm.running = execution
+        execution = Execution(handle, goal_id, self._make_goal(), self._end)
+        self._running = self._helm.running = execution
         self._stage = Stage.IDLE
         self._fed_back_at = -math.inf
         self._drive.begin()
         handle.execute(partial(self._execute, execution))
 
     async def _execute(self, execution: Execution, handle: ServerGoalHandle) -> Any:
-        if execution is self._helm.running:
+        if execution is self._running:
             self.get_logger().info("Executing goal...")
             self._control_timer.reset()
             self.control()
         outcome: Outcome = await execution.ended
-        result = self.action_type.Result(final_battery_state=self._battery_state())  # type: ignore[attr-defined]
+        result = self.action_type.Result(final_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
         if outcome.end is End.SUCCEEDED:
             handle.succeed()
         elif outcome.end is End.CANCELED and handle.is_cancel_requested:
@@ -231,36 +209,36 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         return result
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
-        running = self._helm.running
+        running = self._running
         if running is None or running.goal_id != goal_id_text(handle.goal_id):
             return CancelResponse.REJECT  # it has ended already
-        self.end(running.goal.cancel())
+        self._end(running.goal.cancel())
         return CancelResponse.ACCEPT
 
     def _take_latch(self, message: Bool) -> None:
         self._stop_latched = message.data
         running = self._helm.running
         if self._stop_latched and running is not None:
-            running.server.end(running.goal.abort(ErrorCode.STOP_LATCHED, "a stop was latched"))
+            running.end(running.goal.abort(ErrorCode.STOP_LATCHED, "a stop was latched"))
 
     # A goal runs, and ends.
 
     def control(self) -> None:
         """Do the next control step, if a goal of this server runs."""
-        running = self._helm.running
-        if running is None or running.server is not self:
+        running = self._running
+        if running is None:
             return
         try:
             self._step(running)
         except Exception as error:  # noqa: BLE001 - whatever it is, the robot must stop and the server go on
             self.get_logger().error(traceback.format_exc())
-            self.end(running.goal.abort(ErrorCode.UNKNOWN, f"{type(error).__name__}: {error}"))
+            self._end(running.goal.abort(ErrorCode.UNKNOWN, f"{type(error).__name__}: {error}"))
 
     def _step(self, running: Execution) -> None:
         observation = self._sensors.observe(self._battery.latest)
         step = running.goal.step(observation)
         if isinstance(step, Outcome):
-            self.end(step)
+            self._end(step)
             return
         self._drive.go(step.velocity, observation.now)
         if observation.now - self._fed_back_at > 0.75 * FEEDBACK_PERIOD:
@@ -281,9 +259,9 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         elif self._stage not in {report.stage, Stage.IDLE}:
             self.get_logger().info(f"Goal {report.goal_id}: {report.message}")
 
-    def end(self, outcome: Outcome) -> None:
-        """End the running goal of this server: the robot stops, whatever the outcome."""
-        running = self._helm.running
+    def _end(self, outcome: Outcome) -> None:
+        """End the goal of this server that runs: the robot stops, whatever the outcome."""
+        running, self._running = self._running, None
         if running is None:
             return
         outcome = self._explained(outcome)
@@ -315,16 +293,8 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
             return event
         return replace(event, error_msg="; ".join([event.error_msg, *self._sensors.faults.values()]))
 
-    def _battery_state(self) -> BatteryState:
-        """The latest battery message; before the first, one whose status is UNKNOWN and whose floats are NaN."""
-        latest = self._battery.latest
-        if latest is not None and isinstance(latest.message, BatteryState):
-            return latest.message
-        unmeasured = ("voltage", "temperature", "current", "charge", "capacity", "design_capacity", "percentage")
-        return BatteryState(**dict.fromkeys(unmeasured, math.nan))
-
     def _feedback(self) -> Any:
-        return self.action_type.Feedback(current_battery_state=self._battery_state())  # type: ignore[attr-defined]
+        return self.action_type.Feedback(current_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
 
     def _repeat_report(self) -> None:
         self._publish_report(self._report)
@@ -346,9 +316,9 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         The node must be spun for another moment, for the goal's result to go out.
         """
         self._closing = True
-        running = self._helm.running
-        if running is not None and running.server is self:
-            self.end(running.goal.abort(ErrorCode.SHUTTING_DOWN, "the action server is shutting down"))
+        running = self._running
+        if running is not None:
+            self._end(running.goal.abort(ErrorCode.SHUTTING_DOWN, "the action server is shutting down"))
         deadline = time.monotonic() + ACKNOWLEDGEMENT_TIMEOUT
         for told in (self._drive, self._diagnostics):
             told.wait_until_heard(max(0.0, deadline - time.monotonic()))
