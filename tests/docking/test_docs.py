@@ -16,6 +16,8 @@ from docking.parameters import (
 )
 from docking.report import LEVELS
 from docking.session import ExitCode
+from docking.simulation.faults import Fault
+from docking.simulation.parameters import DOCK_SIMULATOR
 
 PAGE = (Path(__file__).parents[2] / "docs" / "docking.md").read_text()
 
@@ -45,6 +47,7 @@ def documented(parameter: Parameter) -> list[str]:
     [
         ("connect_to_charging_dock_action_server", DOCK_SERVER),
         ("disconnect_from_charging_dock_action_server", UNDOCK_SERVER),
+        ("dock_simulator", DOCK_SIMULATOR),
         ("fibonacci_action_server", FIBONACCI_SERVER),
     ],
 )
@@ -58,6 +61,10 @@ def test_every_stage_is_documented_with_its_level() -> None:
 
 def test_every_error_code_is_documented_with_its_number() -> None:
     assert [row[:2] for row in rows("| error_code |")] == [[f"`{code}`", f"{code.number}"] for code in ErrorCode]
+
+
+def test_every_fault_of_the_simulator_is_documented() -> None:
+    assert [row[0] for row in rows("| fault |")] == [f"`{fault}`" for fault in Fault]
 
 
 def test_every_exit_code_is_documented() -> None:
