@@ -1,0 +1,84 @@
+"""The dock simulator for tests: in the test process, and what a test does to it over ROS."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from std_srvs.srv import SetBool, Trigger
+
+from docking.dock_simulator_node import DockSimulator
+from docking.geometry import Pose
+from docking.ros.geometry import pose_message
+from docking.ros.process import Spinner
+from tests.support.observer import Observer, ros_nodes, wait_until
+
+
+@contextmanager
+def dock_simulator(domain: int, *parameters: str) -> Iterator[DockSimulator]:
+    """The simulator in the test process.
+
+    Args:
+        domain: The ROS domain.
+        parameters: As on the command line: `name:=value`.
+    """
+    arguments = [text for parameter in parameters for text in ("-p", parameter)]
+    with ros_nodes(domain, *arguments) as context:
+        simulator = DockSimulator(context=context)
+        with Spinner(context, [simulator]) as spinner:
+            yield simulator
+        assert spinner.failure is None
+
+
+class SimulatorControls:
+    """What a test does to a simulator, by its topics and services alone."""
+
+    def __init__(self, observer: Observer, namespace: str = "") -> None:
+        """Find the simulator.
+
+        Args:
+            observer: The test's node.
+            namespace: Of the robot, with its slash; empty for the root.
+        """
+        self._observer = observer
+        self._namespace = namespace
+        self._clients: dict[str, Any] = {}
+        self._diagnostics = observer.record(DiagnosticArray, "/diagnostics")
+
+    def place(self, pose: Pose, frame: str = "world") -> None:
+        """Lift the robot and set it down."""
+        message = PoseWithCovarianceStamped()
+        message.header.frame_id = frame
+        message.pose.pose = pose_message(pose)
+        self._observer.publish(message, f"{self._namespace}/initialpose")
+
+    def reset(self) -> None:
+        """Begin again."""
+        assert self._call(Trigger, "dock_simulator/reset", Trigger.Request()).success
+
+    def switch(self, fault: str, on: bool = True) -> None:
+        """Switch a fault."""
+        assert self._call(SetBool, f"dock_simulator/faults/{fault}", SetBool.Request(data=on)).success
+
+    def _call(self, service_type: type, name: str, request: Any) -> Any:
+        name = f"{self._namespace}/{name}"
+        if name not in self._clients:
+            self._clients[name] = self._observer.call(lambda: self._observer.node.create_client(service_type, name))
+            wait_until(self._clients[name].service_is_ready, f"the service {name}")
+        asked = self._observer.call(lambda: self._clients[name].call_async(request))
+        return self._observer.result_of(asked, f"the answer of {name}")
+
+    @property
+    def status(self) -> dict[str, str]:
+        """The key values of the last status; empty before the first."""
+        name = f"{self._namespace}/dock_simulator".lstrip("/")
+        for message in reversed(self._diagnostics.messages):
+            for status in message.status:
+                if status.name == name:
+                    return {pair.key: pair.value for pair in status.values}
+        return {}
+
+    def wait_for_status(self, **expected: str) -> None:
+        """Wait until the last status has these values."""
+        wait_until(lambda: expected.items() <= self.status.items(), f"the status {expected}")
