@@ -7,19 +7,24 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
+from rclpy.context import Context
 from sensor_msgs.msg import BatteryState
 
-from action_tutorials_interfaces.action import ConnectToChargingDock
+from action_tutorials_interfaces.action import ConnectToChargingDock, DisconnectFromChargingDock
 from docking.battery import Battery
 from docking.battery_node import BatteryStateSubscriber
 from docking.controllers.plan import Plan
 from docking.dock_server_node import DockServer
 from docking.parameters import DockSettings
 from docking.plans import make_plan
+from docking.ros.goal_server import GoalServer
+from docking.ros.helm import Helm
 from docking.ros.process import Spinner
-from tests.support.observer import GoalOfTest, Observer, ros_nodes
+from docking.undock_server_node import UndockServer
+from tests.support.observer import GoalOfTest, Observer, ros_nodes, wait_until
 
 ACTION = "connect_to_charging_dock"
+UNDOCK_ACTION = "disconnect_from_charging_dock"
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 
 
@@ -37,18 +42,24 @@ def dock_goal(status: int = 1) -> ConnectToChargingDock.Goal:
     return ConnectToChargingDock.Goal(desired_battery_state=battery_state(status))
 
 
+def send_undock_goal(observer: Observer, status: int = 0, action: str = UNDOCK_ACTION) -> GoalOfTest:
+    """Send a goal to undock and wait until it is accepted or rejected."""
+    goal = DisconnectFromChargingDock.Goal(desired_battery_state=battery_state(status))
+    return observer.send_goal(DisconnectFromChargingDock, action, goal)
+
+
 def send_dock_goal(observer: Observer, status: int = 1, action: str = ACTION) -> GoalOfTest:
     """Send the tutorial's goal and wait until it is accepted or rejected."""
     return observer.send_goal(ConnectToChargingDock, action, dock_goal(status))
 
 
 @contextmanager
-def dock_server(
+def docking_servers(
     domain: int,
     *parameters: str,
     make_plan: Callable[[DockSettings], Plan] = make_plan,
-) -> Iterator[DockServer]:
-    """The server's two nodes in the test process.
+) -> Iterator[tuple[DockServer, UndockServer]]:
+    """The docking and the undocking server in the test process, with the battery subscriber.
 
     Args:
         domain: The ROS domain.
@@ -57,13 +68,35 @@ def dock_server(
     """
     arguments = [text for parameter in parameters for text in ("-p", parameter)]
     with ros_nodes(domain, *arguments) as context:
+        battery, helm = Battery(), Helm()
+        dock = DockServer(battery, helm=helm, make_plan=make_plan, context=context)
+        undock = UndockServer(battery, helm=helm, context=context)
+        with _spun(context, battery, dock, undock):
+            yield dock, undock
+
+
+@contextmanager
+def dock_server(
+    domain: int,
+    *parameters: str,
+    make_plan: Callable[[DockSettings], Plan] = make_plan,
+) -> Iterator[DockServer]:
+    """The tutorial's two nodes in the test process; see `docking_servers`."""
+    arguments = [text for parameter in parameters for text in ("-p", parameter)]
+    with ros_nodes(domain, *arguments) as context:
         battery = Battery()
         server = DockServer(battery, make_plan=make_plan, context=context)
-        subscriber = BatteryStateSubscriber(battery, context=context)
-        with Spinner(context, [server, subscriber]) as spinner:
+        with _spun(context, battery, server):
             yield server
+
+
+@contextmanager
+def _spun(context: Context, battery: Battery, *servers: GoalServer) -> Iterator[None]:
+    with Spinner(context, [*servers, BatteryStateSubscriber(battery, context=context)]) as spinner:
+        yield
+        for server in servers:
             spinner.call(server.close).result(5.0)
-        assert spinner.failure is None
+    assert spinner.failure is None
 
 
 @dataclass
@@ -99,18 +132,20 @@ class Reports:
 
     @property
     def all(self) -> list[dict[str, Any]]:
-        """The key values of each report, and its level and name."""
+        """The key values of each report, and its level, name and message."""
         return [_read(status) for message in self._recording.messages for status in message.status]
 
-    def wait_for(self, **expected: str) -> dict[str, Any]:
+    def wait_for(self, **expected: str | int) -> dict[str, Any]:
         """Wait for a report with these values."""
 
-        def matches(message: DiagnosticArray) -> bool:
-            return expected.items() <= _read(message.status[0]).items()
+        def found() -> dict[str, Any] | None:
+            return next((report for report in self.all if expected.items() <= report.items()), None)
 
-        return _read(self._recording.wait_for(matches).status[0])
+        report = wait_until(found, f"a report with {expected}, among {self.all[-3:]}")
+        assert report is not None
+        return report
 
 
 def _read(status: DiagnosticStatus) -> dict[str, Any]:
     values = {pair.key: pair.value for pair in status.values}
-    return {"level": status.level[0], "name": status.name, **values}
+    return {"level": status.level[0], "name": status.name, "message": status.message, **values}

@@ -39,6 +39,29 @@ def test_a_signal_in_the_middle_of_a_goal_stops_the_robot(
         assert "Traceback" not in server.output
 
 
+DRIVES_AND_HANGS = """
+import sys, time
+from docking import dock_server_node
+from docking.controllers.rotate import Rotate
+steps = iter(range(5))
+step = Rotate.step
+Rotate.step = lambda *args: step(*args) if next(steps, None) is not None else time.sleep(600)
+sys.exit(dock_server_node.main())
+"""
+
+
+def test_the_watchdog_stops_the_robot_of_a_process_that_hangs(domain: int, observer: Observer) -> None:
+    with Process(sys.executable, "-c", DRIVES_AND_HANGS, env=ros_environment(domain)) as server:
+        wheels = watch_wheels(observer)
+        with observer.publishing(LOW, "battery_status"):
+            send_dock_goal(observer)
+            wait_until(lambda: wheels.moving, "a move")
+            wait_until(lambda: wheels.standing, "zero velocity, from nobody but the watchdog", timeout=3.0)
+            assert server.running
+            server.send_signal(signal.SIGTERM)
+            assert server.wait() == 1
+
+
 HANGING_CONTROLLER = """
 import sys, time
 from docking import dock_server_node

@@ -1,5 +1,6 @@
 """The robot's velocity: `cmd_vel`, with a watchdog beside it."""
 
+import math
 import time
 import traceback
 
@@ -30,6 +31,7 @@ class Drive:
         """
         self._node = node
         self._velocity: Velocity | None = None
+        self._stopped_at = -math.inf  # by the watchdog
         qos = QoSOverridingOptions.with_default_policies()
         self._publisher = node.create_publisher(Twist, "cmd_vel", 10, qos_overriding_options=qos)
         self._watchdog = Watchdog(WATCHDOG_TIMEOUT, self._stop_left_alone)
@@ -44,9 +46,9 @@ class Drive:
         Args:
             velocity: What the wheels have to do until the next call.
             decided_at: The moment of what it was decided on, in seconds of the monotonic clock. A decision that took
-                so long that the watchdog had to stop the robot moves nothing any more.
+                too long, or until after the watchdog had stopped the robot, moves nothing any more.
         """
-        if time.monotonic() - decided_at > WATCHDOG_TIMEOUT:
+        if decided_at < self._stopped_at or time.monotonic() - decided_at > WATCHDOG_TIMEOUT:
             velocity = STANDSTILL
         if velocity == STANDSTILL:
             self._watchdog.sleep()
@@ -64,6 +66,7 @@ class Drive:
         self._publish_zero()
 
     def _stop_left_alone(self) -> None:
+        self._stopped_at = time.monotonic()
         self._publish_zero()
         self._node.get_logger().error(
             f"No control step for {WATCHDOG_TIMEOUT:g} s although the robot moves: the wheels stand still"

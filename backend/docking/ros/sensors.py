@@ -68,8 +68,8 @@ class Sensors:
         """Subscribe to these sensors, and to no others any longer."""
         for sensor in self._subscriptions.keys() - sensors:
             for subscription in self._subscriptions.pop(sensor):
-                self._node.destroy_subscription(subscription)
                 self._set_fault(subscription.topic_name, None)
+                self._node.destroy_subscription(subscription)
             self._forget(sensor)
         for sensor in sensors - self._subscriptions.keys():
             self._subscriptions[sensor] = self._subscribe(sensor)

@@ -1,0 +1,253 @@
+"""What the docking server hears of sensors, over DDS."""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry
+from rcl_interfaces.msg import Log
+from rclpy.parameter import Parameter
+
+from docking.controllers.plan import Poses, Solo
+from docking.controllers.protocol import Failed
+from docking.failures import FailedToDetectDock
+from docking.geometry import Pose
+from docking.observation import Observation, Velocity
+from tests.support.docking import ABORTED, LOW, Reports, dock_server, send_dock_goal
+from tests.support.observer import Observer, wait_until
+from tests.support.sensors import detection, infrared, odometry
+
+pytestmark = pytest.mark.ros
+
+NODE = "connect_to_charging_dock_action_server"
+ODOM, MARKER = "odom", "detected_dock_pose"
+SENSORS = {
+    "rotate": set(),
+    "dock_pose": {"/odom", "/detected_dock_pose"},
+    "infrared": {"/odom", "/infrared/left", "/infrared/center", "/infrared/right"},
+}
+POSES = {"/dock_pose", "/filtered_dock_pose", "/staging_pose"}
+AT = 1000.0  # the clock that stamps the sensors' messages need not be any other's
+
+
+class Witness:
+    """A controller that stands still and remembers what it was told."""
+
+    def __init__(self) -> None:
+        self.seen = Observation(0.0)
+
+    def step(self, observation: Observation, _dt: float) -> Velocity:
+        self.seen = observation
+        return Velocity()
+
+
+@contextmanager
+def witness(domain: int, observer: Observer, controller: str) -> Iterator[Witness]:
+    """A witness of what the server hears while a goal runs."""
+    controllers = Witness()
+    with (
+        dock_server(domain, f"controller:={controller}", make_plan=lambda _settings: Solo(controllers)),
+        observer.publishing(LOW, "battery_status"),
+    ):
+        assert send_dock_goal(observer).accepted
+        yield controllers
+
+
+def close_to(pose: Pose) -> object:
+    return pytest.approx((pose.x, pose.y, pose.theta), abs=1e-6)
+
+
+def as_tuple(pose: Pose) -> tuple[float, float, float]:
+    return pose.x, pose.y, pose.theta
+
+
+def test_it_listens_to_what_the_controller_needs_and_to_nothing_else(domain: int, observer: Observer) -> None:
+    everything = set().union(*SENSORS.values())
+
+    def heard() -> set[str]:
+        return everything & {name for name, _ in observer.node.get_subscriber_names_and_types_by_node(NODE, "/")}
+
+    def said() -> set[str]:
+        return POSES & {name for name, _ in observer.node.get_publisher_names_and_types_by_node(NODE, "/")}
+
+    with dock_server(domain) as server:
+        wait_until(lambda: NODE in observer.node.get_node_names(), "the node")
+        for controller in ("rotate", "dock_pose", "infrared", "rotate", "dock_pose"):
+            (answer,) = server.set_parameters([Parameter("controller", value=controller)])
+            assert answer.successful
+            wait_until(lambda name=controller: heard() == SENSORS[name], f"what {controller} listens to")
+            wait_until(lambda name=controller: said() == (POSES if name == "dock_pose" else set()), "the poses")
+
+
+def test_a_detection_is_put_where_the_robot_was_when_it_saw_the_marker(domain: int, observer: Observer) -> None:
+    with witness(domain, observer, "dock_pose") as told:
+        observer.publish(odometry(Pose(1.0, 0.0, math.pi / 2), AT), ODOM)
+        wait_until(lambda: told.seen.odometry, "odometry")
+        observer.publish(odometry(Pose(2.0, 0.0, math.pi / 2), AT + 1.0, speed=0.2), ODOM)
+        wait_until(lambda: told.seen.odometry and told.seen.odometry.pose.x == 2.0, "newer odometry")
+        observer.publish(detection(Pose(1.0, 0.0, 0.5), AT + 0.5), MARKER)
+        marker = wait_until(lambda: told.seen.marker, "the marker")
+        assert as_tuple(marker.pose) == close_to(Pose(1.5, 1.0, math.pi / 2 + 0.5))
+        assert told.seen.odometry is not None
+        assert told.seen.odometry.velocity == Velocity(0.2, 0.0)
+        assert marker.stamp < told.seen.odometry.stamp
+
+
+@pytest.mark.parametrize(
+    ("frame", "expected"),
+    [
+        ("robot1/odom", Pose(3.0, 0.5, 0.1)),
+        ("/robot1/odom", Pose(3.0, 0.5, 0.1)),
+        ("robot1/base", Pose(4.0, 0.5, 0.1)),
+    ],
+)
+def test_frames_are_those_that_odometry_names(domain: int, observer: Observer, frame: str, expected: Pose) -> None:
+    with witness(domain, observer, "dock_pose") as told:
+        observer.publish(odometry(Pose(1.0, 0.0, 0.0), AT, frame="robot1/odom", child="robot1/base"), ODOM)
+        wait_until(lambda: told.seen.odometry, "odometry")
+        observer.publish(detection(Pose(3.0, 0.5, 0.1), AT, frame), MARKER)
+        marker = wait_until(lambda: told.seen.marker, "the marker")
+        assert as_tuple(marker.pose) == close_to(expected)
+
+
+def test_an_unknown_frame_is_told(domain: int, observer: Observer) -> None:
+    with witness(domain, observer, "dock_pose") as told:
+        reports = Reports(observer)
+        log = observer.record(Log, "/rosout")
+        observer.publish(odometry(Pose(), AT), ODOM)
+        wait_until(lambda: told.seen.odometry, "odometry")
+        observer.publish(detection(Pose(1.0, 0.0, 0.0), AT, "camera_optical_frame"), MARKER)
+        complaint = (
+            "/detected_dock_pose is given in the frame 'camera_optical_frame', but odometry relates 'odom' and"
+            " 'base_link' only"
+        )
+        report = reports.wait_for(name=f"{NODE}: sensors", level=2)
+        assert report["message"] == report["/detected_dock_pose"] == complaint
+        log.wait_for(lambda entry: entry.msg == complaint)
+        assert told.seen.marker is None
+        observer.publish(detection(Pose(1.0, 0.0, 0.0), AT), MARKER)
+        wait_until(lambda: told.seen.marker, "the marker")
+        wait_until(lambda: reports.all[-1]["message"] == "ok", "a report that all is well")
+
+
+SOMEWHERE = Pose(1.0, 0.0, 0.0)
+NOWHERE = Pose(math.nan, 0.0, 0.0)
+
+
+def without_orientation() -> PoseStamped:
+    message = detection(SOMEWHERE, AT)
+    message.pose.orientation.w = 0.0
+    return message
+
+
+def too_fast() -> Odometry:
+    message = odometry(SOMEWHERE, AT)
+    message.twist.twist.angular.z = math.inf
+    return message
+
+
+@pytest.mark.parametrize(
+    ("message", "topic", "complaint"),
+    [
+        (detection(NOWHERE, AT), MARKER, "has a pose that is not a number"),
+        (without_orientation(), MARKER, "has an orientation of length 0, which a quaternion cannot have"),
+        (detection(SOMEWHERE, AT - 60.0), MARKER, "is stamped 60.0 s before the latest odometry"),
+        (detection(SOMEWHERE, AT + 5.0), MARKER, "is stamped 5.0 s after the latest odometry"),
+        (odometry(NOWHERE, AT), ODOM, "has a pose that is not a number"),
+        (too_fast(), ODOM, "has a velocity that is not a number"),
+    ],
+)
+def test_what_cannot_be_used_is_told(
+    domain: int, observer: Observer, message: Odometry | PoseStamped, topic: str, complaint: str
+) -> None:
+    with witness(domain, observer, "dock_pose") as told:
+        reports = Reports(observer)
+        observer.publish(odometry(Pose(), AT), ODOM)
+        wait_until(lambda: told.seen.odometry, "odometry")
+        before = told.seen
+        observer.publish(message, topic)
+        report = wait_until(lambda: [r for r in reports.all if complaint in r["message"]], complaint)[0]
+        assert (report["level"], report["name"]) == (2, f"{NODE}: sensors")
+        assert report["message"].startswith(f"/{topic} ")
+        assert (told.seen.odometry, told.seen.marker) == (before.odometry, before.marker)
+
+
+def test_a_detection_before_any_odometry_cannot_be_used(domain: int, observer: Observer) -> None:
+    with witness(domain, observer, "dock_pose"):
+        reports = Reports(observer)
+        observer.publish(detection(SOMEWHERE, AT), MARKER)
+        reports.wait_for(
+            name=f"{NODE}: sensors", message="/detected_dock_pose cannot be used: no odometry has come yet"
+        )
+
+
+def test_infrared_ranges_are_read_as_their_message_says(domain: int, observer: Observer) -> None:
+    with witness(domain, observer, "infrared") as told:
+        reports = Reports(observer)
+        observer.publish(infrared(math.inf), "infrared/left")
+        observer.publish(infrared(0.5), "infrared/center")
+        assert told.seen.infrared is None
+        observer.publish(infrared(1.6), "infrared/right")
+        reading = wait_until(lambda: told.seen.infrared, "all three")
+        assert (reading.left, reading.center, reading.right) == (math.inf, 0.5, math.inf)
+        observer.publish(infrared(-math.inf), "infrared/left")
+        observer.publish(infrared(0.0), "infrared/center")
+        wait_until(
+            lambda: told.seen.infrared and told.seen.infrared.left == told.seen.infrared.center == pytest.approx(0.02),
+            "what is too close",
+        )
+        observer.publish(infrared(math.nan), "infrared/right")
+        reports.wait_for(message="/infrared/right has a range that is not a number")
+
+
+class Blind:
+    """A controller that never finds the dock."""
+
+    def step(self, observation: Observation, _dt: float) -> Velocity | Failed:
+        if observation.odometry is None:
+            return Velocity()
+        return Failed(FailedToDetectDock("the dock was not found"))
+
+
+def test_an_abort_says_what_is_wrong_with_the_sensors(domain: int, observer: Observer) -> None:
+    with dock_server(domain, "controller:=dock_pose", make_plan=lambda _settings: Solo(Blind())):
+        reports = Reports(observer)
+        complaint = "/detected_dock_pose cannot be used: no odometry has come yet"
+        with observer.publishing(detection(SOMEWHERE, AT), MARKER):
+            reports.wait_for(name=f"{NODE}: sensors", message=complaint)
+        with observer.publishing(LOW, "battery_status"):
+            goal = send_dock_goal(observer)
+            observer.publish(odometry(Pose(), AT), ODOM)
+            assert goal.result().status == ABORTED
+        report = reports.wait_for(goal_id=goal.goal_id, stage="ABORTED")
+        assert report["error_msg"] == f"the dock was not found; {complaint}"
+        assert (report["error_code"], report["error_number"]) == ("FAILED_TO_DETECT_DOCK", "904")
+
+
+class Knows(Solo):
+    """A plan that knows where everything is."""
+
+    poses = Poses(Pose(1.0, 2.0, 0.5), Pose(1.1, 2.0, 0.5), Pose(0.4, 2.0, 0.5))
+
+
+def test_the_poses_are_shown_while_a_goal_runs(domain: int, observer: Observer) -> None:
+    shown = {
+        topic: observer.record(PoseStamped, topic) for topic in ("dock_pose", "filtered_dock_pose", "staging_pose")
+    }
+    told = Witness()
+    with dock_server(domain, "controller:=dock_pose", make_plan=lambda _settings: Knows(told)):
+        for recording in shown.values():
+            recording.wait_for_publisher()
+        with (
+            observer.publishing(LOW, "battery_status"),
+            observer.publishing(odometry(Pose(), AT, frame="robot1/odom"), ODOM),
+        ):
+            goal = send_dock_goal(observer)
+            for (topic, recording), x in zip(shown.items(), (1.0, 1.1, 0.4), strict=True):
+                message = recording.wait_for(lambda message: message.header.frame_id == "robot1/odom")
+                assert message.pose.position.x == x, topic
+                assert message.pose.orientation.z == pytest.approx(math.sin(0.25))
+                assert message.header.stamp.sec > 0
+            assert goal.cancel()
