@@ -152,27 +152,47 @@ class GoalService:
         goal = Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now(), goal=port.encode_goal(message))
         if idempotency_key is not None and (first := await self._claim(idempotency_key, goal)):
             return await self._outcome_of(first, deadline)
-        await self._history.add(goal, idempotency_key)
+        keeping = asyncio.create_task(self._history.add(goal, idempotency_key))
+        if idempotency_key is not None or not self._history.stats().database_reachable:
+            await keeping
         self._tracker.add(goal)
+        try:
+            await self._deliver(goal, message, deadline, stops)
+        finally:
+            await self._see_kept(goal, keeping)
+        return _outcome(goal)
+
+    async def _deliver(self, goal: Goal, message: Any, deadline: float, stops: int) -> None:
+        """Send the goal and take the server's answer, whatever it is, unless there was a stop in the meantime."""
         if self._stops != stops or self._interlock.holds(goal.action_name):
             self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError("goal_rejected", STOPPED_ON_ITS_WAY))
-            return _outcome(goal)
+            return
         try:
-            call = port.send(goal.goal_id, message)
+            call = self._tracker.port.send(goal.goal_id, message)
             async with asyncio.timeout(max(0.1, deadline - time.monotonic())):
                 response = await asyncio.shield(call.response)
         except TimeoutError:
             self._give_up(goal, call)
-            return _outcome(goal)
+            return
         except GatewayError as error:
             self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
             raise
         self._tracker.heard()
-        if not response.accepted:
-            await self._reject(goal)
-        else:
+        if response.accepted:
             self._accept(goal, response)
-        return _outcome(goal)
+        else:
+            await self._reject(goal)
+
+    async def _see_kept(self, goal: Goal, keeping: "asyncio.Task[None]") -> None:
+        """Wait until the goal is safe, which took place beside its delivery; one that cannot be kept must not run."""
+        try:
+            await keeping
+        except GatewayError as error:
+            if not goal.status.final:
+                self._canceler.disown(goal, GoalError(error.code, error.detail))
+            if not goal.status.terminal:
+                self._canceler.turned_up(goal)
+            raise
 
     def _accept(self, goal: Goal, response: Any) -> None:
         self._tracker.move(goal, GoalStatus.ACCEPTED, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)

@@ -1,0 +1,188 @@
+"""A goal is sent and stored at the same time. Port and watch are fakes; tests/system has the real ones."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from dock_gateway.errors import Conflict, Unavailable
+from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.history import HistoryStats, MemoryHistory
+from dock_gateway.hub import Hub
+from dock_gateway.interlock import Interlock
+from dock_gateway.latch import LatchFile
+from dock_gateway.later import Later
+from dock_gateway.ros.actions import CancelAnswer
+from dock_gateway.service import GoalService
+from dock_gateway.settings import Settings
+from dock_gateway.tracker import GoalTracker
+
+ACCEPTED = SimpleNamespace(accepted=True, stamp=SimpleNamespace(sec=1, nanosec=0))
+REJECTED = SimpleNamespace(accepted=False)
+
+
+class FakeCall:
+    def __init__(self) -> None:
+        self.response: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+
+    def forget(self) -> None:
+        self.response.cancel()
+
+
+class FakePort:
+    action_name = "/dock"
+    action_type = "pkg/action/Dock"
+
+    def __init__(self) -> None:
+        self.sent: dict[str, FakeCall] = {}
+        self.canceled: list[str | None] = []
+
+    def encode_goal(self, message: str) -> bytes:
+        return message.encode()
+
+    def send(self, goal_id: str, message: str) -> FakeCall:
+        self.sent[goal_id] = FakeCall()
+        return self.sent[goal_id]
+
+    def request_result(self, goal_id: str) -> FakeCall:
+        return FakeCall()
+
+    async def cancel(self, goal_id: str | None, timeout: float) -> CancelAnswer:
+        self.canceled.append(goal_id)
+        return CancelAnswer(frozenset({goal_id or ""}), 0)
+
+    def answer(self, response: Any) -> None:
+        next(iter(self.sent.values())).response.set_result(response)
+
+
+class OpenInterlock:
+    """No stop is latched."""
+
+    def require_released(self, action_name: str) -> None:
+        pass
+
+    def holds(self, action_name: str) -> bool:
+        return False
+
+
+class FakeWatch:
+    async def require(self) -> None:
+        pass
+
+
+class GatedHistory(MemoryHistory):
+    """Stores a goal when the test opens the gate, or fails to."""
+
+    def __init__(self) -> None:
+        super().__init__(100)
+        self.gate: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self.reachable = True
+
+    async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
+        await self.gate
+        await super().add(goal, idempotency_key)
+
+    def stats(self) -> HistoryStats:
+        return HistoryStats(database_reachable=self.reachable)
+
+
+class Scene:
+    def __init__(self) -> None:
+        self.port = FakePort()
+        self.history = GatedHistory()
+        hub = Hub(queue_limit=100, max_subscribers=10)
+        self.tracker = GoalTracker(self.port, hub, self.history, Later(0.01))  # type: ignore[arg-type]
+        settings = Settings(accept_timeout=5.0)
+        self.service = GoalService(
+            settings,
+            self.history,
+            self.tracker,
+            FakeWatch(),  # type: ignore[arg-type]
+            Later(0.01),
+            interlock=Interlock(hub, LatchFile(settings.stop_file), "/"),
+        )
+
+    def submit(self, key: str | None = None) -> "asyncio.Task[Goal]":
+        return asyncio.create_task(self.service.submit("{}", key))
+
+    def fail(self) -> None:
+        self.history.gate.set_exception(Unavailable("full", code="history_unavailable"))
+
+
+async def turns(count: int = 20) -> None:
+    """Let everything that can go on go on."""
+    for _ in range(count):
+        await asyncio.sleep(0)
+
+
+@pytest.fixture
+async def scene() -> AsyncIterator[Scene]:
+    scene = Scene()
+    yield scene
+    await scene.tracker.close()
+
+
+async def test_a_goal_is_sent_while_it_is_stored_and_answered_when_both_are_done(scene: Scene) -> None:
+    submission = scene.submit()
+    await turns()
+    scene.port.answer(ACCEPTED)
+    await turns()
+    assert not submission.done()
+    scene.history.gate.set_result(None)
+    goal = await submission
+    assert goal.status is GoalStatus.ACCEPTED
+    assert await scene.history.get(goal.goal_id) is not None
+
+
+@pytest.mark.parametrize("reason", ["key", "database"])
+async def test_a_goal_is_stored_first_where_that_matters(scene: Scene, reason: str) -> None:
+    """A retry must not send it twice; a database that did not answer may not take it."""
+    scene.history.reachable = reason != "database"
+    submission = scene.submit("key" if reason == "key" else None)
+    await turns()
+    assert not scene.port.sent
+    scene.history.gate.set_result(None)
+    await turns()
+    scene.port.answer(ACCEPTED)
+    assert (await submission).status is GoalStatus.ACCEPTED
+
+
+@pytest.mark.parametrize("accepted_first", [True, False])
+async def test_a_goal_that_cannot_be_stored_is_canceled(scene: Scene, accepted_first: bool) -> None:
+    submission = scene.submit()
+    await turns()
+    if accepted_first:
+        scene.port.answer(ACCEPTED)
+        await turns()
+        scene.fail()
+    else:
+        scene.fail()
+        await turns()
+        scene.port.answer(ACCEPTED)
+    with pytest.raises(Unavailable) as refused:
+        await submission
+    await turns()
+    assert refused.value.code == "history_unavailable"
+    assert scene.port.canceled == list(scene.port.sent)
+
+
+async def test_a_rejected_goal_that_cannot_be_stored_needs_no_cancel(scene: Scene) -> None:
+    submission = scene.submit()
+    await turns()
+    scene.port.answer(REJECTED)
+    await asyncio.sleep(0.05)
+    scene.fail()
+    with pytest.raises(Unavailable):
+        await submission
+    assert not scene.port.canceled
+
+
+async def test_the_rejection_is_told_when_the_goal_is_stored(scene: Scene) -> None:
+    submission = scene.submit()
+    await turns()
+    scene.port.answer(REJECTED)
+    scene.history.gate.set_result(None)
+    with pytest.raises(Conflict):
+        await submission
