@@ -12,6 +12,7 @@ from nav_msgs.msg import Odometry
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -106,8 +107,14 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
 
     def _make_publishers(self) -> None:
         def publisher(message_type: type, topic: str, qos: QoSProfile | int = 10) -> Any:
-            overriding = QoSOverridingOptions.with_default_policies()
-            return self.create_publisher(message_type, topic, qos, qos_overriding_options=overriding)
+            return self.create_publisher(
+                message_type,
+                topic,
+                qos,
+                qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+                # Each event would be waited for anew at every tick; a subscription that does not match warns by itself.
+                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+            )
 
         self._odometry = publisher(Odometry, "odom")
         self._truth = publisher(Odometry, "ground_truth")
