@@ -17,9 +17,10 @@ from dock_gateway.goals import Goal, GoalStatus, Json, encode, fragment
 class Event:
     """An encoded event and what is needed to route it.
 
-    `topic` is `goals`, or what `?include=` names: `battery`, `cmd_vel`, `system`. Only `droppable` ones may be lost
-    to a slow subscriber. `id` is that of the document, where it has one; `robot` the namespace it is about.
-    `ends_goal`: nothing more is to be expected of the goal.
+    `topic` is `goals`, or what `?include=` names: `battery`, `cmd_vel`, `system`, `scene`. Only `droppable` ones may be
+    lost to a slow subscriber. `id` is that of the document, where it has one; `robot` the namespace it is about.
+    `ends_goal`: nothing more is to be expected of the goal. `supersedes`: who has not been sent the one before of its
+    topic and robot does not get it any more.
     """
 
     data: bytes
@@ -30,6 +31,7 @@ class Event:
     id: str | None = None
     robot: str | None = None
     ends_goal: bool = False
+    supersedes: bool = False
 
     @cached_property
     def sse(self) -> bytes:
@@ -122,10 +124,16 @@ def message_event(kind: str, message: Json, stamp_ns: int, *, robot: str = "/") 
     return Event(encode(document), kind, droppable=True, id=identity, robot=robot)
 
 
+def scene_event(scene: dict[str, Any], now: datetime, *, robot: str) -> Event:
+    """Where a robot and its dock are. Only the newest is of interest, and none is kept."""
+    document = {"type": "scene", "time": now, "robot": robot, "scene": scene}
+    return Event(encode(document), "scene", droppable=True, robot=robot, supersedes=True)
+
+
 def system_event(
     kind: str, payload: object, now: datetime, *, robot: str | None = None, action_name: str | None = None
 ) -> Event:
-    """A change of what is around goals: `battery_publisher` or `stop` of a robot, `action_server` of an action."""
+    """A change around goals: `battery_publisher`, `stop` or `simulator` of a robot, `action_server` of an action."""
     document = {"type": kind, "time": now, kind: payload} | ({} if robot is None else {"robot": robot})
     return Event(encode(document), "system", robot=robot, action_name=action_name)
 

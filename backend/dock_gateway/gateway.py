@@ -19,7 +19,9 @@ from dock_gateway.robots import RobotRegistry, normalize_namespace
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import scan
 from dock_gateway.ros.topics import DiagnosticsPort
+from dock_gateway.scenes import Scenes
 from dock_gateway.settings import Settings
+from dock_gateway.simulators import Simulators
 from dock_gateway.stop import Stopper
 
 log = logging.getLogger(__name__)
@@ -43,6 +45,7 @@ class Gateway:
     actions: ActionRegistry
     robots: RobotRegistry
     stopper: Stopper
+    simulators: Simulators
     dock: Action
     undock: Action
 
@@ -116,20 +119,32 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         actions = ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock)
         robots = RobotRegistry(settings, bridge, hub, interlock)
         stopper = Stopper(robots, actions, interlock)
-        await bridge.call(lambda: DiagnosticsPort(bridge, settings.diagnostics_topic, reasons.put, actions.on_progress))
+        simulators = Simulators(settings, bridge, hub)
+        scenes = Scenes(settings, bridge, hub)
+        await bridge.call(
+            lambda: DiagnosticsPort(
+                bridge,
+                settings.diagnostics_topic,
+                on_reason=reasons.put,
+                on_progress=actions.on_progress,
+                on_simulator=simulators.on_report,
+            )
+        )
         await robots.open(robots.default_namespace)
         actions.expect(await history.unfinished())
         dock = await actions.open(settings.resolve(settings.dock_action), settings.dock_action_type, pinned=True)
         undock = await actions.open(settings.resolve(settings.undock_action), settings.undock_action_type, pinned=True)
         watching = asyncio.create_task(_watch_graph(bridge, actions, robots))
         try:
-            yield Gateway(settings, bridge, hub, history, actions, robots, stopper, dock, undock)
+            yield Gateway(settings, bridge, hub, history, actions, robots, stopper, simulators, dock, undock)
         finally:
             hub.close()
             watching.cancel()
             with suppress(asyncio.CancelledError):
                 await watching
             await stopper.close()
+            await scenes.close()
+            await simulators.close()
             await robots.close()
             await actions.close()
             await interlock.close()

@@ -38,6 +38,8 @@ class Subscriber:
         """Send an event at once where that is possible, else queue it; never waits."""
         if self._waiting and self.at_once is not None and not self._queue and self.at_once(event):
             return
+        if event.supersedes and self._supersede(event):
+            return
         if event.droppable:
             if self._droppable >= self._limit:
                 self._drop_oldest()
@@ -48,6 +50,13 @@ class Subscriber:
             return
         self._queue.append(event)
         self._wake.set()
+
+    def _supersede(self, event: Event) -> bool:
+        for index, queued in enumerate(self._queue):
+            if queued.supersedes and (queued.topic, queued.robot) == (event.topic, event.robot):
+                self._queue[index] = event
+                return True
+        return False
 
     def _drop_oldest(self) -> None:
         index = next(i for i, queued in enumerate(self._queue) if queued.droppable)
@@ -105,6 +114,7 @@ class Hub:
         self._queue_limit = queue_limit
         self._max_subscribers = max_subscribers
         self._subscribers: set[Subscriber] = set()
+        self._on_wish: dict[str, Callable[[], None]] = {}
         self.closing = False
 
     def __len__(self) -> int:
@@ -123,11 +133,25 @@ class Hub:
             raise TooManyRequests(f"{self._max_subscribers} subscribers are connected already")
         subscriber = Subscriber(self._queue_limit, interest)
         self._subscribers.add(subscriber)
+        self._tell_wish(interest)
         return subscriber
 
     def unsubscribe(self, subscriber: Subscriber) -> None:
         """Forget a subscriber; doing it twice does no harm."""
         self._subscribers.discard(subscriber)
+        self._tell_wish(subscriber.interest)
+
+    def on_wish(self, topic: str, changed: Callable[[], None]) -> None:
+        """Have `changed` called whenever a subscriber that wants a topic comes or goes."""
+        self._on_wish[topic] = changed
+
+    def wished(self, topic: str) -> set[str]:
+        """The robots of which somebody wants a topic."""
+        return {one.interest.robot for one in self._subscribers if topic in one.interest.topics}
+
+    def _tell_wish(self, interest: Interest) -> None:
+        for topic in interest.topics & self._on_wish.keys():
+            self._on_wish[topic]()
 
     def publish(self, event: Event) -> None:
         """Hand an event to everyone who wants it; once, whatever the number of ways it came by."""

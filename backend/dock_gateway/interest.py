@@ -10,11 +10,11 @@ class Interest:
     """What a subscriber wants to hear of.
 
     Attributes:
-        topics: `goals`, `battery`, `cmd_vel`, `system`.
+        topics: `goals`, `battery`, `cmd_vel`, `system`, `scene`.
         goal_id: Only events of this goal.
         action_name: Only goals and servers of this action.
         namespace: Only goals and servers of actions in this namespace or below.
-        robot: The namespace whose battery and velocity are meant.
+        robot: The namespace whose battery, velocity and scene are meant.
     """
 
     topics: frozenset[str] = frozenset({"goals"})

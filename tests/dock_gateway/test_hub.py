@@ -59,6 +59,24 @@ async def test_a_slow_reader_loses_the_oldest_feedback_and_is_told() -> None:
     assert await texts(slow) == (["f6"], 0)
 
 
+async def test_of_scenes_only_the_newest_waits() -> None:
+    hub = make(limit=3)
+    slow = hub.subscribe(Interest(frozenset({"goals", "scene"})))
+    for number in range(5):
+        hub.publish(Event(f"scene{number}".encode(), "scene", droppable=True, robot="/", supersedes=True))
+        hub.publish(status(f"s{number}"))
+    assert await texts(slow) == (["scene4", "s0", "s1", "s2", "s3", "s4"], 0)
+
+
+async def test_what_is_wished_for_is_told() -> None:
+    hub, changes = make(), []
+    hub.on_wish("scene", lambda: changes.append(hub.wished("scene")))
+    hub.subscribe(Interest())
+    reader = hub.subscribe(Interest(frozenset({"goals", "scene"}), robot="/robot1"))
+    hub.unsubscribe(reader)
+    assert changes == [{"/robot1"}, set()]
+
+
 async def test_what_must_arrive_is_never_dropped_and_memory_stays_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Subscriber, "HARD_LIMIT", 5)
     hub = make(limit=1)

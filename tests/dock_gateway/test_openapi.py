@@ -53,6 +53,10 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("post", "/stop"),
         ("get", "/stop"),
         ("delete", "/stop"),
+        ("get", "/simulator"),
+        ("post", "/simulator/reset"),
+        ("post", "/simulator/place"),
+        ("put", "/simulator/faults/{fault}"),
         ("get", "/actions"),
         ("get", "/actions/{name}"),
         ("post", "/actions/{name}/goals"),
@@ -97,7 +101,7 @@ def test_events_are_told_apart_by_their_type(document: dict[str, Any]) -> None:
         schemas[option["$ref"].rpartition("/")[2]]["properties"]["type"]["const"]
         for option in schemas["Event"]["oneOf"]
     ]
-    assert len(set(kinds)) == len(kinds) == 12
+    assert len(set(kinds)) == len(kinds) == 14
 
 
 def test_the_dashboards_copy_is_fresh(document: dict[str, Any]) -> None:

@@ -105,6 +105,14 @@ def running_gateway(domain: int, **settings: str) -> Iterator[RunningGateway]:
 
 
 @contextmanager
+def running_program(domain: int, name: str, *ros_args: str) -> Iterator[Process]:
+    """One of our ROS programs."""
+    arguments = ("--ros-args", *ros_args) if ros_args else ()
+    with Process(str(BIN / name), *arguments, env=ros_environment(domain)) as process:
+        yield process
+
+
+@contextmanager
 def running_dock_server(domain: int, *ros_args: str) -> Iterator[Process]:
     """Our action server."""
     arguments = ("--ros-args", *ros_args) if ros_args else ()

@@ -10,7 +10,7 @@ from dock_gateway.interest import Interest
 from dock_gateway.robots import read_namespace
 
 QUERY = ("goal_id", "action", "robot", "include")
-INCLUDES = ("battery", "cmd_vel", "system")
+INCLUDES = ("battery", "cmd_vel", "system", "scene")
 EVENT_ID = re.compile(r"\d{20}-[a-z_]+[0-9a-f]*")
 MIN_RATE, MAX_RATE = 0.01, 1000.0
 
@@ -49,7 +49,7 @@ def read_max_rate(query: Mapping[str, str]) -> float | None:
 async def read_interest(gateway: Gateway, query: Mapping[str, str]) -> Interest:
     """The interest that a query describes.
 
-    Without `robot`, goals are those of every robot, battery and velocity those of the configured one.
+    Without `robot`, goals are those of every robot, battery, velocity and scene those of the configured one.
 
     Raises:
         InvalidField: A value is wrong.

@@ -242,6 +242,53 @@ class Twist(Schema):
     angular: Vector3
 
 
+class Pose(Schema):
+    """A pose in the plane, in m and rad, counter-clockwise."""
+
+    x: float
+    y: float
+    theta: float
+
+
+class Infrared(Schema):
+    """What the infrared receivers at the robot's front measure, in m; null is nothing seen."""
+
+    left: float | None
+    center: float | None
+    right: float | None
+
+
+class Scene(Schema):
+    """Where a robot and its dock are, all in one frame.
+
+    `dock` is the face of the dock, its x axis pointing into it; `docked` where the robot is to stand; `staging` where
+    it drives to first; `marker` what the camera saw last.
+    """
+
+    frame: Literal["world", "odom"]
+    robot: Pose
+    dock: Pose | None
+    docked: Pose | None
+    staging: Pose | None
+    marker: Pose | None
+    infrared: Infrared | None
+
+
+class Simulator(Schema):
+    """A simulated robot.
+
+    `contact`: it touches its dock with its contacts; `docked`: and is charged there. `battery_publisher`: `self`, or
+    `other` while someone else publishes the battery's state.
+    """
+
+    available: bool
+    faults: dict[str, bool]
+    contact: bool | None
+    docked: bool | None
+    battery_publisher: str | None
+    real_time_factor: float | None
+
+
 class SnapshotEvent(Schema):
     """The first message of a stream."""
 
@@ -332,6 +379,24 @@ class StopEvent(Schema):
     stop: StopState
 
 
+class SimulatorEvent(Schema):
+    """A simulated robot was told something by hand, touched its dock or left it; or the simulator came or went."""
+
+    type: Literal["simulator"]
+    time: datetime
+    robot: str
+    simulator: Simulator
+
+
+class SceneEvent(Schema):
+    """Where a robot and its dock are, up to 20 times a second."""
+
+    type: Literal["scene"]
+    time: datetime
+    robot: str
+    scene: Scene
+
+
 class HeartbeatEvent(Schema):
     """The stream lives."""
 
@@ -365,6 +430,8 @@ EVENTS: tuple[type[BaseModel], ...] = (
     PublisherEvent,
     ActionServerEvent,
     StopEvent,
+    SimulatorEvent,
+    SceneEvent,
     HeartbeatEvent,
     DroppedEvent,
     ClosingEvent,

@@ -38,7 +38,7 @@ SSE_RESPONSES = {
 async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     """A snapshot, then every event as it happens.
 
-    `?goal_id=`, `?action=` and `?robot=` narrow it; `?include=battery,cmd_vel,system` asks for more than goals;
+    `?goal_id=`, `?action=` and `?robot=` narrow it; `?include=battery,cmd_vel,system,scene` asks for more than goals;
     `?after=` resumes; `?max_rate=` thins out.
     """
     query = websocket.query_params

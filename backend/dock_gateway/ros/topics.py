@@ -33,7 +33,11 @@ MAX_DIGITS = 6
 
 OnMessage = Callable[[Json, int], None]
 OnReason = Callable[[str, GoalError], None]
+OnSimulator = Callable[[str, dict[str, str]], None]
 OnProgress = Callable[[str, str | None, int | None, int], None]
+
+# How the status of a simulator is named, after the namespace.
+SIMULATOR = "dock_simulator"
 
 # Stages that are the end of a goal, which its status tells.
 ENDS = frozenset({"SUCCEEDED", "CANCELED", "ABORTED", "REJECTED"})
@@ -154,19 +158,31 @@ class DiagnosticsPort:
 
     ROS's action protocol has no place for either. A server that wants to say it publishes a DiagnosticStatus whose
     values (REP 107) hold `goal_id`, `error_code` and `error_msg`, `stage` and `retries`. Where they hold a `stage`, it
-    is the error at the end of a goal that counts, not what a running one waits for.
+    is the error at the end of a goal that counts, not what a running one waits for. A simulator says how it is, too.
 
     Args:
         bridge: Where the ROS thread is.
         topic: Absolute name.
         on_reason: Called on the loop with a goal id and why it was rejected or aborted.
         on_progress: Called on the loop with a goal id, stage, retries, and the source timestamp in ns.
+        on_simulator: Called on the loop with the namespace of a simulator and its key values.
     """
 
-    def __init__(self, bridge: Bridge, topic: str, on_reason: OnReason, on_progress: OnProgress) -> None:
+    def __init__(
+        self,
+        bridge: Bridge,
+        topic: str,
+        *,
+        on_reason: OnReason,
+        on_progress: OnProgress,
+        on_simulator: OnSimulator,
+    ) -> None:
         def hear(message: DiagnosticArray, info: dict[str, Any]) -> None:
             for status in message.status:
                 values = {pair.key: pair.value for pair in status.values}
+                namespace, _, name = f"/{status.name}".rpartition("/")
+                if name == SIMULATOR:
+                    bridge.to_loop(on_simulator, namespace or "/", values)
                 if not (goal_id := values.get("goal_id")):
                     continue
                 code, stage, retries = values.get("error_code"), values.get("stage"), values.get("retries", "")

@@ -1,0 +1,180 @@
+"""Where a robot and its dock are, put together from what is known in several frames. Plain data and geometry.
+
+Metres and radians; x forward, y left, angles counter-clockwise (REP-103). Where the simulator says what is true, all is
+given in its frame `world`, else in `odom` (REP-105).
+"""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+WORLD, ODOM, BASE = "world", "odom", "base_link"
+
+# A marker or a range that is older is not seen any more, in seconds.
+SEEN_FOR = 0.5
+# What the docking server says of the dock is forgotten after so many seconds: it says it while a goal runs.
+KNOWN_FOR = 1.5
+# Nor is a robot where it was so many seconds ago.
+PLACED_FOR = 1.0
+# So many poses are remembered to relate what was seen to where the robot was then.
+REMEMBERED = 60
+
+
+class Pose(NamedTuple):
+    """Where a frame lies in another one."""
+
+    x: float
+    y: float
+    theta: float
+
+    @property
+    def finite(self) -> bool:
+        """Whether it is a pose at all."""
+        return all(map(math.isfinite, self))
+
+    def compose(self, other: "Pose") -> "Pose":
+        """`other`, given in this pose's frame, in the frame that this pose is given in."""
+        cos, sin = math.cos(self.theta), math.sin(self.theta)
+        return Pose(
+            self.x + cos * other.x - sin * other.y,
+            self.y + sin * other.x + cos * other.y,
+            math.remainder(self.theta + other.theta, math.tau),
+        )
+
+    def inverse(self) -> "Pose":
+        """The pose that undoes this one."""
+        cos, sin = math.cos(self.theta), math.sin(self.theta)
+        return Pose(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.theta)
+
+    def document(self) -> dict[str, float]:
+        """As JSON has it: to a tenth of a millimetre, and to 0.006 degrees."""
+        return {"x": round(self.x, 4), "y": round(self.y, 4), "theta": round(self.theta, 4)}
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Something that was seen or said: in which frame, when by its own stamp, and when it was heard."""
+
+    pose: Pose
+    frame: str
+    stamp: float
+    heard_at: float
+
+
+class Track:
+    """Where the robot was lately, in one frame."""
+
+    def __init__(self) -> None:
+        self._poses: deque[Seen] = deque(maxlen=REMEMBERED)
+
+    def add(self, seen: Seen) -> None:
+        """A newer pose. Time that steps back is that of a robot that was started anew."""
+        if self._poses and seen.stamp < self._poses[-1].stamp:
+            self._poses.clear()
+        self._poses.append(seen)
+
+    def latest(self, now: float) -> Seen | None:
+        """The newest pose; None where it is old."""
+        if not self._poses or now - self._poses[-1].heard_at > PLACED_FOR:
+            return None
+        return self._poses[-1]
+
+    def at(self, stamp: float) -> Pose | None:
+        """The pose nearest to a time."""
+        return min(self._poses, key=lambda seen: abs(seen.stamp - stamp)).pose if self._poses else None
+
+
+class Scene:
+    """What is known of one robot. Times are seconds; `now` and `heard_at` are of one clock, stamps of another."""
+
+    def __init__(self) -> None:
+        self._tracks = {ODOM: Track(), WORLD: Track()}
+        self._world_from_odom: Pose | None = None
+        self._dock: Pose | None = None
+        self._said: dict[str, Seen] = {}
+        self._ranges: dict[str, tuple[float | None, float]] = {}
+
+    def place(self, seen: Seen) -> None:
+        """The robot's pose, by odometry or in truth, as its frame says."""
+        track = self._tracks[WORLD if seen.frame == WORLD else ODOM]
+        track.add(seen)
+        odometry, truth = (self._tracks[frame].latest(seen.heard_at) for frame in (ODOM, WORLD))
+        if odometry is None or truth is None:
+            self._world_from_odom = None
+        elif odometry.stamp == truth.stamp or self._world_from_odom is None:
+            self._world_from_odom = truth.pose.compose(odometry.pose.inverse())
+
+    def say(self, name: str, seen: Seen) -> None:
+        """What was seen or planned: `marker`, `docked`, `staging`."""
+        self._said[name] = seen
+
+    def set_dock(self, dock: Pose) -> None:
+        """Where the face of the dock is in truth."""
+        self._dock = dock
+
+    def set_range(self, receiver: str, distance: float, heard_at: float) -> None:
+        """What an infrared receiver measured, `left`, `center` or `right`; beyond its range is infinite (REP-117)."""
+        self._ranges[receiver] = (distance if math.isfinite(distance) else None, heard_at)
+
+    def document(self, now: float) -> dict[str, Any] | None:
+        """The scene as JSON has it, in one frame; None where nobody says where the robot is."""
+        truth, odometry = self._tracks[WORLD].latest(now), self._tracks[ODOM].latest(now)
+        robot = truth or odometry
+        if robot is None:
+            return None
+        frame = ODOM if truth is None else WORLD
+        marker = self._in(frame, "marker", now, SEEN_FOR)
+        return {
+            "frame": frame,
+            "robot": robot.pose.document(),
+            "dock": self._dock.document() if self._dock and frame == WORLD else None,
+            "docked": self._in(frame, "docked", now, KNOWN_FOR),
+            "staging": self._in(frame, "staging", now, KNOWN_FOR),
+            "marker": marker,
+            "infrared": self._infrared(now),
+        }
+
+    def _in(self, frame: str, name: str, now: float, known_for: float) -> dict[str, float] | None:
+        seen = self._said.get(name)
+        if seen is None or now - seen.heard_at > known_for:
+            return None
+        origin = self._origin(seen, frame)
+        return None if origin is None else origin.compose(seen.pose).document()
+
+    def _origin(self, seen: Seen, frame: str) -> Pose | None:
+        """The pose of the frame that something was seen in; None where nothing relates the two."""
+        if seen.frame == frame:
+            return Pose(0.0, 0.0, 0.0)
+        if seen.frame == BASE:
+            return self._tracks[frame].at(seen.stamp)
+        return self._world_from_odom if seen.frame == ODOM else None
+
+    def _infrared(self, now: float) -> dict[str, float | None] | None:
+        fresh = {name: distance for name, (distance, at) in self._ranges.items() if now - at <= SEEN_FOR}
+        if not fresh:
+            return None
+        return {name: _rounded(fresh.get(name)) for name in ("left", "center", "right")}
+
+
+def _rounded(distance: float | None) -> float | None:
+    return None if distance is None else round(distance, 4)
+
+
+class Pace:
+    """Lets through at most so many a second, evenly.
+
+    Args:
+        rate_hz: How many.
+    """
+
+    def __init__(self, rate_hz: float) -> None:
+        self._period = 1 / rate_hz
+        self._due = float("-inf")
+
+    def due(self, now: float) -> bool:
+        """Whether it is time for the next one, which is then taken to be sent."""
+        if now < self._due:
+            return False
+        self._due = max(self._due, now - self._period) + self._period
+        return True
