@@ -234,7 +234,7 @@ class DockGoal(Goal):
     def _go_on(self, observation: Observation, dt: float) -> Command | Outcome:
         self._stage_time += dt
         try:
-            if self._watch is not None and not self._watch.sees(observation, dt):
+            if self._watch is not None and not self._watch.sees(observation):
                 return self._command(self._rest())
             self._plan.observe(observation)
             self._check_deadline()

@@ -1,11 +1,11 @@
 """Whether the robot moves as it is told, by its own reckoning."""
 
-import math
 from collections import deque
+from dataclasses import dataclass
 
 from docking.failures import Blocked, OdometryLost
-from docking.geometry import Pose, normalize_angle
-from docking.observation import STANDSTILL, Observation, Odometry, Velocity
+from docking.geometry import Pose
+from docking.observation import STANDSTILL, Observation
 
 DELAY = 0.3
 """How old odometry may be, in s, for the robot to go on driving."""
@@ -15,6 +15,17 @@ LEAST_WAY = 0.02
 """In m; a shorter way missing says nothing."""
 LEAST_TURN = 0.12
 """In rad; a smaller turn missing says nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Ways:
+    """What was told and what was done between two looks: m forward and rad, since `at`."""
+
+    at: float
+    told: float
+    told_turn: float
+    done: float
+    done_turn: float
 
 
 class MotionWatch:
@@ -36,21 +47,22 @@ class MotionWatch:
         self._odometry_timeout = odometry_timeout
         self._blocked_after = blocked_after
         self._started_at = started_at
-        self._told: deque[tuple[float, float, float]] = deque()  # until when, m forward, rad
-        self._seen: deque[tuple[float, Pose]] = deque()
+        self._last: tuple[float, Pose] | None = None
+        self._window: deque[_Ways] = deque()
+        self._sums = [0.0, 0.0, 0.0, 0.0]  # of the window: told, told_turn, done, done_turn
 
     def rest(self) -> None:
         """The robot was told to stand still: what was before no longer counts."""
         self.commanded = STANDSTILL
-        self._told.clear()
-        self._seen.clear()
+        self._last = None
+        self._window.clear()
+        self._sums = [0.0, 0.0, 0.0, 0.0]
 
-    def sees(self, observation: Observation, dt: float) -> bool:
+    def sees(self, observation: Observation) -> bool:
         """Whether the robot knows where it is, so that it may move.
 
         Args:
-            observation: What is known now.
-            dt: Seconds since the last look, in which `commanded` held.
+            observation: What is known now; since the last one, `commanded` held.
 
         Raises:
             OdometryLost: Odometry has been silent for too long.
@@ -62,32 +74,33 @@ class MotionWatch:
             if now - heard_at > self._odometry_timeout:
                 raise OdometryLost(f"no odometry for {self._odometry_timeout:g} s (odometry_timeout)")
             return False
-        self._remember(now, dt, odometry)
-        self._compare(now)
+        self._remember(now, odometry.pose)
+        if self._window and now - self._window[0].at >= self._blocked_after:
+            self._compare()
         return True
 
-    def _remember(self, now: float, dt: float, odometry: Odometry) -> None:
-        velocity: Velocity = self.commanded
-        self._told.append((now, velocity.linear_x * dt, velocity.angular_z * dt))
-        self._seen.append((now, odometry.pose))
-        while len(self._seen) > 1 and now - self._seen[1][0] >= self._blocked_after:
-            self._seen.popleft()
-            self._told.popleft()
-
-    def _compare(self, now: float) -> None:
-        if now - self._seen[0][0] < self._blocked_after:
+    def _remember(self, now: float, pose: Pose) -> None:
+        last, self._last = self._last, (now, pose)
+        if last is None:
             return
-        told_way = math.fsum(way for _, way, _ in self._told) - self._told[0][1]
-        told_turn = math.fsum(turn for _, _, turn in self._told) - self._told[0][2]
-        way = turn = 0.0
-        for (_, before), (_, after) in zip(self._seen, list(self._seen)[1:], strict=False):
-            moved = after.relative_to(before)
-            way += moved.x
-            turn += normalize_angle(moved.theta)
-        if abs(told_way) - abs(way) > max(LEAST_WAY, TOLERANCE * abs(told_way)) or abs(told_turn - turn) > max(
+        dt, moved = now - last[0], pose.relative_to(last[1])
+        ways = _Ways(last[0], self.commanded.linear_x * dt, self.commanded.angular_z * dt, moved.x, moved.theta)
+        self._window.append(ways)
+        self._add(ways, 1.0)
+        while len(self._window) > 1 and now - self._window[1].at >= self._blocked_after:
+            self._add(self._window.popleft(), -1.0)
+
+    def _add(self, ways: _Ways, sign: float) -> None:
+        for index, value in enumerate((ways.told, ways.told_turn, ways.done, ways.done_turn)):
+            self._sums[index] += sign * value
+
+    def _compare(self) -> None:
+        told, told_turn, done, done_turn = self._sums
+        missing, missing_turn = abs(told - done), abs(told_turn - done_turn)
+        if missing > max(LEAST_WAY, TOLERANCE * abs(told)) or missing_turn > max(
             LEAST_TURN, TOLERANCE * abs(told_turn)
         ):
             raise Blocked(
-                f"told to drive {told_way:.2f} m and turn {told_turn:.2f} rad within {self._blocked_after:g} s"
-                f" (blocked_after), the robot drove {way:.2f} m and turned {turn:.2f} rad"
+                f"told to drive {told:.2f} m and turn {told_turn:.2f} rad within {self._blocked_after:g} s"
+                f" (blocked_after), the robot drove {done:.2f} m and turned {done_turn:.2f} rad"
             )

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar
 
 from docking.admission import GoalPolicy
+from docking.controllers.beacon import Receivers
 from docking.dock import Dock
 from docking.goal import Limits
 from docking.limiter import MotionLimits
@@ -177,6 +178,33 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         "rad",
         "How the docked robot is turned against the marker's x axis.",
     ),
+    FloatParameter(
+        "infrared_receiver_x",
+        0.15,
+        -1.0,
+        1.0,
+        "m",
+        "Where the three infrared receivers are: x in base_link.",
+    ),
+    FloatParameter(
+        "infrared_receiver_angle",
+        0.349,
+        0.05,
+        1.5,
+        "rad",
+        "How far the left and the right receiver are turned away from straight ahead.",
+    ),
+    FloatParameter(
+        "infrared_field_of_view", 0.5, 0.1, 3.0, "rad", "Of each receiver, from edge to edge; not below its angle."
+    ),
+    FloatParameter(
+        "infrared_beacon_angle",
+        1.047,
+        0.1,
+        1.57,
+        "rad",
+        "How far to each side of its axis the dock's beacon shines: where its light ends, the robot knows the axis.",
+    ),
 )
 
 UNDOCK_SERVER: tuple[Parameter, ...] = (
@@ -195,6 +223,14 @@ UNDOCK_SERVER: tuple[Parameter, ...] = (
 FIBONACCI_SERVER: tuple[Parameter, ...] = (
     FloatParameter("step_period", 1.0, 0.01, 60.0, "s", "The time that each number takes."),
 )
+
+
+_ORDERED = (
+    ("battery_lost_after", "battery_stale_after", "s"),
+    ("v_linear_max", "v_linear_min", "m/s"),
+    ("infrared_field_of_view", "infrared_receiver_angle", "rad"),
+)
+"""What must not be below what, and the unit of both."""
 
 
 @dataclass(frozen=True)
@@ -221,6 +257,7 @@ class DockSettings:
     search_speed: float = 0.6
     detection_timeout: float = 2.0
     dock: Dock = field(default_factory=Dock)
+    receivers: Receivers = field(default_factory=Receivers)
     control_period: float = 0.05
 
 
@@ -254,13 +291,14 @@ def find_fault(table: tuple[Parameter, ...], values: Mapping[str, object]) -> st
         value = values.get(parameter.name)
         if isinstance(parameter, ChoiceParameter) and value is not None and value not in parameter.choices:
             return f"{parameter.name} is {value!r}, but must be one of: {', '.join(parameter.choices)}"
-    stale, lost = values.get("battery_stale_after"), values.get("battery_lost_after")
-    if isinstance(stale, float) and isinstance(lost, float) and lost < stale:
-        return f"battery_lost_after ({lost:g} s) must not be below battery_stale_after ({stale:g} s)"
+    for greater, smaller, unit in _ORDERED:
+        high, low = values.get(greater), values.get(smaller)
+        if isinstance(high, float) and isinstance(low, float) and high < low:
+            return f"{greater} ({high:g} {unit}) must not be below {smaller} ({low:g} {unit})"
     return None
 
 
-Part = TypeVar("Part", Limits, MotionLimits, Dock)
+Part = TypeVar("Part", Limits, MotionLimits, Dock, Receivers)
 
 
 def dock_settings(values: Mapping[str, object]) -> DockSettings:
@@ -275,6 +313,7 @@ def dock_settings(values: Mapping[str, object]) -> DockSettings:
         search_speed=numbers["search_speed"],
         detection_timeout=numbers["external_detection_timeout"],
         dock=_part(Dock, numbers),
+        receivers=_part(Receivers, numbers),
         control_period=1.0 / numbers["controller_frequency"],
     )
 

@@ -1,6 +1,7 @@
 """The plan that the parameters ask for."""
 
 from docking.controllers.dock_pose import DockPosePlan
+from docking.controllers.infrared import InfraredPlan
 from docking.controllers.plan import Plan, Solo
 from docking.controllers.rotate import Rotate
 from docking.parameters import ControllerName, DockSettings
@@ -15,6 +16,12 @@ def make_plan(settings: DockSettings) -> Plan:
             search_speed=settings.search_speed,
             detection_timeout=settings.detection_timeout,
         )
-    if settings.controller is ControllerName.ROTATE:
-        return Solo(Rotate(settings.rotate_speed))
-    raise NotImplementedError(settings.controller)
+    if settings.controller is ControllerName.INFRARED:
+        return InfraredPlan(
+            settings.dock,
+            settings.motion,
+            settings.receivers,
+            search_speed=settings.search_speed,
+            detection_timeout=settings.detection_timeout,
+        )
+    return Solo(Rotate(settings.rotate_speed))

@@ -40,7 +40,7 @@ class UndockGoal(Goal):
         self._docked = True
         self._time += dt
         try:
-            if not self._watch.sees(observation, dt):
+            if not self._watch.sees(observation):
                 return Command(Stage.UNDOCKING, self._rest())
             velocity = self._move(observation, dt)
         except DockingError as failure:

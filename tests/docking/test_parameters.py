@@ -44,3 +44,14 @@ def test_an_unknown_choice_is_a_fault_that_names_the_known_ones() -> None:
 def test_lost_is_not_below_stale(stale: float, lost: float | None, faulty: bool) -> None:
     fault = find_fault(DOCK_SERVER, {"battery_stale_after": stale, "battery_lost_after": lost})
     assert (fault is not None) is faulty
+
+
+@pytest.mark.parametrize(
+    ("greater", "smaller"), [("v_linear_max", "v_linear_min"), ("infrared_field_of_view", "infrared_receiver_angle")]
+)
+def test_what_must_not_be_below_something_else(greater: str, smaller: str) -> None:
+    fault = find_fault(DOCK_SERVER, {greater: 0.1, smaller: 0.2})
+    assert fault is not None
+    assert greater in fault
+    assert smaller in fault
+    assert find_fault(DOCK_SERVER, {greater: 0.2, smaller: 0.2}) is None

@@ -19,9 +19,9 @@ BLIND = 0.15
 """How near to the docked pose, in m, the robot no longer needs to see the dock."""
 COMMITTED = 0.06
 """Where it is judged whether the robot comes straight enough, in m before the docked pose."""
-ASIDE = 0.014
+ASIDE = 0.02
 """How far aside it may be there, in m."""
-ASKEW = math.radians(3.5)
+ASKEW = math.radians(5.0)
 """How far it may be turned there, in rad."""
 BEYOND = 0.015
 """How far beyond the docked pose to push, in m, before contact is taken for granted."""
@@ -37,7 +37,15 @@ class Approach:
     It is done when the robot has come as far as it can get; whether that is any good, the battery will tell.
     """
 
-    def __init__(self, aim: Aim, motion: MotionLimits, lost: type[DockingError], lost_after: float) -> None:
+    def __init__(
+        self,
+        aim: Aim,
+        motion: MotionLimits,
+        lost: type[DockingError],
+        lost_after: float,
+        *,
+        until: float = -math.inf,
+    ) -> None:
         """Begin at about the staging pose, looking at the dock.
 
         Args:
@@ -45,11 +53,13 @@ class Approach:
             motion: What the robot may do.
             lost: What has happened when the dock is out of sight for too long.
             lost_after: How long that is, in s.
+            until: How far before the docked pose to stop, in m; the default is at contact.
         """
         self._aim = aim
         self._motion = motion
         self._lost = lost
         self._lost_after = lost_after
+        self._until = until
         self._unseen = 0.0
         self._seen_at = aim.seen_at
         self._stalled = 0.0
@@ -62,7 +72,7 @@ class Approach:
             return STANDSTILL
         off = odometry.pose.relative_to(docked)
         left = -off.x
-        if self._touches(left, odometry, dt):
+        if left < self._until or self._touches(left, odometry, dt):
             return Done()
         failure = self._fault(off, left, dt)
         return self._drive(odometry.pose, docked, left) if failure is None else Failed(failure)

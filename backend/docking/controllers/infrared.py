@@ -1,0 +1,121 @@
+"""The controller `infrared`: drives by three receivers and a beacon on the dock."""
+
+import math
+
+from docking.controllers.approach import Approach
+from docking.controllers.beacon import FRESH, BeaconFilter, Receivers
+from docking.controllers.charge import WaitForCharge
+from docking.controllers.moves import bounded
+from docking.controllers.plan import Poses
+from docking.controllers.protocol import Controller
+from docking.controllers.scan import Scan
+from docking.controllers.search import Search
+from docking.controllers.sequence import Sequence
+from docking.controllers.sidestep import Sidestep
+from docking.controllers.staging import ToStaging
+from docking.controllers.straight import BackOut
+from docking.dock import Dock
+from docking.failures import InfraredLost, Stage
+from docking.geometry import Pose
+from docking.limiter import MotionLimits
+from docking.observation import Observation
+
+ENOUGH = 3
+"""Readings that must see the beacon before the robot moves on."""
+LAST_LOOK = 0.25
+"""Where the direction is learned once more, in m before the docked pose."""
+
+
+class InfraredPlan:
+    """Finds the beacon, then the edge of its light, and so the dock's axis; along that it drives onto the dock.
+
+    Each retry looks for the other edge: with both, the axis is the better known.
+    """
+
+    stages = (Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING, Stage.WAIT_FOR_CHARGE)
+    lost = InfraredLost
+
+    def __init__(
+        self, dock: Dock, motion: MotionLimits, receivers: Receivers, *, search_speed: float, detection_timeout: float
+    ) -> None:
+        """Begin without knowing where the dock is.
+
+        Args:
+            dock: Where the robot stands when docked, as seen from the beacon, and where it waits in front.
+            motion: What the robot may do.
+            receivers: How they are mounted.
+            search_speed: How fast to turn while the beacon is looked for, in rad/s.
+            detection_timeout: For how long the beacon may be out of sight on the way to the dock, in s.
+        """
+        self.motion = motion
+        self.dock = dock
+        self.beacon = BeaconFilter(receivers)
+        self._search_speed = search_speed
+        self._detection_timeout = detection_timeout
+        self._robot: Pose | None = None
+        self._side = 1
+
+    @property
+    def poses(self) -> Poses:
+        """As far as they are known; there is no pose from one reading alone."""
+        docked = self.docked
+        return Poses(None, docked, None if docked is None else self.dock.staging(docked))
+
+    @property
+    def docked(self) -> Pose | None:
+        """Where base_link is when docked, in odom."""
+        position, axis = self.beacon.position, self.beacon.axis
+        return None if position is None or axis is None else self.dock.docked(Pose(position.x, position.y, axis))
+
+    @property
+    def seen_at(self) -> float:
+        """When the beacon was seen last."""
+        return self.beacon.seen_at
+
+    def observe(self, observation: Observation) -> None:
+        """Keep up with the beacon and the robot."""
+        self.beacon.update(observation)
+        if observation.odometry is not None:
+            self._robot = observation.odometry.pose
+
+    def controller(self, stage: Stage) -> Controller:
+        """A new one for a stage."""
+        if stage is Stage.INITIAL_PERCEPTION:
+            return Sequence(self._search, self._scan)
+        if stage is Stage.NAV_TO_STAGING_POSE:
+            return Sequence(self._sidestep, self._to_staging, self._scan)
+        if stage is Stage.CONTROLLING:
+            return Sequence(lambda: self._approach(LAST_LOOK), self._scan, self._approach)
+        if stage is Stage.RETRY:
+            return self._back_off()
+        return WaitForCharge(self)
+
+    def _search(self) -> Search:
+        beacon, robot = self.beacon, self._robot
+        self.beacon.count = 0
+        return Search(
+            self.motion,
+            self._search_speed,
+            sees=lambda now: now - beacon.seen_at <= FRESH,
+            knows=lambda: beacon.count >= ENOUGH,
+            towards=None if beacon.position is None or robot is None else beacon.line_of_sight(robot),
+        )
+
+    def _scan(self) -> Scan:
+        return Scan(self.beacon, self.motion)
+
+    def _sidestep(self) -> Sidestep:
+        side, self._side = self._side, -self._side
+        return Sidestep(self.beacon, self.motion, side)
+
+    def _to_staging(self) -> ToStaging:
+        return ToStaging(self, self.dock, self.motion)
+
+    def _approach(self, until: float = -math.inf) -> Approach:
+        return Approach(self, self.motion, self.lost, self._detection_timeout, until=until)
+
+    def _back_off(self) -> BackOut:
+        staging, distance = -self.dock.staging_x_offset, 0.1
+        if self._robot is not None and self.docked is not None:
+            distance = staging + self._robot.relative_to(self.docked).x
+        return BackOut(bounded(distance, staging), self.motion)

@@ -1,0 +1,80 @@
+"""Finds the edge of the beacon's light: the robot goes round the dock, and must look at it all the time."""
+
+import math
+
+from docking.controllers.beacon import BeaconFilter
+from docking.controllers.moves import TURN_FIRST, bounded, turn
+from docking.controllers.protocol import Done
+from docking.geometry import Pose, normalize_angle
+from docking.limiter import MotionLimits
+from docking.observation import STANDSTILL, Observation, Velocity
+
+NEAREST = 0.35
+"""From the receivers to the beacon, in m, where forwards becomes backwards."""
+FARTHEST = 1.0
+"""From the receivers to the beacon, in m, where backwards becomes forwards."""
+STEERING = 2.5
+"""How hard the bearing is kept, in 1/s."""
+GONE = 0.15
+"""How long the beacon must be out of sight, in s, to be beyond the edge."""
+SPEED = 0.8
+"""The part of the highest speed that it drives with."""
+
+
+class Sidestep:
+    """Drives to and fro in front of the dock, each time further to one side, as a car gets into a parking space.
+
+    Forwards it has the beacon in the one outer receiver, backwards in the other one, so that it never loses sight of
+    it but where the light ends.
+    """
+
+    def __init__(self, beacon: BeaconFilter, motion: MotionLimits, side: int) -> None:
+        """Begin anywhere in the light.
+
+        Args:
+            beacon: Where the beacon is; the edge is noted there.
+            motion: What the robot may do.
+            side: 1 to the right, looking at the dock, -1 to the left.
+        """
+        self._beacon = beacon
+        self._motion = motion
+        self._side = side
+        self._forwards: bool | None = None
+        self._lit: Pose | None = None  # where the receivers saw the beacon last
+        self._turning = True
+
+    def step(self, observation: Observation, dt: float) -> Velocity | Done:
+        """Drive on, until the light ends."""
+        beacon, odometry = self._beacon, observation.odometry
+        if beacon.position is None or odometry is None:
+            return STANDSTILL
+        robot = odometry.pose
+        receivers = beacon.receivers.position(robot)
+        if self._is_over_the_edge(observation.now, receivers):
+            return Done()
+        distance = receivers.distance_to(beacon.position)
+        if self._forwards is None:
+            self._forwards = distance > 0.5 * (NEAREST + FARTHEST)
+        elif distance < NEAREST if self._forwards else distance > FARTHEST:
+            self._forwards = not self._forwards
+            self._turning = True
+        return self._drive(beacon.bearing(robot), distance)
+
+    def _is_over_the_edge(self, now: float, receivers: Pose) -> bool:
+        unseen = now - self._beacon.seen_at
+        if unseen < 0.5 * GONE or self._lit is None:
+            self._lit = receivers
+        if unseen < GONE:
+            return False
+        self._beacon.edges[self._side] = self._lit
+        return True
+
+    def _drive(self, bearing: float, distance: float) -> Velocity:
+        wanted = self._side * self._beacon.receivers.infrared_receiver_angle * (1.0 if self._forwards else -1.0)
+        error = normalize_angle(bearing - wanted)
+        if self._turning and abs(error) > 0.2 * TURN_FIRST:
+            return turn(error, self._motion)
+        self._turning = False
+        speed = SPEED * self._motion.v_linear_max * (1.0 if self._forwards else -1.0)
+        keeping = speed * math.sin(bearing) / distance  # as the beacon goes by
+        return Velocity(speed, bounded(STEERING * error + keeping, self._motion.v_angular_max))
