@@ -89,14 +89,9 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._reported: Status | None = None
         self._make_publishers()
         self._make_subscriptions()
-        # Relative names, so that each robot has services of its own; absolute where the node is renamed.
-        self._services = [
-            self.create_service(Trigger, "dock_simulator/reset", self._reset),
-            *(
-                self.create_service(SetBool, f"dock_simulator/faults/{fault}", partial(self._switch, fault))
-                for fault in Fault
-            ),
-        ]
+        self.create_service(Trigger, "dock_simulator/reset", self._reset)
+        for fault in Fault:
+            self.create_service(SetBool, f"dock_simulator/faults/{fault}", partial(self._switch, fault))
         # A simulated clock that stands still must not stop these.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = self.create_timer(PERIOD, self._tick, clock=steady)
@@ -136,18 +131,14 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._marker_told = self._ranges_told = -1.0
 
     def _make_subscriptions(self) -> None:
-        def subscription(message_type: type, topic: str, callback: Any, qos: QoSProfile | int, **more: Any) -> Any:
+        def subscribe(message_type: type, topic: str, callback: Any, qos: QoSProfile | int, **more: Any) -> None:
             overriding = QoSOverridingOptions.with_default_policies()
-            return self.create_subscription(
-                message_type, topic, callback, qos, qos_overriding_options=overriding, **more
-            )
+            self.create_subscription(message_type, topic, callback, qos, qos_overriding_options=overriding, **more)
 
-        self._subscriptions_kept = [
-            subscription(Twist, "cmd_vel", self._drive, LATEST),
-            subscription(BatteryState, "battery_status", self._hear_battery, LATEST, raw=True),
-            subscription(PoseWithCovarianceStamped, "initialpose", self._place, 10),
-            subscription(Bool, "stop_latched", self._latch, LATCHED),
-        ]
+        subscribe(Twist, "cmd_vel", self._drive, LATEST)
+        subscribe(BatteryState, "battery_status", self._hear_battery, LATEST, raw=True)
+        subscribe(PoseWithCovarianceStamped, "initialpose", self._place, 10)
+        subscribe(Bool, "stop_latched", self._latch, LATCHED)
 
     # What is said to the robot.
 

@@ -6,6 +6,8 @@ from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
 from docking.dock_simulator_node import DockSimulator
@@ -60,6 +62,13 @@ class SimulatorControls:
     def switch(self, fault: str, on: bool = True) -> None:
         """Switch a fault."""
         assert self._call(SetBool, f"dock_simulator/faults/{fault}", SetBool.Request(data=on)).success
+
+    def set_parameter(self, name: str, value: float) -> str:
+        """Set a parameter; the reason why it was refused, empty where it was not."""
+        parameter = Parameter(name, Parameter.Type.DOUBLE, value).to_parameter_msg()
+        request = SetParameters.Request(parameters=[parameter])
+        result = self._call(SetParameters, "dock_simulator/set_parameters", request).results[0]
+        return "" if result.successful else result.reason or "refused"
 
     def _call(self, service_type: type, name: str, request: Any) -> Any:
         name = f"{self._namespace}/{name}"

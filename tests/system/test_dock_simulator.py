@@ -303,6 +303,21 @@ def test_time_can_pass_faster(domain: int, observer: Observer) -> None:
         assert first.twist.twist.linear.x == pytest.approx(0.1)
 
 
+def test_parameters_are_guarded_and_count_at_once_or_from_the_next_reset_on(domain: int, observer: Observer) -> None:
+    with dock_simulator(domain):
+        controls = SimulatorControls(observer)
+        truth = observer.record(Odometry, "ground_truth")
+        assert "out of range" in controls.set_parameter("real_time_factor", -1.0)
+        controls.wait_for_status(real_time_factor="1")
+        assert controls.set_parameter("real_time_factor", 2.5) == ""
+        controls.wait_for_status(real_time_factor="2.5")
+        assert controls.set_parameter("start_x", -2.0) == ""
+        wait_for_new(truth)
+        assert near(truth.messages[-1], START)
+        controls.reset()
+        wait_for_new(truth, lambda message: near(message, Pose(-2.0, START.y, START.theta)))
+
+
 def test_robots_are_apart_by_their_namespaces(domain: int, observer: Observer) -> None:
     programs = [
         Process("dock_simulator", "--ros-args", "-r", f"__ns:={namespace}", env=ros_environment(domain))
