@@ -14,9 +14,9 @@ from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
-from dock_gateway.history.database import Database
 from dock_gateway.history.migrate import HEAD, MIGRATIONS
 from dock_gateway.history.rows import goal_row
+from dock_gateway.history.sql import open_database
 from dock_gateway.history.tables import goals, metadata
 from tests.support.history import make_goal, open_at, until, written
 
@@ -33,8 +33,8 @@ async def test_migrations_make_the_tables_that_the_code_expects(database_url: st
     def differences(connection: sa.Connection) -> list[Any]:
         return compare_metadata(MigrationContext.configure(connection), metadata)
 
-    async with open_at(database_url, tmp_path) as history, history._database.read() as connection:
-        assert await connection.run_sync(differences) == []
+    async with open_at(database_url, tmp_path) as history:
+        assert await history._database.read(differences) == []
 
 
 async def test_goals_of_the_first_version_are_still_there(database_url: str, tmp_path: Path) -> None:
@@ -46,9 +46,8 @@ async def test_goals_of_the_first_version_are_still_there(database_url: str, tmp
         old = {name: value for name, value in goal_row(make_goal(1)).items() if name not in ("stage", "retries")}
         connection.execute(sa.insert(goals).values(old))
 
-    database = Database(database_url)
-    async with database.write() as connection:
-        await connection.run_sync(make_first_tables)
+    database = open_database(database_url)
+    await database.write(make_first_tables)
     await database.close()
     async with open_at(database_url, tmp_path) as history:
         goal = await history.get("goal-0001")
@@ -74,8 +73,9 @@ async def test_replicas_start_at_the_same_time(database_url: str, tmp_path: Path
 async def test_the_tables_of_a_newer_version_are_left_alone(
     database_url: str, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    async with open_at(database_url, tmp_path) as history, history._database.write() as connection:
-        await connection.execute(sa.text("UPDATE alembic_version SET version_num = '9999'"))
+    newer = sa.text("UPDATE alembic_version SET version_num = '9999'")
+    async with open_at(database_url, tmp_path) as history:
+        await history._database.write(lambda connection: connection.execute(newer) and None)
     async with open_at(database_url, tmp_path) as history:
         await history.add(make_goal(1))
         stats = history.stats()

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 import sqlalchemy as sa
-from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dock_gateway.errors import Unavailable
 from dock_gateway.goals import Goal, GoalStatus
@@ -181,8 +180,8 @@ async def test_memory_is_bounded_and_nothing_precious_is_dropped(outage: tuple[s
         assert await history.events_after(make_event(0).id or "", **after) is None  # type: ignore[arg-type]
         later = await history.events_after(make_event(801).id or "", **after)  # type: ignore[arg-type]
         assert later == [make_event(number, droppable=number % 2 == 0) for number in range(802, 1001)]
-        async with history._database.read() as connection:
-            count = await connection.scalar(sa.text("SELECT count(*) FROM events WHERE NOT droppable"))
+        counted = sa.text("SELECT count(*) FROM events WHERE NOT droppable")
+        count = await history._database.read(lambda connection: connection.scalar(counted))
         assert count == 501
 
 
@@ -192,9 +191,11 @@ async def test_a_slow_database_delays_nobody(
     async with open_at(database_url, tmp_path, max_waiting=5000) as history:
         fast = store.write
 
-        async def slow(connection: AsyncConnection, batch: Batch) -> None:
-            await asyncio.sleep(0.7)
-            await fast(connection, batch)
+        def slow(connection: sa.Connection, batch: Batch) -> None:
+            time.sleep(0.7) if connection.dialect.name == "sqlite" else connection.execute(
+                sa.text("SELECT pg_sleep(0.7)")
+            )
+            fast(connection, batch)
 
         monkeypatch.setattr(store, "write", slow)
         for number in range(3):
@@ -212,7 +213,7 @@ async def test_a_slow_database_delays_nobody(
 async def test_a_full_database(sqlite_url: str, tmp_path: Path) -> None:
     async with open_at(sqlite_url, tmp_path) as history:
         await history.add(make_goal(0))
-        engine = history._database._writer.sync_engine
+        engine = history._database._writer  # type: ignore[attr-defined]
 
         def limit(connection: sa.Connection) -> None:
             connection.exec_driver_sql(f"PRAGMA max_page_count={pages_allowed}")

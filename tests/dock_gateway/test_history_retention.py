@@ -14,8 +14,7 @@ HOUR_NS = 3600 * 10**9
 
 
 async def left(history: SqlHistory) -> list[str]:
-    async with history._database.read() as connection:
-        return list(await connection.scalars(sa.select(events.c.id).order_by(events.c.id)))
+    return await history._database.read(lambda db: list(db.scalars(sa.select(events.c.id).order_by(events.c.id))))
 
 
 async def follows(history: SqlHistory, event_id: str, *topics: str) -> int | None:

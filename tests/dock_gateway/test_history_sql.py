@@ -14,8 +14,8 @@ from tests.support.history import EVERYTHING, NOW, make_event, make_goal, open_a
 
 
 async def count(history: SqlHistory, table: sa.Table) -> int:
-    async with history._database.read() as connection:
-        return await connection.scalar(sa.select(sa.func.count()).select_from(table)) or 0
+    counted = sa.select(sa.func.count()).select_from(table)
+    return await history._database.read(lambda connection: connection.scalar(counted)) or 0
 
 
 async def ids(history: SqlHistory, **query: object) -> list[str]:
@@ -107,9 +107,9 @@ async def test_the_first_claim_holds_for_a_day(database_url: str, tmp_path: Path
         assert await one.claim("key", "g3", "f3") == ("g1", "f1")
     async with open_at(database_url, tmp_path) as history:
         assert await history.claim("key", "g2", "f2") == ("g1", "f1")
-        async with history._database.write() as connection:
-            past = datetime.now(UTC) - timedelta(seconds=1)
-            await connection.execute(sa.update(idempotency_keys).values(expires_at=past))
+        past = datetime.now(UTC) - timedelta(seconds=1)
+        expire = sa.update(idempotency_keys).values(expires_at=past)
+        await history._database.write(lambda connection: connection.execute(expire) and None)
         history._keys.clear()
         assert await history.by_key("key") is None
         assert await history.claim("key", "g2", "f2") == ("g2", "f2")

@@ -4,7 +4,6 @@ import logging
 from pathlib import Path
 
 import sqlalchemy as sa
-from sqlalchemy.ext.asyncio import AsyncEngine
 
 log = logging.getLogger(__name__)
 
@@ -16,15 +15,10 @@ _LOCK = 0x646F636B67617465  # any number that nobody else takes
 _VERSION = sa.table("alembic_version", sa.column("version_num"))
 
 
-async def migrate(engine: AsyncEngine) -> None:
+def migrate(connection: sa.Connection) -> None:
     """Bring the tables up to date; a process that comes second waits for the first and finds the work done."""
-    async with engine.begin() as connection:
-        if connection.dialect.name == "postgresql":
-            await connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_LOCK)))
-        await connection.run_sync(_upgrade)
-
-
-def _upgrade(connection: sa.Connection) -> None:
+    if connection.dialect.name == "postgresql":
+        connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_LOCK)))
     known = sa.inspect(connection).has_table("alembic_version")
     if known and connection.scalar(sa.select(_VERSION.c.version_num)) == HEAD:
         return

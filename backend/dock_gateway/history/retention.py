@@ -6,7 +6,6 @@ import time
 from datetime import UTC, datetime
 
 import sqlalchemy as sa
-from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dock_gateway.history import store
 from dock_gateway.history.database import Database
@@ -58,45 +57,54 @@ class Retention:
                 break
             deleted += count
             excess -= size
-        async with asyncio.timeout(TIMEOUT), self._database.write(durable=False) as connection:
-            await connection.execute(
-                sa.delete(idempotency_keys).where(idempotency_keys.c.expires_at <= datetime.now(UTC))
-            )
+        async with asyncio.timeout(TIMEOUT):
+            await self._database.write(_delete_old_keys, durable=False)
         return deleted
 
     async def _size(self) -> int:
-        async with asyncio.timeout(TIMEOUT), self._database.read() as connection:
-            return await connection.scalar(sa.select(sa.func.sum(events.c.size)).where(events.c.droppable)) or 0
+        async with asyncio.timeout(TIMEOUT):
+            return await self._database.read(_size)
 
     async def _delete(self, *, before: str | None = None, excess: int | None = None) -> tuple[int, int]:
-        async with asyncio.timeout(TIMEOUT), self._database.write(durable=False) as connection:
-            doomed = await self._oldest(connection, before, excess)
-            if not doomed:
-                return 0, 0
-            # First say that they are missing, then delete them: both or neither.
-            gaps: dict[str, str] = {}
-            for event_id, topic, _ in doomed:
-                gaps[topic] = max(event_id, gaps.get(topic, ""))
-            await store.raise_horizons(connection, gaps)
-            await connection.execute(sa.delete(events).where(events.c.id.in_([event_id for event_id, *_ in doomed])))
-        await asyncio.sleep(0.01)
-        return len(doomed), sum(size for *_, size in doomed)
+        async with asyncio.timeout(TIMEOUT):
+            deleted = await self._database.write(_delete_oldest, before, excess, durable=False)
+        if deleted[0]:
+            await asyncio.sleep(0.01)  # for others who want to write
+        return deleted
 
-    @staticmethod
-    async def _oldest(
-        connection: AsyncConnection, before: str | None, excess: int | None
-    ) -> list[tuple[str, str, int]]:
-        query = sa.select(events.c.id, events.c.topic, events.c.size).where(events.c.droppable)
-        if before is not None:
-            query = query.where(events.c.id < before)
-        query = query.order_by(events.c.id).limit(CHUNK).with_for_update(skip_locked=True)
-        rows = [(row.id, row.topic, row.size) for row in await connection.execute(query)]
-        if excess is None:
-            return rows
-        taken: list[tuple[str, str, int]] = []
-        for row in rows:
-            if excess <= 0:
-                break
-            taken.append(row)
-            excess -= row[2]
-        return taken
+
+def _delete_old_keys(connection: sa.Connection) -> None:
+    connection.execute(sa.delete(idempotency_keys).where(idempotency_keys.c.expires_at <= datetime.now(UTC)))
+
+
+def _size(connection: sa.Connection) -> int:
+    return connection.scalar(sa.select(sa.func.sum(events.c.size)).where(events.c.droppable)) or 0
+
+
+def _delete_oldest(connection: sa.Connection, before: str | None, excess: int | None) -> tuple[int, int]:
+    doomed = _oldest(connection, before, excess)
+    if doomed:
+        # First say that they are missing, then delete them: both or neither.
+        gaps: dict[str, str] = {}
+        for event_id, topic, _ in doomed:
+            gaps[topic] = max(event_id, gaps.get(topic, ""))
+        store.raise_horizons(connection, gaps)
+        connection.execute(sa.delete(events).where(events.c.id.in_([event_id for event_id, *_ in doomed])))
+    return len(doomed), sum(size for *_, size in doomed)
+
+
+def _oldest(connection: sa.Connection, before: str | None, excess: int | None) -> list[tuple[str, str, int]]:
+    query = sa.select(events.c.id, events.c.topic, events.c.size).where(events.c.droppable)
+    if before is not None:
+        query = query.where(events.c.id < before)
+    query = query.order_by(events.c.id).limit(CHUNK).with_for_update(skip_locked=True)
+    rows = [(row.id, row.topic, row.size) for row in connection.execute(query)]
+    if excess is None:
+        return rows
+    taken: list[tuple[str, str, int]] = []
+    for row in rows:
+        if excess <= 0:
+            break
+        taken.append(row)
+        excess -= row[2]
+    return taken

@@ -3,18 +3,19 @@
 import asyncio
 import logging
 import time
-from collections.abc import AsyncIterator, Collection
-from contextlib import asynccontextmanager, suppress
+from collections.abc import Callable, Collection
+from contextlib import suppress
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
-from sqlalchemy.ext.asyncio import AsyncConnection
+import sqlalchemy as sa
 
 from dock_gateway.errors import Unavailable
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import store
-from dock_gateway.history.database import Database
+from dock_gateway.history.database import Database, T, Ts
 from dock_gateway.history.merge import merge
 from dock_gateway.history.protocol import KEY_LIFETIME, HistoryStats, fingerprint_of, selects
 from dock_gateway.history.retention import Retention
@@ -46,7 +47,7 @@ class SqlHistory:
     """
 
     def __init__(self, url: str, spool: Path, *, max_waiting: int, max_age: float, max_bytes: int) -> None:
-        self._database = Database(url)
+        self._database = open_database(url)
         self._spool = Spool(spool)
         self._waiting = Waiting(max_waiting)
         self._writer = Writer(self._database, self._spool, self._waiting)
@@ -63,19 +64,17 @@ class SqlHistory:
             async with asyncio.timeout(OPEN_TIMEOUT):
                 await self._writer.answered.wait()
         with suppress(Unavailable):
-            async with self._reading() as connection:
-                self._keys = {key.key: key for key in await store.newest_keys(connection, MAX_KEYS)}
+            self._keys = {key.key: key for key in await self._read(store.newest_keys, MAX_KEYS)}
         for key in self._waiting.keys.values():
             self._keys.setdefault(key.key, key)
         self._tasks = [asyncio.create_task(self.retention.run())]
 
-    @asynccontextmanager
-    async def _reading(self, timeout: float = READ_TIMEOUT) -> AsyncIterator[AsyncConnection]:
+    async def _read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, timeout: float = READ_TIMEOUT) -> T:
         if not self._database.prepared or time.monotonic() < self._reads_pause_until:
             raise Unavailable("the history database does not answer", code="history_unavailable")
         try:
-            async with asyncio.timeout(timeout), self._database.read() as connection:
-                yield connection
+            async with asyncio.timeout(timeout):
+                return await self._database.read(work, *args)
         except DATABASE_ERRORS as error:
             self._reads_pause_until = time.monotonic() + READ_PAUSE
             self._writer.doubt(error)
@@ -103,8 +102,8 @@ class SqlHistory:
             held = _new_key(idempotency_key, goal_id, fingerprint)
             if self._writer.reachable:
                 try:
-                    async with asyncio.timeout(KEY_TIMEOUT), self._database.write() as connection:
-                        held = await store.claim(connection, held)
+                    async with asyncio.timeout(KEY_TIMEOUT):
+                        held = await self._database.write(store.claim, held)
                 except DATABASE_ERRORS as error:
                     self._writer.doubt(error)
             held = self._held(idempotency_key) or held
@@ -139,31 +138,8 @@ class SqlHistory:
     ) -> list[Goal]:
         """Goals on an action, newest first."""
         self._require_everything()
-        waiting = dict(self._waiting.goals)
-        async with self._reading() as connection:
-            stored = await store.goals_by_id(connection, [*waiting, *([] if before is None else [before])])
-            known = {**stored, **_merged(stored, waiting)}
-            limits = None
-            if before is not None:
-                if before not in known:
-                    return []
-                limits = _position(known[before])
-            found = await store.page(
-                connection,
-                action_name=action_name,
-                statuses=statuses,
-                limit=limit,
-                before=limits,
-                without=list(waiting),
-            )
-        found += [
-            known[goal_id]
-            for goal_id in waiting
-            if action_name in (None, known[goal_id].action_name)
-            and (not statuses or known[goal_id].status in statuses)
-            and (limits is None or _position(known[goal_id]) < limits)
-        ]
-        return sorted(found, key=_position, reverse=True)[:limit]
+        read = partial(_page, action_name=action_name, statuses=statuses, limit=limit, before=before)
+        return await self._read(read, dict(self._waiting.goals))
 
     def _require_everything(self) -> None:
         if self._writer.evicted:
@@ -174,8 +150,7 @@ class SqlHistory:
         waiting = self._waiting.goals.get(goal_id)
         waiting_now = {} if waiting is None else {goal_id: waiting}
         try:
-            async with self._reading() as connection:
-                stored = await store.goals_by_id(connection, [goal_id])
+            stored = await self._read(store.goals_by_id, [goal_id])
         except Unavailable:
             if waiting is None:
                 raise
@@ -189,8 +164,7 @@ class SqlHistory:
         """The goal that was sent with this key."""
         key = self._held(idempotency_key)
         if key is None:
-            async with self._reading(KEY_TIMEOUT) as connection:
-                key = await store.key_of(connection, idempotency_key)
+            key = await self._read(store.key_of, idempotency_key, timeout=KEY_TIMEOUT)
         return None if key is None else await self.get(key.goal_id)
 
     async def unfinished(self) -> list[Goal]:
@@ -198,9 +172,7 @@ class SqlHistory:
         waiting = dict(self._waiting.goals)
         stored: dict[str, Goal] = {}
         with suppress(Unavailable):
-            async with self._reading() as connection:
-                stored = {goal.goal_id: goal for goal in await store.unfinished(connection)}
-                stored |= await store.goals_by_id(connection, waiting)
+            stored = await self._read(_unfinished_or, list(waiting))
         goals = {**stored, **_merged(stored, waiting)}.values()
         return sorted((goal for goal in goals if not goal.status.final), key=_position)
 
@@ -218,14 +190,11 @@ class SqlHistory:
         }
         known = self._waiting.find_event(event_id) is not None
         try:
-            async with self._reading() as connection:
-                stored, whole = await store.knows_all_after(connection, event_id, topics)
-                if not whole or not (known or stored):
-                    return None
-                later = await store.events_after(
-                    connection, event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit
-                )
+            read = partial(_events_after, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
+            later = await self._read(read, event_id, known)
         except Unavailable:
+            return None
+        if later is None:
             return None
         found |= {event.id or "": event for event in later}
         return [found[identity] for identity in sorted(found)][:limit]
@@ -249,8 +218,78 @@ class SqlHistory:
         await asyncio.gather(*self._tasks, return_exceptions=True)
         await self._writer.close(CLOSE_TIMEOUT)
         with suppress(*DATABASE_ERRORS):
-            async with asyncio.timeout(0.5):
+            async with asyncio.timeout(CLOSE_TIMEOUT):
                 await self._database.close()
+
+
+def open_database(url: str) -> Database:
+    """The database at a URL: `sqlite:///path` or `postgresql://…`. Nothing is connected yet."""
+    if url.startswith("sqlite:///"):
+        from dock_gateway.history.sqlite import SqliteDatabase  # noqa: PLC0415 - only the driver that is used
+
+        return SqliteDatabase(Path(url.removeprefix("sqlite:///")))
+    from dock_gateway.history.postgresql import PostgresqlDatabase  # noqa: PLC0415
+
+    return PostgresqlDatabase(url)
+
+
+def _page(
+    connection: sa.Connection,
+    waiting: dict[str, Goal],
+    *,
+    action_name: str | None,
+    statuses: Collection[GoalStatus],
+    limit: int,
+    before: str | None,
+) -> list[Goal]:
+    """A page of what is stored and what waits, newest first."""
+    stored = store.goals_by_id(connection, [*waiting, *([] if before is None else [before])])
+    known = {**stored, **_merged(stored, waiting)}
+    limits = None
+    if before is not None:
+        if before not in known:
+            return []
+        limits = _position(known[before])
+    found = store.page(
+        connection,
+        action_name=action_name,
+        statuses=statuses,
+        limit=limit,
+        before=limits,
+        without=list(waiting),
+    )
+    found += [
+        known[goal_id]
+        for goal_id in waiting
+        if action_name in (None, known[goal_id].action_name)
+        and (not statuses or known[goal_id].status in statuses)
+        and (limits is None or _position(known[goal_id]) < limits)
+    ]
+    return sorted(found, key=_position, reverse=True)[:limit]
+
+
+def _unfinished_or(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, Goal]:
+    """The goals that have not ended, and those with these ids."""
+    return {goal.goal_id: goal for goal in store.unfinished(connection)} | store.goals_by_id(connection, goal_ids)
+
+
+def _events_after(
+    connection: sa.Connection,
+    event_id: str,
+    known: bool,
+    *,
+    goal_id: str | None,
+    action_name: str | None,
+    topics: frozenset[str],
+    limit: int,
+) -> list[Event] | None:
+    """The events that follow one; None where they are not all there."""
+    stored, whole = store.knows_all_after(connection, event_id, topics)
+    if not whole or not (known or stored):
+        return None
+    return store.events_after(
+        connection, event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit
+    )
 
 
 def _new_key(key: str, goal_id: str, fingerprint: str) -> Key:

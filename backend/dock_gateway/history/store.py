@@ -1,4 +1,4 @@
-"""What is asked of the tables, in SQL that SQLite and PostgreSQL share."""
+"""What is asked of the tables, in SQL that SQLite and PostgreSQL share. Functions of a connection, for `Database`."""
 
 from collections.abc import Collection, Iterable, Sequence
 from datetime import UTC, datetime
@@ -6,7 +6,6 @@ from typing import Any
 
 import sqlalchemy as sa
 from sqlalchemy.dialects import postgresql, sqlite
-from sqlalchemy.ext.asyncio import AsyncConnection
 
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal, GoalStatus
@@ -17,62 +16,55 @@ from dock_gateway.history.tables import events, goals, horizons, idempotency_key
 _FINAL = [status.value for status in GoalStatus if status.final]
 
 
-def _insert(connection: AsyncConnection, table: sa.Table) -> "postgresql.Insert | sqlite.Insert":
+def _insert(connection: sa.Connection, table: sa.Table) -> "postgresql.Insert | sqlite.Insert":
     return postgresql.insert(table) if connection.dialect.name == "postgresql" else sqlite.insert(table)
 
 
 # ---------------------------------------------------------------------- write
 
 
-async def write(connection: AsyncConnection, batch: Batch) -> None:
+def write(connection: sa.Connection, batch: Batch) -> None:
     """Write a batch; doing so again changes nothing. Rows are taken in one order, so that writers do not lock up."""
     if batch.keys:
         for key in sorted(batch.keys, key=lambda key: key.key):
-            await claim(connection, key)
+            claim(connection, key)
     if batch.goals:
-        await _write_goals(connection, {goal.goal_id: goal for goal in batch.goals})
+        _write_goals(connection, {goal.goal_id: goal for goal in batch.goals})
     if batch.events:
         rows = sorted(map(event_row, batch.events), key=lambda row: str(row["id"]))
-        await connection.execute(_insert(connection, events).on_conflict_do_nothing(), rows)
+        connection.execute(_insert(connection, events).on_conflict_do_nothing(), rows)
     if batch.gaps:
-        await raise_horizons(connection, batch.gaps)
+        raise_horizons(connection, batch.gaps)
 
 
-async def _write_goals(connection: AsyncConnection, news: dict[str, Goal]) -> None:
-    left = dict(sorted(news.items()))
-    while left:
-        stored = await goals_by_id(connection, left, lock=True)
-        merged = [merge(stored[goal_id], left[goal_id]) for goal_id in sorted(stored)]
-        changes = [goal_row(goal) for goal in merged if goal_row(goal) != goal_row(stored[goal.goal_id])]
-        if changes:
-            change = sa.update(goals).where(goals.c.goal_id == sa.bindparam("this_goal"))
-            await connection.execute(
-                change.values({name: sa.bindparam(f"new_{name}") for name in changes[0]}),
-                [
-                    {f"new_{name}": value for name, value in row.items()} | {"this_goal": row["goal_id"]}
-                    for row in changes
-                ],
-            )
-        left = {goal_id: goal for goal_id, goal in left.items() if goal_id not in stored}
-        if left:
-            insert = _insert(connection, goals).on_conflict_do_nothing().returning(goals.c.goal_id)
-            inserted = await connection.execute(insert, [goal_row(goal) for goal in left.values()])
-            for goal_id in inserted.scalars():
-                del left[goal_id]
+def _write_goals(connection: sa.Connection, news: dict[str, Goal]) -> None:
+    insert = _insert(connection, goals).on_conflict_do_nothing().returning(goals.c.goal_id)
+    inserted = set(connection.execute(insert, [goal_row(goal) for _, goal in sorted(news.items())]).scalars())
+    if len(inserted) == len(news):
+        return
+    stored = goals_by_id(connection, news.keys() - inserted, lock=True)
+    merged = [merge(stored[goal_id], news[goal_id]) for goal_id in sorted(stored)]
+    changes = [goal_row(goal) for goal in merged if goal_row(goal) != goal_row(stored[goal.goal_id])]
+    if changes:
+        change = sa.update(goals).where(goals.c.goal_id == sa.bindparam("this_goal"))
+        connection.execute(
+            change.values({name: sa.bindparam(f"new_{name}") for name in changes[0]}),
+            [{f"new_{name}": value for name, value in row.items()} | {"this_goal": row["goal_id"]} for row in changes],
+        )
 
 
-async def claim(connection: AsyncConnection, key: Key) -> Key:
+def claim(connection: sa.Connection, key: Key) -> Key:
     """Give the key to the goal, unless another goal has it; whose it is."""
     insert = _insert(connection, idempotency_keys)
     row = key_row(key)
     statement = insert.on_conflict_do_update(
         index_elements=["key"], set_=row, where=idempotency_keys.c.expires_at <= datetime.now(UTC)
     )
-    await connection.execute(statement, row)
-    return await key_of(connection, key.key) or key
+    connection.execute(statement, row)
+    return key_of(connection, key.key) or key
 
 
-async def raise_horizons(connection: AsyncConnection, gaps: dict[str, str]) -> None:
+def raise_horizons(connection: sa.Connection, gaps: dict[str, str]) -> None:
     """Note the newest events that are missing."""
     insert = _insert(connection, horizons)
     statement = insert.on_conflict_do_update(
@@ -81,21 +73,21 @@ async def raise_horizons(connection: AsyncConnection, gaps: dict[str, str]) -> N
         where=insert.excluded.event_id > horizons.c.event_id,
     )
     for topic, event_id in sorted(gaps.items()):
-        await connection.execute(statement, {"topic": topic, "event_id": event_id})
+        connection.execute(statement, {"topic": topic, "event_id": event_id})
 
 
 # ---------------------------------------------------------------------- read
 
 
-async def goals_by_id(connection: AsyncConnection, goal_ids: Iterable[str], *, lock: bool = False) -> dict[str, Goal]:
+def goals_by_id(connection: sa.Connection, goal_ids: Iterable[str], *, lock: bool = False) -> dict[str, Goal]:
     """The goals with these ids, as far as there are any."""
     query = sa.select(goals).where(goals.c.goal_id.in_(list(goal_ids))).order_by(goals.c.goal_id)
-    result = await connection.execute(query.with_for_update() if lock else query)
+    result = connection.execute(query.with_for_update() if lock else query)
     return {row["goal_id"]: goal_of(row) for row in result.mappings()}
 
 
-async def page(
-    connection: AsyncConnection,
+def page(
+    connection: sa.Connection,
     *,
     action_name: str | None,
     statuses: Collection[GoalStatus],
@@ -114,41 +106,41 @@ async def page(
     if before is not None:
         time, goal_id = sa.literal(before[0], goals.c.created_at.type), sa.literal(before[1], goals.c.goal_id.type)
         query = query.where(sa.tuple_(goals.c.created_at, goals.c.goal_id) < sa.tuple_(time, goal_id))
-    return [goal_of(row) for row in (await connection.execute(query)).mappings()]
+    return [goal_of(row) for row in (connection.execute(query)).mappings()]
 
 
-async def unfinished(connection: AsyncConnection) -> list[Goal]:
+def unfinished(connection: sa.Connection) -> list[Goal]:
     """The goals that are not in a final state."""
     open_statuses = [status.value for status in GoalStatus if status.value not in _FINAL]
     query = sa.select(goals).where(goals.c.status.in_(open_statuses))
-    return [goal_of(row) for row in (await connection.execute(query)).mappings()]
+    return [goal_of(row) for row in (connection.execute(query)).mappings()]
 
 
-async def key_of(connection: AsyncConnection, key: str) -> Key | None:
+def key_of(connection: sa.Connection, key: str) -> Key | None:
     """A key that has not expired."""
-    keys = await _keys(connection, idempotency_keys.c.key == key, limit=1)
+    keys = _keys(connection, idempotency_keys.c.key == key, limit=1)
     return keys[0] if keys else None
 
 
-async def newest_keys(connection: AsyncConnection, limit: int) -> list[Key]:
+def newest_keys(connection: sa.Connection, limit: int) -> list[Key]:
     """The keys that expire last."""
-    return await _keys(connection, sa.true(), limit=limit)
+    return _keys(connection, sa.true(), limit=limit)
 
 
-async def _keys(connection: AsyncConnection, condition: "sa.ColumnElement[bool]", limit: int) -> list[Key]:
+def _keys(connection: sa.Connection, condition: "sa.ColumnElement[bool]", limit: int) -> list[Key]:
     query = (
         sa.select(idempotency_keys)
         .where(condition, idempotency_keys.c.expires_at > datetime.now(UTC))
         .order_by(idempotency_keys.c.expires_at.desc())
         .limit(limit)
     )
-    return [Key(**row) for row in (await connection.execute(query)).mappings()]
+    return [Key(**row) for row in (connection.execute(query)).mappings()]
 
 
-async def knows_all_after(connection: AsyncConnection, event_id: str, topics: Collection[str]) -> tuple[bool, bool]:
+def knows_all_after(connection: sa.Connection, event_id: str, topics: Collection[str]) -> tuple[bool, bool]:
     """Whether there is an event with this id, and whether nothing that followed it was given up."""
-    known = await connection.scalar(sa.select(sa.literal(1)).where(events.c.id == event_id))
-    beyond = await connection.scalar(
+    known = connection.scalar(sa.select(sa.literal(1)).where(events.c.id == event_id))
+    beyond = connection.scalar(
         sa.select(sa.func.count())
         .select_from(horizons)
         .where(horizons.c.topic.in_(list(topics)), horizons.c.event_id > event_id)
@@ -156,8 +148,8 @@ async def knows_all_after(connection: AsyncConnection, event_id: str, topics: Co
     return known is not None, not beyond
 
 
-async def events_after(
-    connection: AsyncConnection,
+def events_after(
+    connection: sa.Connection,
     event_id: str,
     *,
     goal_id: str | None,
@@ -181,4 +173,4 @@ async def events_after(
         .order_by(events.c.id)
         .limit(limit)
     )
-    return [event_of(row) for row in (await connection.execute(query)).mappings()]
+    return [event_of(row) for row in (connection.execute(query)).mappings()]

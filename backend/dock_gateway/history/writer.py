@@ -143,8 +143,8 @@ class Writer:
 
     async def _write(self, batch: Batch) -> None:
         try:
-            async with asyncio.timeout(WRITE_TIMEOUT), self._database.write(durable=batch.precious) as connection:
-                await store.write(connection, batch)
+            async with asyncio.timeout(WRITE_TIMEOUT):
+                await self._database.write(store.write, batch, durable=batch.precious)
         except (sa_errors.StatementError, ValueError) as error:
             if not _about_data(error):
                 raise
@@ -154,8 +154,8 @@ class Writer:
         """One of these the database cannot take at all: the others must not suffer."""
         for part in batch.split():
             try:
-                async with asyncio.timeout(WRITE_TIMEOUT), self._database.write() as connection:
-                    await store.write(connection, part)
+                async with asyncio.timeout(WRITE_TIMEOUT):
+                    await self._database.write(store.write, part)
             except (sa_errors.StatementError, ValueError) as error:
                 if not _about_data(error):
                     raise
