@@ -173,6 +173,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._report_change()
         response.success = True
         response.message = "the robot is at its start"
+        self.get_logger().info("Reset: the robot is at its start")
         return response
 
     def _switch(self, fault: Fault, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
@@ -180,6 +181,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._report_change()
         response.success = True
         response.message = f"{fault} is {'on' if request.data else 'off'}"
+        self.get_logger().info(f"Fault {response.message}")
         return response
 
     # Time passes.
@@ -238,8 +240,15 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         )
 
     def _report_change(self) -> None:
-        if self._status() != self._reported:
-            self._report()
+        status, before = self._status(), self._reported
+        if status == before:
+            return
+        if before is not None and status.battery_publisher != before.battery_publisher:
+            others = status.battery_publisher == "other"
+            self.get_logger().info(
+                "Someone else publishes battery_status: stepping back" if others else "Publishing battery_status again"
+            )
+        self._report()
 
     def _report(self) -> None:
         status = self._reported = self._status()

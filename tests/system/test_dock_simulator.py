@@ -77,7 +77,7 @@ def test_the_sensors_are_heard_in_their_frames_and_rates(domain: int, observer: 
         for topic, (_, frame, rate) in topics.items():
             messages = heard[topic].messages
             assert messages[-1].header.frame_id == frame
-            assert (len(messages) - before[topic]) / seconds == pytest.approx(rate, rel=0.25), topic
+            assert 0.5 * rate < (len(messages) - before[topic]) / seconds < 1.2 * rate, topic
             stamps = [message.header.stamp.sec + message.header.stamp.nanosec / 1e9 for message in messages]
             assert stamps == sorted(stamps)
             assert stamps[-1] == pytest.approx(time.time(), abs=1.0)
