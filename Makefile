@@ -26,7 +26,7 @@ INTERFACES := backend/action_tutorials_interfaces
 INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check bench format lock interfaces-wheel clean
+.PHONY: help run setup test check bench bench-docking format lock interfaces-wheel clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-18s %s\n", $$1, $$2}'
@@ -44,6 +44,9 @@ check: setup ## the fast part of `make test`: everything but the tests
 
 bench: setup $(BENCH)/installed ## measure (BENCH_ARGS='--short --cases ab'); see docs/performance.md
 	@$(BENCH)/own/bin/python -m benchmarks --peers $(BENCH) $(BENCH_ARGS)
+
+bench-docking: setup ## dock from 1,000 random starts with each controller, in simulation; see docs/docking.md
+	@$(BIN)/python -m benchmarks.docking $(BENCH_ARGS)
 
 $(BENCH)/installed: benchmarks/install benchmarks/requirements.txt benchmarks/peers.txt | setup
 	@benchmarks/install $(BENCH)

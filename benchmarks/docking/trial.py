@@ -1,0 +1,162 @@
+"""One docking goal from one random start, and what became of it."""
+
+import math
+from dataclasses import dataclass, replace
+from random import Random
+
+from docking.admission import GoalPolicy
+from docking.geometry import Pose, normalize_angle
+from docking.goal import Command, DockGoal, End, Outcome
+from docking.limiter import MotionLimits
+from docking.observation import STANDSTILL, Velocity
+from docking.parameters import ControllerName, DockSettings
+from docking.plans import make_plan
+from docking.simulation.dock import DOCKED
+from docking.simulation.marker import MarkerSettings
+from docking.simulation.simulation import Settings, Simulation
+
+LONGEST = 600.0
+"""Simulated seconds after which a trial is given up."""
+TRAIL_PERIOD = 0.2
+"""Simulated seconds between two points of a trail."""
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """Where a robot may start.
+
+    Attributes:
+        nearest: From the marker, or the beacon, to base_link, in m.
+        farthest: The same.
+        off: How far off the dock's axis it may stand, and how far off the direction to the dock it may look, both ways,
+            in rad.
+    """
+
+    nearest: float
+    farthest: float
+    off: float
+
+    def draw(self, random: Random) -> Pose:
+        """A start in world."""
+        distance, aside = random.uniform(self.nearest, self.farthest), random.uniform(-self.off, self.off)
+        x, y = -distance * math.cos(aside), distance * math.sin(aside)
+        return Pose(x, y, normalize_angle(math.atan2(-y, -x) + random.uniform(-self.off, self.off)))
+
+
+REGIONS = {
+    ControllerName.DOCK_POSE: Region(0.45, 2.5, math.radians(60.0)),
+    ControllerName.INFRARED: Region(0.45, 1.0, math.radians(30.0)),
+}
+DROP_OUTS = 0.2
+"""The part of the camera's pictures in which the marker is not found."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """What became of one start.
+
+    Attributes:
+        seed: Which start.
+        docked: Whether the goal succeeded with the robot in the contact zone, and without having run into the dock
+            outside of it.
+        error_code: How the goal ended, NONE where it succeeded.
+        seconds: Simulated, from the goal's acceptance to its end.
+        retries: How often the robot backed off and tried again.
+        bumps: How often it ran into the dock outside the contact zone.
+        aside: How far the robot stands to the left or right of the docked pose in the end, in m. Ahead of it there are
+            some 18 mm left, as the goal ends at the first contact.
+        askew: How far it is turned against the docked pose, in rad.
+        v_linear: The highest that was told or driven, in m/s.
+        v_angular: The highest that was told or driven, in rad/s.
+        a_linear: The highest change of what was told, but for stops, in m/s².
+        a_angular: The same in rad/s².
+        trail: Where base_link was, in world.
+    """
+
+    seed: int
+    docked: bool
+    error_code: str
+    seconds: float
+    retries: int
+    bumps: int
+    aside: float
+    askew: float
+    v_linear: float
+    v_angular: float
+    a_linear: float
+    a_angular: float
+    trail: tuple[tuple[float, float], ...]
+
+
+def settings_of(controller: ControllerName) -> DockSettings:
+    """The defaults, with a controller."""
+    return DockSettings(GoalPolicy.REJECT, controller=controller)
+
+
+def simulation_of(controller: ControllerName, seed: int) -> Simulation:
+    """A simulated robot at the start of a seed."""
+    start = REGIONS[controller].draw(Random(f"{seed} start"))
+    return Simulation(Settings(start=start, marker=replace(MarkerSettings(), drop_outs=DROP_OUTS)), seed)
+
+
+def run_trial(controller: ControllerName, seed: int) -> Trial:
+    """Dock once."""
+    simulation, settings = simulation_of(controller, seed), settings_of(controller)
+    goal = DockGoal(make_plan(settings), settings.limits, simulation.time)
+    speeds, period = _Speeds(), settings.control_period
+    trail = [(simulation.robot.x, simulation.robot.y)]
+    step: Command | Outcome = goal.step(simulation.observe())
+    while isinstance(step, Command) and simulation.time < LONGEST:
+        speeds.told(step.velocity, period)
+        simulation.run(period, step.velocity)
+        speeds.driven(simulation.robot.velocity)
+        if simulation.time >= TRAIL_PERIOD * len(trail):
+            trail.append((simulation.robot.x, simulation.robot.y))
+        step = goal.step(simulation.observe())
+    robot = simulation.robot.pose
+    succeeded = isinstance(step, Outcome) and step.end is End.SUCCEEDED
+    return Trial(
+        seed=seed,
+        docked=succeeded and simulation.contact and simulation.bumps == 0,
+        error_code=step.error_code.value if isinstance(step, Outcome) else "NO_END",
+        seconds=simulation.time,
+        retries=step.retries,
+        bumps=simulation.bumps,
+        aside=abs(robot.y - DOCKED.y),
+        askew=abs(normalize_angle(robot.theta - DOCKED.theta)),
+        v_linear=speeds.v_linear,
+        v_angular=speeds.v_angular,
+        a_linear=speeds.a_linear,
+        a_angular=speeds.a_angular,
+        trail=(*trail, (robot.x, robot.y)),
+    )
+
+
+def keeps_limits(trial: Trial, limits: MotionLimits) -> bool:
+    """Whether nothing was too fast."""
+    return (
+        trial.v_linear <= limits.v_linear_max + ROUNDING
+        and trial.v_angular <= limits.v_angular_max + ROUNDING
+        and trial.a_linear <= limits.a_linear_max + ROUNDING
+        and trial.a_angular <= limits.a_angular_max + ROUNDING
+    )
+
+
+class _Speeds:
+    """The highest there were."""
+
+    def __init__(self) -> None:
+        self.v_linear = self.v_angular = self.a_linear = self.a_angular = 0.0
+        self._last = STANDSTILL
+
+    def told(self, velocity: Velocity, period: float) -> None:
+        self.driven(velocity)
+        if velocity != STANDSTILL:
+            self.a_linear = max(self.a_linear, abs(velocity.linear_x - self._last.linear_x) / period)
+            self.a_angular = max(self.a_angular, abs(velocity.angular_z - self._last.angular_z) / period)
+        self._last = velocity
+
+    def driven(self, velocity: Velocity) -> None:
+        self.v_linear = max(self.v_linear, abs(velocity.linear_x))
+        self.v_angular = max(self.v_angular, abs(velocity.angular_z))
