@@ -1,6 +1,7 @@
 """The battery as the nodes of this process share it: its latest message and when that came."""
 
 import enum
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -35,16 +36,25 @@ class BatteryReading:
         status: `power_supply_status` as it came, which need not be a known one.
         received_at: When it reached this process, in seconds of the monotonic clock.
         message: The sensor_msgs/BatteryState itself, which nothing here looks into.
+        percentage: What is in it, from 0 to 1; NaN where it is not measured.
     """
 
     status: int
     received_at: float
     message: object = None
+    percentage: float = math.nan
 
     @property
     def connected(self) -> bool:
         """Whether the charger is connected: charging, or full."""
         return self.status in CONNECTED
+
+    @property
+    def fault(self) -> str | None:
+        """What its publisher gets wrong, as a sentence's second half; docking can do without it."""
+        if math.isnan(self.percentage) or 0.0 <= self.percentage <= 1.0:
+            return None
+        return f"has a percentage of {self.percentage:g}, but it must be from 0 to 1"
 
     def age(self, now: float) -> float:
         """Seconds since it was received, at least 0."""

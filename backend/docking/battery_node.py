@@ -12,6 +12,7 @@ from sensor_msgs.msg import BatteryState
 
 from docking.battery import Battery, BatteryReading, received_at
 
+BATTERY_TOPIC = "battery_status"
 # BEST_EFFORT and VOLATILE match every publisher. One message is kept: an older one is of no use.
 QOS = QoSProfile(
     history=HistoryPolicy.KEEP_LAST,
@@ -44,7 +45,7 @@ class BatteryStateSubscriber(Node):  # type: ignore[misc] # rclpy has no types
         self._battery = battery
         self._subscription = self.create_subscription(
             BatteryState,
-            "battery_status",
+            BATTERY_TOPIC,
             self._receive,
             QOS,
             qos_overriding_options=QoSOverridingOptions.with_default_policies(),
@@ -57,5 +58,6 @@ class BatteryStateSubscriber(Node):  # type: ignore[misc] # rclpy has no types
                 status=message.power_supply_status,
                 received_at=received_at(time.monotonic(), time.time(), received_wall),
                 message=message,
+                percentage=message.percentage,
             )
         )

@@ -1,3 +1,5 @@
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -51,3 +53,14 @@ def test_without_a_reception_time_a_message_came_now() -> None:
 def test_a_status_is_described_with_its_name_if_it_has_one() -> None:
     assert describe_status(3) == "3 (NOT_CHARGING)"
     assert describe_status(200) == "200 (no known status)"
+
+
+@pytest.mark.parametrize("percentage", [0.0, 0.24, 1.0, math.nan])
+def test_a_percentage_from_0_to_1_or_none_is_right(percentage: float) -> None:
+    assert BatteryReading(3, 0.0, percentage=percentage).fault is None
+
+
+@pytest.mark.parametrize("percentage", [24.0, -0.1, 1.01, math.inf])
+def test_any_other_percentage_is_not(percentage: float) -> None:
+    fault = BatteryReading(3, 0.0, percentage=percentage).fault
+    assert fault == f"has a percentage of {percentage:g}, but it must be from 0 to 1"

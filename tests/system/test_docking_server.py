@@ -248,13 +248,26 @@ def test_a_garbage_battery_is_shown_and_does_no_harm(domain: int, observer: Obse
         assert goal.result().status == SUCCEEDED
 
 
+def test_a_percentage_that_is_none_is_told(domain: int, observer: Observer) -> None:
+    with dock_server(domain):
+        reports = Reports(observer)
+        with observer.publishing(BatteryState(percentage=24.0, power_supply_status=3), BATTERY):
+            complaint = "/battery_status has a percentage of 24, but it must be from 0 to 1"
+            report = reports.wait_for(name="connect_to_charging_dock_action_server: sensors", level=1)
+            assert report["message"] == report["/battery_status"] == complaint
+        with observer.publishing(LOW, BATTERY):
+            wait_until(lambda: reports.all[-1]["message"] == "ok", "a report that all is well")
+
+
 def test_the_report_is_repeated_while_nothing_happens(domain: int, observer: Observer) -> None:
     with dock_server(domain):
         reports = Reports(observer)
-        wait_until(lambda: len(reports.all) >= 2, "two reports")
-        assert reports.all[-1] == {
+        name = "connect_to_charging_dock_action_server: "
+        wait_until(lambda: len(reports.all) >= 4, "two reports on goals and sensors")
+        assert reports.all[-1] == {"level": 0, "name": f"{name}sensors", "message": "ok"}
+        assert reports.all[-2] == {
             "level": 0,
-            "name": "connect_to_charging_dock_action_server: connect_to_charging_dock",
+            "name": f"{name}connect_to_charging_dock",
             "message": "idle",
             "stage": "IDLE",
             "error_code": "NONE",

@@ -28,18 +28,22 @@ class Diagnostics:
             DiagnosticArray, "/diagnostics", 10, qos_overriding_options=QoSOverridingOptions.with_default_policies()
         )
 
-    def publish(self, report: Report, sensor_faults: Mapping[str, str] | None) -> None:
+    def publish(self, report: Report, errors: Mapping[str, str], warnings: Mapping[str, str]) -> None:
         """Publish a report.
 
         Args:
             report: On goals.
-            sensor_faults: What is wrong with the sensors' topics, as sentences; None where there are no sensors.
+            errors: What is wrong on the sensors' topics that goals cannot do without, as sentences.
+            warnings: The same that goals can do without.
         """
-        status = [self._status(self._name, report.level, report.message, report.values())]
-        if sensor_faults is not None:
-            level = Level.ERROR if sensor_faults else Level.OK
-            status.append(self._status("sensors", level, "; ".join(sensor_faults.values()) or "ok", sensor_faults))
-        array = DiagnosticArray(status=status)
+        level = Level.ERROR if errors else Level.WARN if warnings else Level.OK
+        faults = {**errors, **warnings}
+        array = DiagnosticArray(
+            status=[
+                self._status(self._name, report.level, report.message, report.values()),
+                self._status("sensors", level, "; ".join(faults.values()) or "ok", faults),
+            ]
+        )
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
 

@@ -20,7 +20,7 @@ from std_msgs.msg import Bool
 
 from docking.admission import GoalPolicy, Purpose, admit
 from docking.battery import Battery
-from docking.battery_node import battery_message
+from docking.battery_node import BATTERY_TOPIC, battery_message
 from docking.failures import ErrorCode, Stage
 from docking.goal import Command, End, Goal, Outcome
 from docking.parameters import Parameter
@@ -300,7 +300,9 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         self._publish_report(self._report)
 
     def _publish_report(self, report: Report) -> None:
-        self._diagnostics.publish(report, self._sensors.faults if self._needs else None)
+        battery, topic = self._battery.latest, self.resolve_topic_name(BATTERY_TOPIC)
+        warnings = {} if battery is None or battery.fault is None else {topic: f"{topic} {battery.fault}"}
+        self._diagnostics.publish(report, self._sensors.faults, warnings)
 
     # The server ends.
 
