@@ -21,6 +21,8 @@ from docking.simulation.marker import MarkerCamera, MarkerSettings
 from docking.simulation.odometry import DriftingOdometry, OdometrySettings
 from docking.simulation.robot import Robot, RobotSettings
 
+INSTANT = 1e-6
+"""So short a time, in s, that nothing happens in it."""
 STEP = 0.02
 """The longest step, in s, that the model is meant for."""
 START = Pose(-1.5, 0.4, -0.3)
@@ -139,8 +141,8 @@ class Simulation:
         self.measurement: tuple[BatteryMeasurement, float] | None = None
         self.contact = False
         self.bumps = 0
-        self._bumping = False
-        self._keep_out()
+        self._touching = self._keep_out()
+        self._feed(INSTANT)
         self._sense()
 
     # What is done to it.
@@ -154,14 +156,15 @@ class Simulation:
         """
         if command is not None:
             self.robot.command(command)
-        faults = self.faults
         self.time += dt
         robot = self.robot
-        robot.step(dt, halted=self.halted or self.battery.empty, stuck=Fault.STUCK_WHEEL in faults)
-        self._keep_out()
+        robot.step(dt, halted=self.halted or self.battery.empty, stuck=Fault.STUCK_WHEEL in self.faults)
+        touching = self._keep_out()
+        if touching and not self._touching and not self.contact:
+            self.bumps += 1
+        self._touching = touching
         self.odometry.step(robot.left, robot.right)
-        powered = self.contact and Fault.DEAD_CHARGER not in faults
-        self.battery.step(dt, self._power(dt), connected=self.contact, powered=powered)
+        self._feed(dt)
         self._sense()
 
     def run(self, seconds: float, command: Velocity | None = None) -> None:
@@ -184,7 +187,7 @@ class Simulation:
             pose: base_link in world.
         """
         self.robot.place(pose)
-        self._keep_out()
+        self._touching = self._keep_out()
 
     def push(self, by: Pose) -> None:
         """Push the robot over the ground with its wheels blocked; odometry does not notice.
@@ -235,19 +238,22 @@ class Simulation:
 
     # How it goes on.
 
-    def _keep_out(self) -> None:
-        """The dock is solid."""
+    def _keep_out(self) -> bool:
+        """The dock is solid: whether the robot would have been in it."""
         robot = self.robot
         obstruction = self.dock.obstruct(robot.x, robot.y, robot.radius)
         if obstruction is not None:
             robot.block(obstruction.x, obstruction.y, obstruction.normal_x, obstruction.normal_y)
         self.contact = self.dock.in_contact(robot.x, robot.y, robot.theta)
-        if obstruction is not None and not self.contact and not self._bumping:
-            self.bumps += 1
-        self._bumping = obstruction is not None
+        return obstruction is not None
 
     def _random(self, part: str) -> Random:
         return Random(f"{self._seed} {part}")  # noqa: S311 - noise, not secrets
+
+    def _feed(self, dt: float) -> None:
+        """The charger, or the battery, gives what the robot needs."""
+        powered = Fault.DEAD_CHARGER not in self.faults
+        self.battery.step(dt, self._power(dt), connected=self.contact, powered=powered)
 
     def _power(self, dt: float) -> float:
         settings, robot = self.settings, self.robot

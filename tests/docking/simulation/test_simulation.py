@@ -209,6 +209,20 @@ def test_pictures_come_fifteen_times_a_second() -> None:
     assert len(stamps) == pytest.approx(150, abs=1)
 
 
+def test_the_first_observation_is_true_already() -> None:
+    simulation = Simulation(replace(EXACT, start=DOCKED))
+    measured = battery_of(simulation.observe())
+    assert (measured.status, measured.current) == (PowerSupplyStatus.CHARGING, 6.5)
+    assert battery_of(Simulation(EXACT).observe()).current < 0.0
+
+
+def test_only_what_drives_into_the_dock_bumps() -> None:
+    simulation = Simulation(replace(EXACT, start=Pose()))
+    simulation.place(Pose(-0.1, 0.1, 0.0))
+    simulation.run(0.1)
+    assert simulation.bumps == 0
+
+
 def test_docked_it_charges_and_pushed_off_it_discharges() -> None:
     simulation = docked()
     measured = battery_of(simulation.observe())
