@@ -1,4 +1,4 @@
-# make run     everything from nothing: environment, dashboard, gateway and action server
+# make run     everything from nothing: environment, dashboard, gateway and a simulated robot that docks
 # make test    every check: lint, types, import rules, Python and frontend tests
 # make help    the rest
 
@@ -31,7 +31,7 @@ DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-18s %s\n", $$1, $$2}'
 
-run: setup ## start the gateway and the action server, then open http://127.0.0.1:8000
+run: setup ## start the gateway and a simulated robot, then open http://127.0.0.1:8000 (UP_ARGS=--no-sim: no robot)
 	@exec $(BIN)/dock-gateway up $(UP_ARGS)
 
 setup: $(STAMPS)/project frontend/dist/index.html ## make the environment and build the dashboard

@@ -1,10 +1,10 @@
-"""`dock-gateway up`: where it says that the gateway is."""
+"""`dock-gateway up`: where it says that the gateway is, and what it starts where."""
 
 import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
-from dock_gateway.cli.up import own_url
+from dock_gateway.cli.up import SIMULATED, TUTORIAL, own_url, robot_commands, stay_on_this_machine
 from dock_gateway.settings import Settings
 
 
@@ -26,3 +26,38 @@ def test_a_port_that_cannot_be_announced_is_refused() -> None:
     result = CliRunner().invoke(main, ["up", "--port", "0"])
     assert result.exit_code == 2
     assert "needs a port other than 0" in result.output
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        ({}, "LOCALHOST"),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, "LOCALHOST"),
+        ({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SYSTEM_DEFAULT", "ROS_STATIC_PEERS": "192.168.1.7"}, "LOCALHOST"),
+        ({"ROS_STATIC_PEERS": "192.168.1.7"}, "LOCALHOST"),
+    ],
+)
+def test_a_simulated_robot_stays_on_this_machine(given: dict[str, str], expected: str) -> None:
+    environment = dict(given)
+    stay_on_this_machine(environment, always=True)
+    assert environment == {"ROS_AUTOMATIC_DISCOVERY_RANGE": expected}
+
+
+def test_without_one_the_environment_counts() -> None:
+    environment = {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_STATIC_PEERS": "192.168.1.7"}
+    stay_on_this_machine(environment, always=False)
+    assert environment == {"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET", "ROS_STATIC_PEERS": "192.168.1.7"}
+    empty: dict[str, str] = {}
+    stay_on_this_machine(empty, always=False)
+    assert empty == {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+
+
+def test_the_programs_of_a_robot() -> None:
+    server, simulator = robot_commands(SIMULATED, Settings(namespace="/robot1")).values()
+    assert server[0].endswith("/docking_server")
+    assert server[1:] == ["--ros-args", "-p", "controller:=dock_pose", "-r", "__ns:=/robot1"]
+    assert simulator[0].endswith("/dock_simulator")
+    assert simulator[1:] == ["--ros-args", "-r", "__ns:=/robot1"]
+    (tutorial,) = robot_commands(TUTORIAL, Settings()).values()
+    assert tutorial[0].endswith("/connect_to_charging_dock_server")
+    assert tutorial[1:] == []

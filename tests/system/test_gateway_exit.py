@@ -14,6 +14,7 @@ from websockets.exceptions import ConnectionClosed
 
 from tests.support.domain import ros_domain
 from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.observer import wait_until
 from tests.support.processes import BIN, Process, ros_environment
 
 pytestmark = pytest.mark.ros
@@ -137,9 +138,9 @@ def wait_for_subscribers(gateway: RunningGateway, number: int, timeout: float = 
 
 
 @contextmanager
-def up(domain: int, port: int, **more: str) -> Iterator[tuple[Process, RunningGateway]]:
-    environment = ros_environment(domain, **more)
-    with Process(str(BIN / "dock-gateway"), "up", "--no-sim", "--port", str(port), env=environment) as process:
+def up(domain: int, port: int, *arguments: str) -> Iterator[tuple[Process, RunningGateway]]:
+    command = (str(BIN / "dock-gateway"), "up", "--port", str(port), *arguments)
+    with Process(*command, env=ros_environment(domain)) as process:
         process.wait_for("dock-gateway is ready", timeout=30)
         url = f"http://127.0.0.1:{port}"
         with httpx2.Client(base_url=url, timeout=15.0, trust_env=False) as http:
@@ -151,8 +152,23 @@ def children(pid: int) -> list[int]:
         return [int(child) for child in listing.read().split()]
 
 
-def test_up_runs_the_whole_and_one_ctrl_c_ends_it(domain: int) -> None:
+def test_up_runs_a_simulated_robot_that_docks_and_one_ctrl_c_ends_it(domain: int) -> None:
     with up(domain, free_port()) as (process, gateway):
+        wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
+        goal = gateway.http.post("/dock", headers={"Prefer": "wait=60"}, timeout=70).json()
+        assert (goal["status"], gateway.http.get("/simulator").json()["docked"]) == ("succeeded", True)
+        parts = children(process.pid)
+        assert len(parts) == 3
+        started = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        assert process.wait() == 0
+        assert time.monotonic() - started < GONE_WITHIN
+        wait_gone(parts, 1)
+        assert "Traceback" not in process.output
+
+
+def test_up_runs_the_tutorial_and_one_ctrl_c_ends_it(domain: int) -> None:
+    with up(domain, free_port(), "--no-sim") as (process, gateway):
         gateway.publish(LOW)
         with gateway.stream("?include=cmd_vel") as stream:
             gateway.http.post("/dock").raise_for_status()
@@ -168,7 +184,7 @@ def test_up_runs_the_whole_and_one_ctrl_c_ends_it(domain: int) -> None:
 
 
 def test_up_starts_a_dead_action_server_again(domain: int) -> None:
-    with up(domain, free_port()) as (process, gateway):
+    with up(domain, free_port(), "--no-sim") as (process, gateway):
         gateway_pid, server_pid = children(process.pid)
         os.kill(server_pid, signal.SIGKILL)
         process.wait_for("the action server ended (-9)")
@@ -198,9 +214,8 @@ def test_up_on_a_port_that_is_taken_says_so(domain: int) -> None:
             assert "--port takes another" in process.output
 
 
-def test_up_stays_on_this_machine_unless_told_otherwise(domain: int) -> None:
-    environment = ros_environment(domain)
-    del environment["ROS_AUTOMATIC_DISCOVERY_RANGE"]
+def test_up_with_a_simulated_robot_stays_on_this_machine(domain: int) -> None:
+    environment = ros_environment(domain, ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET")
     port = free_port()
     with Process(str(BIN / "dock-gateway"), "up", "--port", str(port), env=environment) as process:
         process.wait_for("dock-gateway is ready", timeout=30)

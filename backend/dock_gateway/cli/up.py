@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import MutableMapping, Sequence
 from pathlib import Path
 
 import click
@@ -24,7 +24,15 @@ END_TIMEOUT = 2.3
 START_WINDOW = 5.0
 MAX_BACKOFF = 10.0
 PR_SET_PDEATHSIG = 1
-ACTION_SERVER = "connect_to_charging_dock_server"
+
+Programs = dict[str, tuple[str, tuple[str, ...]]]
+
+# The robot's programs and their ROS arguments: with a simulated robot, and as the tutorial has it.
+SIMULATED: Programs = {
+    "the docking server": ("docking_server", ("-p", "controller:=dock_pose")),
+    "the simulator": ("dock_simulator", ()),
+}
+TUTORIAL: Programs = {"the action server": ("connect_to_charging_dock_server", ())}
 
 
 class Part:
@@ -100,6 +108,33 @@ def _announce(url: str, ended: threading.Event) -> None:
             return
 
 
+def stay_on_this_machine(environment: MutableMapping[str, str], *, always: bool) -> None:
+    """Let ROS meet nobody beyond this machine; unless `always`, what the environment says counts."""
+    if not always:
+        environment.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+        return
+    wanted = environment.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    peers = environment.pop("ROS_STATIC_PEERS", "")
+    environment["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    if wanted != "LOCALHOST" or peers:
+        click.echo("dock-gateway: a simulated robot stays on this machine, whatever ROS's variables say", err=True)
+
+
+def robot_commands(programs: Programs, settings: Settings) -> dict[str, list[str]]:
+    """The command lines of the robot's programs, in its namespace.
+
+    Raises:
+        click.ClickException: One of them is not installed.
+    """
+    namespace = settings.namespace.strip("/")
+    remap = ("-r", f"__ns:=/{namespace}") if namespace else ()
+    commands = {}
+    for part, (program, arguments) in programs.items():
+        ros_args = (*arguments, *remap)
+        commands[part] = [_find(program), *(("--ros-args", *ros_args) if ros_args else ())]
+    return commands
+
+
 def own_url(settings: Settings) -> str:
     """Where the gateway is reached from this machine."""
     host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(settings.host, settings.host)  # noqa: S104 - every address is ours
@@ -127,28 +162,29 @@ def require_free_port(settings: Settings) -> None:
 
 
 @click.command()
-@click.option("--no-sim", is_flag=True, help="No simulated robot: battery states are published by hand.")
+@click.option(
+    "--no-sim", is_flag=True, help="No simulated robot: the tutorial's action server, and batteries published by hand."
+)
 @settings_options
 def up(no_sim: bool, **options: str | None) -> None:
-    """Run gateway and action server together, and keep them running.
+    """Run the gateway, a docking server and a simulated robot together, and keep them running.
 
-    They meet only ROS nodes on this machine unless ROS_AUTOMATIC_DISCOVERY_RANGE says otherwise: trying it out must
-    not move a robot that happens to be on the same network.
+    They meet only ROS nodes on this machine: trying it out must not move a robot that happens to be on the same
+    network. With --no-sim, ROS_AUTOMATIC_DISCOVERY_RANGE may say otherwise.
     """
     settings = read_settings(options)
     if settings.port == 0:
         raise click.UsageError("port: `up` tells where to go before the gateway runs, so it needs a port other than 0")
     require_free_port(settings)
-    os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    stay_on_this_machine(os.environ, always=not no_sim)
     arguments = [f"{option_name(name)}={value}" for name, value in options.items() if value is not None]
-    namespace = ["--ros-args", "-r", f"__ns:=/{settings.namespace.strip('/')}"] if settings.namespace.strip("/") else []
-    action_server = [_find(ACTION_SERVER), *namespace]
+    commands = robot_commands(TUTORIAL if no_sim else SIMULATED, settings)
 
     ended = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, lambda *_: ended.set())
     gateway = Part("the gateway", [sys.executable, "-m", "dock_gateway", "serve", *arguments])
-    parts = [gateway, Part("the action server", action_server)]
+    parts = [gateway, *(Part(name, command) for name, command in commands.items())]
     threading.Thread(target=_announce, args=(own_url(settings), ended), daemon=True).start()
     failed = False
     try:

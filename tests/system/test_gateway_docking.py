@@ -1,0 +1,142 @@
+"""Docking and undocking a simulated robot through the gateway alone, from many starts, with faults and with stops."""
+
+import math
+import random
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from tests.support.domain import ros_domain
+from tests.support.gateway import RunningGateway, Stream, running_gateway, running_program
+from tests.support.observer import wait_until
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(400)]
+
+# Simulated seconds in each second. To the servers, which live in real time, the robot is so many times faster than it
+# is told to be; so they must not look whether it moves as it is told.
+SIMULATOR = ("-p", "real_time_factor:=3.0")
+SERVER = ("-p", "controller:=dock_pose", "-p", "blocked_after:=60.0", "-p", "wait_charge_timeout:=1.5")
+STARTS = 20
+CHARGING, NOT_CHARGING = 1, (2, 3)
+
+
+@pytest.fixture(scope="module")
+def gateway() -> Iterator[RunningGateway]:
+    with (
+        ros_domain() as domain,
+        running_program(domain, "dock_simulator", *SIMULATOR),
+        running_program(domain, "docking_server", *SERVER),
+        running_gateway(domain) as gateway,
+    ):
+        gateway.wait_until_ready()
+        wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
+        yield gateway
+
+
+@pytest.fixture(autouse=True)
+def from_the_start(gateway: RunningGateway) -> Iterator[None]:
+    yield
+    gateway.http.delete("/stop").raise_for_status()
+    gateway.stop_once()
+    wait_until(lambda: not running(gateway), "the end of every goal")
+    gateway.http.post("/simulator/reset").raise_for_status()
+
+
+def running(gateway: RunningGateway) -> list[dict[str, Any]]:
+    query = "&".join(f"status={status}" for status in ("pending", "accepted", "executing", "canceling"))
+    return [goal for verb in ("dock", "undock") for goal in gateway.http.get(f"/{verb}?{query}").json()["goals"]]
+
+
+def place(gateway: RunningGateway, x: float, y: float, theta: float) -> None:
+    """Put the robot somewhere off its dock; the battery knows it once this returns."""
+    with gateway.stream("?include=battery") as stream:
+        gateway.http.post("/simulator/place", json={"x": x, "y": y, "theta": theta}).raise_for_status()
+        for _ in range(3):
+            stream.until(lambda e: e["type"] == "battery" and e["battery"]["power_supply_status"] in NOT_CHARGING)
+
+
+def do(gateway: RunningGateway, verb: str, wait: int = 90) -> dict[str, Any]:
+    """Send a goal and wait for its end."""
+    headers = {"Prefer": f"wait={wait}"}
+    goal: dict[str, Any] = gateway.http.post(f"/{verb}", headers=headers, timeout=wait + 10).raise_for_status().json()
+    return goal
+
+
+def test_twenty_starts(gateway: RunningGateway) -> None:
+    """Up to 2.5 m away and up to 40 degrees off the dock's axis, the robot turned up to 40 degrees off the dock."""
+    chance = random.Random(4)
+    failures = []
+    for _ in range(STARTS):
+        distance, bearing = chance.uniform(1.0, 2.5), math.radians(chance.uniform(-40, 40))
+        x, y = -distance * math.cos(bearing), -distance * math.sin(bearing)
+        pose = (x, y, bearing + math.radians(chance.uniform(-40, 40)))
+        place(gateway, *pose)
+        goal = do(gateway, "dock")
+        simulator = gateway.http.get("/simulator").json()
+        state = (goal["result"] or {}).get("final_battery_state", {}).get("power_supply_status")
+        if (goal["status"], simulator["docked"], state) != ("succeeded", True, CHARGING):
+            failures.append((pose, goal["status"], goal["stage"], goal["retries"], goal["error"]))
+    assert failures == []
+
+
+def test_a_dead_charger_is_the_goals_error(gateway: RunningGateway) -> None:
+    place(gateway, -1.0, 0.1, 0.0)
+    gateway.http.put("/simulator/faults/dead_charger", json={"active": True}).raise_for_status()
+    with gateway.stream("?include=cmd_vel,scene") as stream:
+        goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
+        planned = stream.until(lambda e: e["type"] == "scene" and e["scene"]["docked"] and e["scene"]["staging"])
+        assert abs(planned["scene"]["docked"]["x"] + 0.2) < 0.1
+        assert abs(planned["scene"]["staging"]["x"] + 0.9) < 0.15
+        result = stream.until(lambda e: e["type"] == "result" and e["goal_id"] == goal_id, timeout=120)
+    assert (result["status"], result["error"]["code"]) == ("aborted", "failed_to_charge")
+    goal = gateway.goal(goal_id)
+    assert goal["error"] == result["error"]
+    assert goal["retries"] == 3
+    stages = [event["stage"] for event in stream.seen if event["type"] == "status" and event["goal_id"] == goal_id]
+    assert {"NAV_TO_STAGING_POSE", "CONTROLLING", "WAIT_FOR_CHARGE", "RETRY"} <= set(stages)
+    velocity = [event["cmd_vel"] for event in stream.seen if event["type"] == "cmd_vel"][-1]
+    assert (velocity["linear"]["x"], velocity["angular"]["z"]) == (0, 0)
+
+
+def test_undocking(gateway: RunningGateway) -> None:
+    with gateway.stream("?include=battery,system,scene") as stream:
+        gateway.http.post("/simulator/place", json={"x": -0.2, "y": 0.0, "theta": 0.0}).raise_for_status()
+        stream.until(lambda e: e["type"] == "simulator" and e["simulator"]["docked"])
+        stream.until(lambda e: e["type"] == "battery" and e["battery"]["power_supply_status"] == CHARGING)
+        goal = do(gateway, "undock")
+        assert (goal["action_name"], goal["status"]) == ("/disconnect_from_charging_dock", "succeeded")
+        assert goal["result"]["final_battery_state"]["power_supply_status"] in NOT_CHARGING
+        left = stream.until(lambda e: e["type"] == "simulator" and not e["simulator"]["docked"])["simulator"]
+        assert left["contact"] is False
+        stream.until(lambda e: e["type"] == "scene" and e["scene"]["robot"]["x"] < -0.6)
+    assert do(gateway, "undock", wait=5)["status"] == "succeeded"
+    assert [entry["goal_id"] for entry in gateway.http.get("/undock").json()["goals"]][1] == goal["goal_id"]
+    assert gateway.http.get(f"/undock/{goal['goal_id']}").json() == goal
+    again = gateway.http.post(f"/undock/{goal['goal_id']}/cancel")
+    assert (again.status_code, again.json()["code"]) == (409, "goal_terminal")
+
+
+def test_a_stop_on_the_way_holds_until_it_is_released(gateway: RunningGateway) -> None:
+    place(gateway, -1.8, 0.3, -0.1)
+    with gateway.stream("?include=scene,cmd_vel") as stream:
+        goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
+        stream.until(lambda e: e["type"] == "cmd_vel" and e["cmd_vel"]["linear"]["x"] > 0.1)
+        assert gateway.http.post("/stop", json={"by": "Ada"}).raise_for_status().json()["stop"]["latched"]
+        result = stream.until(lambda e: e["type"] == "result" and e["goal_id"] == goal_id)
+        assert result["status"] in ("canceled", "aborted")
+        stands_still(stream)
+        for verb in ("dock", "undock"):
+            refused = gateway.http.post(f"/{verb}")
+            assert (refused.status_code, refused.json()["code"]) == (409, "stop_latched")
+        gateway.http.delete("/stop").raise_for_status()
+        stands_still(stream)  # a release moves nothing
+    assert do(gateway, "dock")["status"] == "succeeded"
+
+
+def stands_still(stream: Stream) -> None:
+    """Wait until ten poses in a row are the same."""
+    poses: list[dict[str, float]] = []
+    while len(poses) < 10 or poses[-10:] != [poses[-1]] * 10:
+        poses.append(stream.until_type("scene")["scene"]["robot"])
+        assert len(poses) < 100, f"it moves: {poses[-3:]}"
