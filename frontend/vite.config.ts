@@ -2,7 +2,18 @@ import react from "@vitejs/plugin-react";
 import { defineConfig } from "vitest/config";
 
 const gateway = process.env.DOCK_GATEWAY_URL ?? "http://127.0.0.1:8000";
-const apiPaths = ["/dock", "/stop", "/battery", "/healthz", "/readyz", "/docs", "/openapi.json"];
+const apiPaths = [
+  "/dock",
+  "/undock",
+  "/stop",
+  "/battery",
+  "/actions",
+  "/simulator",
+  "/healthz",
+  "/readyz",
+  "/docs",
+  "/openapi.json",
+];
 
 export default defineConfig({
   plugins: [react()],

@@ -11,6 +11,7 @@ import { createQueryClient } from "./api/queryClient";
 import { BatterySeries } from "./battery/series";
 import { App } from "./layout/App";
 import { cssVariables, theme } from "./layout/theme";
+import { SceneBuffer } from "./scene/buffer";
 import { ServicesProvider } from "./store/context";
 import { Store } from "./store/store";
 import { openStream, streamUrl } from "./stream/stream";
@@ -20,6 +21,8 @@ const series = new BatterySeries();
 store.onBattery((event) => {
   series.push(Date.parse(event.time), event.battery.percentage, event.battery.voltage);
 });
+const scene = new SceneBuffer();
+store.onScene((event) => scene.push(event.scene, performance.now()));
 openStream(streamUrl(window.location), store);
 
 const root = document.getElementById("root");
@@ -29,7 +32,7 @@ createRoot(root).render(
     <MantineProvider theme={theme} cssVariablesResolver={cssVariables} defaultColorScheme="auto">
       <Notifications position="bottom-right" zIndex={400} />
       <QueryClientProvider client={createQueryClient()}>
-        <ServicesProvider value={{ gateway: createGateway(window.location.origin), store, series }}>
+        <ServicesProvider value={{ gateway: createGateway(window.location.origin), store, series, scene }}>
           <App />
         </ServicesProvider>
       </QueryClientProvider>

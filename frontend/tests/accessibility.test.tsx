@@ -1,7 +1,7 @@
 import { screen } from "@testing-library/react";
 import axe from "axe-core";
 import { describe, expect, it } from "vitest";
-import { battery, goal, server } from "./events";
+import { battery, goal, latched, sceneEvent, server, simulator } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const TAGS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
@@ -26,6 +26,18 @@ describe("axe finds nothing", () => {
   it("on a page without a gateway", async () => {
     const { store } = renderPage(fakeGateway(), { goals: [goal("a")] });
     store.onConnection({ kind: "closed" });
+    expect(await violations()).toEqual([]);
+  });
+
+  it("on a page with a simulator and a latched stop, nor in its dialogs", async () => {
+    const { store, user } = renderPage(fakeGateway({ simulator: async () => simulator }), {
+      stop: latched("Ada"),
+    });
+    store.onEvent(sceneEvent({ staging: { x: -0.9, y: 0, theta: 0 } }));
+    await screen.findByRole("region", { name: "Simulator" });
+    expect(await violations()).toEqual([]);
+    await user.click(screen.getByRole("button", { name: "Keyboard and name" }));
+    await screen.findByRole("dialog");
     expect(await violations()).toEqual([]);
   });
 

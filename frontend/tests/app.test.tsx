@@ -4,7 +4,7 @@ import { act, screen, waitFor, within } from "@testing-library/react";
 import { afterEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import type { GatewayEvent, Goal } from "../src/api/types";
-import { battery, batteryEvent, feedback, goal, idlePublisher, server, status } from "./events";
+import { battery, batteryEvent, feedback, goal, idlePublisher, server, status, stopReport } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
@@ -26,10 +26,17 @@ describe("connection", () => {
   it("lost: commands are disabled and say why, Stop is not", () => {
     const { store } = renderPage(fakeGateway(), { goals: [running] });
     act(() => store.onConnection({ kind: "closed" }));
-    for (const name of ["Dock", "Cancel", "Publish once", "Publish repeatedly", "Stop publishing"]) {
+    for (const name of [
+      "Dock",
+      "Undock",
+      "Cancel",
+      "Publish once",
+      "Publish repeatedly",
+      "Stop publishing",
+    ]) {
       expect(button(name).disabled, name).toBe(true);
     }
-    expect(screen.getByText(/Dock and Cancel need the gateway/)).toBeDefined();
+    expect(screen.getByText(/Dock, Undock and Cancel need the gateway/)).toBeDefined();
     expect(screen.getByText(/Publishing needs the gateway/)).toBeDefined();
     expect(button("Stop").disabled).toBe(false);
   });
@@ -55,10 +62,8 @@ describe("Stop", () => {
   it("says loudly where it did not get through, and where a goal was not canceled", async () => {
     const error = new CommandError("gateway_unreachable", "The gateway cannot be reached", "No answer.");
     const stop = vi.fn().mockRejectedValueOnce(error);
-    stop.mockResolvedValueOnce({
-      canceling: [],
-      failed: [{ action_name: "/dock", code: "action_server_timeout", detail: "no answer" }],
-    });
+    const failure = { action_name: "/dock", code: "action_server_timeout", detail: "no answer" };
+    stop.mockResolvedValueOnce(stopReport({ failed: [failure] }));
     const { user } = renderPage(fakeGateway({ stop }));
     await user.click(button("Stop"));
     expect(await screen.findByText("Stop did not get through")).toBeDefined();
@@ -67,7 +72,7 @@ describe("Stop", () => {
   });
 
   it("is sent at once while the browser thinks that it is offline, and not once more later", async () => {
-    const stop = vi.fn(async () => ({ canceling: [], failed: [] }));
+    const stop = vi.fn(async () => stopReport());
     const { user } = renderPage(fakeGateway({ stop }));
     act(() => onlineManager.setOnline(false));
     await user.click(button("Stop"));
@@ -88,13 +93,51 @@ describe("docking", () => {
     expect((await screen.findByTestId("goal-status")).textContent).toBe("accepted");
   });
 
+  it("undocks, and cancels that where it runs", async () => {
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway);
+    await waitFor(() => expect(button("Undock").disabled).toBe(false));
+    await user.click(button("Undock"));
+    expect(gateway.undock).toHaveBeenCalledTimes(1);
+    expect(await screen.findByText("Running goal: undock")).toBeDefined();
+    await user.click(button("Cancel"));
+    expect(gateway.cancel).toHaveBeenCalledWith("undock", "undocked");
+  });
+
+  it("does not undock where nobody offers that, and says so", () => {
+    renderPage(fakeGateway({ actions: async () => [server] }));
+    expect(button("Dock").disabled).toBe(false);
+    expect(button("Undock").disabled).toBe(true);
+    expect(
+      screen.getByText(/Undock: nobody offers the action \/disconnect_from_charging_dock/),
+    ).toBeDefined();
+  });
+
+  it("shows the stages and the retries of a goal, and what to do about its end", async () => {
+    const { store } = renderPage(fakeGateway(), { goals: [{ ...running, stage: "CONTROLLING" }] });
+    const time = new Date(Date.now() + 1000).toISOString();
+    const change = { created_at: running.created_at, updated_at: time, stage: "WAIT_FOR_CHARGE", retries: 2 };
+    act(() => store.onEvent(status("a", change)));
+    const stages = await screen.findByTestId("stages");
+    await waitFor(() =>
+      expect(within(stages).getByText("Wait for charge").closest("li")?.getAttribute("aria-current")).toBe(
+        "step",
+      ),
+    );
+    expect(screen.getByTestId("retries").textContent).toBe("2 retries");
+    const error = { code: "failed_to_charge", detail: "contact without charge" };
+    act(() => store.onEvent(status("a", { ...change, status: "aborted", error, finished_at: time })));
+    expect(await screen.findByText(/look at the dock's power/)).toBeDefined();
+    expect(screen.getByText("Code: failed_to_charge")).toBeDefined();
+  });
+
   it("cancels the goal that runs, and does not dock meanwhile", async () => {
     const gateway = fakeGateway();
     const { user } = renderPage(gateway, { goals: [running] });
     expect(button("Dock").disabled).toBe(true);
     expect(screen.getByText(/a goal is running; cancel it first/)).toBeDefined();
     await user.click(button("Cancel"));
-    expect(gateway.cancel).toHaveBeenCalledWith("a");
+    expect(gateway.cancel).toHaveBeenCalledWith("dock", "a");
   });
 
   it("says why a goal was rejected and what to do", async () => {
@@ -253,7 +296,7 @@ describe("recent goals", () => {
     await user.click(within(row).getByRole("button"));
     const dialog = await screen.findByRole("dialog", { name: "Goal" });
     expect(dialog.textContent).toMatch(/ROS does not tell what others asked for/);
-    expect(gateway.goal).toHaveBeenCalledWith("b");
+    expect(gateway.goal).toHaveBeenCalledWith("dock", "b");
     await user.click(button("Close the details"));
     await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
   });

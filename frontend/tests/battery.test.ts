@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { PRESETS, parseCells, sameForm, toMessage } from "../src/battery/form";
 import { evenly, voltageRange } from "../src/battery/plotOptions";
 import { BatterySeries, WINDOW_S } from "../src/battery/series";
-import { formatPercentage, formatQuantity, statusWords, summarize } from "../src/battery/words";
+import { formatCells, formatPercentage, formatQuantity, statusWords, summarize } from "../src/battery/words";
 
 const [low, charging] = PRESETS;
 
@@ -83,6 +83,12 @@ describe("BatterySeries", () => {
 });
 
 describe("words", () => {
+  it("say each cell, and alike ones once", () => {
+    expect(formatCells([3.9, null, 4.0012], "V")).toBe("3.9, –, 4 V");
+    expect(formatCells([25.001, 25.002, 25.003], "°C")).toBe("3 × 25 °C");
+    expect(formatCells([1, 1], "V")).toBe("1, 1 V");
+  });
+
   it("say what the numbers mean", () => {
     expect(statusWords(3)).toBe("Not charging");
     expect(statusWords(9)).toBe("Status 9");

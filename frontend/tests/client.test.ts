@@ -1,7 +1,7 @@
 import { describe, expect, it, vi } from "vitest";
 import { createGateway } from "../src/api/client";
 import { CommandError, fromProblem } from "../src/api/errors";
-import { goal } from "./events";
+import { goal, released, simulator, stopReport } from "./events";
 
 function answer(status: number, body: unknown, type = "application/json") {
   const fetch = vi.fn(async (_request: Request) =>
@@ -37,10 +37,44 @@ describe("commands", () => {
     expect(await request?.json()).toEqual({ desired_battery_state: { power_supply_status: 4 } });
   });
 
-  it("stop without a body", async () => {
-    const fetch = answer(200, { canceling: ["a"], failed: [] });
-    expect(await gateway.stop()).toEqual({ canceling: ["a"], failed: [] });
-    expect(await fetch.mock.calls[0]?.[0].text()).toBe("");
+  it("stop with the name of who stops, and release", async () => {
+    const stopping = answer(200, stopReport());
+    expect(await gateway.stop("Ada")).toEqual(stopReport());
+    expect(await stopping.mock.calls[0]?.[0].json()).toEqual({ by: "Ada" });
+    const releasing = answer(200, released);
+    expect(await gateway.release()).toEqual(released);
+    expect(releasing.mock.calls[0]?.[0]).toMatchObject({ method: "DELETE", url: "http://gateway:8000/stop" });
+  });
+
+  it("ask each action for its own goals", async () => {
+    const fetch = answer(202, goal("a"));
+    await gateway.undock();
+    await gateway.cancel("undock", "a");
+    await gateway.goal("dock", "a");
+    await gateway.goals("undock", "next");
+    expect(fetch.mock.calls.map(([request]) => request.url.replace("http://gateway:8000", ""))).toEqual([
+      "/undock",
+      "/undock/a/cancel",
+      "/dock/a",
+      "/undock?limit=50&cursor=next",
+    ]);
+  });
+
+  it("tell no simulator from one that does not answer", async () => {
+    answer(404, { title: "t", status: 404, code: "simulator_not_found", detail: "none" });
+    expect(await gateway.simulator()).toBeNull();
+    answer(503, { title: "t", status: 503, code: "ros_unavailable", detail: "down" });
+    expect((await failure(gateway.simulator())).code).toBe("ros_unavailable");
+  });
+
+  it("move the simulated robot and break what is asked", async () => {
+    const fetch = answer(200, simulator);
+    await gateway.placeRobot({ x: -1, y: 0.5, theta: 0.1 });
+    await gateway.switchFault("stuck_wheel", true);
+    const [place, fault] = fetch.mock.calls.map(([request]) => request);
+    expect(await place?.json()).toEqual({ x: -1, y: 0.5, theta: 0.1 });
+    expect(fault).toMatchObject({ method: "PUT", url: "http://gateway:8000/simulator/faults/stuck_wheel" });
+    expect(await fault?.json()).toEqual({ active: true });
   });
 
   it("publish, repeatedly and no more", async () => {
@@ -84,9 +118,9 @@ describe("errors", () => {
 
   it("tell a proxy's page from the gateway", async () => {
     answer(502, "<html>Bad gateway</html>", "text/html");
-    expect((await failure(gateway.stop())).code).toBe("gateway_unreachable");
+    expect((await failure(gateway.stop("Ada"))).code).toBe("gateway_unreachable");
     answer(404, "nothing", "text/plain");
-    expect((await failure(gateway.stop())).code).toBe("http_error");
+    expect((await failure(gateway.stop("Ada"))).code).toBe("http_error");
   });
 
   it("tell a time-out from a refused connection", async () => {

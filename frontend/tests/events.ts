@@ -1,4 +1,14 @@
-import type { ActionServer, BatteryState, EventOf, Goal, Publisher } from "../src/api/types";
+import type {
+  ActionServer,
+  BatteryState,
+  EventOf,
+  Goal,
+  Publisher,
+  Scene,
+  Simulator,
+  StopReport,
+  StopState,
+} from "../src/api/types";
 
 export const START = Date.parse("2026-11-21T03:32:40Z");
 
@@ -35,6 +45,26 @@ export const idlePublisher: Publisher = {
 
 export const server: ActionServer = { action_name: "/dock", available: true, answering: true };
 
+export const undockServer: ActionServer = {
+  action_name: "/disconnect_from_charging_dock",
+  available: true,
+  answering: true,
+};
+
+export const released: StopState = { latched: false, since: null, by: null, robots: [] };
+
+export function latched(by: string | null, seconds = 0): StopState {
+  return { latched: true, since: at(seconds), by, robots: ["/"] };
+}
+
+export function stopReport(change: Partial<StopReport> = {}): StopReport {
+  return { canceling: [], failed: [], unconfirmed: [], stop: latched("the dashboard"), ...change };
+}
+
+export function undockGoal(id: string, change: Partial<Goal> = {}): Goal {
+  return goal(id, { action_name: undockServer.action_name, ...change });
+}
+
 export function goal(id: string, change: Partial<Goal> = {}): Goal {
   return {
     goal_id: id,
@@ -42,6 +72,8 @@ export function goal(id: string, change: Partial<Goal> = {}): Goal {
     action_type: "t",
     status: "executing",
     stalled: false,
+    stage: null,
+    retries: null,
     origin: "gateway",
     goal: null,
     feedback: null,
@@ -64,6 +96,7 @@ export function snapshot(change: Partial<EventOf<"snapshot">> = {}): EventOf<"sn
     battery: { state: null, age_s: null, stale: false, stale_after_s: 2, received_at: null },
     battery_publisher: idlePublisher,
     action_server: server,
+    stop: released,
     ...change,
   };
 }
@@ -120,3 +153,26 @@ export function cmdVel(x: number, turn: number, seconds = 1): EventOf<"cmd_vel">
     cmd_vel: { linear: { ...zero, x }, angular: { ...zero, z: turn } },
   };
 }
+
+export const emptyScene: Scene = {
+  frame: "world",
+  robot: { x: -1.5, y: 0.4, theta: -0.3 },
+  dock: { x: 0, y: 0, theta: 0 },
+  docked: null,
+  staging: null,
+  marker: null,
+  infrared: null,
+};
+
+export function sceneEvent(change: Partial<Scene> = {}, seconds = 1): EventOf<"scene"> {
+  return { type: "scene", time: at(seconds), robot: "/", scene: { ...emptyScene, ...change } };
+}
+
+export const simulator: Simulator = {
+  available: true,
+  faults: { dead_charger: false, occluded_marker: false, stuck_wheel: true },
+  contact: false,
+  docked: false,
+  battery_publisher: "self",
+  real_time_factor: 1,
+};

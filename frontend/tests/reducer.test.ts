@@ -11,9 +11,11 @@ import {
   feedback,
   goal,
   idlePublisher,
+  latched,
   result,
   START,
   server,
+  simulator,
   snapshot,
   status,
 } from "./events";
@@ -209,6 +211,56 @@ describe("other actions on the graph", () => {
     const state = stateAfter([snapshot({ action_server: moved, goals: [goal("a")] })], before);
     expect(state.goals.size).toBe(0);
     expect(state.actionServer).toEqual(moved);
+  });
+});
+
+describe("the undocking action", () => {
+  const name = "/disconnect_from_charging_dock";
+
+  it("is beside the docking action, and its goals are taken up", () => {
+    const state = stateAfter([snapshot(), status("u", { action_name: name })]);
+    expect(state.undockServer).toEqual({ action_name: name, available: false, answering: false });
+    expect(state.goals.get("u")?.action_name).toBe(name);
+    const below = { ...server, action_name: "/robot1/dock" };
+    expect(stateAfter([snapshot({ action_server: below })]).undockServer?.action_name).toBe(`/robot1${name}`);
+  });
+
+  it("comes and goes apart from the docking action", () => {
+    const action_server = { action_name: name, available: true, answering: true };
+    const state = stateAfter([snapshot(), { type: "action_server", time: at(1), action_server }]);
+    expect(state.undockServer).toEqual(action_server);
+    expect(state.actionServer).toEqual(server);
+    expect(stateAfter([snapshot()], state).undockServer).toEqual(action_server);
+  });
+});
+
+describe("the stages of a goal", () => {
+  it("are remembered in order, each once, without those of the end", () => {
+    const stages = ["INITIAL_PERCEPTION", "CONTROLLING", "CONTROLLING", "RETRY", "CONTROLLING", "ABORTED"];
+    const state = stateAfter([snapshot(), ...stages.map((stage) => status("a", { stage }))]);
+    expect(state.stages.get("a")).toEqual(["INITIAL_PERCEPTION", "CONTROLLING", "RETRY", "CONTROLLING"]);
+  });
+
+  it("begin with that of the snapshot", () => {
+    const state = stateAfter([snapshot({ goals: [goal("a", { stage: "CONTROLLING" })] })]);
+    expect(state.stages.get("a")).toEqual(["CONTROLLING"]);
+  });
+});
+
+describe("stop and simulator", () => {
+  it("are as the last event says", () => {
+    const stop = { type: "stop", time: at(1), robot: "/", stop: latched("Ada") } as const;
+    const told = { type: "simulator", time: at(1), robot: "/", simulator } as const;
+    const state = stateAfter([snapshot(), stop, told]);
+    expect(state.stop).toEqual(latched("Ada"));
+    expect(state.simulator).toEqual(simulator);
+    const gone = { ...told, simulator: { ...simulator, available: false } };
+    expect(stateAfter([gone], state).simulator).toBeNull();
+  });
+
+  it("are not known from before the connection was lost", () => {
+    const told = { type: "simulator", time: at(1), robot: "/", simulator } as const;
+    expect(stateAfter([snapshot(), told, snapshot()]).simulator).toBeNull();
   });
 });
 

@@ -1,5 +1,8 @@
-import { cleanup } from "@testing-library/react";
+import { cleanup, configure } from "@testing-library/react";
 import { afterEach, beforeEach, vi } from "vitest";
+
+// On a busy machine a second is not much.
+configure({ asyncUtilTimeout: 5000 });
 
 // What jsdom lacks and the page's libraries ask for.
 window.matchMedia ??= (query: string) =>

@@ -141,7 +141,7 @@ describe("stream", () => {
 describe("streamUrl", () => {
   it("follows the page's scheme and host", () => {
     expect(streamUrl({ protocol: "http:", host: "a:8000" })).toBe(
-      "ws://a:8000/ws/feedback?include=battery,cmd_vel,system",
+      "ws://a:8000/ws/feedback?include=battery,cmd_vel,system,scene",
     );
     expect(streamUrl({ protocol: "https:", host: "robot" })).toMatch(/^wss:\/\/robot\//);
   });

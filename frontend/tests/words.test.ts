@@ -18,12 +18,12 @@ describe("a goal in words", () => {
   });
 
   it("explains a stall, a loss and an error", () => {
-    expect(meaning(goal("a", { stalled: true }))).toMatch(/silent/);
+    expect(meaning(goal("a", { stalled: true }), "dock")).toMatch(/silent/);
     expect(advice(goal("a", { stalled: true }))).toMatch(/Stop/);
     expect(advice(goal("a", { status: "lost" }))).toMatch(/Look at the robot/);
     const aborted = goal("a", { status: "aborted", error: { code: "battery_lost", detail: "no battery" } });
-    expect(outcome(aborted)).toBe("Battery fell silent");
-    expect(outcome(goal("a", { error: { code: "else", detail: "so it is" } }))).toBe("so it is");
+    expect(outcome(aborted, "dock")).toBe("Battery fell silent");
+    expect(outcome(goal("a", { error: { code: "else", detail: "so it is" } }), "dock")).toBe("so it is");
     expect(advice(aborted)).toMatch(/battery driver/);
     expect(advice(goal("a", { error: { code: "else", detail: "" } }))).toBeNull();
   });

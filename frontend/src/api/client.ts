@@ -1,7 +1,18 @@
 import createClient, { type Client } from "openapi-fetch";
+import type { Pose } from "../scene/geometry";
 import { CommandError, fromProblem, unreachable } from "./errors";
 import type { paths } from "./schema.gen";
-import type { BatteryStateInput, Goal, GoalPage, Publisher, StopReport } from "./types";
+import type {
+  ActionServer,
+  BatteryStateInput,
+  Fault,
+  Goal,
+  GoalPage,
+  Publisher,
+  Simulator,
+  StopReport,
+  StopState,
+} from "./types";
 
 /** The gateway needs at most 1.5 s to miss an action server and 5 s to wait for its answer. */
 const COMMAND_TIMEOUT_MS = 12_000;
@@ -12,14 +23,27 @@ const COMMAND_TIMEOUT_MS = 12_000;
  */
 export interface Gateway {
   dock(desiredStatus: number): Promise<Goal>;
-  cancel(goalId: string): Promise<Goal>;
-  stop(): Promise<StopReport>;
-  goal(goalId: string): Promise<Goal>;
-  goals(cursor: string | null): Promise<GoalPage>;
+  undock(): Promise<Goal>;
+  cancel(verb: Verb, goalId: string): Promise<Goal>;
+  goal(verb: Verb, goalId: string): Promise<Goal>;
+  goals(verb: Verb, cursor: string | null): Promise<GoalPage>;
+  /** Stops, and lets nobody go on until `release`. */
+  stop(by: string): Promise<StopReport>;
+  release(): Promise<StopState>;
   publishOnce(state: BatteryStateInput): Promise<void>;
   publishRepeatedly(state: BatteryStateInput, rateHz: number): Promise<Publisher>;
   stopPublishing(): Promise<void>;
+  /** Every action on the graph. */
+  actions(): Promise<ActionServer[]>;
+  /** Null where there is no simulator. */
+  simulator(): Promise<Simulator | null>;
+  resetSimulator(): Promise<void>;
+  placeRobot(pose: Pose): Promise<void>;
+  switchFault(fault: Fault, active: boolean): Promise<void>;
 }
+
+/** The two things that the page asks of a robot, each an action with its own goals. */
+export type Verb = "dock" | "undock";
 
 interface Answer<Data> {
   data?: Data;
@@ -54,18 +78,22 @@ export function createGateway(baseUrl: string): Gateway {
           signal: signal(),
         }),
       ),
-    cancel: (goalId) =>
-      settle(api.POST("/dock/{goal_id}/cancel", { params: { path: { goal_id: goalId } }, signal: signal() })),
-    stop: () => settle(api.POST("/stop", { signal: signal() })),
-    goal: (goalId) =>
-      settle(api.GET("/dock/{goal_id}", { params: { path: { goal_id: goalId } }, signal: signal() })),
-    goals: (cursor) =>
+    undock: () => settle(api.POST("/undock", { signal: signal() })),
+    cancel: (verb, goalId) =>
       settle(
-        api.GET("/dock", {
+        api.POST(`/${verb}/{goal_id}/cancel`, { params: { path: { goal_id: goalId } }, signal: signal() }),
+      ),
+    goal: (verb, goalId) =>
+      settle(api.GET(`/${verb}/{goal_id}`, { params: { path: { goal_id: goalId } }, signal: signal() })),
+    goals: (verb, cursor) =>
+      settle(
+        api.GET(`/${verb}`, {
           params: { query: { limit: 50, ...(cursor === null ? {} : { cursor }) } },
           signal: signal(),
         }),
       ),
+    stop: (by) => settle(api.POST("/stop", { body: { by }, signal: signal() })),
+    release: () => settle(api.DELETE("/stop", { signal: signal() })),
     publishOnce: async (state) => {
       await settle(api.POST("/battery", { body: state, signal: signal() }));
     },
@@ -73,6 +101,27 @@ export function createGateway(baseUrl: string): Gateway {
       settle(api.PUT("/battery/publisher", { body: { state, rate_hz: rateHz }, signal: signal() })),
     stopPublishing: async () => {
       await settle(api.DELETE("/battery/publisher", { signal: signal() }));
+    },
+    actions: async () => (await settle(api.GET("/actions", { signal: signal() }))).actions,
+    simulator: () =>
+      settle<Simulator>(api.GET("/simulator", { signal: signal() })).catch((error: unknown) => {
+        if (error instanceof CommandError && error.code === "simulator_not_found") return null;
+        throw error;
+      }),
+    resetSimulator: async () => {
+      await settle(api.POST("/simulator/reset", { signal: signal() }));
+    },
+    placeRobot: async (pose) => {
+      await settle(api.POST("/simulator/place", { body: pose, signal: signal() }));
+    },
+    switchFault: async (fault, active) => {
+      await settle(
+        api.PUT("/simulator/faults/{fault}", {
+          params: { path: { fault } },
+          body: { active },
+          signal: signal(),
+        }),
+      );
     },
   };
 }

@@ -82,6 +82,14 @@ const WORDS: Record<string, Words> = {
     title: "The history does not answer",
     advice: "Look at /readyz of the gateway for what its database says. Running goals go on.",
   },
+  simulator_not_found: {
+    title: "There is no simulator",
+    advice: "Start it: dock-gateway up, or dock_simulator.",
+  },
+  stop_latched: {
+    title: "A stop is latched",
+    advice: "See that nobody is in the robot's way, release the stop above, then send the goal again.",
+  },
   shutting_down: {
     title: "The gateway is shutting down",
     advice: "Wait until it is back; nothing is sent again by itself.",

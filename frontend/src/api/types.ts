@@ -1,4 +1,4 @@
-import type { components } from "./schema.gen";
+import type { components, paths } from "./schema.gen";
 
 type Schemas = components["schemas"];
 
@@ -12,5 +12,10 @@ export type ActionServer = Schemas["ActionServer"];
 export type Twist = Schemas["Twist"];
 export type Problem = Schemas["Problem"];
 export type StopReport = Schemas["StopReport"];
+export type StopState = Schemas["StopState"];
+export type Scene = Schemas["Scene"];
+export type Infrared = Schemas["Infrared"];
+export type Simulator = Schemas["Simulator"];
+export type Fault = paths["/simulator/faults/{fault}"]["put"]["parameters"]["path"]["fault"];
 export type GatewayEvent = Schemas["Event"];
 export type EventOf<Type extends GatewayEvent["type"]> = Extract<GatewayEvent, { type: Type }>;

@@ -10,6 +10,7 @@ import { BatteryPlot } from "./BatteryPlot";
 import {
   CHARGING,
   FULL,
+  formatCells,
   formatPercentage,
   formatQuantity,
   HEALTH_WORDS,
@@ -132,9 +133,9 @@ function Measurements({ state }: { state: BatteryState }) {
     const technology = state.power_supply_technology;
     facts.push(["Technology", TECHNOLOGY_WORDS[technology] ?? String(technology)]);
   }
-  if (state.cell_voltage.length > 0) facts.push(["Cells", cells(state.cell_voltage, "V")]);
+  if (state.cell_voltage.length > 0) facts.push(["Cells", formatCells(state.cell_voltage, "V")]);
   if (state.cell_temperature.length > 0)
-    facts.push(["Cell temperatures", cells(state.cell_temperature, "°C")]);
+    facts.push(["Cell temperatures", formatCells(state.cell_temperature, "°C")]);
   if (state.location !== "") facts.push(["Location", state.location]);
   if (state.serial_number !== "") facts.push(["Serial number", state.serial_number]);
   if (facts.length === 0) return null;
@@ -147,8 +148,4 @@ function Measurements({ state }: { state: BatteryState }) {
       ))}
     </FactList>
   );
-}
-
-function cells(values: readonly (number | null)[], unit: string): string {
-  return `${values.map((value) => (value === null ? "–" : value)).join(", ")} ${unit}`;
 }

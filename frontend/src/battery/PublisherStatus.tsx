@@ -42,6 +42,7 @@ function Active({ publisher }: { publisher: Publisher }) {
 function Inactive({ publishedOnceAt }: { publishedOnceAt: number | null }) {
   const { receivedAt } = useTopic("battery");
   const toldAt = useTopic("publisherToldAt");
+  const simulated = useTopic("simulator")?.battery_publisher === "self";
   const now = useGatewayNow(500);
   const oursUntil = Math.max(toldAt, publishedOnceAt ?? 0) + OURS_MS;
   const someoneElse = receivedAt !== null && now - receivedAt < FRESH_MS && receivedAt > oursUntil;
@@ -49,9 +50,11 @@ function Inactive({ publishedOnceAt }: { publishedOnceAt: number | null }) {
     <Group gap="xs" data-testid="publisher-status">
       <Badge color="gray.7">not publishing</Badge>
       <Text size="sm">
-        {someoneElse
-          ? "Someone else publishes battery states: a robot, or ros2 topic pub. What you publish here mixes with theirs."
-          : "This gateway publishes nothing by itself now."}
+        {simulated
+          ? "The simulator publishes its battery. What you publish here takes its place, until you stop."
+          : someoneElse
+            ? "Someone else publishes battery states: a robot, or ros2 topic pub. What you publish here mixes with theirs."
+            : "This gateway publishes nothing by itself now."}
       </Text>
     </Group>
   );

@@ -60,3 +60,11 @@ export function summarize(
   if (typeof state.percentage === "number") parts.unshift(formatPercentage(state.percentage));
   return parts.join(", ");
 }
+
+/** Of each cell: `3.9, –, 4 V`, and `7 × 25 °C` where they are all alike. */
+export function formatCells(values: readonly (number | null)[], unit: string): string {
+  const texts = values.map((value) => (value === null ? "–" : number.format(value)));
+  const [first] = texts;
+  const alike = texts.length > 2 && texts.every((text) => text === first);
+  return `${alike ? `${texts.length} × ${first}` : texts.join(", ")} ${unit}`;
+}

@@ -1,20 +1,25 @@
 import { Button, Group, SegmentedControl, Stack, Text } from "@mantine/core";
 import { useId, useMemo, useState } from "react";
+import type { Verb } from "../api/client";
 import type { ActionServer, Goal } from "../api/types";
 import { CHARGING, FULL } from "../battery/words";
 import { useLive, useServices, useTopic } from "../store/context";
 import { isTerminal, newestFirst } from "../store/goals";
+import { useVerbOf } from "../store/verbs";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Section } from "../ui/Section";
 import { useCommand } from "../ui/useCommand";
+import classes from "./docking.module.css";
 import { GoalPanel } from "./GoalPanel";
 import { currentGoal } from "./goalWords";
 
-/** Dock, Cancel, and the goal that runs. */
+/** Dock, Undock, Cancel, and the goal that runs. */
 export function DockingCard() {
   const { gateway, store } = useServices();
   const live = useLive();
-  const server = useTopic("actionServer");
+  const servers = { dock: useTopic("actionServer"), undock: useTopic("undockServer") };
+  const stopped = useTopic("stop").latched;
+  const verbOf = useVerbOf();
   const goals = useTopic("goals");
   const sorted = useMemo(() => newestFirst(goals), [goals]);
   const goal = currentGoal(sorted);
@@ -25,22 +30,32 @@ export function DockingCard() {
   const targetId = useId();
 
   const dock = useCommand(async (status: number) => store.addGoals([await gateway.dock(status)]));
-  const cancel = useCommand(async (goalId: string) => store.addGoals([await gateway.cancel(goalId)]));
+  const undock = useCommand(async () => store.addGoals([await gateway.undock()]));
+  const cancel = useCommand(async (each: Goal) =>
+    store.addGoals([await gateway.cancel(verbOf(each), each.goal_id)]),
+  );
+  const commands = [dock, undock, cancel];
+  const begin = () => {
+    for (const command of commands) command.reset();
+  };
 
-  const dockReason = whyNotDock(live, server, running, dock.isPending);
+  const common = whyNotSend(live, stopped, running, dock.isPending || undock.isPending);
+  const dockReason = common ?? whyNobody("dock", servers.dock);
+  const undockReason = common ?? whyNobody("undock", servers.undock);
   const cancelReason = whyNotCancel(live, running, cancel.isPending);
-  const reasons = [dockReason, cancelReason].filter((reason) => reason !== null);
+  const reasons = [dockReason, undockReason, cancelReason].filter((reason) => reason !== null);
+  const silent = dockReason === null && servers.dock?.answering === false;
 
   return (
     <Section title="Docking">
       <Group gap="md" align="center">
-        <Group gap="sm">
+        <Group gap="xs" className={classes.verbs}>
           <Button
             size="lg"
             disabled={dockReason !== null}
             aria-describedby={reasonId}
             onClick={() => {
-              cancel.reset();
+              begin();
               dock.mutate(Number(target));
             }}
           >
@@ -48,17 +63,29 @@ export function DockingCard() {
           </Button>
           <Button
             size="lg"
+            variant="light"
+            disabled={undockReason !== null}
+            aria-describedby={reasonId}
+            onClick={() => {
+              begin();
+              undock.mutate();
+            }}
+          >
+            Undock
+          </Button>
+          <Button
+            size="lg"
             variant="default"
             disabled={cancelReason !== null}
             aria-describedby={reasonId}
-            onClick={() => running && cancel.mutate(running.goal_id)}
+            onClick={() => running && cancel.mutate(running)}
           >
             Cancel
           </Button>
         </Group>
         <Group gap="xs">
           <Text size="sm" id={targetId}>
-            until the battery is
+            Dock until the battery is
           </Text>
           <SegmentedControl
             aria-labelledby={targetId}
@@ -73,11 +100,10 @@ export function DockingCard() {
       </Group>
       <Text size="sm" c="dimmed" id={reasonId} role="status">
         {[...new Set(reasons)].join(" ")}{" "}
-        {dockReason === null && server?.answering === false && (
-          <strong>The action server is there but does not answer: a goal may time out.</strong>
-        )}
+        {silent && <strong>The action server is there but does not answer: a goal may time out.</strong>}
       </Text>
       <CommandErrorAlert command="Dock" error={dock.error} onClose={dock.reset} />
+      <CommandErrorAlert command="Undock" error={undock.error} onClose={undock.reset} />
       <CommandErrorAlert command="Cancel" error={cancel.error} onClose={cancel.reset} />
       {goal === null ? <NoGoal /> : <GoalPanel goal={goal} />}
       {others > 0 && (
@@ -89,21 +115,24 @@ export function DockingCard() {
   );
 }
 
-const NOT_CONNECTED = "Dock and Cancel need the gateway, which is not connected.";
+const NOT_CONNECTED = "Dock, Undock and Cancel need the gateway, which is not connected.";
 
-function whyNotDock(
-  live: boolean,
-  server: ActionServer | null,
-  running: Goal | null,
-  pending: boolean,
-): string | null {
+const SERVERS: Record<Verb, string> = {
+  dock: "connect_to_charging_dock_server or docking_server",
+  undock: "docking_server",
+};
+
+function whyNotSend(live: boolean, stopped: boolean, running: Goal | null, pending: boolean): string | null {
   if (!live) return NOT_CONNECTED;
+  if (stopped) return "Dock and Undock: the robot is stopped; release the stop first.";
   if (pending) return "Sending the goal; waiting for the action server's answer.";
-  if (running !== null) return "Dock: a goal is running; cancel it first.";
-  if (server?.available === false) {
-    return `Dock: nobody offers the action ${server.action_name}. Start the action server: connect_to_charging_dock_server.`;
-  }
-  return null;
+  return running === null ? null : "Dock and Undock: a goal is running; cancel it first.";
+}
+
+function whyNobody(verb: Verb, server: ActionServer | null): string | null {
+  if (server?.available === true) return null;
+  const name = server === null ? "" : ` ${server.action_name}`;
+  return `${verb === "dock" ? "Dock" : "Undock"}: nobody offers the action${name}. Start ${SERVERS[verb]}.`;
 }
 
 function whyNotCancel(live: boolean, running: Goal | null, pending: boolean): string | null {
@@ -120,7 +149,7 @@ function NoGoal() {
       <Text fw={600}>No goal yet</Text>
       <Text size="sm" c="dimmed">
         Press Dock to send a goal to the docking action server. It reports the battery state as feedback and
-        turns the robot until the battery says that it is charging. A goal that someone else sends, such as{" "}
+        moves the robot until the battery says that it is charging. A goal that someone else sends, such as{" "}
         <em>ros2 action send_goal</em>, appears here as well.
       </Text>
     </Stack>

@@ -1,30 +1,42 @@
 import { Alert, Badge, Group, Stack, Text } from "@mantine/core";
+import type { Verb } from "../api/client";
 import type { Goal } from "../api/types";
 import { summarize } from "../battery/words";
 import { GoalStatusBadge } from "../goals/GoalStatusBadge";
 import { useLive, useTopic } from "../store/context";
 import { isTerminal } from "../store/goals";
 import { useGatewayNow } from "../store/useGatewayNow";
+import { useVerbOf } from "../store/verbs";
 import { Fact, FactList } from "../ui/Fact";
 import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
 import { formatDuration } from "../ui/time";
 import { advice, meaning } from "./goalWords";
 import { rate } from "./rate";
+import { StageSteps } from "./StageSteps";
 import { VelocityFact } from "./VelocityFact";
 
 /** The goal that runs, or how the last one ended. */
 export function GoalPanel({ goal }: { goal: Goal }) {
   const live = useLive();
+  const verb = useVerbOf()(goal);
   const ended = isTerminal(goal.status);
+  const retries = goal.retries ?? 0;
   return (
     <Stack gap="sm">
       <Group gap="xs">
-        <Text fw={600}>{ended ? "Last goal" : "Running goal"}</Text>
+        <Text fw={600}>
+          {ended ? "Last goal" : "Running goal"}: {verb}
+        </Text>
         <span aria-live="polite">
           <GoalStatusBadge status={goal.status} testId="goal-status" />
         </span>
         {goal.stalled && !ended && <Badge color="orange">stalled</Badge>}
+        {retries > 0 && (
+          <Badge color="orange" data-testid="retries">
+            {retries === 1 ? "1 retry" : `${retries} retries`}
+          </Badge>
+        )}
         {goal.origin === "external" && (
           <Badge color="grape" variant="outline">
             sent by someone else
@@ -32,7 +44,8 @@ export function GoalPanel({ goal }: { goal: Goal }) {
         )}
         {!live && <Badge color="gray.7">Not live</Badge>}
       </Group>
-      <Explanation goal={goal} />
+      <StageSteps goal={goal} />
+      <Explanation goal={goal} verb={verb} />
       <FactList wide>
         <Fact name="Started">
           <Time value={goal.created_at} />
@@ -47,18 +60,18 @@ export function GoalPanel({ goal }: { goal: Goal }) {
 }
 
 /** Why it stands as it does: an alert where something is wrong, a quiet line otherwise. */
-function Explanation({ goal }: { goal: Goal }) {
+function Explanation({ goal, verb }: { goal: Goal; verb: Verb }) {
   const wrong = goal.error !== null || goal.stalled || goal.status === "lost";
   if (!wrong) {
     return (
       <Text size="sm" c="dimmed">
-        {meaning(goal)}
+        {meaning(goal, verb)}
       </Text>
     );
   }
   const hint = advice(goal);
   return (
-    <Alert color={goal.status === "canceled" || goal.stalled ? "orange" : "red"} title={meaning(goal)}>
+    <Alert color={goal.status === "canceled" || goal.stalled ? "orange" : "red"} title={meaning(goal, verb)}>
       {goal.error !== null && <Text size="sm">{sentence(goal.error.detail)}</Text>}
       {hint !== null && <Text size="sm">{hint}</Text>}
       {goal.error !== null && <Text size="sm">Code: {goal.error.code}</Text>}

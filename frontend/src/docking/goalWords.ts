@@ -1,5 +1,7 @@
+import type { Verb } from "../api/client";
 import type { Goal, GoalStatus } from "../api/types";
 import { isTerminal } from "../store/goals";
+import { stageWords } from "./stages";
 
 export const STATUS_COLORS: Record<GoalStatus, string> = {
   pending: "gray.7",
@@ -13,23 +15,33 @@ export const STATUS_COLORS: Record<GoalStatus, string> = {
   lost: "red",
 };
 
-const MEANINGS: Record<GoalStatus, string> = {
+const MEANINGS: Record<Exclude<GoalStatus, "executing" | "succeeded">, string> = {
   pending: "Sent; the action server has not answered yet.",
   accepted: "The action server accepted the goal and will start it.",
-  executing: "The action server is working on the goal until the battery says that it is charging.",
   canceling: "The cancellation was accepted; the robot is being stopped.",
-  succeeded: "The robot is on the dock.",
   canceled: "Canceled as asked.",
   aborted: "The action server gave up on the goal.",
   rejected: "The action server did not accept the goal.",
   lost: "The action server went away while the goal ran.",
 };
 
-/** What the status means, in a sentence. */
-export function meaning(goal: Goal): string {
+const EXECUTING: Record<Verb, string> = {
+  dock: "The action server is working on the goal until the battery says that it is charging.",
+  undock: "The action server backs the robot out of the dock.",
+};
+
+const SUCCEEDED: Record<Verb, string> = {
+  dock: "The robot is on the dock.",
+  undock: "The robot is off the dock.",
+};
+
+/** What status and stage mean, in a sentence. */
+export function meaning(goal: Goal, verb: Verb): string {
   if (goal.stalled && !isTerminal(goal.status)) {
     return "Stalled: the action server is silent and does not answer.";
   }
+  if (goal.status === "succeeded") return SUCCEEDED[verb];
+  if (goal.status === "executing") return stageWords(goal.stage) ?? EXECUTING[verb];
   return MEANINGS[goal.status];
 }
 
@@ -41,10 +53,24 @@ const STALLED =
 const ADVICE: Record<string, string> = {
   action_server_timeout: "Look at the action server's log; it may be frozen.",
   battery_lost: "Check the battery driver, or publish a battery state from this page, then dock again.",
+  blocked: "Look at the robot: something is in its way, a wheel is stuck, or its motors are off.",
   dock_busy: "Wait for the running goal to end, or cancel it first.",
-  failed_to_control: "The server's controller is broken; its log says more.",
+  failed_to_charge:
+    "The robot touches the dock, but no current comes: look at the dock's power, and clean its contacts.",
+  failed_to_control:
+    "Look at what is between robot and dock, then dock again; where it happens again, the controller's log says more.",
+  failed_to_detect_dock:
+    "Bring the robot nearer and turn it to the dock, so that its camera sees the marker.",
+  failed_to_stage: "Clear the way to the staging pose in front of the dock, or bring the robot nearer.",
+  failed_to_undock: "Look at the robot: it may be held by the dock, or something stands behind it.",
+  infrared_lost:
+    "See that nothing stands before the dock's beacon and the robot's receivers, then dock again.",
+  lost_marker: "See that nothing stands before the marker and that it is well lit, then dock again.",
+  odometry_lost: "Check the robot's base driver: nothing comes on odom.",
   preempted: "A newer goal took its place: see Recent goals.",
+  pushed_off: "Somebody or something moved the robot off its dock: dock again.",
   shutting_down: "Start the action server again, then dock again.",
+  stop_latched: "Release the stop, then send the goal again.",
   timeout: "Check the robot's way to the dock, or raise the server's goal_timeout.",
 };
 
@@ -59,18 +85,28 @@ const SHORT: Record<string, string> = {
   action_server_lost: "Action server went away",
   action_server_timeout: "Action server did not answer",
   battery_lost: "Battery fell silent",
+  blocked: "Robot was blocked",
   dock_busy: "Dock was busy",
-  failed_to_control: "Controller failed",
+  failed_to_charge: "No charge on the dock",
+  failed_to_control: "Dock was not reached",
+  failed_to_detect_dock: "Dock was not found",
+  failed_to_stage: "Staging pose was not reached",
+  failed_to_undock: "Did not get off the dock",
   goal_aborted: "No reason given",
+  infrared_lost: "Beacon was lost",
+  lost_marker: "Marker was lost",
+  odometry_lost: "Odometry fell silent",
   preempted: "A newer goal took over",
+  pushed_off: "Pushed off the dock",
   shutting_down: "Action server shut down",
+  stop_latched: "A stop was latched",
   timeout: "Took too long",
 };
 
 /** A few words for a table; the details say more. */
-export function outcome(goal: Goal): string {
+export function outcome(goal: Goal, verb: Verb): string {
   if (goal.error !== null) return SHORT[goal.error.code] ?? goal.error.detail;
-  if (goal.status === "succeeded") return "On the dock";
+  if (goal.status === "succeeded") return verb === "dock" ? "On the dock" : "Off the dock";
   return goal.stalled ? "Server is silent" : "–";
 }
 

@@ -5,6 +5,7 @@ import type { Goal } from "../api/types";
 import { meaning } from "../docking/goalWords";
 import { useServices, useTopic } from "../store/context";
 import { isTerminal } from "../store/goals";
+import { useVerbOf } from "../store/verbs";
 import { CopyButton } from "../ui/CopyButton";
 import { Fact, FactList } from "../ui/Fact";
 import { JsonBlock } from "../ui/JsonBlock";
@@ -35,12 +36,14 @@ export function GoalDrawer({ goalId, onClose }: { goalId: string | null; onClose
 
 function GoalDetails({ goalId }: { goalId: string }) {
   const { gateway } = useServices();
+  const verbOf = useVerbOf();
   const known = useTopic("goals").get(goalId);
+  const verb = known === undefined ? "dock" : verbOf(known);
   // The stream leaves some fields out; the goal itself has them all. Asked for again when the status changes.
   const query = useQuery<Goal, CommandError>({
-    queryKey: ["goal", goalId, known?.status],
+    queryKey: ["goal", verb, goalId, known?.status],
     queryFn: () =>
-      gateway.goal(goalId).catch((error: unknown) => {
+      gateway.goal(verb, goalId).catch((error: unknown) => {
         throw toCommandError(error);
       }),
     placeholderData: (previous) => previous,
@@ -55,7 +58,7 @@ function GoalDetails({ goalId }: { goalId: string }) {
         <CopyButton value={goal.goal_id} what="the goal id" />
       </div>
       <Text component="div" size="sm">
-        <GoalStatusBadge status={goal.status} /> {meaning(goal)}
+        <GoalStatusBadge status={goal.status} /> {meaning(goal, verb)}
       </Text>
       {goal.error !== null && (
         <Text size="sm">
@@ -77,6 +80,8 @@ function GoalDetails({ goalId }: { goalId: string }) {
           <Time value={goal.created_at} />
         </Fact>
         <Fact name="Ended">{goal.finished_at === null ? "–" : <Time value={goal.finished_at} />}</Fact>
+        {goal.stage !== null && <Fact name="Stage">{goal.stage}</Fact>}
+        {goal.retries !== null && <Fact name="Retries">{goal.retries}</Fact>}
         <Fact name="Feedback messages">{goal.feedback_count}</Fact>
         <Fact name="Action">{goal.action_name}</Fact>
         <Fact name="Type">{goal.action_type}</Fact>

@@ -1,11 +1,13 @@
 import { Badge, Button, Table, Text } from "@mantine/core";
 import { useMemo, useState } from "react";
+import type { Verb } from "../api/client";
 import type { Goal } from "../api/types";
 import { outcome } from "../docking/goalWords";
 import { useLive, useServices, useTopic } from "../store/context";
 import { newestFirst } from "../store/goals";
 import { MAX_GOALS } from "../store/state";
 import { useGatewayNow } from "../store/useGatewayNow";
+import { useVerbOf } from "../store/verbs";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Section } from "../ui/Section";
 import { sentence } from "../ui/sentence";
@@ -29,14 +31,16 @@ export function GoalsCard() {
     <Section title="Recent goals">
       {sorted.length === 0 ? (
         <Text size="sm" c="dimmed">
-          Every goal on the docking action is listed here: those sent from this page, over HTTP, and by other
-          ROS nodes. Press Dock, or type <em>curl -X POST {window.location.origin}/dock</em>
+          Every goal on the docking and undocking actions is listed here: those sent from this page, over
+          HTTP, and by other ROS nodes. Press Dock, or type{" "}
+          <em>curl -X POST {window.location.origin}/dock</em>
         </Text>
       ) : (
         <Table verticalSpacing="xs" horizontalSpacing={8} highlightOnHover>
           <Table.Thead>
             <Table.Tr>
               <Table.Th>Started</Table.Th>
+              <Table.Th visibleFrom="xs">Goal</Table.Th>
               <Table.Th>Status</Table.Th>
               <Table.Th visibleFrom="sm">Origin</Table.Th>
               <Table.Th visibleFrom="sm">Duration</Table.Th>
@@ -59,6 +63,7 @@ export function GoalsCard() {
 }
 
 function GoalRow({ goal, onOpen }: { goal: Goal; onOpen: () => void }) {
+  const verb = useVerbOf()(goal);
   return (
     <Table.Tr className={classes.row} onClick={onOpen}>
       <Table.Td>
@@ -66,6 +71,7 @@ function GoalRow({ goal, onOpen }: { goal: Goal; onOpen: () => void }) {
           <Time value={goal.created_at} />
         </button>
       </Table.Td>
+      <Table.Td visibleFrom="xs">{sentence(verb)}</Table.Td>
       <Table.Td>
         <GoalStatusBadge status={goal.status} />
       </Table.Td>
@@ -79,7 +85,7 @@ function GoalRow({ goal, onOpen }: { goal: Goal; onOpen: () => void }) {
       </Table.Td>
       <Table.Td>
         <Text size="sm" lineClamp={2} title={goal.error?.detail}>
-          {sentence(outcome(goal))}
+          {sentence(outcome(goal, verb))}
         </Text>
       </Table.Td>
     </Table.Tr>
@@ -94,6 +100,11 @@ function Duration({ goal }: { goal: Goal }) {
   return live ? formatDuration(now - start) : "not live";
 }
 
+const VERBS = ["dock", "undock"] as const;
+
+/** Where the next page of each action begins: undefined before the first was asked for, null after the last. */
+type Cursors = Record<Verb, string | null | undefined>;
+
 interface MoreGoalsProps {
   loaded: number;
   shown: number;
@@ -104,17 +115,19 @@ interface MoreGoalsProps {
 function MoreGoals({ loaded, shown, onShow }: MoreGoalsProps) {
   const { gateway, store } = useServices();
   const live = useLive();
-  /** Undefined before the first page was asked for; null after the last. */
-  const [cursor, setCursor] = useState<string | null | undefined>();
+  const undocks = useTopic("undockServer") !== null;
+  const [cursors, setCursors] = useState<Cursors>({ dock: undefined, undock: undefined });
+  const left = VERBS.filter((verb) => cursors[verb] !== null && (verb === "dock" || undocks));
   const load = useCommand(async () => {
-    const page = await gateway.goals(cursor ?? null);
-    store.addGoals(page.goals);
-    setCursor(page.next_cursor);
+    const pages = await Promise.all(left.map((verb) => gateway.goals(verb, cursors[verb] ?? null)));
+    store.addGoals(pages.flatMap((page) => page.goals));
+    const next = left.map((verb, index) => [verb, pages[index]?.next_cursor ?? null]);
+    setCursors((before) => ({ ...before, ...Object.fromEntries(next) }));
     onShow();
   });
   const hidden = loaded - shown;
   const full = loaded >= MAX_GOALS;
-  const canLoad = hidden <= 0 && cursor !== null && !full && loaded >= PAGE;
+  const canLoad = hidden <= 0 && left.length > 0 && !full && loaded >= PAGE;
 
   if (hidden <= 0 && !canLoad && !full) return null;
 

@@ -3,6 +3,10 @@ import { BatteryCard } from "../battery/BatteryCard";
 import { PublisherCard } from "../battery/PublisherCard";
 import { DockingCard } from "../docking/DockingCard";
 import { GoalsCard } from "../goals/GoalsCard";
+import { SceneCard } from "../scene/SceneCard";
+import { SimulatorCard } from "../simulator/SimulatorCard";
+import { StopBanner } from "../stop/StopBanner";
+import { Answers } from "./Answers";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { CurlCard } from "./CurlCard";
 import { Header } from "./Header";
@@ -11,16 +15,22 @@ import classes from "./layout.module.css";
 export function App() {
   return (
     <>
+      <Answers />
       <Header />
       <Container component="main" size="xl" py="md">
         <Stack gap="md">
           <ConnectionBanner />
+          <StopBanner />
           <div className={classes.grid}>
             <DockingCard />
+            <SceneCard />
             <BatteryCard />
-            <PublisherCard />
-            <GoalsCard />
+            <div className={classes.column}>
+              <SimulatorCard />
+              <PublisherCard />
+            </div>
           </div>
+          <GoalsCard />
           <CurlCard />
         </Stack>
       </Container>

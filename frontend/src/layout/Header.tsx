@@ -1,9 +1,10 @@
 import { Anchor, Container, Group, Title } from "@mantine/core";
+import { ShortcutsButton } from "../stop/ShortcutsButton";
+import { StopButton } from "../stop/StopButton";
 import { ActionServerStatus } from "./ActionServerStatus";
 import { ColorSchemeSwitch } from "./ColorSchemeSwitch";
 import { ConnectionStatus } from "./ConnectionStatus";
 import classes from "./layout.module.css";
-import { StopButton } from "./StopButton";
 
 export function Header() {
   return (
@@ -21,6 +22,7 @@ export function Header() {
             <Anchor href="/docs" size="sm" visibleFrom="sm">
               API
             </Anchor>
+            <ShortcutsButton />
             <ColorSchemeSwitch />
             <StopButton />
           </Group>

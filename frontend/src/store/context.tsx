@@ -1,12 +1,14 @@
 import { createContext, useCallback, useContext, useSyncExternalStore } from "react";
 import type { Gateway } from "../api/client";
 import type { BatterySeries } from "../battery/series";
+import type { SceneBuffer } from "../scene/buffer";
 import type { Store, Topic, Topics } from "./store";
 
 export interface Services {
   gateway: Gateway;
   store: Store;
   series: BatterySeries;
+  scene: SceneBuffer;
 }
 
 const ServicesContext = createContext<Services | null>(null);

@@ -1,5 +1,5 @@
 import type { EventOf, Goal, GoalStatus } from "../api/types";
-import { MAX_ARRIVALS, MAX_GOALS, type State } from "./state";
+import { MAX_ARRIVALS, MAX_GOALS, MAX_STAGES, type Stages, type State } from "./state";
 
 const FINAL: ReadonlySet<GoalStatus> = new Set(["succeeded", "canceled", "aborted", "rejected"]);
 
@@ -22,11 +22,21 @@ export function applyStatus(state: State, event: EventOf<"status">): State {
   const { type: _type, id: _id, time: _time, ...summary } = event;
   const known = state.goals.get(event.goal_id);
   if (known && isFinal(known.status) && known.status !== event.status) return state;
-  return withGoal(state, {
+  const next = withGoal(state, {
     ...summary,
     feedback: known?.feedback ?? null,
     result: known?.result ?? null,
   });
+  return { ...next, stages: withStage(next.stages, event) };
+}
+
+/** Stages of the end and of no goal are not stages of the way. */
+const NOT_ON_THE_WAY = new Set(["IDLE", "SUCCEEDED", "CANCELED", "ABORTED", "REJECTED"]);
+
+function withStage(stages: Stages, { goal_id, stage }: Pick<Goal, "goal_id" | "stage">): Stages {
+  const seen = stages.get(goal_id) ?? [];
+  if (stage === null || NOT_ON_THE_WAY.has(stage) || seen.at(-1) === stage) return stages;
+  return new Map(stages).set(goal_id, [...seen, stage].slice(-MAX_STAGES));
 }
 
 export function applyFeedback(state: State, event: EventOf<"feedback">): State {
@@ -70,15 +80,16 @@ export function mergeGoals(state: State, goals: readonly Goal[]): State {
 }
 
 /**
- * The snapshot's goals on one action are the truth; ended ones that are older than those it holds are kept.
+ * The snapshot's goals on the page's actions are the truth; ended ones that are older than those it holds are kept.
  *
  * @param goals Those of every action on the graph.
  */
-export function snapshotGoals(state: State, actionName: string, goals: readonly Goal[]): State {
+export function snapshotGoals(state: State, actionNames: readonly string[], goals: readonly Goal[]): State {
   const ended = [...state.goals.values()].filter((goal) => isFinal(goal.status));
-  const ours = [...ended, ...goals].filter((goal) => goal.action_name === actionName);
+  const ours = [...ended, ...goals].filter((goal) => actionNames.includes(goal.action_name));
   const map = new Map(ours.map((goal) => [goal.goal_id, goal]));
-  return prune({ ...state, goals: map, arrivals: new Map() });
+  const next = prune({ ...state, goals: map, arrivals: new Map() });
+  return { ...next, stages: ours.reduce(withStage, next.stages) };
 }
 
 function withGoal(state: State, goal: Goal): State {
@@ -96,7 +107,8 @@ function prune(state: State): State {
   const ended = newestFirst(state.goals).filter((goal) => isTerminal(goal.status));
   const goals = new Map(state.goals);
   for (const goal of ended.slice(ended.length - (state.goals.size - MAX_GOALS))) goals.delete(goal.goal_id);
-  return { ...state, goals, arrivals };
+  const stages = new Map([...state.stages].filter(([id]) => goals.has(id)));
+  return { ...state, goals, arrivals, stages };
 }
 
 /** A goal that is known from one event only. */
@@ -110,6 +122,8 @@ function unknownGoal(
     action_type: "",
     status,
     stalled: false,
+    stage: null,
+    retries: null,
     origin: "external",
     goal: null,
     feedback: null,

@@ -1,11 +1,11 @@
-import type { EventOf, GatewayEvent } from "../api/types";
+import type { ActionServer, EventOf, GatewayEvent } from "../api/types";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "./goals";
 import { MAX_SEEN, type State } from "./state";
 
 /**
  * The state after an event. Pure; returns the same object where the event changes nothing, and keeps every part that it
- * does not touch. The page is about one docking action, the one that the snapshot names: events of the other actions on
- * the graph, whose messages have other fields, change nothing.
+ * does not touch. The page is about one docking action and the undocking action beside it, those that the snapshot names:
+ * events of the other actions on the graph, whose messages have other fields, change nothing.
  *
  * @param now This computer's time when the event came (ms).
  */
@@ -19,9 +19,17 @@ export function reduce(state: State, event: GatewayEvent, now: number): State {
 }
 
 function isOfAnotherAction(state: State, event: GatewayEvent): boolean {
-  const ours = state.actionServer?.action_name;
-  if ("action_name" in event) return event.action_name !== ours;
-  return event.type === "action_server" && event.action_server.action_name !== ours;
+  const name =
+    "action_name" in event
+      ? event.action_name
+      : event.type === "action_server"
+        ? event.action_server.action_name
+        : null;
+  return name !== null && !actionsOf(state).includes(name);
+}
+
+function actionsOf({ actionServer, undockServer }: Pick<State, "actionServer" | "undockServer">): string[] {
+  return [actionServer, undockServer].flatMap((server) => (server === null ? [] : [server.action_name]));
 }
 
 function applyEvent(state: State, event: GatewayEvent, now: number): State {
@@ -44,7 +52,13 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
     case "battery_publisher":
       return { ...state, publisher: event.battery_publisher, publisherToldAt: Date.parse(event.time) };
     case "action_server":
-      return { ...state, actionServer: event.action_server };
+      return event.action_server.action_name === state.undockServer?.action_name
+        ? { ...state, undockServer: event.action_server }
+        : { ...state, actionServer: event.action_server };
+    case "stop":
+      return { ...state, stop: event.stop };
+    case "simulator":
+      return { ...state, simulator: event.simulator.available ? event.simulator : null };
     case "heartbeat":
       // The smallest difference is the one with the least delay on the way.
       return { ...state, clockSkew: Math.min(state.clockSkew, now - Date.parse(event.time)) };
@@ -57,6 +71,10 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
 
 function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): State {
   const { state: battery, received_at, stale_after_s } = event.battery;
+  const servers = {
+    actionServer: event.action_server,
+    undockServer: undockServer(state, event.action_server.action_name),
+  };
   return snapshotGoals(
     {
       ...state,
@@ -68,12 +86,23 @@ function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): S
       cmdVel: { twist: null, receivedAt: null },
       publisher: event.battery_publisher,
       publisherToldAt: Date.parse(event.time),
-      actionServer: event.action_server,
+      ...servers,
+      stop: event.stop,
+      simulator: null,
       clockSkew: now - Date.parse(event.time),
     },
-    event.action_server.action_name,
+    actionsOf(servers),
     event.goals,
   );
+}
+
+const UNDOCK = "disconnect_from_charging_dock";
+
+/** The undocking action is beside the docking action; whether somebody offers it, the snapshot does not say. */
+function undockServer({ undockServer }: State, dockName: string): ActionServer {
+  const action_name = dockName.slice(0, dockName.lastIndexOf("/") + 1) + UNDOCK;
+  if (undockServer?.action_name === action_name) return undockServer;
+  return { action_name, available: false, answering: false };
 }
 
 function remember(seen: ReadonlySet<string>, id: string): ReadonlySet<string> {

@@ -1,4 +1,4 @@
-import type { ActionServer, BatteryState, Goal, Publisher, Twist } from "../api/types";
+import type { ActionServer, BatteryState, Goal, Publisher, Simulator, StopState, Twist } from "../api/types";
 
 /** Ended goals beyond this number are forgotten, the oldest first; running ones never are. */
 export const MAX_GOALS = 200;
@@ -8,6 +8,9 @@ export const MAX_SEEN = 512;
 
 /** Arrival times that a feedback rate is made of. */
 export const MAX_ARRIVALS = 32;
+
+/** Stages of one goal that are remembered. */
+export const MAX_STAGES = 40;
 
 export interface Battery {
   /** Null until a first message has come. */
@@ -27,15 +30,23 @@ export interface CmdVel {
 /** The goal's id → when its latest feedback messages came, in the gateway's time (ms), oldest first. */
 export type Arrivals = ReadonlyMap<string, readonly number[]>;
 
+/** The goal's id → the stages that it was seen in, in order, without those of its end. */
+export type Stages = ReadonlyMap<string, readonly string[]>;
+
 export interface State {
   goals: ReadonlyMap<string, Goal>;
   arrivals: Arrivals;
+  stages: Stages;
   battery: Battery;
   cmdVel: CmdVel;
   publisher: Publisher | null;
   /** When that was told, in the gateway's time (ms): while it runs, about once a second. */
   publisherToldAt: number;
   actionServer: ActionServer | null;
+  undockServer: ActionServer | null;
+  stop: StopState;
+  /** Null where no simulator is on the graph, as far as is known. */
+  simulator: Simulator | null;
   /** Feedback messages that the gateway did not send because this page was too slow. */
   dropped: number;
   /** This computer's clock minus the gateway's (ms), as well as is known. */
@@ -46,11 +57,15 @@ export interface State {
 export const initialState: State = {
   goals: new Map(),
   arrivals: new Map(),
+  stages: new Map(),
   battery: { state: null, receivedAt: null, staleAfterS: Number.POSITIVE_INFINITY },
   cmdVel: { twist: null, receivedAt: null },
   publisher: null,
   publisherToldAt: 0,
   actionServer: null,
+  undockServer: null,
+  stop: { latched: false, since: null, by: null, robots: [] },
+  simulator: null,
   dropped: 0,
   clockSkew: 0,
   seen: new Set(),

@@ -1,4 +1,4 @@
-import type { EventOf, GatewayEvent, Goal } from "../api/types";
+import type { ActionServer, EventOf, GatewayEvent, Goal, Simulator, StopState } from "../api/types";
 import {
   type Connection,
   type ConnectionInput,
@@ -31,6 +31,7 @@ export class Store {
   #timer: ReturnType<typeof setTimeout> | undefined;
   readonly #listeners = new Map<Topic, Set<() => void>>();
   readonly #batteryListeners = new Set<(event: EventOf<"battery">) => void>();
+  readonly #sceneListeners = new Set<(event: EventOf<"scene">) => void>();
   readonly #now: () => number;
 
   constructor(now: () => number = Date.now) {
@@ -40,6 +41,10 @@ export class Store {
   }
 
   readonly onEvent = (event: GatewayEvent): void => {
+    if (event.type === "scene") {
+      for (const listener of this.#sceneListeners) listener(event);
+      return;
+    }
     const before = this.#state;
     this.#state = reduce(before, event, this.#now());
     if (this.#state === before) return;
@@ -60,6 +65,24 @@ export class Store {
     this.#schedule();
   }
 
+  /** Takes up what an answer over HTTP says of the simulator; null where there is none. */
+  readonly setSimulator = (simulator: Simulator | null): void => {
+    this.#state = { ...this.#state, simulator };
+    this.#schedule();
+  };
+
+  /** Takes up what an answer over HTTP says of the undocking action. */
+  readonly setUndockServer = ({ action_name, available, answering }: ActionServer): void => {
+    this.#state = { ...this.#state, undockServer: { action_name, available, answering } };
+    this.#schedule();
+  };
+
+  /** Takes up what an answer over HTTP says of the stop: at once, as people wait for it. */
+  setStop(stop: StopState): void {
+    this.#state = { ...this.#state, stop };
+    this.#flush();
+  }
+
   /** What is shown of a topic; the same object until it changes. */
   get<T extends Topic>(topic: T): Topics[T] {
     return this.#shown[topic];
@@ -75,6 +98,12 @@ export class Store {
   onBattery(listener: (event: EventOf<"battery">) => void): () => void {
     this.#batteryListeners.add(listener);
     return () => this.#batteryListeners.delete(listener);
+  }
+
+  /** Every scene as it comes: for the picture, which is drawn outside of React. */
+  onScene(listener: (event: EventOf<"scene">) => void): () => void {
+    this.#sceneListeners.add(listener);
+    return () => this.#sceneListeners.delete(listener);
   }
 
   /** Now, in the gateway's time (ms): what its timestamps are compared with. */

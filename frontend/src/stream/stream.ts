@@ -12,7 +12,7 @@ export interface StreamHandlers {
 /** Where the events are, for a page at `location`. */
 export function streamUrl(location: Pick<Location, "protocol" | "host">): string {
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-  return `${scheme}//${location.host}/ws/feedback?include=battery,cmd_vel,system`;
+  return `${scheme}//${location.host}/ws/feedback?include=battery,cmd_vel,system,scene`;
 }
 
 /** Half a second, growing to eight; drawn anew for each attempt, so that a hundred open pages do not return as one. */

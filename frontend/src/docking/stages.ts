@@ -1,0 +1,65 @@
+import type { Verb } from "../api/client";
+import type { Goal } from "../api/types";
+import { isTerminal } from "../store/goals";
+
+export type StepState = "done" | "current" | "failed" | "waiting";
+
+export interface Step {
+  stage: string;
+  label: string;
+  state: StepState;
+}
+
+const LABELS: Record<string, string> = {
+  INITIAL_PERCEPTION: "Perception",
+  NAV_TO_STAGING_POSE: "Staging",
+  CONTROLLING: "Controlling",
+  WAIT_FOR_CHARGE: "Wait for charge",
+  UNDOCKING: "Backing out",
+};
+
+const DOCKING = ["INITIAL_PERCEPTION", "NAV_TO_STAGING_POSE", "CONTROLLING", "WAIT_FOR_CHARGE"];
+const UNDOCKING = ["UNDOCKING"];
+
+/**
+ * The way of a goal, step by step, and how far it is; none where the action server tells no stages. A controller that
+ * only controls, as `rotate` does, has that one step.
+ *
+ * @param seen The stages that the goal was seen in, in order.
+ */
+export function stepsOf(goal: Goal, seen: readonly string[], verb: Verb): Step[] {
+  const all = verb === "undock" ? UNDOCKING : DOCKING;
+  const known = seen.filter((stage) => all.includes(stage));
+  const last = known.at(-1);
+  if (last === undefined) return [];
+  const way = known.every((stage) => stage === "CONTROLLING") ? ["CONTROLLING"] : all;
+  const reached = way.indexOf(last);
+  const retrying = seen.lastIndexOf("RETRY") > seen.lastIndexOf(last);
+  return way.map((stage, index) => ({
+    stage,
+    label: LABELS[stage] ?? stage,
+    state: stateOf(goal, index - reached, retrying),
+  }));
+}
+
+/** @param ahead How many steps the goal is before this one; negative where it is beyond. */
+function stateOf(goal: Goal, ahead: number, retrying: boolean): StepState {
+  if (goal.status === "succeeded" || ahead < 0) return "done";
+  if (ahead > 0) return "waiting";
+  return retrying || isTerminal(goal.status) ? "failed" : "current";
+}
+
+const WORDS: Record<string, string> = {
+  INITIAL_PERCEPTION: "Looking for the dock.",
+  NAV_TO_STAGING_POSE: "Driving to the staging pose in front of the dock.",
+  CONTROLLING: "The controller moves the robot until the battery says that it is charging.",
+  WAIT_FOR_CHARGE: "On the dock, waiting for the battery to charge.",
+  RETRY: "Backing off to try again.",
+  UNDOCKING: "Backing out of the dock.",
+  WAIT_FOR_BATTERY: "The battery is silent: the wheels stand still until a battery state comes.",
+};
+
+/** What a stage means, in a sentence; null where it is none of the way. */
+export function stageWords(stage: string | null): string | null {
+  return stage === null ? null : (WORDS[stage] ?? null);
+}

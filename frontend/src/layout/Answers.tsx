@@ -1,0 +1,38 @@
+import { useEffect } from "react";
+import { useScene } from "../scene/useScene";
+import { useLive, useServices, useTopic } from "../store/context";
+
+/**
+ * Asks, whenever the page is connected anew, for what the snapshot does not hold; events tell of what changes later.
+ * Shows nothing. The simulator is asked for where there is a true pose, which nobody else tells.
+ */
+export function Answers() {
+  const { gateway, store } = useServices();
+  const live = useLive();
+  const { scene, fresh } = useScene();
+  const simulated = fresh && scene?.frame === "world";
+  const undock = useTopic("undockServer")?.action_name;
+
+  useEffect(() => {
+    if (live && simulated) return ask(gateway.simulator(), store.setSimulator);
+  }, [gateway, store, live, simulated]);
+
+  useEffect(() => {
+    if (!live) return;
+    return ask(gateway.actions(), (servers) => {
+      for (const server of servers) if (server.action_name === undock) store.setUndockServer(server);
+    });
+  }, [gateway, store, live, undock]);
+
+  return null;
+}
+
+/** Hands on the answer unless the returned function was called before it came. */
+function ask<Answer>(answer: Promise<Answer>, take: (answer: Answer) => void): () => void {
+  let wanted = true;
+  // Without an answer it is as before; what is wrong with the connection is said at the top.
+  answer.then((value) => wanted && take(value)).catch(() => {});
+  return () => {
+    wanted = false;
+  };
+}

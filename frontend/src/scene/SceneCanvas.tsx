@@ -1,0 +1,96 @@
+import { ActionIcon, useComputedColorScheme } from "@mantine/core";
+import { useElementSize, useReducedMotion } from "@mantine/hooks";
+import { type ReactNode, useEffect, useRef } from "react";
+import { useServices } from "../store/context";
+import { SCENE_COLORS } from "./colors";
+import type { Pose } from "./geometry";
+import { Gestures } from "./gestures";
+import { Painter } from "./painter";
+import classes from "./scene.module.css";
+
+interface SceneCanvasProps {
+  /** Whether the robot can be dragged. */
+  placeable: boolean;
+  /** The id of the picture in words. */
+  describedBy: string;
+  /** Called where the robot was put somewhere; the picture shows it there until the promise is settled. */
+  onPlace: (pose: Pose) => Promise<void>;
+  /** Called where the keyboard moves the robot that is about to be placed; null where it was given up. */
+  onGhost: (pose: Pose | null) => void;
+}
+
+const ZOOM_STEP = 1.4;
+
+/** The robot and its dock from above. Draws outside of React. */
+export function SceneCanvas({ placeable, describedBy, onPlace, onGhost }: SceneCanvasProps) {
+  const { scene } = useServices();
+  const scheme = useComputedColorScheme("light");
+  const reducedMotion = useReducedMotion();
+  const { ref: boxRef, width, height } = useElementSize<HTMLDivElement>();
+  const canvasRef = useRef<HTMLCanvasElement>(null);
+  const painterRef = useRef<Painter | null>(null);
+  const handlers = useRef({ onPlace, onGhost });
+  const latest = useRef({ width, height, placeable });
+  handlers.current = { onPlace, onGhost };
+  latest.current = { width, height, placeable };
+
+  useEffect(() => {
+    const canvas = canvasRef.current;
+    if (canvas === null) return;
+    const painter = new Painter(canvas, scene, SCENE_COLORS[scheme], reducedMotion, painterRef.current);
+    painter.resize(latest.current);
+    painter.handle = latest.current.placeable;
+    const place = (pose: Pose) => {
+      handlers.current.onPlace(pose).finally(() => {
+        if (painter.ghost === pose) painter.showGhost(null);
+      });
+    };
+    const gestures = new Gestures(canvas, painter, place, (pose) => handlers.current.onGhost(pose));
+    painterRef.current = painter;
+    return () => {
+      gestures.destroy();
+      painter.destroy();
+    };
+  }, [scene, scheme, reducedMotion]);
+
+  useEffect(() => painterRef.current?.resize({ width, height }), [width, height]);
+  useEffect(() => {
+    if (painterRef.current !== null) painterRef.current.handle = placeable;
+  }, [placeable]);
+
+  return (
+    <div className={classes.frame} ref={boxRef}>
+      {/* biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: an application takes keys, a canvas alone says nothing */}
+      <canvas
+        ref={canvasRef}
+        className={classes.canvas}
+        role="application"
+        aria-label="Picture of the robot and its dock from above"
+        aria-describedby={describedBy}
+        tabIndex={0}
+        data-testid="scene"
+      />
+      <div className={classes.tools}>
+        <Tool name="Closer" onClick={() => painterRef.current?.zoomBy(ZOOM_STEP)}>
+          <path d="M11 5h2v6h6v2h-6v6h-2v-6H5v-2h6V5Z" />
+        </Tool>
+        <Tool name="Farther" onClick={() => painterRef.current?.zoomBy(1 / ZOOM_STEP)}>
+          <path d="M5 11h14v2H5v-2Z" />
+        </Tool>
+        <Tool name="Show all" onClick={() => painterRef.current?.showAll()}>
+          <path d="M4 4h6v2H6v4H4V4Zm10 0h6v6h-2V6h-4V4ZM4 14h2v4h4v2H4v-6Zm14 0h2v6h-6v-2h4v-4Z" />
+        </Tool>
+      </div>
+    </div>
+  );
+}
+
+function Tool({ name, onClick, children }: { name: string; onClick: () => void; children: ReactNode }) {
+  return (
+    <ActionIcon variant="default" size="lg" aria-label={name} title={name} onClick={onClick}>
+      <svg width="18" height="18" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
+        {children}
+      </svg>
+    </ActionIcon>
+  );
+}

@@ -1,0 +1,51 @@
+export interface SceneColors {
+  grid: string;
+  axis: string;
+  text: string;
+  robot: string;
+  robotEdge: string;
+  onRobot: string;
+  trail: string;
+  dock: string;
+  dockEdge: string;
+  contact: string;
+  staging: string;
+  marker: string;
+  beam: string;
+  ghost: string;
+}
+
+export const SCENE_COLORS: Record<"light" | "dark", SceneColors> = {
+  light: {
+    grid: "#eef0f2",
+    axis: "#ced4da",
+    text: "#343a40",
+    robot: "#1864ab",
+    robotEdge: "#0b3d6b",
+    onRobot: "#ffffff",
+    trail: "#4dabf7",
+    dock: "#495057",
+    dockEdge: "#212529",
+    contact: "#237032",
+    staging: "#862e9c",
+    marker: "#c2255c",
+    beam: "#f08c00",
+    ghost: "#1864ab",
+  },
+  dark: {
+    grid: "#303030",
+    axis: "#4a4a4a",
+    text: "#dee2e6",
+    robot: "#4dabf7",
+    robotEdge: "#a5d8ff",
+    onRobot: "#12202e",
+    trail: "#339af0",
+    dock: "#868e96",
+    dockEdge: "#ced4da",
+    contact: "#69db7c",
+    staging: "#da77f2",
+    marker: "#ff8fb1",
+    beam: "#ffc078",
+    ghost: "#a5d8ff",
+  },
+};

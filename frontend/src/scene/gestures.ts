@@ -1,0 +1,193 @@
+import { distance, normalizeAngle, type Point, type Pose, toRadians } from "./geometry";
+import type { Painter } from "./painter";
+import { HANDLE_RADIUS_PX, handlePlace } from "./renderer";
+import { ROBOT_RADIUS_M } from "./shapes";
+import { toScreen } from "./view";
+
+/** What is meant to be touched may be missed by this much, in CSS pixels. */
+const REACH_PX = 22;
+const STEP_M = 0.05;
+const TURN_RAD = toRadians(5);
+const PAN_PX = 40;
+const ZOOM_STEP = 1.3;
+
+type Drag =
+  | { kind: "pan"; at: Point }
+  | { kind: "move"; grip: Point; theta: number }
+  | { kind: "turn"; robot: Pose };
+
+/** What pointer and keyboard do to the picture, and to the robot where it can be placed. */
+export class Gestures {
+  #drag: Drag | null = null;
+  readonly #pointers = new Map<number, Point>();
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly painter: Painter,
+    /** Called where the robot was put somewhere. */
+    private readonly onPlace: (pose: Pose) => void,
+    /** Called where the keyboard moves the robot that is about to be placed; null where it was given up. */
+    private readonly onGhost: (pose: Pose | null) => void,
+  ) {
+    canvas.addEventListener("pointerdown", this.#down);
+    canvas.addEventListener("pointermove", this.#move);
+    canvas.addEventListener("pointerup", this.#up);
+    canvas.addEventListener("pointercancel", this.#cancel);
+    canvas.addEventListener("wheel", this.#wheel, { passive: false });
+    canvas.addEventListener("touchstart", this.#touch, { passive: false });
+    canvas.addEventListener("keydown", this.#key);
+  }
+
+  destroy(): void {
+    this.canvas.removeEventListener("pointerdown", this.#down);
+    this.canvas.removeEventListener("pointermove", this.#move);
+    this.canvas.removeEventListener("pointerup", this.#up);
+    this.canvas.removeEventListener("pointercancel", this.#cancel);
+    this.canvas.removeEventListener("wheel", this.#wheel);
+    this.canvas.removeEventListener("touchstart", this.#touch);
+    this.canvas.removeEventListener("keydown", this.#key);
+  }
+
+  readonly #down = (event: PointerEvent): void => {
+    if (event.button !== 0) return;
+    const place = this.#place(event);
+    this.#pointers.set(event.pointerId, place);
+    this.canvas.setPointerCapture(event.pointerId);
+    if (this.#pointers.size > 1) {
+      this.painter.showGhost(null);
+      this.#drag = null;
+      return;
+    }
+    this.#drag = this.#dragAt(place);
+    this.canvas.style.cursor = this.#drag.kind === "pan" ? "move" : "grabbing";
+  };
+
+  readonly #move = (event: PointerEvent): void => {
+    const place = this.#place(event);
+    if (!this.#pointers.has(event.pointerId)) {
+      this.canvas.style.cursor = this.#dragAt(place).kind === "pan" ? "" : "grab";
+      return;
+    }
+    if (this.#pointers.size > 1) this.#pinch(event.pointerId, place);
+    else if (this.#drag !== null) this.#drag = this.#continue(this.#drag, place);
+    this.#pointers.set(event.pointerId, place);
+  };
+
+  readonly #up = (event: PointerEvent): void => {
+    const drag = this.#drag;
+    this.#forget(event);
+    if (drag === null || drag.kind === "pan" || this.painter.ghost === null) return;
+    this.onPlace(this.painter.ghost);
+  };
+
+  readonly #cancel = (event: PointerEvent): void => {
+    this.#forget(event);
+    this.painter.showGhost(null);
+  };
+
+  #forget(event: PointerEvent): void {
+    this.#pointers.delete(event.pointerId);
+    this.#drag = null;
+    this.canvas.style.cursor = "";
+  }
+
+  #dragAt(place: Point): Drag {
+    const robot = this.painter.ghost ?? this.painter.robot;
+    if (this.painter.handle && robot !== null) {
+      const { view, size } = this.painter;
+      if (distance(place, handlePlace(view, size, robot)) <= HANDLE_RADIUS_PX + REACH_PX / 2) {
+        return { kind: "turn", robot };
+      }
+      if (distance(place, toScreen(view, size, robot)) <= Math.max(ROBOT_RADIUS_M * view.scale, REACH_PX)) {
+        const point = this.painter.toWorld(place);
+        return { kind: "move", grip: { x: robot.x - point.x, y: robot.y - point.y }, theta: robot.theta };
+      }
+    }
+    return { kind: "pan", at: place };
+  }
+
+  #continue(drag: Drag, place: Point): Drag {
+    if (drag.kind === "pan") {
+      this.painter.panBy(place.x - drag.at.x, place.y - drag.at.y);
+      return { kind: "pan", at: place };
+    }
+    const point = this.painter.toWorld(place);
+    if (drag.kind === "move") {
+      this.painter.showGhost({ x: point.x + drag.grip.x, y: point.y + drag.grip.y, theta: drag.theta });
+    } else {
+      const theta = Math.atan2(point.y - drag.robot.y, point.x - drag.robot.x);
+      this.painter.showGhost({ ...drag.robot, theta });
+    }
+    return drag;
+  }
+
+  #pinch(pointerId: number, place: Point): void {
+    const before = this.#pointers.get(pointerId);
+    const other = [...this.#pointers].find(([id]) => id !== pointerId)?.[1];
+    if (before === undefined || other === undefined) return;
+    const factor = distance(place, other) / Math.max(1, distance(before, other));
+    this.painter.zoomBy(factor, { x: (place.x + other.x) / 2, y: (place.y + other.y) / 2 });
+    this.painter.panBy((place.x - before.x) / 2, (place.y - before.y) / 2);
+  }
+
+  /** The wheel alone scrolls the page; with Ctrl, as a pinch on a trackpad sends it, it zooms. */
+  readonly #wheel = (event: WheelEvent): void => {
+    if (!event.ctrlKey && !event.metaKey) return;
+    event.preventDefault();
+    this.painter.zoomBy(Math.exp(-event.deltaY / 300), this.#place(event));
+  };
+
+  /** A finger on the robot drags it, a finger anywhere else scrolls the page. */
+  readonly #touch = (event: TouchEvent): void => {
+    const [touch] = event.touches;
+    if (touch === undefined) return;
+    if (event.touches.length > 1 || this.#dragAt(this.#place(touch)).kind !== "pan") event.preventDefault();
+  };
+
+  readonly #key = (event: KeyboardEvent): void => {
+    if (event.altKey || event.metaKey || !this.#handleKey(event)) return;
+    event.preventDefault();
+  };
+
+  #handleKey({ key, shiftKey, ctrlKey }: KeyboardEvent): boolean {
+    const arrow = ARROWS[key];
+    if (arrow !== undefined) {
+      if (this.painter.handle && !ctrlKey) this.#nudge(arrow, shiftKey);
+      else this.painter.panBy(-arrow.x * PAN_PX, arrow.y * PAN_PX);
+      return true;
+    }
+    if (ctrlKey) return false;
+    const { ghost } = this.painter;
+    if (key === "+" || key === "=") this.painter.zoomBy(ZOOM_STEP);
+    else if (key === "-") this.painter.zoomBy(1 / ZOOM_STEP);
+    else if (key === "0") this.painter.showAll();
+    else if (key === "Enter" && ghost !== null) this.onPlace(ghost);
+    else if (key === "Escape" && ghost !== null) {
+      this.painter.showGhost(null);
+      this.onGhost(null);
+    } else return false;
+    return true;
+  }
+
+  #nudge(arrow: Point, turning: boolean): void {
+    const robot = this.painter.ghost ?? this.painter.robot;
+    if (robot === null) return;
+    const ghost = turning
+      ? { ...robot, theta: normalizeAngle(robot.theta - arrow.x * TURN_RAD) }
+      : { ...robot, x: robot.x + arrow.x * STEP_M, y: robot.y + arrow.y * STEP_M };
+    this.painter.showGhost(ghost);
+    this.onGhost(ghost);
+  }
+
+  #place(event: { clientX: number; clientY: number }): Point {
+    const box = this.canvas.getBoundingClientRect();
+    return { x: event.clientX - box.left, y: event.clientY - box.top };
+  }
+}
+
+const ARROWS: Record<string, Point | undefined> = {
+  ArrowLeft: { x: -1, y: 0 },
+  ArrowRight: { x: 1, y: 0 },
+  ArrowUp: { x: 0, y: 1 },
+  ArrowDown: { x: 0, y: -1 },
+};

@@ -1,0 +1,189 @@
+import type { SceneBuffer } from "./buffer";
+import type { SceneColors } from "./colors";
+import type { Point, Pose } from "./geometry";
+import { draw } from "./renderer";
+import { pointsOf, shapesOf } from "./shapes";
+import { fitTo, follow, pan, type Size, toWorld, type View, zoom } from "./view";
+
+/** The view comes this much closer to where it is going in a time of this length (ms). */
+const EASE_MS = 90;
+const EMPTY: Size = { width: 0, height: 0 };
+
+/**
+ * Draws the scene on a canvas: once for every frame in which something changed, and not at all otherwise. Chooses the
+ * view by itself until somebody zooms or pans, and again after `showAll`.
+ */
+export class Painter {
+  /** Where the robot is about to be placed. */
+  #ghost: Pose | null = null;
+  #handle = false;
+  #size: Size = EMPTY;
+  #view: View | null = null;
+  #target: View | null = null;
+  #chosenByHand = false;
+  #frame: number | undefined;
+  #drawnAt = 0;
+  readonly #unsubscribe: () => void;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly buffer: SceneBuffer,
+    private readonly colors: SceneColors,
+    private readonly reducedMotion: boolean,
+    /** The one that drew before, whose view goes on. */
+    before: Painter | null,
+  ) {
+    if (before !== null) {
+      this.#size = before.#size;
+      this.#view = before.#view;
+      this.#target = before.#target;
+      this.#chosenByHand = before.#chosenByHand;
+    }
+    this.#unsubscribe = buffer.subscribe(this.invalidate);
+  }
+
+  get size(): Size {
+    return this.#size;
+  }
+
+  get view(): View {
+    return this.#view ?? fitTo([], this.#size);
+  }
+
+  get ghost(): Pose | null {
+    return this.#ghost;
+  }
+
+  /** The robot as it is drawn now. */
+  get robot(): Pose | null {
+    return this.reducedMotion ? (this.buffer.latest?.robot ?? null) : this.buffer.robotAt(performance.now());
+  }
+
+  /** Whether the robot can be dragged. */
+  get handle(): boolean {
+    return this.#handle;
+  }
+
+  set handle(handle: boolean) {
+    this.#handle = handle;
+    this.invalidate();
+  }
+
+  showGhost(ghost: Pose | null): void {
+    this.#ghost = ghost;
+    this.invalidate();
+  }
+
+  resize(size: Size): void {
+    if (size.width === this.#size.width && size.height === this.#size.height) return;
+    this.#size = size;
+    if (!this.#chosenByHand) this.#view = null;
+    this.invalidate();
+  }
+
+  /** Closer by `factor` around a place on the canvas, its middle by default. */
+  zoomBy(factor: number, place: Point = { x: this.#size.width / 2, y: this.#size.height / 2 }): void {
+    this.#choose(zoom(this.#target ?? this.view, this.#size, place, factor));
+  }
+
+  panBy(dx: number, dy: number): void {
+    const target = this.#target ?? this.view;
+    this.#view = pan(this.view, dx, dy);
+    this.#choose(pan(target, dx, dy));
+  }
+
+  /** Back to the view that shows everything. */
+  showAll(): void {
+    this.#chosenByHand = false;
+    this.#target = fitTo(this.#points(), this.#size);
+    this.invalidate();
+  }
+
+  toWorld(place: Point): Point {
+    return toWorld(this.view, this.#size, place);
+  }
+
+  /** Draws in the next frame. */
+  readonly invalidate = (): void => {
+    this.#frame ??= requestAnimationFrame(this.#paint);
+  };
+
+  destroy(): void {
+    this.#unsubscribe();
+    if (this.#frame !== undefined) cancelAnimationFrame(this.#frame);
+  }
+
+  #choose(view: View): void {
+    this.#chosenByHand = true;
+    this.#target = view;
+    this.invalidate();
+  }
+
+  #points(): Point[] {
+    const { latest } = this.buffer;
+    return latest === null ? [] : pointsOf(latest.robot, shapesOf(latest));
+  }
+
+  readonly #paint = (): void => {
+    this.#frame = undefined;
+    const context = this.#context();
+    const scene = this.buffer.latest;
+    const robot = this.robot;
+    if (context === null || scene === null || robot === null) return;
+    const now = performance.now();
+    this.#moveView(now - this.#drawnAt);
+    this.#drawnAt = now;
+    draw(context, {
+      view: this.view,
+      size: this.#size,
+      colors: this.colors,
+      robot,
+      shapes: shapesOf(scene),
+      trail: this.buffer.trail.points,
+      detections: this.buffer.detectionsAt(now),
+      infrared: scene.infrared,
+      ghost: this.#ghost,
+      handle: this.#handle,
+      now,
+    });
+    if (this.buffer.changesAt(now) || this.#view !== this.#target) this.invalidate();
+  };
+
+  /** The canvas at the resolution of the screen; null while it has no size. */
+  #context(): CanvasRenderingContext2D | null {
+    const { width, height } = this.#size;
+    if (width === 0 || height === 0) return null;
+    const ratio = window.devicePixelRatio || 1;
+    const [columns, rows] = [Math.round(width * ratio), Math.round(height * ratio)];
+    if (this.canvas.width !== columns || this.canvas.height !== rows) {
+      this.canvas.width = columns;
+      this.canvas.height = rows;
+    }
+    const context = this.canvas.getContext("2d");
+    context?.setTransform(columns / width, 0, 0, rows / height, 0, 0);
+    return context;
+  }
+
+  #moveView(elapsed: number): void {
+    // The ground keeps still while a robot is dragged over it.
+    if (!this.#chosenByHand && this.#ghost === null) {
+      this.#target = follow(this.#target, this.#points(), this.#size);
+    }
+    const target = this.#target;
+    if (target === null) return;
+    const view = this.#view;
+    if (view === null || this.reducedMotion) {
+      this.#view = target;
+      return;
+    }
+    const share = 1 - Math.exp(-Math.min(elapsed, 100) / EASE_MS);
+    const next = {
+      x: view.x + (target.x - view.x) * share,
+      y: view.y + (target.y - view.y) * share,
+      scale: view.scale * (target.scale / view.scale) ** share,
+    };
+    const left = Math.hypot(target.x - next.x, target.y - next.y) * next.scale;
+    const settled = left < 0.3 && Math.abs(target.scale / next.scale - 1) < 0.002;
+    this.#view = settled ? target : next;
+  }
+}

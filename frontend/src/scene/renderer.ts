@@ -1,0 +1,320 @@
+import type { Infrared } from "../api/types";
+import { type Detection, FADE_MS } from "./buffer";
+import type { SceneColors } from "./colors";
+import { compose, type Point, type Pose } from "./geometry";
+import {
+  CONTACT_RADIUS_M,
+  DOCK_BOX,
+  RECEIVER_FIELD_RAD,
+  RECEIVERS,
+  ROBOT_RADIUS_M,
+  type Shapes,
+  UNSEEN_BEAM_M,
+} from "./shapes";
+import { formatLength, gridStep, type Size, toScreen, toWorld, type View } from "./view";
+
+/** All that one picture is made of. */
+export interface Picture {
+  view: View;
+  size: Size;
+  colors: SceneColors;
+  robot: Pose;
+  shapes: Shapes;
+  trail: readonly Point[];
+  detections: readonly Detection[];
+  infrared: Infrared | null;
+  /** Where the robot is about to be placed. */
+  ghost: Pose | null;
+  /** Whether the robot can be dragged, so that a handle to turn it by is shown. */
+  handle: boolean;
+  /** On the clock of the detections (ms). */
+  now: number;
+}
+
+/** The handle that turns the robot is so far before its centre, in CSS pixels beyond its edge. */
+const HANDLE_PX = 22;
+export const HANDLE_RADIUS_PX = 7;
+
+/** Where the handle of a robot is on the canvas. */
+export function handlePlace(view: View, size: Size, robot: Pose): Point {
+  const centre = toScreen(view, size, robot);
+  const reach = ROBOT_RADIUS_M * view.scale + HANDLE_PX;
+  return { x: centre.x + reach * Math.cos(robot.theta), y: centre.y - reach * Math.sin(robot.theta) };
+}
+
+/** Draws one picture. The context's unit is the CSS pixel. */
+export function draw(ctx: CanvasRenderingContext2D, picture: Picture): void {
+  const { size, shapes, robot, ghost } = picture;
+  ctx.clearRect(0, 0, size.width, size.height);
+  drawGrid(ctx, picture);
+  drawTrail(ctx, picture);
+  if (shapes.staging !== null) drawStaging(ctx, picture, shapes.staging);
+  if (shapes.docked !== null) drawContactZone(ctx, picture, shapes.docked);
+  if (shapes.dock !== null) drawDock(ctx, picture, shapes.dock);
+  drawBeams(ctx, picture, robot);
+  drawRobot(ctx, picture, robot, ghost === null ? 1 : 0.35);
+  drawDetections(ctx, picture);
+  if (ghost !== null) drawRobot(ctx, picture, ghost, 0.8);
+  if (picture.handle) drawHandle(ctx, picture, ghost ?? robot);
+  drawScaleBar(ctx, picture);
+}
+
+function drawGrid(ctx: CanvasRenderingContext2D, { view, size, colors }: Picture): void {
+  const step = gridStep(view.scale, 44);
+  const { x: left, y: top } = toWorld(view, size, { x: 0, y: 0 });
+  const { x: right, y: bottom } = toWorld(view, size, { x: size.width, y: size.height });
+  ctx.lineWidth = 1;
+  const line = (axis: boolean, x1: number, y1: number, x2: number, y2: number) => {
+    ctx.strokeStyle = axis ? colors.axis : colors.grid;
+    ctx.beginPath();
+    ctx.moveTo(x1, y1);
+    ctx.lineTo(x2, y2);
+    ctx.stroke();
+  };
+  for (let column = Math.ceil(left / step); column * step <= right; column += 1) {
+    const x = Math.round(toScreen(view, size, { x: column * step, y: 0 }).x) + 0.5;
+    line(column === 0, x, 0, x, size.height);
+  }
+  for (let row = Math.ceil(bottom / step); row * step <= top; row += 1) {
+    const y = Math.round(toScreen(view, size, { x: 0, y: row * step }).y) + 0.5;
+    line(row === 0, 0, y, size.width, y);
+  }
+}
+
+function drawTrail(ctx: CanvasRenderingContext2D, { view, size, colors, trail, robot }: Picture): void {
+  ctx.beginPath();
+  for (const point of [...trail, robot]) {
+    const { x, y } = toScreen(view, size, point);
+    ctx.lineTo(x, y);
+  }
+  ctx.strokeStyle = colors.trail;
+  ctx.lineWidth = 2;
+  ctx.lineJoin = "round";
+  ctx.stroke();
+}
+
+function drawStaging(ctx: CanvasRenderingContext2D, picture: Picture, staging: Pose): void {
+  const { colors } = picture;
+  ctx.save();
+  ctx.strokeStyle = colors.staging;
+  ctx.lineWidth = 1.5;
+  ctx.setLineDash([5, 4]);
+  circle(ctx, picture, staging, ROBOT_RADIUS_M);
+  ctx.stroke();
+  ctx.setLineDash([]);
+  const tip = ROBOT_RADIUS_M * 0.75;
+  path(ctx, picture, staging, [
+    [-tip * 0.4, tip * 0.5],
+    [tip * 0.6, 0],
+    [-tip * 0.4, -tip * 0.5],
+  ]);
+  ctx.stroke();
+  label(ctx, picture, { x: staging.x, y: staging.y - ROBOT_RADIUS_M }, "staging pose", colors.staging);
+  ctx.restore();
+}
+
+function drawContactZone(ctx: CanvasRenderingContext2D, picture: Picture, docked: Pose): void {
+  const { view, size, colors } = picture;
+  ctx.save();
+  ctx.strokeStyle = colors.contact;
+  ctx.lineWidth = 1.5;
+  ctx.setLineDash([3, 3]);
+  circle(ctx, picture, docked, ROBOT_RADIUS_M);
+  ctx.stroke();
+  ctx.setLineDash([]);
+  const centre = toScreen(view, size, docked);
+  ctx.beginPath();
+  ctx.arc(centre.x, centre.y, Math.max(3, CONTACT_RADIUS_M * view.scale), 0, 2 * Math.PI);
+  ctx.fillStyle = colors.contact;
+  ctx.globalAlpha = 0.55;
+  ctx.fill();
+  ctx.restore();
+}
+
+function drawDock(ctx: CanvasRenderingContext2D, picture: Picture, dock: Pose): void {
+  const { colors, view } = picture;
+  const { front, back, half } = DOCK_BOX;
+  box(ctx, picture, dock, front, back, half);
+  ctx.fillStyle = colors.dock;
+  ctx.fill();
+  ctx.strokeStyle = colors.dockEdge;
+  ctx.lineWidth = 1.5;
+  ctx.stroke();
+  for (const side of [0.05, -0.05]) {
+    box(ctx, picture, compose(dock, { x: 0, y: side, theta: 0 }), front - 0.01, front + 0.02, 0.018);
+    ctx.fillStyle = colors.contact;
+    ctx.fill();
+  }
+  // The marker, on edge as it is from above.
+  path(ctx, picture, dock, [
+    [0, -0.08],
+    [0, 0.08],
+  ]);
+  ctx.strokeStyle = colors.marker;
+  ctx.lineWidth = Math.max(2, 0.015 * view.scale);
+  ctx.stroke();
+  label(ctx, picture, compose(dock, { x: (front + back) / 2, y: -half, theta: 0 }), "dock", colors.text);
+}
+
+function drawBeams(ctx: CanvasRenderingContext2D, picture: Picture, robot: Pose): void {
+  const { view, size, colors, infrared } = picture;
+  if (infrared === null) return;
+  ctx.save();
+  ctx.fillStyle = colors.beam;
+  ctx.strokeStyle = colors.beam;
+  ctx.lineWidth = 1;
+  for (const name of ["left", "center", "right"] as const) {
+    const eye = compose(robot, { x: ROBOT_RADIUS_M, y: 0, theta: RECEIVERS[name] });
+    const seen = infrared[name];
+    const from = toScreen(view, size, eye);
+    const half = RECEIVER_FIELD_RAD / 2;
+    ctx.beginPath();
+    ctx.moveTo(from.x, from.y);
+    ctx.arc(from.x, from.y, (seen ?? UNSEEN_BEAM_M) * view.scale, -eye.theta - half, -eye.theta + half);
+    ctx.closePath();
+    ctx.setLineDash(seen === null ? [2, 4] : []);
+    ctx.globalAlpha = 0.16;
+    if (seen !== null) ctx.fill();
+    ctx.globalAlpha = seen === null ? 0.3 : 0.75;
+    ctx.stroke();
+  }
+  ctx.restore();
+}
+
+function drawRobot(ctx: CanvasRenderingContext2D, picture: Picture, robot: Pose, alpha: number): void {
+  const { colors } = picture;
+  ctx.save();
+  ctx.globalAlpha = alpha;
+  circle(ctx, picture, robot, ROBOT_RADIUS_M);
+  ctx.fillStyle = colors.robot;
+  ctx.fill();
+  ctx.strokeStyle = colors.robotEdge;
+  ctx.lineWidth = 2;
+  ctx.stroke();
+  const radius = ROBOT_RADIUS_M;
+  path(ctx, picture, robot, [
+    [radius * 0.72, 0],
+    [-radius * 0.42, radius * 0.5],
+    [-radius * 0.16, 0],
+    [-radius * 0.42, -radius * 0.5],
+  ]);
+  ctx.closePath();
+  ctx.fillStyle = colors.onRobot;
+  ctx.fill();
+  ctx.restore();
+}
+
+function drawDetections(ctx: CanvasRenderingContext2D, picture: Picture): void {
+  const { view, size, colors, detections, now } = picture;
+  ctx.save();
+  ctx.strokeStyle = colors.marker;
+  ctx.fillStyle = colors.marker;
+  for (const { pose, at } of detections) {
+    const age = (now - at) / FADE_MS;
+    const place = toScreen(view, size, pose);
+    // Where the marker looks, which is out of the dock.
+    const tip = toScreen(view, size, compose(pose, { x: -0.07, y: 0, theta: 0 }));
+    ctx.globalAlpha = Math.max(0, 1 - age) * 0.8;
+    ctx.lineWidth = 1.5;
+    ctx.beginPath();
+    ctx.moveTo(place.x, place.y);
+    ctx.lineTo(tip.x, tip.y);
+    ctx.stroke();
+    ctx.beginPath();
+    ctx.arc(place.x, place.y, 3, 0, 2 * Math.PI);
+    ctx.fill();
+  }
+  ctx.restore();
+}
+
+function drawHandle(ctx: CanvasRenderingContext2D, picture: Picture, robot: Pose): void {
+  const { view, size, colors } = picture;
+  const place = handlePlace(view, size, robot);
+  const edge = toScreen(view, size, compose(robot, { x: ROBOT_RADIUS_M, y: 0, theta: 0 }));
+  ctx.beginPath();
+  ctx.moveTo(edge.x, edge.y);
+  ctx.lineTo(place.x, place.y);
+  ctx.strokeStyle = colors.ghost;
+  ctx.lineWidth = 1.5;
+  ctx.stroke();
+  ctx.beginPath();
+  ctx.arc(place.x, place.y, HANDLE_RADIUS_PX, 0, 2 * Math.PI);
+  ctx.fillStyle = colors.onRobot;
+  ctx.fill();
+  ctx.lineWidth = 2.5;
+  ctx.stroke();
+}
+
+function drawScaleBar(ctx: CanvasRenderingContext2D, { view, size, colors }: Picture): void {
+  const metres = gridStep(view.scale, 60);
+  const length = metres * view.scale;
+  const [x, y] = [14, size.height - 14];
+  ctx.beginPath();
+  ctx.moveTo(x, y - 5);
+  ctx.lineTo(x, y);
+  ctx.lineTo(x + length, y);
+  ctx.lineTo(x + length, y - 5);
+  ctx.strokeStyle = colors.text;
+  ctx.lineWidth = 1.5;
+  ctx.stroke();
+  ctx.fillStyle = colors.text;
+  ctx.font = FONT;
+  ctx.textAlign = "left";
+  ctx.textBaseline = "bottom";
+  ctx.fillText(formatLength(metres), x, y - 7);
+}
+
+const FONT = "12px system-ui, sans-serif";
+
+function label(
+  ctx: CanvasRenderingContext2D,
+  picture: Picture,
+  below: Point,
+  text: string,
+  color: string,
+): void {
+  if (picture.view.scale < 60) return;
+  const { x, y } = toScreen(picture.view, picture.size, below);
+  ctx.font = FONT;
+  ctx.textAlign = "center";
+  ctx.textBaseline = "top";
+  ctx.fillStyle = color;
+  ctx.fillText(text, x, y + 6);
+}
+
+function circle(ctx: CanvasRenderingContext2D, { view, size }: Picture, centre: Point, radius: number): void {
+  const { x, y } = toScreen(view, size, centre);
+  ctx.beginPath();
+  ctx.arc(x, y, radius * view.scale, 0, 2 * Math.PI);
+}
+
+/** A line through points that are given in the frame of `pose`. */
+function path(
+  ctx: CanvasRenderingContext2D,
+  { view, size }: Picture,
+  pose: Pose,
+  points: readonly (readonly [number, number])[],
+): void {
+  ctx.beginPath();
+  for (const [x, y] of points) {
+    const place = toScreen(view, size, compose(pose, { x, y, theta: 0 }));
+    ctx.lineTo(place.x, place.y);
+  }
+}
+
+function box(
+  ctx: CanvasRenderingContext2D,
+  picture: Picture,
+  pose: Pose,
+  front: number,
+  back: number,
+  half: number,
+): void {
+  path(ctx, picture, pose, [
+    [front, half],
+    [back, half],
+    [back, -half],
+    [front, -half],
+  ]);
+  ctx.closePath();
+}

@@ -1,0 +1,138 @@
+import { Badge, Button, Group, NumberInput, SimpleGrid, Stack, Switch, Text } from "@mantine/core";
+import { useId, useState } from "react";
+import type { Fault, Simulator } from "../api/types";
+import { type NumberInputValue, toNumber } from "../battery/form";
+import { toRadians } from "../scene/geometry";
+import { useLive, useServices, useTopic } from "../store/context";
+import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { Section } from "../ui/Section";
+import { useCommand } from "../ui/useCommand";
+import { FAULTS } from "./faults";
+
+/** What can be done to a simulated robot; nothing where there is none. */
+export function SimulatorCard() {
+  const simulator = useTopic("simulator");
+  return simulator === null ? null : <Controls simulator={simulator} />;
+}
+
+function Controls({ simulator }: { simulator: Simulator }) {
+  const { gateway, scene } = useServices();
+  const live = useLive();
+  const reset = useCommand(async () => {
+    await gateway.resetSimulator();
+    scene.trail.clear();
+  });
+  const reasonId = useId();
+  return (
+    <Section
+      title="Simulator"
+      aside={
+        <Badge color={simulator.docked ? "green" : simulator.contact ? "orange" : "gray.7"}>
+          {simulator.docked ? "docked" : simulator.contact ? "in contact" : "not docked"}
+        </Badge>
+      }
+    >
+      <Group gap="sm" align="end">
+        <Button
+          variant="default"
+          disabled={!live || reset.isPending}
+          aria-describedby={reasonId}
+          onClick={() => reset.mutate()}
+        >
+          Reset
+        </Button>
+        <Text size="sm" c="dimmed" id={reasonId} style={{ flex: 1 }}>
+          {live
+            ? "Robot and battery as they were at the start, all faults off."
+            : "The simulator is out of reach while the gateway is not connected."}
+        </Text>
+      </Group>
+      <CommandErrorAlert command="Reset" error={reset.error} onClose={reset.reset} />
+      <PlaceForm />
+      <Faults simulator={simulator} />
+      {simulator.battery_publisher === "other" && (
+        <Text size="sm" role="status">
+          Someone else publishes battery states, so the simulated battery keeps silent until they stop.
+        </Text>
+      )}
+    </Section>
+  );
+}
+
+const FIELDS = [
+  { name: "x", label: "x (m)", min: -50, max: 50, step: 0.1 },
+  { name: "y", label: "y (m)", min: -50, max: 50, step: 0.1 },
+  { name: "heading", label: "Heading (°)", min: -180, max: 180, step: 5 },
+] as const;
+
+type Place = Record<(typeof FIELDS)[number]["name"], NumberInputValue>;
+
+/** Places the robot by numbers, as dragging it in the picture does. */
+function PlaceForm() {
+  const { gateway } = useServices();
+  const live = useLive();
+  const [place, setPlace] = useState<Place>({ x: -1.5, y: 0.4, heading: -20 });
+  const put = useCommand(gateway.placeRobot);
+  const [x, y, heading] = FIELDS.map(({ name, min, max }) => {
+    const value = toNumber(place[name]);
+    return value === null || value < min || value > max ? null : value;
+  });
+  const valid = typeof x === "number" && typeof y === "number" && typeof heading === "number";
+
+  return (
+    <form
+      aria-label="Place the robot"
+      onSubmit={(event) => {
+        event.preventDefault();
+        if (valid) put.mutate({ x, y, theta: toRadians(heading) });
+      }}
+    >
+      <SimpleGrid cols={{ base: 2, xs: 4 }} spacing="sm" style={{ alignItems: "end" }}>
+        {FIELDS.map(({ name, ...field }) => (
+          <NumberInput
+            key={name}
+            {...field}
+            decimalScale={3}
+            value={place[name]}
+            onChange={(value) => setPlace((before) => ({ ...before, [name]: value }))}
+          />
+        ))}
+        <Button type="submit" variant="default" disabled={!live || !valid || put.isPending}>
+          Place
+        </Button>
+      </SimpleGrid>
+      <CommandErrorAlert command="Placing the robot" error={put.error} onClose={put.reset} />
+    </form>
+  );
+}
+
+function Faults({ simulator }: { simulator: Simulator }) {
+  const { gateway } = useServices();
+  const live = useLive();
+  const change = useCommand(({ fault, active }: { fault: Fault; active: boolean }) =>
+    gateway.switchFault(fault, active),
+  );
+  const pending = change.isPending ? change.variables : null;
+  return (
+    <Stack gap="sm" role="group" aria-label="Faults">
+      <SimpleGrid cols={{ base: 1, xs: 2 }} spacing="md" verticalSpacing="sm">
+        {FAULTS.map(({ fault, name, effect }) => {
+          const active = simulator.faults[fault] ?? false;
+          return (
+            <Switch
+              key={fault}
+              color="red"
+              label={name}
+              aria-label={name}
+              description={effect}
+              checked={pending?.fault === fault ? pending.active : active}
+              disabled={!live}
+              onChange={(event) => change.mutate({ fault, active: event.currentTarget.checked })}
+            />
+          );
+        })}
+      </SimpleGrid>
+      <CommandErrorAlert command="Switching a fault" error={change.error} onClose={change.reset} />
+    </Stack>
+  );
+}

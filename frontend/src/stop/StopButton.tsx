@@ -1,0 +1,55 @@
+import { Button, Group, Kbd } from "@mantine/core";
+import { useHotkeys } from "@mantine/hooks";
+import { useEffect } from "react";
+import { useServices } from "../store/context";
+import { useCommand } from "../ui/useCommand";
+import { CHORD, DoubleEscape } from "./keys";
+import { showFailed, showStopped, showStopping } from "./notices";
+import classes from "./stop.module.css";
+import { whoStops } from "./who";
+
+/**
+ * Stops the robot, and keeps it stopped. Enabled always: also while disconnected, while a Stop is under way, and in
+ * dialogs.
+ */
+export function StopButton() {
+  const { gateway, store } = useServices();
+  const { mutate, isPending } = useCommand(async () => {
+    showStopping();
+    const report = await gateway.stop(whoStops());
+    store.setStop(report.stop);
+    return report;
+  });
+  const press = () => mutate(undefined, { onSuccess: showStopped, onError: showFailed });
+  useHotkeys([[CHORD, press]], [], true);
+
+  useEffect(() => {
+    const twice = new DoubleEscape();
+    const hear = (event: KeyboardEvent) => {
+      if (twice.press(event)) mutate(undefined, { onSuccess: showStopped, onError: showFailed });
+    };
+    // Before anything that Escape closes can keep the key to itself.
+    window.addEventListener("keydown", hear, true);
+    return () => window.removeEventListener("keydown", hear, true);
+  }, [mutate]);
+
+  return (
+    <Group gap="xs" wrap="nowrap">
+      <Group gap={4} wrap="nowrap" visibleFrom="md" aria-hidden="true">
+        <Kbd>Esc</Kbd>
+        <Kbd>Esc</Kbd>
+      </Group>
+      <Button
+        size="lg"
+        color="red"
+        className={classes.stop}
+        data-stopping={isPending || undefined}
+        aria-keyshortcuts="Control+Shift+X"
+        title="Zero velocity at once, every goal is canceled, and none is sent until the stop is released (Esc twice, or Ctrl+Shift+X)"
+        onClick={press}
+      >
+        Stop
+      </Button>
+    </Group>
+  );
+}

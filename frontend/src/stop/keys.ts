@@ -1,0 +1,45 @@
+/** Two presses of Escape that are this close are meant. */
+export const TWICE_WITHIN_MS = 700;
+
+/** Works everywhere, also while somebody types. */
+export const CHORD = "ctrl+shift+X";
+
+/** Knows when Escape is pressed twice: fast to hit in a fright, and not by closing one thing. */
+export class DoubleEscape {
+  #last = Number.NEGATIVE_INFINITY;
+
+  /** Whether this key press is the second of two. */
+  press(event: KeyboardEvent): boolean {
+    const modified = event.ctrlKey || event.altKey || event.metaKey || event.shiftKey;
+    if (event.key !== "Escape" || modified || isTextField(event.target)) {
+      this.#last = Number.NEGATIVE_INFINITY;
+      return false;
+    }
+    // A key that is held down repeats.
+    if (event.repeat) return false;
+    const twice = event.timeStamp - this.#last <= TWICE_WITHIN_MS;
+    this.#last = twice ? Number.NEGATIVE_INFINITY : event.timeStamp;
+    return twice;
+  }
+}
+
+const NO_TEXT = new Set([
+  "button",
+  "checkbox",
+  "color",
+  "file",
+  "image",
+  "radio",
+  "range",
+  "reset",
+  "submit",
+]);
+
+function isTextField(target: EventTarget | null): boolean {
+  if (target instanceof HTMLInputElement) return !NO_TEXT.has(target.type);
+  return (
+    target instanceof HTMLTextAreaElement ||
+    target instanceof HTMLSelectElement ||
+    (target instanceof HTMLElement && target.isContentEditable)
+  );
+}

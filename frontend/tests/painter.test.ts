@@ -1,0 +1,257 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { FADE_MS, SceneBuffer } from "../src/scene/buffer";
+import { SCENE_COLORS } from "../src/scene/colors";
+import type { Pose } from "../src/scene/geometry";
+import { Gestures } from "../src/scene/gestures";
+import { Painter } from "../src/scene/painter";
+import { handlePlace } from "../src/scene/renderer";
+import { toScreen } from "../src/scene/view";
+import { emptyScene } from "./events";
+
+const SIZE = { width: 600, height: 400 };
+
+/** A context that takes everything and remembers the calls. */
+function fakeContext() {
+  const calls: [string, unknown[]][] = [];
+  const context = new Proxy({} as Record<string, unknown>, {
+    get: (target, name: string) => target[name] ?? ((...values: unknown[]) => calls.push([name, values])),
+  });
+  return { context: context as unknown as CanvasRenderingContext2D, calls };
+}
+
+describe("the painter", () => {
+  let canvas: HTMLCanvasElement;
+  let buffer: SceneBuffer;
+  let painter: Painter;
+  let calls: [string, unknown[]][];
+
+  const pictures = () => calls.filter(([name]) => name === "clearRect").length;
+  const frames = (milliseconds: number) => vi.advanceTimersByTime(milliseconds);
+
+  beforeEach(() => {
+    vi.useFakeTimers({ toFake: ["requestAnimationFrame", "cancelAnimationFrame", "performance", "Date"] });
+    canvas = document.createElement("canvas");
+    document.body.append(canvas);
+    const fake = fakeContext();
+    calls = fake.calls;
+    vi.spyOn(canvas, "getContext").mockReturnValue(fake.context as never);
+    vi.stubGlobal("devicePixelRatio", 2);
+    buffer = new SceneBuffer();
+    painter = new Painter(canvas, buffer, SCENE_COLORS.light, false, null);
+    painter.resize(SIZE);
+    frames(100);
+  });
+  afterEach(() => {
+    painter.destroy();
+    canvas.remove();
+  });
+
+  function push(change: Partial<typeof emptyScene> = {}) {
+    buffer.push({ ...emptyScene, ...change }, performance.now());
+  }
+
+  it("draws nothing while nothing is known", () => {
+    frames(1000);
+    expect(pictures()).toBe(0);
+  });
+
+  it("draws at the screen's resolution", () => {
+    push();
+    frames(50);
+    expect([canvas.width, canvas.height]).toEqual([1200, 800]);
+    expect(calls.find(([name]) => name === "setTransform")?.[1]).toEqual([2, 0, 0, 2, 0, 0]);
+  });
+
+  it("draws once for many events in one frame, and not at all when nothing changes", () => {
+    push();
+    push();
+    push();
+    frames(40);
+    expect(pictures()).toBe(1);
+    frames(5000);
+    expect(pictures()).toBe(1);
+  });
+
+  it("draws every frame while the robot glides, then no more", () => {
+    push();
+    frames(50);
+    const before = pictures();
+    push({ robot: { x: -1.45, y: 0.4, theta: -0.3 } });
+    frames(200);
+    const gliding = pictures() - before;
+    expect(gliding).toBeGreaterThan(2);
+    frames(5000);
+    expect(pictures() - before).toBe(gliding);
+  });
+
+  it("draws on while a detection fades", () => {
+    push({ marker: { x: 0, y: 0, theta: 0 } });
+    frames(FADE_MS / 2);
+    const half = pictures();
+    frames(FADE_MS);
+    expect(pictures()).toBeGreaterThan(half);
+    const all = pictures();
+    frames(5000);
+    expect(pictures()).toBe(all);
+  });
+
+  it("keeps a view that somebody chose, until all is to be shown again", () => {
+    push();
+    frames(1000);
+    const own = painter.view;
+    painter.zoomBy(3);
+    frames(2000);
+    expect(painter.view.scale).toBeCloseTo(own.scale * 3, 1);
+    push({ robot: { x: -3, y: 0, theta: 0 } });
+    frames(2000);
+    expect(painter.view.scale).toBeCloseTo(own.scale * 3, 1);
+    painter.showAll();
+    frames(2000);
+    expect(painter.view.scale).toBeLessThan(own.scale);
+  });
+
+  it("hands its view on to the next one, as when the colours change", () => {
+    push();
+    painter.zoomBy(2);
+    frames(1000);
+    const next = new Painter(canvas, buffer, SCENE_COLORS.dark, false, painter);
+    expect(next.view).toEqual(painter.view);
+    next.destroy();
+  });
+
+  it("draws no more once it is destroyed", () => {
+    push();
+    painter.destroy();
+    push();
+    frames(1000);
+    expect(pictures()).toBe(0);
+  });
+
+  describe("with gestures", () => {
+    let gestures: Gestures;
+    const onPlace = vi.fn<(pose: Pose) => void>();
+    const onGhost = vi.fn<(pose: Pose | null) => void>();
+
+    beforeEach(() => {
+      onPlace.mockClear();
+      onGhost.mockClear();
+      canvas.setPointerCapture = () => {};
+      gestures = new Gestures(canvas, painter, onPlace, onGhost);
+      painter.handle = true;
+      push();
+      frames(1000);
+    });
+    afterEach(() => gestures.destroy());
+
+    const on = (pose: Pose) => toScreen(painter.view, painter.size, pose);
+    function pointer(type: string, { x, y }: { x: number; y: number }, pointerId = 1) {
+      canvas.dispatchEvent(new PointerEvent(type, { clientX: x, clientY: y, pointerId, button: 0 }));
+    }
+    function key(key: string, modifiers: KeyboardEventInit = {}) {
+      const event = new KeyboardEvent("keydown", { key, cancelable: true, ...modifiers });
+      canvas.dispatchEvent(event);
+      return event.defaultPrevented;
+    }
+
+    it("drag the robot to another place, and keep its heading", () => {
+      const { robot } = emptyScene;
+      const target = { x: -1, y: -0.2, theta: 0 };
+      pointer("pointerdown", on(robot));
+      pointer("pointermove", on(target));
+      expect(painter.ghost?.x).toBeCloseTo(-1);
+      pointer("pointerup", on(target));
+      const [placed] = onPlace.mock.calls[0] ?? [];
+      expect(placed?.x).toBeCloseTo(-1);
+      expect(placed?.y).toBeCloseTo(-0.2);
+      expect(placed?.theta).toBe(robot.theta);
+    });
+
+    it("turn the robot by its knob", () => {
+      const { robot } = emptyScene;
+      pointer("pointerdown", handlePlace(painter.view, painter.size, robot));
+      const above = { x: robot.x, y: robot.y + 0.5, theta: 0 };
+      pointer("pointermove", on(above));
+      pointer("pointerup", on(above));
+      const [placed] = onPlace.mock.calls[0] ?? [];
+      expect(placed).toMatchObject({ x: robot.x, y: robot.y });
+      expect(placed?.theta).toBeCloseTo(Math.PI / 2);
+    });
+
+    it("do not place a robot that was only touched, nor one that is real", () => {
+      const place = on(emptyScene.robot);
+      pointer("pointerdown", place);
+      pointer("pointerup", place);
+      painter.handle = false;
+      pointer("pointerdown", place);
+      pointer("pointermove", { x: place.x + 40, y: place.y });
+      pointer("pointerup", place);
+      expect(onPlace).not.toHaveBeenCalled();
+    });
+
+    it("move the ground beside the robot", () => {
+      const before = painter.view;
+      pointer("pointerdown", { x: 300, y: 390 });
+      pointer("pointermove", { x: 340, y: 370 });
+      pointer("pointerup", { x: 340, y: 370 });
+      expect(painter.view.x).toBeCloseTo(before.x - 40 / before.scale);
+      expect(painter.view.y).toBeCloseTo(before.y - 20 / before.scale);
+    });
+
+    it("zoom with two fingers", () => {
+      const before = painter.view.scale;
+      pointer("pointerdown", { x: 200, y: 390 }, 1);
+      pointer("pointerdown", { x: 300, y: 390 }, 2);
+      pointer("pointermove", { x: 400, y: 390 }, 2);
+      frames(1000);
+      expect(painter.view.scale).toBeCloseTo(before * 2, 1);
+    });
+
+    it("zoom with the wheel and Ctrl, and leave the wheel alone to the page", () => {
+      const before = painter.view.scale;
+      const scroll = new WheelEvent("wheel", { deltaY: -100, cancelable: true });
+      canvas.dispatchEvent(scroll);
+      expect(scroll.defaultPrevented).toBe(false);
+      canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -100, ctrlKey: true, cancelable: true }));
+      frames(1000);
+      expect(painter.view.scale).toBeGreaterThan(before * 1.2);
+    });
+
+    it("place by keyboard: arrows move, with Shift they turn, Enter does it", () => {
+      const { robot } = emptyScene;
+      expect(key("ArrowRight")).toBe(true);
+      key("ArrowUp");
+      key("ArrowLeft", { shiftKey: true });
+      const ghost = painter.ghost;
+      expect(ghost?.x).toBeCloseTo(robot.x + 0.05);
+      expect(ghost?.y).toBeCloseTo(robot.y + 0.05);
+      expect(ghost?.theta).toBeCloseTo(robot.theta + (5 * Math.PI) / 180);
+      expect(onGhost).toHaveBeenLastCalledWith(ghost);
+      key("Enter");
+      expect(onPlace).toHaveBeenCalledWith(ghost);
+    });
+
+    it("give up with Escape, and leave every other key to the page", () => {
+      expect(key("Escape")).toBe(false);
+      key("ArrowRight");
+      expect(key("Escape")).toBe(true);
+      expect(painter.ghost).toBeNull();
+      expect(onGhost).toHaveBeenLastCalledWith(null);
+      expect(key("Enter")).toBe(false);
+      expect(key("Tab")).toBe(false);
+      expect(onPlace).not.toHaveBeenCalled();
+    });
+
+    it("move and zoom the picture by keyboard where no robot can be placed", () => {
+      painter.handle = false;
+      const before = painter.view;
+      key("ArrowRight");
+      expect(painter.view.x).toBeGreaterThan(before.x);
+      key("+");
+      frames(1000);
+      expect(painter.view.scale).toBeGreaterThan(before.scale);
+      key("0");
+      frames(1000);
+      expect(painter.view.scale).toBeCloseTo(before.scale);
+    });
+  });
+});

@@ -1,0 +1,242 @@
+import { describe, expect, it, vi } from "vitest";
+import { FADE_MS, SCENE_STALE_MS, SceneBuffer } from "../src/scene/buffer";
+import { between, compose, normalizeAngle, type Pose, toRadians } from "../src/scene/geometry";
+import { pointsOf, shapesOf } from "../src/scene/shapes";
+import { JUMP_M, MAX_POINTS, Trail } from "../src/scene/trail";
+import {
+  fitTo,
+  follow,
+  formatLength,
+  gridStep,
+  MAX_SCALE,
+  pan,
+  toScreen,
+  toWorld,
+  zoom,
+} from "../src/scene/view";
+import { describePose, describeScene } from "../src/scene/words";
+import { emptyScene } from "./events";
+
+const size = { width: 600, height: 400 };
+const origin: Pose = { x: 0, y: 0, theta: 0 };
+
+describe("poses", () => {
+  it("turn the short way", () => {
+    expect(normalizeAngle(3.5 * Math.PI)).toBeCloseTo(-Math.PI / 2);
+    const from = { x: 0, y: 0, theta: toRadians(170) };
+    const to = { x: 2, y: 0, theta: toRadians(-170) };
+    const half = between(from, to, 0.5);
+    expect(half.x).toBe(1);
+    expect(Math.abs(half.theta)).toBeCloseTo(Math.PI);
+  });
+
+  it("are given in each other's frames", () => {
+    const pose = compose({ x: 1, y: 2, theta: Math.PI / 2 }, { x: 1, y: 0.5, theta: 0.1 });
+    expect(pose.x).toBeCloseTo(0.5);
+    expect(pose.y).toBeCloseTo(3);
+    expect(pose.theta).toBeCloseTo(Math.PI / 2 + 0.1);
+  });
+});
+
+describe("the view", () => {
+  const view = { x: 1, y: -1, scale: 100 };
+
+  it("has x to the right and y up, and knows the way back", () => {
+    expect(toScreen(view, size, { x: 1, y: -1 })).toEqual({ x: 300, y: 200 });
+    expect(toScreen(view, size, { x: 2, y: 0 })).toEqual({ x: 400, y: 100 });
+    expect(toWorld(view, size, { x: 400, y: 100 })).toEqual({ x: 2, y: 0 });
+  });
+
+  it("keeps what is under the pointer when it zooms, within bounds", () => {
+    const place = { x: 120, y: 330 };
+    const before = toWorld(view, size, place);
+    const after = toWorld(zoom(view, size, place, 2), size, place);
+    expect(after.x).toBeCloseTo(before.x);
+    expect(after.y).toBeCloseTo(before.y);
+    expect(zoom(view, size, place, 1e6).scale).toBe(MAX_SCALE);
+  });
+
+  it("moves along with the pointer", () => {
+    const point = toWorld(view, size, { x: 100, y: 100 });
+    const place = toScreen(pan(view, 30, -20), size, point);
+    expect(place.x).toBeCloseTo(130);
+    expect(place.y).toBeCloseTo(80);
+  });
+
+  it("fits everything with space around it", () => {
+    const points = [
+      { x: -3, y: 2 },
+      { x: 1, y: -1 },
+    ];
+    const fitted = fitTo(points, size);
+    for (const point of points) {
+      const { x, y } = toScreen(fitted, size, point);
+      expect(x).toBeGreaterThan(20);
+      expect(x).toBeLessThan(size.width - 20);
+      expect(y).toBeGreaterThan(20);
+      expect(y).toBeLessThan(size.height - 20);
+    }
+  });
+
+  it("stays while a robot drives in it, follows one that leaves, closes in on one that came back", () => {
+    const start = fitTo([{ x: -2, y: 0 }, origin], size);
+    expect(follow(start, [{ x: -1, y: 0.2 }, origin], size)).toBe(start);
+    const left = follow(start, [{ x: -4, y: 0 }, origin], size);
+    expect(left.scale).toBeLessThan(start.scale);
+    const far = { x: -10, y: 0, scale: 20 };
+    expect(follow(far, [{ x: -1, y: 0 }, origin], size).scale).toBeGreaterThan(100);
+  });
+
+  it("has a grid of round steps, said in the unit that suits them", () => {
+    expect(gridStep(100, 44)).toBeCloseTo(0.5);
+    expect(gridStep(44, 44)).toBeCloseTo(1);
+    expect(gridStep(10, 44)).toBeCloseTo(5);
+    expect(gridStep(1000, 44)).toBeCloseTo(0.05);
+    expect([formatLength(0.5), formatLength(2)]).toEqual(["50 cm", "2 m"]);
+  });
+});
+
+describe("the trail", () => {
+  it("leaves out what does not move", () => {
+    const trail = new Trail();
+    for (let step = 0; step < 100; step += 1) trail.push({ x: step * 0.001, y: 0 });
+    expect(trail.points.length).toBeLessThan(10);
+    expect(trail.points.length).toBeGreaterThan(4);
+  });
+
+  it("begins anew where the robot was carried", () => {
+    const trail = new Trail();
+    trail.push({ x: 0, y: 0 });
+    trail.push({ x: 0.1, y: 0 });
+    trail.push({ x: 0.2 + JUMP_M, y: 0 });
+    expect(trail.points).toEqual([{ x: 0.2 + JUMP_M, y: 0 }]);
+  });
+
+  it("is bounded, and keeps the newest", () => {
+    const trail = new Trail();
+    for (let step = 0; step < 3 * MAX_POINTS; step += 1) trail.push({ x: step * 0.02, y: 0 });
+    expect(trail.points.length).toBeLessThanOrEqual(MAX_POINTS + 200);
+    expect(trail.points.at(-1)?.x).toBeCloseTo((3 * MAX_POINTS - 1) * 0.02);
+  });
+});
+
+describe("the scene", () => {
+  const at = (x: number, change = {}) => ({ ...emptyScene, robot: { x, y: 0, theta: 0 }, ...change });
+
+  it("glides from one pose to the next, and has then arrived", () => {
+    const buffer = new SceneBuffer();
+    buffer.push(at(0), 1000);
+    buffer.push(at(0.1), 1050);
+    expect(buffer.robotAt(1050)?.x).toBe(0);
+    expect(buffer.robotAt(1075)?.x).toBeCloseTo(0.05);
+    expect(buffer.robotAt(1100)?.x).toBeCloseTo(0.1);
+    expect(buffer.robotAt(9000)?.x).toBeCloseTo(0.1);
+  });
+
+  it("goes on from where it is drawn when the next pose comes early", () => {
+    const buffer = new SceneBuffer();
+    buffer.push(at(0), 1000);
+    buffer.push(at(0.1), 1100);
+    buffer.push(at(0.2), 1150);
+    expect(buffer.robotAt(1150)?.x).toBeCloseTo(0.05);
+    expect(buffer.robotAt(1200)?.x).toBeCloseTo(0.2);
+  });
+
+  it("does not glide where the robot was carried or the frame is another", () => {
+    const buffer = new SceneBuffer();
+    buffer.push(at(0), 1000);
+    buffer.push(at(2), 1050);
+    expect(buffer.robotAt(1050)?.x).toBe(2);
+    buffer.push(at(2.1, { frame: "odom" }), 1100);
+    expect(buffer.robotAt(1100)?.x).toBeCloseTo(2.1);
+    expect(buffer.trail.points).toHaveLength(1);
+  });
+
+  it("changes by itself only while something glides or fades", () => {
+    const buffer = new SceneBuffer();
+    expect(buffer.changesAt(0)).toBe(false);
+    buffer.push(at(0), 1000);
+    expect(buffer.changesAt(1001)).toBe(false);
+    buffer.push(at(0.1), 1050);
+    expect(buffer.changesAt(1060)).toBe(true);
+    expect(buffer.changesAt(1200)).toBe(false);
+    buffer.push(at(0.1, { marker: origin }), 1250);
+    expect(buffer.changesAt(1250 + FADE_MS - 1)).toBe(true);
+    expect(buffer.changesAt(1250 + FADE_MS + 1)).toBe(false);
+  });
+
+  it("keeps detections until they have faded, each once", () => {
+    const buffer = new SceneBuffer();
+    buffer.push(at(0, { marker: origin }), 1000);
+    buffer.push(at(0, { marker: { ...origin } }), 1050);
+    buffer.push(at(0, { marker: { x: 0.01, y: 0, theta: 0 } }), 1100);
+    expect(buffer.detectionsAt(1100)).toHaveLength(2);
+    expect(buffer.detectionsAt(1000 + FADE_MS + 50)).toHaveLength(1);
+    expect(buffer.detectionsAt(1100 + FADE_MS + 50)).toHaveLength(0);
+  });
+
+  it("is history when nothing comes any more", () => {
+    const buffer = new SceneBuffer();
+    buffer.push(at(0), 1000);
+    expect(buffer.isFresh(1000 + SCENE_STALE_MS - 1)).toBe(true);
+    expect(buffer.isFresh(1000 + SCENE_STALE_MS)).toBe(false);
+  });
+
+  it("tells those who listen, until they do not", () => {
+    const buffer = new SceneBuffer();
+    const listener = vi.fn();
+    const unsubscribe = buffer.subscribe(listener);
+    buffer.push(at(0), 1000);
+    unsubscribe();
+    buffer.push(at(0), 1050);
+    expect(listener).toHaveBeenCalledTimes(1);
+  });
+});
+
+describe("the dock", () => {
+  const staging = { x: -0.9, y: 0, theta: 0 };
+
+  it("has a docked pose before it, nav2's where nobody says another", () => {
+    expect(shapesOf(emptyScene).docked).toEqual({ x: -0.2, y: 0, theta: 0 });
+    expect(shapesOf({ ...emptyScene, docked: { x: 1, y: 1, theta: 1 } }).docked).toEqual({
+      x: 1,
+      y: 1,
+      theta: 1,
+    });
+    expect(shapesOf({ ...emptyScene, dock: null })).toEqual({ dock: null, docked: null, staging: null });
+  });
+
+  it("is in a fitted view with the robot and the staging pose", () => {
+    const points = pointsOf(emptyScene.robot, shapesOf({ ...emptyScene, staging }));
+    expect(points).toHaveLength(4);
+    expect(points).toContainEqual(staging);
+  });
+});
+
+describe("the picture in words", () => {
+  it("says where the robot is, with signs that can be read", () => {
+    expect(describePose({ x: -1.5, y: 0.4, theta: toRadians(-17) })).toBe(
+      "x −1.50 m, y 0.40 m, heading −17°",
+    );
+    expect(describePose({ x: -0.001, y: 0, theta: -0.001 })).toBe("x 0.00 m, y 0.00 m, heading 0°");
+  });
+
+  it("says whether it is docked, and how far it is where it is not", () => {
+    expect(describeScene(emptyScene, null)).toMatch(/Not docked: 1\.36 m from the docked pose\.$/);
+    const docked = { ...emptyScene, robot: { x: -0.21, y: 0.01, theta: 0.02 } };
+    expect(describeScene(docked, null)).toMatch(/ Docked\.$/);
+    const turned = { ...emptyScene, robot: { x: -0.2, y: 0, theta: 0.2 } };
+    expect(describeScene(turned, null)).toMatch(/Not docked/);
+  });
+
+  it("believes the simulator more than its own eyes", () => {
+    expect(describeScene(emptyScene, true)).toMatch(/ Docked\.$/);
+    const docked = { ...emptyScene, robot: { x: -0.2, y: 0, theta: 0 } };
+    expect(describeScene(docked, false)).toMatch(/Not docked/);
+  });
+
+  it("says what is not known", () => {
+    const lost = { ...emptyScene, frame: "odom" as const, dock: null };
+    expect(describeScene(lost, null)).toMatch(/which drifts\. Where the dock is, is not known\.$/);
+  });
+});

@@ -1,0 +1,147 @@
+import { act, screen, waitFor } from "@testing-library/react";
+import { afterEach, describe, expect, it, vi } from "vitest";
+import { CommandError } from "../src/api/errors";
+import type { EventOf } from "../src/api/types";
+import { SCENE_STALE_MS } from "../src/scene/buffer";
+import { at, sceneEvent, simulator } from "./events";
+import { fakeGateway, renderPage } from "./page";
+
+const words = () => screen.getByTestId("scene-words").textContent;
+
+function simulatorEvent(change: Partial<typeof simulator> = {}): EventOf<"simulator"> {
+  return { type: "simulator", time: at(1), robot: "/", simulator: { ...simulator, ...change } };
+}
+
+function simulatedPage(change: Parameters<typeof fakeGateway>[0] = {}) {
+  const gateway = fakeGateway({ simulator: vi.fn(async () => simulator), ...change });
+  const page = renderPage(gateway);
+  act(() => page.store.onEvent(sceneEvent()));
+  return { gateway, ...page };
+}
+
+describe("the view from above", () => {
+  it("teaches what is missing where nobody says where the robot is, and asks for no simulator", async () => {
+    const gateway = fakeGateway();
+    renderPage(gateway);
+    expect(words()).toMatch(/Nothing to draw yet.*nav_msgs\/Odometry.*dock-gateway up/);
+    expect(screen.queryByRole("region", { name: "Simulator" })).toBeNull();
+    await waitFor(() => expect(gateway.actions).toHaveBeenCalled());
+    expect(gateway.simulator).not.toHaveBeenCalled();
+  });
+
+  it("is said in words, and who reads the picture is told where they are", async () => {
+    simulatedPage();
+    await waitFor(() => expect(words()).toMatch(/^Robot at x −1.50 m, y 0.40 m, heading −17°. Not docked/));
+    const picture = screen.getByRole("application");
+    expect(picture.getAttribute("aria-describedby")).toBe(screen.getByTestId("scene-words").id);
+    expect(picture.tabIndex).toBe(0);
+  });
+
+  it("renders nothing for the events themselves, and has the latest in its words", async () => {
+    const { store } = simulatedPage();
+    await screen.findByText(/Drag the robot/);
+    const observer = new MutationObserver(() => {});
+    observer.observe(document.body, {
+      childList: true,
+      characterData: true,
+      attributes: true,
+      subtree: true,
+    });
+    act(() => {
+      for (let step = 1; step <= 40; step += 1) {
+        store.onEvent(sceneEvent({ robot: { x: -1.5 + step / 100, y: 0, theta: 0 } }, step));
+      }
+    });
+    expect(observer.takeRecords()).toEqual([]);
+    observer.disconnect();
+    await waitFor(() => expect(words()).toMatch(/x −1.10 m/));
+  });
+
+  it("is of a real robot: no simulator is asked for, and nothing can be placed", async () => {
+    const gateway = fakeGateway();
+    const { store } = renderPage(gateway);
+    act(() => store.onEvent(sceneEvent({ frame: "odom", dock: null })));
+    await waitFor(() => expect(words()).toMatch(/in odometry’s frame, which drifts/));
+    expect(gateway.simulator).not.toHaveBeenCalled();
+    expect(screen.queryByText(/Drag the robot/)).toBeNull();
+  });
+
+  it("says when what it shows is history", async () => {
+    simulatedPage();
+    await waitFor(() => expect(words()).toMatch(/^Robot at/));
+    const late = performance.now() + SCENE_STALE_MS + 100;
+    vi.spyOn(performance, "now").mockReturnValue(late);
+    await waitFor(() => expect(words()).toMatch(/^This is how it was last seen/));
+  });
+});
+
+describe("the simulator", () => {
+  afterEach(() => vi.restoreAllMocks());
+
+  it("is asked for when there is a true pose, and shows its state", async () => {
+    simulatedPage();
+    expect(await screen.findByRole("region", { name: "Simulator" })).toBeDefined();
+    const stuck = screen.getByRole<HTMLInputElement>("switch", { name: "Stuck wheel" });
+    expect(stuck.checked).toBe(true);
+    expect(screen.getByRole<HTMLInputElement>("switch", { name: "Dead charger" }).checked).toBe(false);
+    expect(screen.getByText(/motors off: blocked/)).toBeDefined();
+  });
+
+  it("is told by events, and gone when it goes", async () => {
+    const { store } = simulatedPage();
+    await screen.findByRole("region", { name: "Simulator" });
+    act(() => store.onEvent(simulatorEvent({ docked: true, contact: true })));
+    expect(await screen.findByText("docked")).toBeDefined();
+    await waitFor(() => expect(words()).toMatch(/ Docked\.$/));
+    act(() => store.onEvent(simulatorEvent({ available: false })));
+    await waitFor(() => expect(screen.queryByRole("region", { name: "Simulator" })).toBeNull());
+  });
+
+  it("breaks what is switched", async () => {
+    const { gateway, user } = simulatedPage();
+    await user.click(await screen.findByRole("switch", { name: "Dead charger" }));
+    expect(gateway.switchFault).toHaveBeenCalledWith("dead_charger", true);
+    await user.click(screen.getByRole("switch", { name: "Stuck wheel" }));
+    expect(gateway.switchFault).toHaveBeenLastCalledWith("stuck_wheel", false);
+  });
+
+  it("is reset, and says why where that did not work", async () => {
+    const error = new CommandError("simulator_timeout", "The simulator does not answer", "no answer");
+    const resetSimulator = vi.fn().mockRejectedValueOnce(error).mockResolvedValueOnce(undefined);
+    const { user } = simulatedPage({ resetSimulator });
+    const reset = await screen.findByRole("button", { name: "Reset" });
+    await user.click(reset);
+    expect(await screen.findByText(/Reset did not work/)).toBeDefined();
+    await user.click(reset);
+    await waitFor(() => expect(screen.queryByText(/Reset did not work/)).toBeNull());
+  });
+
+  it("places the robot by numbers, and not by half a number", async () => {
+    const { gateway, user } = simulatedPage();
+    const heading = await screen.findByLabelText("Heading (°)");
+    await user.clear(heading);
+    expect(screen.getByRole<HTMLButtonElement>("button", { name: "Place" }).disabled).toBe(true);
+    await user.type(heading, "90");
+    await user.click(screen.getByRole("button", { name: "Place" }));
+    expect(gateway.placeRobot).toHaveBeenCalledWith({ x: -1.5, y: 0.4, theta: Math.PI / 2 });
+  });
+
+  it("places the robot by keyboard in the picture, and says where", async () => {
+    const { gateway, user } = simulatedPage();
+    await screen.findByText(/Drag the robot/);
+    screen.getByRole("application").focus();
+    await user.keyboard("{ArrowRight}");
+    expect(await screen.findByText(/To be placed at x −1.45 m, y 0.40 m/)).toBeDefined();
+    await user.keyboard("{Enter}");
+    expect(gateway.placeRobot).toHaveBeenCalledWith({ x: -1.45, y: 0.4, theta: -0.3 });
+    await waitFor(() => expect(screen.queryByText(/To be placed/)).toBeNull());
+  });
+
+  it("is out of reach while the gateway is", async () => {
+    const { store } = simulatedPage();
+    await screen.findByRole("region", { name: "Simulator" });
+    act(() => store.onConnection({ kind: "closed" }));
+    expect(screen.getByRole<HTMLButtonElement>("button", { name: "Reset" }).disabled).toBe(true);
+    expect(screen.getByRole<HTMLInputElement>("switch", { name: "Dead charger" }).disabled).toBe(true);
+  });
+});

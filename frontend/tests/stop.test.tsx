@@ -1,0 +1,151 @@
+import { notifications } from "@mantine/notifications";
+import { act, fireEvent, screen, waitFor } from "@testing-library/react";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { CommandError } from "../src/api/errors";
+import { DoubleEscape, TWICE_WITHIN_MS } from "../src/stop/keys";
+import { ownName, setOwnName } from "../src/stop/who";
+import { latched, released, stopReport } from "./events";
+import { fakeGateway, renderPage } from "./page";
+
+const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
+const banner = () => screen.queryByTestId("stop-banner");
+
+beforeEach(() => localStorage.clear());
+afterEach(() => act(() => notifications.clean()));
+
+describe("a latched stop", () => {
+  it("is a banner that says since when and by whom, and holds back Dock and Undock with the reason", () => {
+    const { store } = renderPage(fakeGateway());
+    expect(banner()).toBeNull();
+    act(() =>
+      store.onEvent({ type: "stop", time: new Date().toISOString(), robot: "/", stop: latched("Ada") }),
+    );
+    return waitFor(() => {
+      expect(banner()?.textContent).toMatch(/Stopped by Ada at \d/);
+      expect([button("Dock").disabled, button("Undock").disabled]).toEqual([true, true]);
+      expect(screen.getByText(/the robot is stopped; release the stop first/)).toBeDefined();
+    });
+  });
+
+  it("is there from the snapshot on, also where nobody knows who it was", () => {
+    renderPage(fakeGateway(), { stop: latched(null) });
+    expect(banner()?.textContent).toMatch(/^Stopped at/);
+  });
+
+  it("names the robots below that are held", () => {
+    renderPage(fakeGateway(), { stop: { ...latched("Ada"), robots: ["/", "/robot1"] } });
+    expect(banner()?.textContent).toMatch(/\/robot1: /);
+  });
+
+  it("is released after a confirmation, and only then", async () => {
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway, { stop: latched("Ada") });
+    await user.click(button("Release …"));
+    await screen.findByRole("dialog", { name: "Release the stop?" });
+    await user.click(button("Keep it stopped"));
+    expect(gateway.release).not.toHaveBeenCalled();
+    await user.click(button("Release …"));
+    await user.click(await screen.findByRole("button", { name: "Release" }));
+    expect(gateway.release).toHaveBeenCalledTimes(1);
+    await waitFor(() => expect(banner()).toBeNull());
+    expect(button("Dock").disabled).toBe(false);
+  });
+
+  it("stays, and says why, where the release did not work", async () => {
+    const error = new CommandError("ros_unavailable", "The gateway has lost ROS", "the thread ended");
+    const gateway = fakeGateway({ release: vi.fn().mockRejectedValue(error) });
+    const { user } = renderPage(gateway, { stop: latched("Ada") });
+    await user.click(button("Release …"));
+    await user.click(await screen.findByRole("button", { name: "Release" }));
+    expect(await screen.findByText(/Release did not work/)).toBeDefined();
+    expect(banner()).not.toBeNull();
+  });
+
+  it("is shown as soon as the gateway has answered, before the stream tells", async () => {
+    const { user } = renderPage(fakeGateway());
+    await user.click(button("Stop"));
+    await waitFor(() => expect(banner()?.textContent).toMatch(/by the dashboard/));
+  });
+
+  it("can be brought about, but not released, while the stream is down", async () => {
+    const { store, user } = renderPage(fakeGateway());
+    act(() => store.onConnection({ kind: "closed" }));
+    await user.click(button("Stop"));
+    await waitFor(() => expect(banner()).not.toBeNull());
+    expect(button("Release …").disabled).toBe(true);
+  });
+});
+
+describe("Stop", () => {
+  it("is answered on the page at once, and says who has not answered yet", async () => {
+    let answer: (report: ReturnType<typeof stopReport>) => void = () => {};
+    const stop = vi.fn(() => new Promise<ReturnType<typeof stopReport>>((resolve) => (answer = resolve)));
+    const { user } = renderPage(fakeGateway({ stop }));
+    await user.click(button("Stop"));
+    expect(screen.getByText("Stopping …")).toBeDefined();
+    await act(async () => answer(stopReport({ unconfirmed: ["/dock"] })));
+    expect(await screen.findByText(/Not answered yet: \/dock/)).toBeDefined();
+  });
+
+  it("works by Escape twice, from anywhere but a text field, and in a dialog", async () => {
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway);
+    await user.click(screen.getByLabelText("Voltage (V)"));
+    await user.keyboard("{Escape}{Escape}");
+    expect(gateway.stop).not.toHaveBeenCalled();
+    act(() => (document.activeElement as HTMLElement).blur());
+    await user.keyboard("{Escape}{Escape}");
+    expect(gateway.stop).toHaveBeenCalledTimes(1);
+    await user.click(button("Keyboard and name"));
+    (await screen.findByRole("dialog")).focus();
+    await user.keyboard("{Escape}{Escape}");
+    expect(gateway.stop).toHaveBeenCalledTimes(2);
+  });
+
+  it("carries the name that was given on this computer", async () => {
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway);
+    await user.click(button("Keyboard and name"));
+    await user.type(await screen.findByLabelText("Your name"), "Grace");
+    expect(ownName()).toBe("Grace");
+    await user.click(button("Stop"));
+    expect(gateway.stop).toHaveBeenCalledWith("Grace");
+    setOwnName("  ");
+    await user.click(button("Stop"));
+    expect(gateway.stop).toHaveBeenLastCalledWith("the dashboard");
+  });
+
+  it("and what else the keyboard does can be read on the page", async () => {
+    const { user } = renderPage(fakeGateway(), { stop: released });
+    await user.click(button("Keyboard and name"));
+    expect((await screen.findByRole("dialog")).textContent).toMatch(/Escape twice within 0.7 s/);
+  });
+});
+
+describe("Escape twice", () => {
+  function press(keys: DoubleEscape, at: number, change: KeyboardEventInit = {}): boolean {
+    const event = new KeyboardEvent("keydown", { key: "Escape", ...change });
+    Object.defineProperty(event, "timeStamp", { value: at });
+    fireEvent(document.body, event);
+    return keys.press(event);
+  }
+
+  it("is two presses that are close together, and four are two of those", () => {
+    const keys = new DoubleEscape();
+    expect([0, 300, 400, 500].map((at) => press(keys, at))).toEqual([false, true, false, true]);
+  });
+
+  it("is neither two that are far apart, nor a key that is held, nor another key between", () => {
+    const keys = new DoubleEscape();
+    expect(press(keys, 0)).toBe(false);
+    expect(press(keys, TWICE_WITHIN_MS + 1)).toBe(false);
+    const held = new DoubleEscape();
+    expect(press(held, 0)).toBe(false);
+    expect(press(held, 100, { repeat: true })).toBe(false);
+    const other = new DoubleEscape();
+    press(other, 0);
+    press(other, 100, { key: "a" });
+    expect(press(other, 200)).toBe(false);
+    expect(press(other, 300, { shiftKey: true })).toBe(false);
+  });
+});
