@@ -1,18 +1,42 @@
 """The command line: `dock-gateway up`, `serve`, and a client of a running gateway."""
 
+import importlib
+
 import click
 
 from dock_gateway import __version__
-from dock_gateway.cli.client import battery, cancel, dock, release, stop, undock, watch
-from dock_gateway.cli.serve import openapi, serve
-from dock_gateway.cli.up import up
+
+COMMANDS = {
+    "up": "up",
+    "serve": "serve",
+    "dock": "client",
+    "undock": "client",
+    "cancel": "client",
+    "stop": "client",
+    "release": "client",
+    "watch": "client",
+    "battery": "client",
+    "openapi": "serve",
+}
+"""The commands, in the order of the help, and the modules that they are in."""
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"]})
+class LazyGroup(click.Group):
+    """Loads the one command that is called: a server need not load an HTTP client before it starts."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names of all commands."""
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command, loaded."""
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = getattr(importlib.import_module(f"dock_gateway.cli.{COMMANDS[cmd_name]}"), cmd_name)
+        return command
+
+
+@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__)
 def main() -> None:
     """Drive ROS 2 actions from a browser, curl or a WebSocket."""
-
-
-for command in (up, serve, dock, undock, cancel, stop, release, watch, battery, openapi):
-    main.add_command(command)
