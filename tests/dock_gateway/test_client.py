@@ -44,21 +44,56 @@ def gateway(monkeypatch: pytest.MonkeyPatch) -> Gateway:
     return gateway
 
 
+@pytest.mark.parametrize("verb", ["dock", "undock"])
 @pytest.mark.parametrize("options", [[], ["--no-wait"], ["--json"]])
-def test_ctrl_c_while_the_goal_is_sent_cancels_it(gateway: Gateway, options: list[str]) -> None:
+def test_ctrl_c_while_the_goal_is_sent_cancels_it(gateway: Gateway, verb: str, options: list[str]) -> None:
     gateway.interrupted = lambda number: number == 1
-    result = CliRunner().invoke(main, ["dock", *options])
+    result = CliRunner().invoke(main, [verb, *options])
     assert result.exit_code == 1
     assert "canceling" in result.output
     assert [(method, path) for method, path, _ in gateway.requests] == [
-        ("POST", "dock"),
-        ("POST", "dock"),
-        ("POST", f"dock/{GOAL['goal_id']}/cancel"),
+        ("POST", verb),
+        ("POST", verb),
+        ("POST", f"{verb}/{GOAL['goal_id']}/cancel"),
         ("GET", f"dock/{GOAL['goal_id']}"),
     ]
     first, second = (options for _, _, options in gateway.requests[:2])
     assert first["content"] == second["content"]
     assert first["headers"]["Idempotency-Key"] == second["headers"]["Idempotency-Key"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "method", "path", "body"),
+    [
+        (["stop"], "POST", "stop", {"latch": True, "by": None}),
+        (["stop", "--no-latch", "--by", "Ada"], "POST", "stop", {"latch": False, "by": "Ada"}),
+        (["stop", "--robot", "/fleet/robot1"], "POST", "stop?robot=%2Ffleet%2Frobot1", {"latch": True, "by": None}),
+        (["release", "--robot", "/robot1"], "DELETE", "stop?robot=%2Frobot1", None),
+    ],
+)
+def test_stop_and_release(
+    gateway: Gateway, arguments: list[str], method: str, path: str, body: dict[str, Any] | None
+) -> None:
+    CliRunner().invoke(main, arguments)
+    ((sent, where, options),) = gateway.requests
+    assert (sent, where) == (method, path)
+    assert (None if options["content"] is None else orjson.loads(options["content"])) == body
+
+
+@pytest.mark.parametrize(
+    ("status", "stage", "error", "line"),
+    [
+        ("executing", "NAV_TO_STAGING_POSE", None, "7d9c1c9e executing, nav to staging pose"),
+        ("executing", None, None, "7d9c1c9e executing"),
+        ("aborted", "RETRY", {"code": "blocked", "detail": "it does not move"}, "7d9c1c9e aborted: it does not move"),
+    ],
+)
+def test_what_is_shown_of_a_status(
+    capsys: pytest.CaptureFixture[str], status: str, stage: str | None, error: dict[str, str] | None, line: str
+) -> None:
+    event = {"type": "status", "goal_id": GOAL["goal_id"], "status": status, "stage": stage, "error": error}
+    client.show(event, as_json=False)
+    assert capsys.readouterr().out == f"{line}\n"
 
 
 def test_each_goal_has_a_key_of_its_own(gateway: Gateway) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.errors import Conflict, Unavailable
-from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import HistoryStats, MemoryHistory
 from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
@@ -95,13 +95,15 @@ class Scene:
         hub = Hub(queue_limit=100, max_subscribers=10)
         self.tracker = GoalTracker(self.port, hub, self.history, Later(0.01))  # type: ignore[arg-type]
         settings = Settings(accept_timeout=5.0)
+        self.interlock = Interlock(hub, LatchFile(settings.stop_file), "/")
+        self.reasons: Later[GoalError] = Later(0.01)
         self.service = GoalService(
             settings,
             self.history,
             self.tracker,
             FakeWatch(),  # type: ignore[arg-type]
-            Later(0.01),
-            interlock=Interlock(hub, LatchFile(settings.stop_file), "/"),
+            self.reasons,
+            interlock=self.interlock,
         )
 
     def submit(self, key: str | None = None) -> "asyncio.Task[Goal]":
@@ -186,3 +188,36 @@ async def test_the_rejection_is_told_when_the_goal_is_stored(scene: Scene) -> No
     scene.history.gate.set_result(None)
     with pytest.raises(Conflict):
         await submission
+
+
+async def test_no_goal_is_sent_while_a_stop_is_latched(scene: Scene) -> None:
+    await scene.interlock.latch("/")
+    with pytest.raises(Conflict) as refused:
+        await scene.submit()
+    assert refused.value.code == "stop_latched"
+    assert not scene.port.sent
+
+
+async def test_a_stop_while_a_goal_is_stored_keeps_it_from_being_sent(scene: Scene) -> None:
+    submission = scene.submit("key")
+    await turns()
+    await scene.interlock.latch("/")
+    scene.history.gate.set_result(None)
+    with pytest.raises(Conflict):
+        await submission
+    assert not scene.port.sent
+
+
+@pytest.mark.parametrize(
+    ("said", "code"), [("stop_latched", "stop_latched"), ("dock_busy", "dock_busy"), ("invalid_goal", "goal_rejected")]
+)
+async def test_what_the_server_says_of_a_rejection(scene: Scene, said: str, code: str) -> None:
+    submission = scene.submit()
+    scene.history.gate.set_result(None)
+    await turns()
+    (goal_id,) = scene.port.sent
+    scene.reasons.put(goal_id, GoalError(said, "a sentence"))
+    scene.port.answer(REJECTED)
+    with pytest.raises(Conflict, match="a sentence") as refused:
+        await submission
+    assert refused.value.code == code

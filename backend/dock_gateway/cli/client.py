@@ -120,8 +120,10 @@ def show(event: dict[str, Any], *, as_json: bool) -> None:
                 f"{goal['goal_id'][:8]} {goal['status']}" + (" (external)" if goal["origin"] == "external" else "")
             )
     elif kind == "status":
-        error = event["error"]
-        click.echo(f"{goal_id} {event['status']}" + (f": {error['detail']}" if error else ""))
+        running = event["status"] == "executing" and event["stage"]
+        stage = f", {event['stage'].lower().replace('_', ' ')}" if running else ""
+        error = f": {event['error']['detail']}" if event["error"] else ""
+        click.echo(f"{goal_id} {event['status']}{stage}{error}")
     elif kind == "feedback":
         click.echo(f"{goal_id} feedback {describe(event['feedback'])}")
     elif kind == "result":
