@@ -280,7 +280,7 @@ class DockGoal(Goal):
         if reason is not None and self._stage is Stage.RETRY and not isinstance(failure, OdometryLost):
             return self.abort(reason.error_code, f"{reason}; then, backing off: {failure}")
         if isinstance(failure, FailedToDetectDock) and self.retries:
-            return self.abort(self._plan.lost.error_code, f"{failure} again")
+            return self.abort(self._plan.lost.error_code, f"{failure}, though it was seen before")
         if not failure.worth_a_retry or self._watch is None or self.retries >= self._limits.max_retries:
             return self.abort(failure.error_code, str(failure))
         self.retries += 1

@@ -24,6 +24,10 @@ class MotionLimits:
     a_angular_max: float = 2.0
 
 
+LONGEST_STEP = 0.2
+"""In s; after a longer pause the robot does not change its velocity by more than in this time."""
+
+
 class Limiter:
     """Bends a wish into what the robot may do next; remembers what it said last."""
 
@@ -38,7 +42,7 @@ class Limiter:
             wish: What a controller wants.
             dt: Seconds since the last velocity.
         """
-        limits = self.limits
+        limits, dt = self.limits, min(dt, LONGEST_STEP)
         self._last = Velocity(
             _towards(self._last.linear_x, wish.linear_x, limits.v_linear_max, limits.a_linear_max * dt),
             _towards(self._last.angular_z, wish.angular_z, limits.v_angular_max, limits.a_angular_max * dt),

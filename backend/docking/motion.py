@@ -9,6 +9,8 @@ from docking.observation import STANDSTILL, Observation
 
 DELAY = 0.3
 """How old odometry may be, in s, for the robot to go on driving."""
+PAUSE = 0.4
+"""After a longer time without a look, in s, the comparison begins anew: a base stops when commands stay away."""
 TOLERANCE = 0.35
 """The part of a commanded way that may be missing: slip, delays, acceleration."""
 LEAST_WAY = 0.02
@@ -84,6 +86,9 @@ class MotionWatch:
         if last is None:
             return
         dt, moved = now - last[0], pose.relative_to(last[1])
+        if not 0.0 <= dt <= PAUSE:  # nobody knows for how long the command held
+            self.rest()
+            return
         ways = _Ways(last[0], self.commanded.linear_x * dt, self.commanded.angular_z * dt, moved.x, moved.theta)
         self._window.append(ways)
         self._add(ways, 1.0)

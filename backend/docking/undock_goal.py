@@ -3,7 +3,7 @@
 from docking.battery import BatteryReading
 from docking.controllers.protocol import Done
 from docking.controllers.straight import BackOut
-from docking.failures import DockingError, FailedToUndock, Stage
+from docking.failures import Blocked, DockingError, ErrorCode, FailedToUndock, Stage
 from docking.goal import Command, Goal, Limits, Outcome
 from docking.limiter import Limiter, MotionLimits
 from docking.motion import MotionWatch
@@ -43,6 +43,8 @@ class UndockGoal(Goal):
             if not self._watch.sees(observation):
                 return Command(Stage.UNDOCKING, self._rest())
             velocity = self._move(observation, dt)
+        except Blocked as failure:
+            return self.abort(ErrorCode.FAILED_TO_UNDOCK, f"the robot did not get away from the dock: {failure}")
         except DockingError as failure:
             return self.abort(failure.error_code, str(failure))
         self._watch.commanded = velocity

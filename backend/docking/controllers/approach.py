@@ -17,6 +17,8 @@ SLOW = 0.06
 """The last piece before the docked pose, in m, on which the robot drives at its slowest."""
 BLIND = 0.15
 """How near to the docked pose, in m, the robot no longer needs to see the dock."""
+UNSURE = 0.5
+"""How long the dock may be out of sight, in s, before the robot stands still, farther away than that."""
 COMMITTED = 0.06
 """Where it is judged whether the robot comes straight enough, in m before the docked pose."""
 ASIDE = 0.02
@@ -75,7 +77,11 @@ class Approach:
         if left < self._until or self._touches(left, odometry, dt):
             return Done()
         failure = self._fault(off, left, dt)
-        return self._drive(odometry.pose, docked, left) if failure is None else Failed(failure)
+        if failure is not None:
+            return Failed(failure)
+        if self._unseen > UNSURE and left > BLIND:
+            return STANDSTILL
+        return self._drive(odometry.pose, docked, left)
 
     def _touches(self, left: float, odometry: Odometry, dt: float) -> bool:
         stopped = odometry.velocity.linear_x < 0.25 * self._motion.v_linear_min

@@ -10,6 +10,8 @@ RANGE_GAIN = 0.2
 """How much of a difference in distance is believed at once: the readings are noisy."""
 BEARING_GAIN = 0.8
 """The same for a direction that cannot be."""
+FARTHEST = 10.0
+"""In m; no beacon is seen from farther away."""
 FRESH = 0.3
 """How old a reading may be, in s."""
 
@@ -35,20 +37,20 @@ class Receivers:
         half, angle = 0.5 * self.infrared_field_of_view, self.infrared_receiver_angle
         lowest, highest = -math.pi, math.pi
         for distance, direction in ((reading.left, angle), (reading.center, 0.0), (reading.right, -angle)):
-            if math.isfinite(distance):
+            if _sees(distance):
                 lowest, highest = max(lowest, direction - half), min(highest, direction + half)
         if lowest == -math.pi or lowest > highest:
             return None
         # Where one sees it and its neighbour does not, the neighbour's view ends there.
-        if not math.isfinite(reading.center):
-            if math.isfinite(reading.left):
+        if not _sees(reading.center):
+            if _sees(reading.left):
                 lowest = max(lowest, half)
             else:
                 highest = min(highest, -half)
         else:
-            if not math.isfinite(reading.left):
+            if not _sees(reading.left):
                 highest = min(highest, angle - half)
-            if not math.isfinite(reading.right):
+            if not _sees(reading.right):
                 lowest = max(lowest, half - angle)
         return lowest, highest
 
@@ -112,10 +114,9 @@ class BeaconFilter:
         sector = self.receivers.sector(reading)
         if sector is None:
             return
-        seen = [distance for distance in (reading.left, reading.center, reading.right) if math.isfinite(distance)]
         self.seen_at = reading.stamp
         self.count += 1
-        self._correct(odometry.pose, math.fsum(seen) / len(seen), sector)
+        self._correct(odometry.pose, _distance(reading), sector)
 
     def _correct(self, robot: Pose, distance: float, sector: tuple[float, float]) -> None:
         receivers = self.receivers.position(robot)
@@ -129,3 +130,18 @@ class BeaconFilter:
             distance = known + RANGE_GAIN * (distance - known)
         ahead = receivers.compose(Pose(distance * math.cos(bearing), distance * math.sin(bearing)))
         self.position = Pose(ahead.x, ahead.y)
+
+
+def _sees(distance: float) -> bool:
+    """Whether a receiver sees the beacon: infinity is nothing seen, minus infinity too near to tell (REP-117)."""
+    return distance < math.inf
+
+
+def _distance(reading: InfraredReading) -> float:
+    """The mean of those that see the beacon, in m; where it is too near to tell, it is 0."""
+    seen = [
+        min(max(distance, 0.0), FARTHEST)
+        for distance in (reading.left, reading.center, reading.right)
+        if _sees(distance)
+    ]
+    return math.fsum(seen) / len(seen)

@@ -16,6 +16,8 @@ TURN_DRIFT = 0.03
 """How much its heading is off after 1 m, or 2 rad of turning, in rad."""
 GATE = 16.3
 """Squared distance, in standard deviations, of an outlier: one good detection in 1,000 (chi-square, 3 degrees)."""
+FARTHEST = 30.0
+"""In m; no marker is seen from farther away."""
 PATIENCE = 5
 """Outliers one after another that prove the filter wrong: the robot, or the dock, was moved."""
 
@@ -58,6 +60,7 @@ class MarkerFilter:
         if (
             marker is not None
             and marker.pose.finite
+            and odometry.pose.distance_to(marker.pose) < FARTHEST
             and marker.stamp > self._looked_at
             and observation.now - marker.stamp <= self._memory
         ):
