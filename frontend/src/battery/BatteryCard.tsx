@@ -31,7 +31,7 @@ export function BatteryCard() {
         <NoBattery live={live} />
       ) : (
         <Stack gap="md">
-          <Group gap="lg" wrap="nowrap" align="center">
+          <Group gap="md" align="center">
             <Gauge state={state} faded={stale || !live} />
             <Stack gap={4}>
               <Text fw={700} fz="xl" lh={1.2} data-testid="battery-status">
