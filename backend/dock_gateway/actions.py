@@ -109,9 +109,12 @@ class ActionRegistry:
         self._started = time.monotonic()
 
     def expect(self, goals: list[Goal]) -> None:
-        """Goals that ran when the gateway ended: each is taken up with its action."""
+        """Goals that ran when the gateway ended: each is taken up with its action, once."""
         for goal in goals:
-            self._unfinished.setdefault(goal.action_name, []).append(goal)
+            if action := self._actions.get(goal.action_name):
+                action.tracker.take_up(goal)
+            else:
+                self._unfinished.setdefault(goal.action_name, []).append(goal)
 
     async def open(self, name: str, type_name: str, *, pinned: bool = False) -> Action:
         """Join an action.
@@ -123,6 +126,7 @@ class ActionRegistry:
 
         Raises:
             ImportError: The type's package is not installed.
+            TypeError: The type has fields that no .msg file can have.
         """
         port = await self._bridge.call(lambda: ActionPort(self._bridge, name, type_name))
         action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
@@ -162,9 +166,9 @@ class ActionRegistry:
             log.warning("action %s has more than one type: %s; the first counts", name, ", ".join(types))
         try:
             await self.open(name, types[0])
-        except ImportError as error:
-            package = types[0].partition("/")[0]
-            self._uninstalled[name] = Uninstalled(name, types[0], install_hint(package))
+        except (ImportError, TypeError) as error:
+            hint = install_hint(types[0].partition("/")[0]) if isinstance(error, ImportError) else str(error)
+            self._uninstalled[name] = Uninstalled(name, types[0], hint)
             log.info("action %s is there and cannot be used: %s", name, error)
 
     async def _forget(self, action: Action) -> None:

@@ -134,7 +134,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         actions.expect(await history.unfinished())
         dock = await actions.open(settings.resolve(settings.dock_action), settings.dock_action_type, pinned=True)
         undock = await actions.open(settings.resolve(settings.undock_action), settings.undock_action_type, pinned=True)
-        watching = asyncio.create_task(_watch_graph(bridge, actions, robots))
+        watching = asyncio.create_task(_watch_graph(bridge, actions, robots, history))
         try:
             yield Gateway(settings, bridge, hub, history, actions, robots, stopper, simulators, dock, undock)
         finally:
@@ -152,9 +152,13 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         await asyncio.to_thread(bridge.close)
 
 
-async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry) -> None:
+async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, history: History) -> None:
+    knows_all = history.stats().database_reachable
     while True:
         try:
+            if not knows_all and history.stats().database_reachable:
+                actions.expect(await history.unfinished())
+                knows_all = True
             found = await bridge.call(lambda: scan(bridge.node))
             await actions.update(found)
             await robots.update(found)

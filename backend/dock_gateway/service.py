@@ -8,7 +8,16 @@ from collections.abc import Collection
 from typing import Any
 
 from dock_gateway.canceler import TOO_LATE, Canceler
-from dock_gateway.errors import Conflict, GatewayError, NotFound, ServerTimeout, TooManyRequests, Unavailable
+from dock_gateway.errors import (
+    Conflict,
+    FieldError,
+    GatewayError,
+    InvalidField,
+    NotFound,
+    ServerTimeout,
+    TooManyRequests,
+    Unavailable,
+)
 from dock_gateway.events import utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import History, fingerprint_of
@@ -282,7 +291,13 @@ class GoalService:
     async def page(
         self, statuses: Collection[GoalStatus] = (), limit: int = 50, before: str | None = None
     ) -> tuple[list[Goal], str | None]:
-        """Goals, newest first, and the cursor of the next page."""
+        """Goals, newest first, and the cursor of the next page.
+
+        Raises:
+            InvalidField: There is no goal `before`, so nothing can be older.
+        """
+        if before is not None and before not in self._tracker.live and await self._history.get(before) is None:
+            raise InvalidField([FieldError("cursor", "`next_cursor` of an earlier answer", "there is no such goal")])
         goals = await self._history.page(
             action_name=self._tracker.port.action_name, statuses=statuses, limit=limit + 1, before=before
         )

@@ -148,7 +148,11 @@ class GoalTracker:
 
     def take_up(self, goal: Goal) -> None:
         """Go on with a goal that the history says was running; the server is asked for its outcome."""
-        if goal.goal_id not in self.live and goal.goal_id not in self._ended:
+        adopted = self.live.get(goal.goal_id)
+        if adopted is not None and adopted.origin != goal.origin:  # the history was away when the goal turned up
+            adopted.remember(goal)
+            self._publish_status(adopted, time.time_ns())
+        elif adopted is None and goal.goal_id not in self._ended:
             self.live[goal.goal_id] = goal
             self.taken_up.add(goal.goal_id)
             log.info("taking up goal %s, %s", goal.goal_id, goal.status.value)

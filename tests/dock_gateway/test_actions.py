@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from dock_gateway import actions
 from dock_gateway.actions import ActionRegistry
 from dock_gateway.errors import NotFound, Unavailable
 from dock_gateway.history import MemoryHistory
@@ -55,3 +56,14 @@ async def test_an_action_that_nobody_serves(registry: ActionRegistry) -> None:
 async def test_types_that_no_package_can_have_do_no_harm(registry: ActionRegistry) -> None:
     await registry.update(Scan({"/a": ["nonsense"], "/b": ["os/action/path"], "/c": ["../x/action/Y"]}))
     assert [entry.name for entry in registry.uninstalled()] == ["/a", "/b", "/c"]
+
+
+async def test_a_type_with_fields_that_no_msg_file_can_have(
+    registry: ActionRegistry, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise TypeError("fields of type long double are not supported")
+
+    monkeypatch.setattr(actions, "ActionPort", refuse)
+    await registry.update(Scan({"/odd": ["odd_msgs/action/Odd"]}))
+    assert [entry.hint for entry in registry.uninstalled()] == ["fields of type long double are not supported"]

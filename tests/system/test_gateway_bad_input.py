@@ -2,6 +2,7 @@
 
 import json
 import socket
+import uuid
 from collections.abc import Iterator
 from typing import Any
 from urllib.parse import urlsplit
@@ -103,6 +104,7 @@ BODIES: dict[str, tuple[str, str, bytes, int, str]] = {
     "a limit in words": ("GET", "/dock?limit=all", b"", 422, "invalid_field"),
     "a status nobody knows": ("GET", "/dock?status=done", b"", 422, "invalid_field"),
     "a cursor that is none": ("GET", "/dock?cursor=zzz", b"", 422, "invalid_field"),
+    "a cursor of no goal": ("GET", f"/dock?cursor={uuid.UUID(int=7)}", b"", 422, "invalid_field"),
     "a goal id that is none": ("GET", "/dock/1234", b"", 422, "invalid_field"),
     "a goal nobody knows": ("GET", f"/dock/{UUID}", b"", 404, "goal_not_found"),
     "a cancel of it": ("POST", f"/dock/{UUID}/cancel", b"", 404, "goal_not_found"),

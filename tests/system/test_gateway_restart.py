@@ -1,15 +1,17 @@
 """A gateway that is killed and started again: no goal that was answered with 202 is ever missing."""
 
 import signal
+import sqlite3
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
-from tests.support.observer import Observer, ros_observer
+from tests.support.observer import Observer, ros_observer, wait_until
 from tests.support.processes import BIN, Process, ros_environment
 
 pytestmark = pytest.mark.ros
@@ -107,3 +109,37 @@ def test_goals_whose_server_has_gone_are_lost_not_forgotten(domain: int, databas
             second.wait_until_ready()
             assert second.http.post("/dock").status_code == 202
             assert [entry["goal_id"] for entry in second.http.get("/dock").json()["goals"]][1] == goal_id
+
+
+@pytest.mark.parametrize("served", [True, False])
+def test_goals_are_taken_up_when_the_database_is_back(domain: int, database: str, served: bool) -> None:
+    """It was away when the gateway started, so that nobody knew of them, or whose they were."""
+    with running_dock_server(domain) as server, battery(domain, 3):
+        with running_gateway(domain, database_url=database) as first:
+            first.wait_until_ready()
+            goal_id = first.http.post("/dock").json()["goal_id"]
+            first.wait_for_goal(goal_id, "executing")
+            kill(first)
+        if not served:
+            server.send_signal(signal.SIGKILL)
+            server.wait()
+        with closing(sqlite3.connect(database.removeprefix("sqlite:///"), isolation_level=None)) as other:
+            other.execute("BEGIN EXCLUSIVE")
+            with running_gateway(domain, database_url=database) as second:
+
+                def origin() -> str | None:
+                    origin: str | None = second.http.get(f"/dock/{goal_id}").json().get("origin")
+                    return origin
+
+                def reachable() -> bool:
+                    return bool(second.http.get("/readyz").json()["history"]["database_reachable"])
+
+                assert not reachable()
+                if served:
+                    wait_until(lambda: origin() == "external", "the goal, as the action server tells of it")
+                else:
+                    assert second.http.get(f"/dock/{goal_id}").json()["code"] == "history_unavailable"
+                other.execute("ROLLBACK")
+                wait_until(reachable, "the database")
+                wait_until(lambda: origin() == "gateway", "the goal, as the database tells of it")
+                second.wait_for_goal(goal_id, "executing" if served else "lost", timeout=30)

@@ -65,7 +65,7 @@ def get_interface(package: Package, name: TypeName) -> Response:
     """JSON Schema of goal, result and feedback, with the definition's comments, units, constants and defaults."""
     try:
         return Response(_schemas(f"{package}/action/{name}"), media_type="application/json")
-    except ImportError as error:
+    except (ImportError, TypeError) as error:
         raise NotFound(str(error), code="interface_not_found") from None
 
 
