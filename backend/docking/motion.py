@@ -9,6 +9,8 @@ from docking.observation import STANDSTILL, Observation
 
 DELAY = 0.3
 """How old odometry may be, in s, for the robot to go on driving."""
+FARTHEST = 1e6
+"""In m from where odometry began; what is farther is no pose."""
 PAUSE = 0.4
 """After a longer time without a look, in s, the comparison begins anew: a base stops when commands stay away."""
 TOLERANCE = 0.35
@@ -71,7 +73,7 @@ class MotionWatch:
             Blocked: The robot did not move as it was told.
         """
         now, odometry = observation.now, observation.odometry
-        if odometry is None or not odometry.pose.finite or now - odometry.stamp > DELAY:
+        if odometry is None or not (_makes_sense(odometry.pose) and now - odometry.stamp <= DELAY):
             heard_at = self._started_at if odometry is None else max(self._started_at, odometry.stamp)
             if now - heard_at > self._odometry_timeout:
                 raise OdometryLost(f"no odometry for {self._odometry_timeout:g} s (odometry_timeout)")
@@ -109,3 +111,7 @@ class MotionWatch:
                 f"told to drive {told:.2f} m and turn {told_turn:.2f} rad within {self._blocked_after:g} s"
                 f" (blocked_after), the robot drove {done:.2f} m and turned {done_turn:.2f} rad"
             )
+
+
+def _makes_sense(pose: Pose) -> bool:
+    return pose.finite and max(abs(pose.x), abs(pose.y), abs(pose.theta)) < FARTHEST

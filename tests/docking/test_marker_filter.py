@@ -83,6 +83,14 @@ def test_an_old_detection_does_not_count(settled: MarkerFilter) -> None:
     assert settled.count == 30
 
 
+@pytest.mark.parametrize("stamp", [math.nan, math.inf, 50.0])
+def test_a_detection_from_the_future_does_not_count_nor_hide_the_next_ones(settled: MarkerFilter, stamp: float) -> None:
+    settled.update(observed(3.0, MARKER, stamp=stamp))
+    assert settled.count == 30
+    settled.update(observed(3.1, MARKER))
+    assert settled.count == 31
+
+
 @pytest.mark.parametrize("nonsense", [math.nan, math.inf, 1e300])
 def test_nonsense_does_not_count(settled: MarkerFilter, nonsense: float) -> None:
     before = settled.pose

@@ -78,5 +78,6 @@ def test_odometry_that_stops_blinds_it_and_then_is_lost() -> None:
         motion.sees(Observation(11.1, odometry=odometry))
 
 
-def test_odometry_that_is_no_number_is_none() -> None:
-    assert not watch().sees(Observation(0.1, odometry=Odometry(Pose(math.nan), STANDSTILL, 0.1)))
+@pytest.mark.parametrize("nonsense", [math.nan, math.inf, 1e200])
+def test_odometry_that_makes_no_sense_is_none(nonsense: float) -> None:
+    assert not watch().sees(Observation(0.1, odometry=Odometry(Pose(nonsense), STANDSTILL, 0.1)))

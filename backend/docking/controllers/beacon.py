@@ -108,7 +108,7 @@ class BeaconFilter:
         odometry, reading = observation.odometry, observation.infrared
         if odometry is None or reading is None or not odometry.pose.finite:
             return
-        if reading.stamp <= self._stamp or observation.now - reading.stamp > FRESH:
+        if not (reading.stamp > self._stamp and abs(observation.now - reading.stamp) <= FRESH):
             return
         self._stamp = reading.stamp
         sector = self.receivers.sector(reading)

@@ -62,7 +62,7 @@ class MarkerFilter:
             and marker.pose.finite
             and odometry.pose.distance_to(marker.pose) < FARTHEST
             and marker.stamp > self._looked_at
-            and observation.now - marker.stamp <= self._memory
+            and abs(observation.now - marker.stamp) <= self._memory
         ):
             self._looked_at = marker.stamp
             self._correct(marker.pose, odometry.pose.distance_to(marker.pose), marker.stamp)
