@@ -80,9 +80,9 @@ class Track:
             return None
         return self._poses[-1]
 
-    def at(self, stamp: float) -> Pose | None:
+    def near(self, stamp: float) -> Seen | None:
         """The pose nearest to a time."""
-        return min(self._poses, key=lambda seen: abs(seen.stamp - stamp)).pose if self._poses else None
+        return min(self._poses, key=lambda seen: abs(seen.stamp - stamp), default=None)
 
 
 class Scene:
@@ -97,13 +97,17 @@ class Scene:
 
     def place(self, seen: Seen) -> None:
         """The robot's pose, by odometry or in truth, as its frame says."""
-        track = self._tracks[WORLD if seen.frame == WORLD else ODOM]
-        track.add(seen)
-        odometry, truth = (self._tracks[frame].latest(seen.heard_at) for frame in (ODOM, WORLD))
-        if odometry is None or truth is None:
+        track, other = (WORLD, ODOM) if seen.frame == WORLD else (ODOM, WORLD)
+        self._tracks[track].add(seen)
+        newest = self._tracks[other].latest(seen.heard_at)
+        if newest is None:
             self._world_from_odom = None
-        elif odometry.stamp == truth.stamp or self._world_from_odom is None:
-            self._world_from_odom = truth.pose.compose(odometry.pose.inverse())
+            return
+        # Both tell of the same moments, and either may be ahead.
+        stamp = min(seen.stamp, newest.stamp)
+        believed, true = self._tracks[ODOM].near(stamp), self._tracks[WORLD].near(stamp)
+        if believed and true and (believed.stamp == true.stamp or self._world_from_odom is None):
+            self._world_from_odom = true.pose.compose(believed.pose.inverse())
 
     def say(self, name: str, seen: Seen) -> None:
         """What was seen or planned: `marker`, `docked`, `staging`."""
@@ -124,14 +128,13 @@ class Scene:
         if robot is None:
             return None
         frame = ODOM if truth is None else WORLD
-        marker = self._in(frame, "marker", now, SEEN_FOR)
         return {
             "frame": frame,
             "robot": robot.pose.document(),
             "dock": self._dock.document() if self._dock and frame == WORLD else None,
             "docked": self._in(frame, "docked", now, KNOWN_FOR),
             "staging": self._in(frame, "staging", now, KNOWN_FOR),
-            "marker": marker,
+            "marker": self._in(frame, "marker", now, SEEN_FOR),
             "infrared": self._infrared(now),
         }
 
@@ -147,7 +150,8 @@ class Scene:
         if seen.frame == frame:
             return Pose(0.0, 0.0, 0.0)
         if seen.frame == BASE:
-            return self._tracks[frame].at(seen.stamp)
+            robot = self._tracks[frame].near(seen.stamp)
+            return None if robot is None else robot.pose
         return self._world_from_odom if seen.frame == ODOM else None
 
     def _infrared(self, now: float) -> dict[str, float | None] | None:

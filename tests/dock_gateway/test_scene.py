@@ -80,6 +80,17 @@ def test_frames_are_related_by_poses_of_one_moment() -> None:
         scene.place(Seen(Pose(step + 10.0, 0.0, 0.0), WORLD, step, 0.0))
 
 
+def test_frames_are_related_whichever_is_ahead() -> None:
+    scene = Scene()
+    for step in range(5):  # the truth is always a moment late, and the robot is set down elsewhere on the way
+        scene.place(Seen(Pose(step, 0.0, 0.0), ODOM, step, 0.0))
+        scene.place(Seen(Pose(step - 1.0 + (10.0 if step < 3 else 20.0), 0.0, 0.0), WORLD, step - 1.0, 0.0))
+    scene.say("staging", Seen(Pose(5.0, 0.0, 0.0), ODOM, 4.0, 0.0))
+    document = scene.document(0.0)
+    assert document is not None
+    assert document["staging"]["x"] == 25.0
+
+
 def test_a_marker_is_where_it_was_seen_from() -> None:
     scene = Scene()
     for step in range(5):

@@ -86,6 +86,7 @@ def test_a_dead_charger_is_the_goals_error(gateway: RunningGateway) -> None:
     with gateway.stream("?include=cmd_vel,scene") as stream:
         goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
         planned = stream.until(lambda e: e["type"] == "scene" and e["scene"]["docked"] and e["scene"]["staging"])
+        assert planned["scene"]["frame"] == "world"
         assert abs(planned["scene"]["docked"]["x"] + 0.2) < 0.1
         assert abs(planned["scene"]["staging"]["x"] + 0.9) < 0.15
         result = stream.until(lambda e: e["type"] == "result" and e["goal_id"] == goal_id, timeout=120)

@@ -5,10 +5,11 @@ import time
 from collections.abc import Iterator
 
 import pytest
+from nav_msgs.msg import Odometry
 
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program
-from tests.support.observer import wait_until
+from tests.support.observer import ros_observer, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -59,6 +60,16 @@ def test_a_scene_is_one_picture_in_the_world(gateway: RunningGateway) -> None:
         for _ in range(count):
             stream.until_type("scene")
         assert count / (time.monotonic() - started) < 22
+
+
+def test_a_real_robot_is_shown_in_the_frame_of_its_odometry() -> None:
+    pose = Odometry(child_frame_id="base_link")
+    pose.header.frame_id, pose.pose.pose.position.x = "odom", 0.5
+    pose.header.stamp.sec = 1
+    with ros_domain() as elsewhere, ros_observer(elsewhere) as robot, running_gateway(elsewhere) as lonely:
+        with lonely.stream("?include=scene") as stream, robot.publishing(pose, "odom", period=0.05):
+            scene = stream.until_type("scene")["scene"]
+        assert (scene["frame"], scene["robot"]["x"], scene["dock"], scene["infrared"]) == ("odom", 0.5, None, None)
 
 
 def test_only_who_asks_for_it_gets_it_and_nobody_else_pays(gateway: RunningGateway, domain: int) -> None:

@@ -46,7 +46,7 @@ class ScenePort:
         self._on_scene = on_scene
         self._scene = Scene()
         self._pace = Pace(MAX_RATE)
-        self._truth_at = -math.inf
+        self._truth_at = time.monotonic()  # truth is waited for before odometry is taken for all there is
         listen = bridge.node.create_subscription
         self._subscriptions: list[Subscription] = [
             listen(Odometry, resolve("odom"), guard(self._hear_odometry), LATEST),
