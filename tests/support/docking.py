@@ -135,13 +135,13 @@ class Reports:
         """The key values of each report, and its level, name and message."""
         return [_read(status) for message in self._recording.messages for status in message.status]
 
-    def wait_for(self, **expected: str | int) -> dict[str, Any]:
+    def wait_for(self, timeout: float = 15.0, **expected: str | int) -> dict[str, Any]:
         """Wait for a report with these values."""
 
         def found() -> dict[str, Any] | None:
             return next((report for report in self.all if expected.items() <= report.items()), None)
 
-        report = wait_until(found, f"a report with {expected}, among {self.all[-3:]}")
+        report = wait_until(found, f"a report with {expected}", timeout)
         assert report is not None
         return report
 

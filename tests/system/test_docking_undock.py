@@ -77,7 +77,7 @@ def test_it_backs_out_with_feedback_and_ends_when_the_robot_does_not_move(domain
             answer = goal.result()
             assert answer.status == ABORTED
             assert answer.result.final_battery_state.power_supply_status == 1
-            reports.wait_for(goal_id=goal.goal_id, stage="ABORTED", error_code="BLOCKED", error_number="970")
+            reports.wait_for(goal_id=goal.goal_id, stage="ABORTED", error_code="FAILED_TO_UNDOCK", error_number="972")
             wait_until(lambda: wheels.standing, "zero velocity")
         assert len(goal.feedback) >= 8
         assert {feedback.current_battery_state.power_supply_status for feedback in goal.feedback} <= {0, 1}
