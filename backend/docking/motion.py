@@ -14,11 +14,14 @@ FARTHEST = 1e6
 PAUSE = 0.4
 """After a longer time without a look, in s, the comparison begins anew: a base stops when commands stay away."""
 TOLERANCE = 0.35
-"""The part of a commanded way that may be missing: slip, delays, acceleration."""
-LEAST_WAY = 0.02
-"""In m; a shorter way missing says nothing."""
-LEAST_TURN = 0.12
+"""The part of all that was told, to and fro, that may be missing: wheels slip."""
+LEAST_WAY = 0.04
+"""In m; a shorter way missing says nothing: odometry comes late, by up to 0.1 s, and wheels need time to speed up."""
+LEAST_TURN = 0.2
 """In rad; a smaller turn missing says nothing."""
+
+
+_SUMS = ("told", "told_turn", "to_and_fro", "to_and_fro_turn", "done", "done_turn")
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,14 +56,14 @@ class MotionWatch:
         self._started_at = started_at
         self._last: tuple[float, Pose] | None = None
         self._window: deque[_Ways] = deque()
-        self._sums = [0.0, 0.0, 0.0, 0.0]  # of the window: told, told_turn, done, done_turn
+        self._sums = dict.fromkeys(_SUMS, 0.0)  # of the window
 
     def rest(self) -> None:
         """The robot was told to stand still: what was before no longer counts."""
         self.commanded = STANDSTILL
         self._last = None
         self._window.clear()
-        self._sums = [0.0, 0.0, 0.0, 0.0]
+        self._sums = dict.fromkeys(_SUMS, 0.0)
 
     def sees(self, observation: Observation) -> bool:
         """Whether the robot knows where it is, so that it may move.
@@ -98,18 +101,24 @@ class MotionWatch:
             self._add(self._window.popleft(), -1.0)
 
     def _add(self, ways: _Ways, sign: float) -> None:
-        for index, value in enumerate((ways.told, ways.told_turn, ways.done, ways.done_turn)):
-            self._sums[index] += sign * value
+        sums = self._sums
+        sums["told"] += sign * ways.told
+        sums["told_turn"] += sign * ways.told_turn
+        sums["to_and_fro"] += sign * abs(ways.told)
+        sums["to_and_fro_turn"] += sign * abs(ways.told_turn)
+        sums["done"] += sign * ways.done
+        sums["done_turn"] += sign * ways.done_turn
 
     def _compare(self) -> None:
-        told, told_turn, done, done_turn = self._sums
-        missing, missing_turn = abs(told - done), abs(told_turn - done_turn)
-        if missing > max(LEAST_WAY, TOLERANCE * abs(told)) or missing_turn > max(
-            LEAST_TURN, TOLERANCE * abs(told_turn)
+        sums = self._sums
+        missing, missing_turn = abs(sums["told"] - sums["done"]), abs(sums["told_turn"] - sums["done_turn"])
+        if missing > max(LEAST_WAY, TOLERANCE * sums["to_and_fro"]) or missing_turn > max(
+            LEAST_TURN, TOLERANCE * sums["to_and_fro_turn"]
         ):
             raise Blocked(
-                f"told to drive {told:.2f} m and turn {told_turn:.2f} rad within {self._blocked_after:g} s"
-                f" (blocked_after), the robot drove {done:.2f} m and turned {done_turn:.2f} rad"
+                f"told to drive {sums['told']:.2f} m and turn {sums['told_turn']:.2f} rad within"
+                f" {self._blocked_after:g} s (blocked_after), the robot drove {sums['done']:.2f} m and turned"
+                f" {sums['done_turn']:.2f} rad"
             )
 
 

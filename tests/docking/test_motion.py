@@ -1,9 +1,12 @@
 import math
+from collections import deque
+from random import Random
 
 import pytest
 
 from docking.failures import Blocked, OdometryLost
 from docking.geometry import Pose
+from docking.limiter import Limiter, MotionLimits
 from docking.motion import MotionWatch
 from docking.observation import STANDSTILL, Observation, Odometry, Velocity
 
@@ -30,6 +33,24 @@ def drive(
 @pytest.mark.parametrize("slip", [0.0, 0.1, -0.1])
 def test_a_robot_that_does_as_it_is_told_is_not_blocked(told: Velocity, slip: float) -> None:
     drive(watch(), told, Velocity(told.linear_x * (1 - slip), told.angular_z * (1 - slip)), 20.0)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.05, 0.1])
+def test_odometry_that_comes_late_does_not_make_it_blocked(delay: float) -> None:
+    """Forwards, backwards, to and fro, as fast as the robot may, each for a random while."""
+    motion, random, pose, told = watch(), Random(5), Pose(), STANDSTILL
+    late = deque([pose] * (1 + round(delay / 0.01)))
+    limiter, wish = Limiter(MotionLimits()), STANDSTILL
+    for tick in range(30000):
+        now = 0.01 * tick
+        if random.random() < 0.007:
+            wish = Velocity(random.choice([-0.26, -0.1, 0.0, 0.1, 0.26]), random.choice([-1.0, -0.35, 0.0, 0.35, 1.0]))
+        if tick % 5 == 0:
+            assert motion.sees(Observation(now, odometry=Odometry(late[0], told, now)))
+            told = motion.commanded = limiter.limit(wish, PERIOD)
+        pose = pose.compose(Pose(told.linear_x * 0.01, 0.0, told.angular_z * 0.01))
+        late.append(pose)
+        late.popleft()
 
 
 @pytest.mark.parametrize(
