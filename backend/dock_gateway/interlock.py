@@ -19,6 +19,7 @@ log = logging.getLogger(__name__)
 # What was learned from another gateway is said by this one, too, after so many seconds without a contradiction: the
 # other may go, and those who come later would hear of nothing.
 ECHO_AFTER = 0.5
+CLOSE_WITHIN = 0.5
 
 
 class LatchTopic(Protocol):
@@ -48,6 +49,8 @@ class Interlock:
         self._said: dict[str, bool] = {}
         self._shown: dict[str, dict[str, Any]] = {}
         self._echoes: dict[str, asyncio.Task[None]] = {}
+        self._written: asyncio.Future[None] | None = None
+        self._closing = False
         self._disk = ThreadPoolExecutor(1, thread_name_prefix="latch")
         if self._latches.held:
             log.warning("a stop is latched for %s; release it to go on", ", ".join(sorted(self._latches.held)))
@@ -84,6 +87,7 @@ class Interlock:
             self._latches.latch(namespace, self._latches.held[over])
             self._echo(namespace)
         self._shown[namespace] = self.document(namespace)
+        self._show()
 
     def latch(self, namespace: str, by: str | None = None) -> "asyncio.Future[None]":
         """Refuse goals for a robot and those below it from now on; returns the writing of the file.
@@ -137,7 +141,7 @@ class Interlock:
 
     def heard(self, namespace: str, *, latched: bool) -> None:
         """Another gateway latched a robot, or released it."""
-        if latched == (namespace in self._latches.held):
+        if self._closing or latched == (namespace in self._latches.held):
             return
         log.warning("another gateway %s the stop of %s", "latched" if latched else "released", namespace)
         if latched:
@@ -171,13 +175,18 @@ class Interlock:
     # ------------------------------------------------------------------ who has to know
 
     def _changed(self) -> "asyncio.Future[None]":
+        self._show()
+        loop = asyncio.get_running_loop()
+        self._written = loop.run_in_executor(self._disk, self._write, dict(self._latches.held))
+        return self._written
+
+    def _show(self) -> None:
         now = utc_now()
         for namespace in self._topics:
             document = self.document(namespace)
             if document != self._shown.get(namespace):
                 self._shown[namespace] = document
                 self._hub.publish(system_event("stop", document, now, robot=namespace))
-        return asyncio.get_running_loop().run_in_executor(self._disk, self._write, dict(self._latches.held))
 
     def _write(self, held: dict[str, Latch]) -> None:
         try:
@@ -186,8 +195,11 @@ class Interlock:
             log.exception("the stop could not be written to %s: a restart would forget it", self._file.path)
 
     async def close(self) -> None:
-        """Write what is to be written."""
+        """Write what is to be written, where the disk does not hang."""
+        self._closing = True
         for echo in self._echoes.values():
             echo.cancel()
         await asyncio.gather(*self._echoes.values(), return_exceptions=True)
-        self._disk.shutdown(wait=True)
+        if self._written is not None:
+            await asyncio.wait([self._written], timeout=CLOSE_WITHIN)
+        self._disk.shutdown(wait=False)

@@ -92,8 +92,10 @@ class LatchFile:
             with beside.open("wb") as file:
                 file.write(encode(held))
                 file.flush()
+                # First for a crash, which takes no disk, then for a power cut: one in between leaves what cannot be
+                # read, and that is taken for a stop.
+                beside.replace(self.path)
                 os.fsync(file.fileno())
-            beside.replace(self.path)
         except OSError:
             with suppress(OSError):
                 beside.unlink()

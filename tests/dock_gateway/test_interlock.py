@@ -87,7 +87,9 @@ async def test_it_is_kept_across_a_restart_and_said_again(pair: tuple[Gateway, G
 async def test_a_robot_that_appears_below_is_held_too(pair: tuple[Gateway, Gateway]) -> None:
     interlock, topic = pair[0].interlock, FakeTopic()
     await interlock.latch("/")
+    await pair[0].events()
     interlock.join("/robot1", topic)
+    assert [event["stop"]["robots"] for event in await pair[0].events()] == [["/", "/robot1"]]
     await settle()
     assert topic.said == [True]
     with pytest.raises(Conflict, match="release that") as refused:
