@@ -1,0 +1,210 @@
+"""A simulated robot on the dashboard: docked, undocked, stopped, placed and broken by clicking."""
+
+import re
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import NamedTuple
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.browser.axe import find_violations, load_axe
+from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.observer import wait_until
+
+# A start that is near the dock, and no patience: nobody wants to watch for minutes.
+NEAR = ("-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
+IMPATIENT = ("-p", "controller:=dock_pose", "-p", "max_retries:=1", "-p", "wait_charge_timeout:=1.5")
+DRIVE_MS = 45_000
+MINUS = "\N{MINUS SIGN}"
+WORDS = re.compile(rf"x ({MINUS}?[\d.]+) m, y ({MINUS}?[\d.]+) m, heading ({MINUS}?\d+)°")
+FIND_ROBOT = """(canvas) => {
+    // The middle of all that has the robot's colour (the light scheme's), in CSS pixels of the page.
+    const {data, width, height} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let [sumX, sumY, count] = [0, 0, 0];
+    for (let index = 0; index < width * height; index += 1) {
+        const [red, green, blue, alpha] = data.subarray(4 * index, 4 * index + 4);
+        if (red !== 0x18 || green !== 0x64 || blue !== 0xab || alpha !== 255) continue;
+        [sumX, sumY, count] = [sumX + (index % width), sumY + Math.floor(index / width), count + 1];
+    }
+    const box = canvas.getBoundingClientRect();
+    return {x: box.left + (sumX / count) * (box.width / width), y: box.top + (sumY / count) * (box.height / height)};
+}"""
+
+
+class Pose(NamedTuple):
+    """Where the page says that the robot is: m, and degrees."""
+
+    x: float
+    y: float
+    heading: float
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    with ExitStack() as stack:
+        stack.enter_context(running_program(domain, "dock_simulator", *NEAR))
+        stack.enter_context(running_program(domain, "docking_server", *IMPATIENT))
+        gateway = stack.enter_context(running_gateway(domain))
+        gateway.wait_until_ready()
+        wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
+        yield gateway
+
+
+@pytest.fixture
+def page(page: Page, gateway: RunningGateway) -> Iterator[Page]:
+    """The dashboard with the robot in sight, at its start."""
+    gateway.http.post("/simulator/reset").raise_for_status()
+    expect(page.get_by_text("Drag the robot to another place")).to_be_visible()
+    expect(page.get_by_test_id("scene-words")).to_contain_text("Not docked")
+    yield page
+    gateway.stop_once()
+
+
+def press(page: Page, name: str) -> None:
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def pose_in_words(page: Page) -> Pose:
+    match = WORDS.search(page.get_by_test_id("scene-words").inner_text())
+    assert match
+    return Pose(*(float(number.replace(MINUS, "-")) for number in match.groups()))
+
+
+def expect_status(page: Page, status: str, timeout: float = 10_000) -> None:
+    expect(page.get_by_test_id("goal-status")).to_have_text(status, timeout=timeout)
+
+
+def start_docking(page: Page) -> None:
+    press(page, "Dock")
+    expect(page.get_by_test_id("stages").get_by_role("listitem").filter(has_text="now")).to_be_visible()
+
+
+def test_dock_and_undock(page: Page, gateway: RunningGateway) -> None:
+    start_docking(page)
+    expect(page.get_by_text("Dock and Undock: a goal is running")).to_be_visible()
+    expect_status(page, "succeeded", timeout=DRIVE_MS)
+    expect(page.get_by_test_id("scene-words")).to_contain_text("Docked.")
+    expect(page.get_by_test_id("battery-status")).to_have_text("Charging")
+    assert gateway.http.get("/simulator").json()["docked"] is True
+    press(page, "Undock")
+    expect(page.get_by_text("Running goal: undock")).to_be_visible()
+    expect_status(page, "succeeded", timeout=DRIVE_MS)
+    expect(page.get_by_test_id("scene-words")).to_contain_text("Not docked")
+    expect(page.get_by_test_id("battery-status")).not_to_have_text("Charging")
+    expect(page.get_by_role("row").filter(has_text="Off the dock")).to_be_visible()
+
+
+def test_stop_by_keyboard_and_release(page: Page, gateway: RunningGateway) -> None:
+    start_docking(page)
+    page.keyboard.press("Escape")
+    page.keyboard.press("Escape")
+    expect(page.get_by_test_id("stop-banner")).to_contain_text("Stopped by the dashboard")
+    expect_status(page, "canceled")
+    assert gateway.http.get("/stop").json()["latched"] is True
+    expect(page.get_by_role("button", name="Dock", exact=True)).to_be_disabled()
+    expect(page.get_by_text("the robot is stopped; release the stop first")).to_be_visible()
+    press(page, "Release …")
+    page.get_by_role("dialog", name="Release the stop?").get_by_role("button", name="Release").click()
+    expect(page.get_by_test_id("stop-banner")).to_be_hidden()
+    assert gateway.http.get("/stop").json()["latched"] is False
+    start_docking(page)
+
+
+def test_a_stop_of_somebody_else(page: Page, gateway: RunningGateway) -> None:
+    gateway.http.post("/stop", json={"by": "Ada"}).raise_for_status()
+    expect(page.get_by_test_id("stop-banner")).to_contain_text("Stopped by Ada at")
+    page.reload()
+    expect(page.get_by_test_id("stop-banner")).to_contain_text("Stopped by Ada at")
+    gateway.http.delete("/stop").raise_for_status()
+    expect(page.get_by_test_id("stop-banner")).to_be_hidden()
+
+
+def test_stop_without_a_stream(page: Page, gateway: RunningGateway) -> None:
+    page.route_web_socket("**/ws/feedback*", lambda socket: socket.close())
+    page.reload()
+    expect(page.get_by_test_id("connection")).not_to_have_text("live")
+    press(page, "Stop")
+    expect(page.get_by_test_id("stop-banner")).to_be_visible()
+    assert gateway.http.get("/stop").json() | {"since": None} == {
+        "latched": True,
+        "since": None,
+        "by": "the dashboard",
+        "robots": ["/"],
+    }
+
+
+def test_place_by_drag(page: Page) -> None:
+    before = pose_in_words(page)
+    robot = page.get_by_test_id("scene").evaluate(FIND_ROBOT)
+    page.mouse.move(robot["x"], robot["y"])
+    page.mouse.down()
+    page.mouse.move(robot["x"] + 30, robot["y"] + 60, steps=4)
+    page.mouse.up()
+    wait_until(lambda: pose_in_words(page).y < before.y - 0.1, "the robot where it was dragged")
+    after = pose_in_words(page)
+    assert after.x > before.x + 0.05
+    assert after.heading == before.heading
+    assert (before.y - after.y) / (after.x - before.x) == pytest.approx(2.0, abs=0.15)
+
+
+def test_place_by_keyboard(page: Page) -> None:
+    before = pose_in_words(page)
+    page.get_by_test_id("scene").focus()
+    for key in ("ArrowLeft", "ArrowLeft", "Shift+ArrowLeft", "Shift+ArrowLeft"):
+        page.keyboard.press(key)
+    expect(page.get_by_text("Enter does it")).to_be_visible()
+    page.keyboard.press("Enter")
+    wait_until(lambda: pose_in_words(page).x == pytest.approx(before.x - 0.1, abs=0.011), "the robot farther away")
+    assert pose_in_words(page).heading == pytest.approx(before.heading + 10, abs=1)
+
+
+def test_place_by_numbers_and_reset(page: Page) -> None:
+    before = pose_in_words(page)
+    page.get_by_label("x (m)").fill("-2")
+    page.get_by_label("y (m)").fill("-0.5")
+    page.get_by_label("Heading (°)").fill("15")
+    press(page, "Place")
+    expect(page.get_by_test_id("scene-words")).to_contain_text(f"x {MINUS}2.00 m, y {MINUS}0.50 m, heading 15°")
+    press(page, "Reset")
+    wait_until(lambda: pose_in_words(page) == before, "the robot at its start")
+
+
+def test_a_fault_ends_the_goal_with_its_code(page: Page) -> None:
+    fault = page.get_by_role("switch", name="Dead charger")
+    fault.press("Space")
+    expect(fault).to_be_checked()
+    start_docking(page)
+    expect(page.get_by_test_id("retries")).to_have_text("1 retry", timeout=DRIVE_MS)
+    expect_status(page, "aborted", timeout=DRIVE_MS)
+    alert = page.get_by_role("alert").filter(has_text="failed_to_charge")
+    expect(alert).to_contain_text("look at the dock's power")
+    expect(page.get_by_test_id("stages").get_by_role("listitem").last).to_contain_text("did not work")
+    press(page, "Reset")
+    expect(fault).not_to_be_checked()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None:
+    load_axe(page, scheme)
+    start_docking(page)
+    assert find_violations(page) == []
+    press(page, "Stop")
+    expect(page.get_by_test_id("stop-banner")).to_be_visible()
+    assert find_violations(page) == []
+    press(page, "Release …")
+    expect(page.get_by_role("dialog", name="Release the stop?")).to_be_visible()
+    assert find_violations(page) == []
+    press(page, "Keep it stopped")
+    expect(page.get_by_role("dialog")).to_be_hidden()
+    press(page, "Keyboard and name")
+    expect(page.get_by_role("dialog", name="Keyboard and name")).to_be_visible()
+    assert find_violations(page) == []
+
+
+def test_a_phone(page: Page) -> None:
+    page.set_viewport_size({"width": 320, "height": 800})
+    start_docking(page)
+    press(page, "Stop")
+    expect(page.get_by_test_id("stop-banner")).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth") == 320
