@@ -209,6 +209,19 @@ def test_a_beacon_that_is_lost(silent: bool) -> None:
     assert world.stages == [*ORDER, Stage.RETRY, Stage.INITIAL_PERCEPTION]
 
 
+def test_a_beacon_that_goes_dark_is_no_edge_of_its_light() -> None:
+    world = World(ControllerName.INFRARED, limits=replace(LIMITS, max_retries=0))
+
+    def blind(observation: Observation) -> Observation:
+        if Stage.NAV_TO_STAGING_POSE not in world.stages:
+            return observation
+        return replace(observation, infrared=InfraredReading(math.inf, math.inf, math.inf, observation.now))
+
+    world.blind = blind
+    assert world.run().error_code is ErrorCode.INFRARED_LOST
+    assert world.in_stage < 2.0
+
+
 def test_a_beacon_that_is_never_seen() -> None:
     world = World(ControllerName.INFRARED, start=Pose(-0.1, 0.8, 0.0))  # beside the light
     assert world.run().error_code is ErrorCode.FAILED_TO_DETECT_DOCK

@@ -72,6 +72,9 @@ class BeaconFilter:
         position: Of the beacon in odom, not turned; None before it was seen.
         seen_at: When it was seen last.
         count: Readings that saw it.
+        lit: Where the receivers were when they saw it last, in odom.
+        dark: Readings since then, which saw nothing.
+        heard_at: When the last reading was made, whatever it saw.
         edges: Where the receivers were at an edge of the light, in odom, by side: 1 is the right one, as seen from the
             robot when it looks at the dock, -1 the left one.
     """
@@ -81,8 +84,10 @@ class BeaconFilter:
         self.position: Pose | None = None
         self.seen_at = -math.inf
         self.count = 0
+        self.lit: Pose | None = None
+        self.dark = 0
+        self.heard_at = -math.inf
         self.edges: dict[int, Pose] = {}
-        self._stamp = -math.inf
 
     @property
     def axis(self) -> float | None:
@@ -108,12 +113,14 @@ class BeaconFilter:
         odometry, reading = observation.odometry, observation.infrared
         if odometry is None or reading is None or not odometry.pose.finite:
             return
-        if not (reading.stamp > self._stamp and abs(observation.now - reading.stamp) <= FRESH):
+        if not (reading.stamp > self.heard_at and abs(observation.now - reading.stamp) <= FRESH):
             return
-        self._stamp = reading.stamp
+        self.heard_at = reading.stamp
         sector = self.receivers.sector(reading)
         if sector is None:
+            self.dark += 1
             return
+        self.lit, self.dark = self.receivers.position(odometry.pose), 0
         self.seen_at = reading.stamp
         self.count += 1
         self._correct(odometry.pose, _distance(reading), sector)

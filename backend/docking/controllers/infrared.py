@@ -54,6 +54,7 @@ class InfraredPlan:
         self._detection_timeout = detection_timeout
         self._robot: Pose | None = None
         self._side = 1
+        self._needed = False  # whether the stage needs the receivers
 
     @property
     def poses(self) -> Poses:
@@ -73,13 +74,22 @@ class InfraredPlan:
         return self.beacon.seen_at
 
     def observe(self, observation: Observation) -> None:
-        """Keep up with the beacon and the robot."""
+        """Keep up with the beacon and the robot.
+
+        Raises:
+            InfraredLost: The receivers have fallen silent.
+        """
         self.beacon.update(observation)
+        if self._needed and observation.now - self.beacon.heard_at > self._detection_timeout:
+            raise InfraredLost(
+                f"the receivers are silent for {self._detection_timeout:g} s (external_detection_timeout)"
+            )
         if observation.odometry is not None:
             self._robot = observation.odometry.pose
 
     def controller(self, stage: Stage) -> Controller:
         """A new one for a stage."""
+        self._needed = stage in {Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING}
         if stage is Stage.INITIAL_PERCEPTION:
             return Sequence(self._search, self._scan)
         if stage is Stage.NAV_TO_STAGING_POSE:

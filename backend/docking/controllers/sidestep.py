@@ -4,8 +4,9 @@ import math
 
 from docking.controllers.beacon import BeaconFilter
 from docking.controllers.moves import TURN_FIRST, bounded, turn
-from docking.controllers.protocol import Done
-from docking.geometry import Pose, normalize_angle
+from docking.controllers.protocol import Done, Failed, Step
+from docking.failures import InfraredLost
+from docking.geometry import normalize_angle
 from docking.limiter import MotionLimits
 from docking.observation import STANDSTILL, Observation, Velocity
 
@@ -15,8 +16,10 @@ FARTHEST = 1.0
 """From the receivers to the beacon, in m, where backwards becomes forwards."""
 STEERING = 2.5
 """How hard the bearing is kept, in 1/s."""
-GONE = 0.15
-"""How long the beacon must be out of sight, in s, to be beyond the edge."""
+GONE = 3
+"""Readings, one after another, that must not see the beacon to be beyond the edge."""
+SILENT = 0.5
+"""How old the last reading may be, in s, for the robot to drive on."""
 SPEED = 0.8
 """The part of the highest speed that it drives with."""
 
@@ -39,35 +42,30 @@ class Sidestep:
         self._beacon = beacon
         self._motion = motion
         self._side = side
+        self._count = beacon.count
         self._forwards: bool | None = None
-        self._lit: Pose | None = None  # where the receivers saw the beacon last
         self._turning = True
 
-    def step(self, observation: Observation, dt: float) -> Velocity | Done:
+    def step(self, observation: Observation, dt: float) -> Step:
         """Drive on, until the light ends."""
         beacon, odometry = self._beacon, observation.odometry
         if beacon.position is None or odometry is None:
             return STANDSTILL
-        robot = odometry.pose
-        receivers = beacon.receivers.position(robot)
-        if self._is_over_the_edge(observation.now, receivers):
+        if beacon.dark >= GONE and beacon.lit is not None:
+            if beacon.count == self._count:
+                return Failed(InfraredLost("the beacon went out of sight before the robot had moved"))
+            beacon.edges[self._side] = beacon.lit
             return Done()
-        distance = receivers.distance_to(beacon.position)
+        if observation.now - beacon.heard_at > SILENT:
+            return STANDSTILL
+        robot = odometry.pose
+        distance = beacon.receivers.position(robot).distance_to(beacon.position)
         if self._forwards is None:
             self._forwards = distance > 0.5 * (NEAREST + FARTHEST)
         elif distance < NEAREST if self._forwards else distance > FARTHEST:
             self._forwards = not self._forwards
             self._turning = True
         return self._drive(beacon.bearing(robot), distance)
-
-    def _is_over_the_edge(self, now: float, receivers: Pose) -> bool:
-        unseen = now - self._beacon.seen_at
-        if unseen < 0.5 * GONE or self._lit is None:
-            self._lit = receivers
-        if unseen < GONE:
-            return False
-        self._beacon.edges[self._side] = self._lit
-        return True
 
     def _drive(self, bearing: float, distance: float) -> Velocity:
         wanted = self._side * self._beacon.receivers.infrared_receiver_angle * (1.0 if self._forwards else -1.0)
