@@ -29,7 +29,16 @@ describe("the painter", () => {
   const frames = (milliseconds: number) => vi.advanceTimersByTime(milliseconds);
 
   beforeEach(() => {
-    vi.useFakeTimers({ toFake: ["requestAnimationFrame", "cancelAnimationFrame", "performance", "Date"] });
+    vi.useFakeTimers({
+      toFake: [
+        "requestAnimationFrame",
+        "cancelAnimationFrame",
+        "performance",
+        "Date",
+        "setTimeout",
+        "clearTimeout",
+      ],
+    });
     canvas = document.createElement("canvas");
     document.body.append(canvas);
     const fake = fakeContext();
@@ -82,6 +91,22 @@ describe("the painter", () => {
     expect(gliding).toBeGreaterThan(2);
     frames(5000);
     expect(pictures() - before).toBe(gliding);
+  });
+
+  it("neither glides nor fades smoothly where motion is not wanted", () => {
+    painter.destroy();
+    painter = new Painter(canvas, buffer, SCENE_COLORS.light, true, painter);
+    push();
+    push({ robot: { x: -1.45, y: 0.4, theta: -0.3 }, marker: { x: 0, y: 0, theta: 0 } });
+    frames(20);
+    expect(painter.robot?.x).toBe(-1.45);
+    frames(FADE_MS - 20);
+    expect(pictures()).toBeGreaterThan(3);
+    expect(pictures()).toBeLessThan(9);
+    frames(5000);
+    const all = pictures();
+    frames(5000);
+    expect(pictures()).toBe(all);
   });
 
   it("draws on while a detection fades", () => {

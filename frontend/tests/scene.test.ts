@@ -182,13 +182,24 @@ describe("the scene", () => {
     expect(buffer.isFresh(1000 + SCENE_STALE_MS)).toBe(false);
   });
 
+  it("tells nobody when nothing is new, and is fresh all the same", () => {
+    const buffer = new SceneBuffer();
+    const listener = vi.fn();
+    buffer.subscribe(listener);
+    for (let now = 1000; now < 5000; now += 50) buffer.push(at(0), now);
+    expect(listener).toHaveBeenCalledTimes(1);
+    expect(buffer.isFresh(5500)).toBe(true);
+    buffer.push(at(0, { staging: origin }), 5000);
+    expect(listener).toHaveBeenCalledTimes(2);
+  });
+
   it("tells those who listen, until they do not", () => {
     const buffer = new SceneBuffer();
     const listener = vi.fn();
     const unsubscribe = buffer.subscribe(listener);
     buffer.push(at(0), 1000);
     unsubscribe();
-    buffer.push(at(0), 1050);
+    buffer.push(at(0.1), 1050);
     expect(listener).toHaveBeenCalledTimes(1);
   });
 });
@@ -222,7 +233,7 @@ describe("the picture in words", () => {
   });
 
   it("says whether it is docked, and how far it is where it is not", () => {
-    expect(describeScene(emptyScene, null)).toMatch(/Not docked: 1\.36 m from the docked pose\.$/);
+    expect(describeScene(emptyScene, null)).toMatch(/Not docked: 1\.36 m to go\.$/);
     const docked = { ...emptyScene, robot: { x: -0.21, y: 0.01, theta: 0.02 } };
     expect(describeScene(docked, null)).toMatch(/ Docked\.$/);
     const turned = { ...emptyScene, robot: { x: -0.2, y: 0, theta: 0.2 } };

@@ -23,12 +23,12 @@ export function App() {
           <StopBanner />
           <div className={classes.grid}>
             <DockingCard />
-            <SceneCard />
-            <BatteryCard />
             <div className={classes.column}>
+              <SceneCard />
               <SimulatorCard />
               <PublisherCard />
             </div>
+            <BatteryCard />
           </div>
           <GoalsCard />
           <CurlCard />

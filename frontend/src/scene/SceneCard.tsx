@@ -43,20 +43,22 @@ export function SceneCard() {
             {!fresh && "This is how it was last seen. "}
             {describeScene(scene, simulator?.docked ?? null)}
           </Text>
-          <Text size="sm" role="status" className="tabular">
-            {ghost !== null && `To be placed at ${describePose(ghost)}: Enter does it, Escape leaves it.`}
-          </Text>
           <Legend scene={scene} />
-          {placeable && (
-            <Text size="sm" c="dimmed">
-              Drag the robot to another place, or by the knob before it to turn it.
-            </Text>
-          )}
+          <Text size="sm" c="dimmed" role="status" className="tabular">
+            {placeable && hint(ghost)}
+          </Text>
           <CommandErrorAlert command="Placing the robot" error={place.error} onClose={place.reset} />
         </Stack>
       )}
     </Section>
   );
+}
+
+/** @param ghost Where the keyboard is about to place the robot. */
+function hint(ghost: Pose | null): string {
+  return ghost === null
+    ? "Drag the robot to another place, or by the knob before it to turn it."
+    : `To be placed at ${describePose(ghost)}: Enter does it, Escape leaves it.`;
 }
 
 function Freshness({ live, known, fresh }: { live: boolean; known: boolean; fresh: boolean }) {

@@ -48,6 +48,8 @@ export class SceneBuffer {
     if (scene.marker !== null && !samePose(scene.marker, before?.marker ?? null)) {
       this.#detections = [...this.#detections, { pose: scene.marker, at: now }].slice(-MAX_DETECTIONS);
     }
+    // One that says the same once more, as of a robot that stands still, changes no picture.
+    if (shown !== null && samePose(shown, target) && JSON.stringify(scene) === JSON.stringify(before)) return;
     for (const listener of this.#listeners) listener();
   }
 
@@ -81,7 +83,7 @@ export class SceneBuffer {
     return now - this.arrivedAt < SCENE_STALE_MS;
   }
 
-  /** Calls `listener` for every event, until the returned function is called. */
+  /** Calls `listener` for every event that says something new, until the returned function is called. */
   subscribe(listener: () => void): () => void {
     this.#listeners.add(listener);
     return () => this.#listeners.delete(listener);

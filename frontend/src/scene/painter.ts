@@ -7,6 +7,8 @@ import { fitTo, follow, pan, type Size, toWorld, type View, zoom } from "./view"
 
 /** The view comes this much closer to where it is going in a time of this length (ms). */
 const EASE_MS = 90;
+/** What fades does so in steps of this length where motion is not wanted (ms). */
+const CALM_MS = 250;
 const EMPTY: Size = { width: 0, height: 0 };
 
 /**
@@ -22,6 +24,7 @@ export class Painter {
   #target: View | null = null;
   #chosenByHand = false;
   #frame: number | undefined;
+  #timer: ReturnType<typeof setTimeout> | undefined;
   #drawnAt = 0;
   readonly #unsubscribe: () => void;
 
@@ -110,6 +113,7 @@ export class Painter {
 
   destroy(): void {
     this.#unsubscribe();
+    clearTimeout(this.#timer);
     if (this.#frame !== undefined) cancelAnimationFrame(this.#frame);
   }
 
@@ -126,6 +130,8 @@ export class Painter {
 
   readonly #paint = (): void => {
     this.#frame = undefined;
+    clearTimeout(this.#timer);
+    this.#timer = undefined;
     const context = this.#context();
     const scene = this.buffer.latest;
     const robot = this.robot;
@@ -146,8 +152,15 @@ export class Painter {
       handle: this.#handle,
       now,
     });
-    if (this.buffer.changesAt(now) || this.#view !== this.#target) this.invalidate();
+    if (this.#view !== this.#target) this.invalidate();
+    else if (this.buffer.changesAt(now)) this.#goOn();
   };
+
+  /** Draws what changes by itself: smoothly, or now and then where motion is not wanted. */
+  #goOn(): void {
+    if (!this.reducedMotion) this.invalidate();
+    else this.#timer ??= setTimeout(this.invalidate, CALM_MS);
+  }
 
   /** The canvas at the resolution of the screen; null while it has no size. */
   #context(): CanvasRenderingContext2D | null {

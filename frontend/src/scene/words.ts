@@ -36,5 +36,5 @@ function describeDocking(scene: Scene, robot: Pose, told: boolean | null): strin
   const away = distance(robot, goal);
   const turned = Math.abs(normalizeAngle(robot.theta - goal.theta));
   const docked = told ?? (away <= CONTACT_RADIUS_M && turned <= CONTACT_ANGLE_RAD);
-  return docked ? "Docked." : `Not docked: ${metres.format(away)} m from the docked pose.`;
+  return docked ? "Docked." : `Not docked: ${metres.format(away)} m to go.`;
 }

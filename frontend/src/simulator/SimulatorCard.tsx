@@ -32,7 +32,7 @@ function Controls({ simulator }: { simulator: Simulator }) {
         </Badge>
       }
     >
-      <Group gap="sm" align="end">
+      <Group gap="sm">
         <Button
           variant="default"
           disabled={!live || reset.isPending}
