@@ -46,7 +46,7 @@ def wait_for_action(gateway: RunningGateway, name: str, *, there: bool = True, t
 
 
 def test_an_action_appears_is_used_and_goes(gateway: RunningGateway, domain: int) -> None:
-    assert names(gateway) == [ACTION]
+    assert names(gateway) == [ACTION, "/disconnect_from_charging_dock"]
     with fibonacci(domain), gateway.stream("?action=fibonacci") as stream:
         wait_for_action(gateway, "/fibonacci")
         info = gateway.http.get("/actions/fibonacci").json()
