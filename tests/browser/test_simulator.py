@@ -8,7 +8,7 @@ from typing import NamedTuple
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.axe import find_violations, load_axe
+from tests.browser.axe import SETTLED, find_violations, load_axe
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.observer import wait_until
 
@@ -200,6 +200,17 @@ def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None
     press(page, "Keyboard and name")
     expect(page.get_by_role("dialog", name="Keyboard and name")).to_be_visible()
     assert find_violations(page) == []
+
+
+def test_stop_is_beside_an_open_dialog(page: Page) -> None:
+    press(page, "Keyboard and name")
+    dialog, header = page.get_by_role("dialog"), page.get_by_role("banner")
+    expect(dialog).to_be_visible()
+    page.evaluate(SETTLED)
+    below, above = dialog.bounding_box(), header.bounding_box()
+    assert below and above and below["y"] >= above["height"]
+    press(page, "Stop")
+    expect(page.get_by_test_id("stop-banner")).to_be_attached()
 
 
 def test_a_phone(page: Page) -> None:

@@ -11,7 +11,7 @@ interface DialogProps {
 /** A dialog below the header, so that Stop can be pressed beside it. Its own head is no second header of the page. */
 export function Dialog({ title, opened, onClose, children }: DialogProps) {
   return (
-    <Modal.Root opened={opened} onClose={onClose} zIndex={250}>
+    <Modal.Root opened={opened} onClose={onClose} zIndex={250} yOffset="calc(var(--header-height) + 1rem)">
       <Modal.Overlay />
       <Modal.Content aria-label={title}>
         <Modal.Body pt="md">
