@@ -177,10 +177,9 @@ def test_what_cannot_be_used_is_told(
 def test_a_detection_before_any_odometry_cannot_be_used(domain: int, observer: Observer) -> None:
     with witness(domain, observer, "dock_pose"):
         reports = Reports(observer)
-        observer.publish(detection(SOMEWHERE, AT), MARKER)
-        reports.wait_for(
-            name=f"{NODE}: sensors", message="/detected_dock_pose cannot be used: no odometry has come yet"
-        )
+        complaint = "/detected_dock_pose cannot be used: no odometry has come yet"
+        with observer.publishing(detection(SOMEWHERE, AT), MARKER):
+            reports.wait_for(name=f"{NODE}: sensors", message=complaint)
 
 
 def test_infrared_ranges_are_read_as_their_message_says(domain: int, observer: Observer) -> None:

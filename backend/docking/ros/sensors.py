@@ -29,6 +29,8 @@ QOS = QoSProfile(
     durability=DurabilityPolicy.VOLATILE,
 )
 RECEIVERS = ("left", "center", "right")
+# ROS finds the publishers of topics one after the other: a marker may be heard so many seconds before odometry.
+DISCOVERY = 1.0
 
 
 class Sensor(enum.Enum):
@@ -62,6 +64,7 @@ class Sensors:
         self._subscriptions: dict[Sensor, list[Subscription]] = {}
         self._track = Track()
         self._marker: MarkerDetection | None = None
+        self._unrelated_since: float | None = None  # markers come, and no odometry
         self._ranges: dict[str, tuple[float, float]] = {}  # in m, and when it was received
 
     def listen_to(self, sensors: frozenset[Sensor]) -> None:
@@ -104,6 +107,7 @@ class Sensors:
     def _forget(self, sensor: Sensor) -> None:
         if sensor is Sensor.ODOMETRY:
             self._track.clear()
+            self._unrelated_since = None
         elif sensor is Sensor.MARKER:
             self._marker = None
         else:
@@ -133,6 +137,10 @@ class Sensors:
     def _take_marker(self, message: PoseStamped, received: float) -> None:
         seen = pose_from(message.pose)
         if self._track.latest is None:
+            if self._unrelated_since is None:
+                self._unrelated_since = received
+            if received - self._unrelated_since < DISCOVERY:
+                return
             raise ValueError("cannot be used: no odometry has come yet")
         try:
             odometry = self._track.at(_seconds(message.header.stamp))
