@@ -208,7 +208,8 @@ def test_stop_is_beside_an_open_dialog(page: Page) -> None:
     expect(dialog).to_be_visible()
     page.evaluate(SETTLED)
     below, above = dialog.bounding_box(), header.bounding_box()
-    assert below and above and below["y"] >= above["height"]
+    assert below and above
+    assert below["y"] >= above["height"]
     press(page, "Stop")
     expect(page.get_by_test_id("stop-banner")).to_be_attached()
 
