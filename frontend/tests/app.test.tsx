@@ -4,7 +4,17 @@ import { act, screen, waitFor, within } from "@testing-library/react";
 import { afterEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import type { GatewayEvent, Goal } from "../src/api/types";
-import { battery, batteryEvent, feedback, goal, idlePublisher, server, status, stopReport } from "./events";
+import {
+  battery,
+  batteryEvent,
+  feedback,
+  goal,
+  idlePublisher,
+  server,
+  status,
+  stopReport,
+  undockServer,
+} from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
@@ -105,7 +115,7 @@ describe("docking", () => {
   });
 
   it("does not undock where nobody offers that, and says so", () => {
-    renderPage(fakeGateway({ actions: async () => [server] }));
+    renderPage(fakeGateway(), { undock_server: { ...undockServer, available: false, answering: false } });
     expect(button("Dock").disabled).toBe(false);
     expect(button("Undock").disabled).toBe(true);
     expect(

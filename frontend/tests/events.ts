@@ -96,6 +96,7 @@ export function snapshot(change: Partial<EventOf<"snapshot">> = {}): EventOf<"sn
     battery: { state: null, age_s: null, stale: false, stale_after_s: 2, received_at: null },
     battery_publisher: idlePublisher,
     action_server: server,
+    undock_server: undockServer,
     stop: released,
     ...change,
   };

@@ -13,17 +13,7 @@ import { theme } from "../src/layout/theme";
 import { SceneBuffer } from "../src/scene/buffer";
 import { ServicesProvider } from "../src/store/context";
 import { Store } from "../src/store/store";
-import {
-  goal,
-  idlePublisher,
-  latched,
-  released,
-  server,
-  snapshot,
-  stopReport,
-  undockGoal,
-  undockServer,
-} from "./events";
+import { goal, idlePublisher, latched, released, snapshot, stopReport, undockGoal } from "./events";
 
 /** A gateway that does what it is told, and remembers. */
 export function fakeGateway(change: Partial<Gateway> = {}) {
@@ -38,7 +28,6 @@ export function fakeGateway(change: Partial<Gateway> = {}) {
     publishOnce: vi.fn<Gateway["publishOnce"]>(async () => {}),
     publishRepeatedly: vi.fn<Gateway["publishRepeatedly"]>(async () => idlePublisher),
     stopPublishing: vi.fn<Gateway["stopPublishing"]>(async () => {}),
-    actions: vi.fn<Gateway["actions"]>(async () => [server, undockServer]),
     simulator: vi.fn<Gateway["simulator"]>(async () => null),
     resetSimulator: vi.fn<Gateway["resetSimulator"]>(async () => {}),
     placeRobot: vi.fn<Gateway["placeRobot"]>(async () => {}),

@@ -25,7 +25,7 @@ describe("the view from above", () => {
     renderPage(gateway);
     expect(words()).toMatch(/Nothing to draw yet.*nav_msgs\/Odometry.*dock-gateway up/);
     expect(screen.queryByRole("region", { name: "Simulator" })).toBeNull();
-    await waitFor(() => expect(gateway.actions).toHaveBeenCalled());
+    expect(await screen.findByTestId("connection")).toBeDefined();
     expect(gateway.simulator).not.toHaveBeenCalled();
   });
 

@@ -86,7 +86,7 @@ async def _from_history(gateway: Gateway, subscriber: Subscriber, after: str) ->
 
 
 async def snapshot(gateway: Gateway, subscriber: Subscriber) -> Event:
-    """How things stand: running and recent goals, the robot's battery and stop, the docking action server."""
+    """How things stand: running and recent goals, the robot's battery and stop, the action servers of docking and undocking."""
     interest = subscriber.interest
     goals = await gateway.recent_goals(interest)
     robot = gateway.robots.get(interest.robot)
@@ -98,4 +98,5 @@ async def snapshot(gateway: Gateway, subscriber: Subscriber) -> Event:
         battery_publisher=robot.publisher.document(),
         stop=gateway.stopper.state(interest.robot),
         action_server=gateway.dock.watch.state,
+        undock_server=gateway.undock.watch.state,
     )

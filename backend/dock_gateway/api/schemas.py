@@ -299,6 +299,7 @@ class SnapshotEvent(Schema):
     battery_publisher: Publisher
     stop: StopState
     action_server: ActionServer
+    undock_server: ActionServer
 
 
 class StatusEvent(GoalSummary):

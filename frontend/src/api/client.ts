@@ -3,7 +3,6 @@ import type { Pose } from "../scene/geometry";
 import { CommandError, fromProblem, unreachable } from "./errors";
 import type { paths } from "./schema.gen";
 import type {
-  ActionServer,
   BatteryStateInput,
   Fault,
   Goal,
@@ -33,8 +32,6 @@ export interface Gateway {
   publishOnce(state: BatteryStateInput): Promise<void>;
   publishRepeatedly(state: BatteryStateInput, rateHz: number): Promise<Publisher>;
   stopPublishing(): Promise<void>;
-  /** Every action on the graph. */
-  actions(): Promise<ActionServer[]>;
   /** Null where there is no simulator. */
   simulator(): Promise<Simulator | null>;
   resetSimulator(): Promise<void>;
@@ -102,7 +99,6 @@ export function createGateway(baseUrl: string): Gateway {
     stopPublishing: async () => {
       await settle(api.DELETE("/battery/publisher", { signal: signal() }));
     },
-    actions: async () => (await settle(api.GET("/actions", { signal: signal() }))).actions,
     simulator: () =>
       settle<Simulator>(api.GET("/simulator", { signal: signal() })).catch((error: unknown) => {
         if (error instanceof CommandError && error.code === "simulator_not_found") return null;

@@ -1345,6 +1345,7 @@ export interface components {
             battery_publisher: components["schemas"]["Publisher"];
             stop: components["schemas"]["StopState"];
             action_server: components["schemas"]["ActionServer"];
+            undock_server: components["schemas"]["ActionServer"];
         };
         /**
          * StatusEvent

@@ -1,6 +1,6 @@
 import { useEffect } from "react";
 import { useScene } from "../scene/useScene";
-import { useLive, useServices, useTopic } from "../store/context";
+import { useLive, useServices } from "../store/context";
 
 /**
  * Asks, whenever the page is connected anew, for what the snapshot does not hold; events tell of what changes later.
@@ -11,18 +11,10 @@ export function Answers() {
   const live = useLive();
   const { scene, fresh } = useScene();
   const simulated = fresh && scene?.frame === "world";
-  const undock = useTopic("undockServer")?.action_name;
 
   useEffect(() => {
     if (live && simulated) return ask(gateway.simulator(), store.setSimulator);
   }, [gateway, store, live, simulated]);
-
-  useEffect(() => {
-    if (!live) return;
-    return ask(gateway.actions(), (servers) => {
-      for (const server of servers) if (server.action_name === undock) store.setUndockServer(server);
-    });
-  }, [gateway, store, live, undock]);
 
   return null;
 }

@@ -1,4 +1,4 @@
-import type { ActionServer, EventOf, GatewayEvent } from "../api/types";
+import type { EventOf, GatewayEvent } from "../api/types";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "./goals";
 import { MAX_SEEN, type State } from "./state";
 
@@ -71,10 +71,7 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
 
 function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): State {
   const { state: battery, received_at, stale_after_s } = event.battery;
-  const servers = {
-    actionServer: event.action_server,
-    undockServer: undockServer(state, event.action_server.action_name),
-  };
+  const servers = { actionServer: event.action_server, undockServer: event.undock_server };
   return snapshotGoals(
     {
       ...state,
@@ -94,15 +91,6 @@ function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): S
     actionsOf(servers),
     event.goals,
   );
-}
-
-const UNDOCK = "disconnect_from_charging_dock";
-
-/** The undocking action is beside the docking action; whether somebody offers it, the snapshot does not say. */
-function undockServer({ undockServer }: State, dockName: string): ActionServer {
-  const action_name = dockName.slice(0, dockName.lastIndexOf("/") + 1) + UNDOCK;
-  if (undockServer?.action_name === action_name) return undockServer;
-  return { action_name, available: false, answering: false };
 }
 
 function remember(seen: ReadonlySet<string>, id: string): ReadonlySet<string> {

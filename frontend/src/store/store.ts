@@ -1,4 +1,4 @@
-import type { ActionServer, EventOf, GatewayEvent, Goal, Simulator, StopState } from "../api/types";
+import type { EventOf, GatewayEvent, Goal, Simulator, StopState } from "../api/types";
 import {
   type Connection,
   type ConnectionInput,
@@ -68,12 +68,6 @@ export class Store {
   /** Takes up what an answer over HTTP says of the simulator; null where there is none. */
   readonly setSimulator = (simulator: Simulator | null): void => {
     this.#state = { ...this.#state, simulator };
-    this.#schedule();
-  };
-
-  /** Takes up what an answer over HTTP says of the undocking action. */
-  readonly setUndockServer = ({ action_name, available, answering }: ActionServer): void => {
-    this.#state = { ...this.#state, undockServer: { action_name, available, answering } };
     this.#schedule();
   };
 
