@@ -53,7 +53,7 @@ class MotionWatch:
         self.commanded = STANDSTILL
         self._odometry_timeout = odometry_timeout
         self._blocked_after = blocked_after
-        self._started_at = started_at
+        self._heard_at = started_at
         self._last: tuple[float, Pose] | None = None
         self._window: deque[_Ways] = deque()
         self._sums = dict.fromkeys(_SUMS, 0.0)  # of the window
@@ -76,12 +76,15 @@ class MotionWatch:
             Blocked: The robot did not move as it was told.
         """
         now, odometry = observation.now, observation.odometry
-        if odometry is None or not (_makes_sense(odometry.pose) and now - odometry.stamp <= DELAY):
-            heard_at = self._started_at if odometry is None else max(self._started_at, odometry.stamp)
-            if now - heard_at > self._odometry_timeout:
-                raise OdometryLost(f"no odometry for {self._odometry_timeout:g} s (odometry_timeout)")
+        sound = odometry if odometry is not None and _makes_sense(odometry.pose) else None
+        if sound is not None:
+            self._heard_at = max(self._heard_at, sound.stamp)
+        if sound is None or now - sound.stamp > DELAY:
+            if now - self._heard_at > self._odometry_timeout:
+                nonsense = "" if odometry is sound else f" but one that makes no sense, {odometry and odometry.pose}"
+                raise OdometryLost(f"no odometry for {self._odometry_timeout:g} s (odometry_timeout){nonsense}")
             return False
-        self._remember(now, odometry.pose)
+        self._remember(now, sound.pose)
         if self._window and now - self._window[0].at >= self._blocked_after:
             self._compare()
         return True

@@ -21,15 +21,24 @@ class Track:
     def __init__(self) -> None:
         self._samples: deque[tuple[float, Odometry]] = deque()
 
+    def __len__(self) -> int:
+        """How many measurements are kept."""
+        return len(self._samples)
+
     @property
     def latest(self) -> Odometry | None:
         """The newest; None before the first."""
         return self._samples[-1][1] if self._samples else None
 
     def add(self, measured_at: float, odometry: Odometry) -> None:
-        """Take over a newer measurement; where it is older, time has begun anew."""
+        """Take over a newer measurement; where it is older, time has begun anew.
+
+        One of the same moment replaces the other: where no stamp is ever set, or a clock stands still, one is kept.
+        """
         if self._samples and measured_at < self._samples[-1][0]:
             self._samples.clear()
+        elif self._samples and measured_at == self._samples[-1][0]:
+            self._samples.pop()
         self._samples.append((measured_at, odometry))
         while measured_at - self._samples[0][0] > KEPT:
             self._samples.popleft()

@@ -99,6 +99,11 @@ def test_odometry_that_stops_blinds_it_and_then_is_lost() -> None:
         motion.sees(Observation(11.1, odometry=odometry))
 
 
-@pytest.mark.parametrize("nonsense", [math.nan, math.inf, 1e200])
-def test_odometry_that_makes_no_sense_is_none(nonsense: float) -> None:
-    assert not watch().sees(Observation(0.1, odometry=Odometry(Pose(nonsense), STANDSTILL, 0.1)))
+@pytest.mark.parametrize("nonsense", [math.nan, math.inf, 1e200, 5.4e6])
+def test_odometry_that_makes_no_sense_is_none_and_then_lost(nonsense: float) -> None:
+    motion = watch()
+    assert not motion.sees(Observation(0.1, odometry=Odometry(Pose(nonsense), STANDSTILL, 0.1)))
+    assert motion.sees(Observation(0.5, odometry=Odometry(Pose(), STANDSTILL, 0.5)))
+    assert not motion.sees(Observation(1.4, odometry=Odometry(Pose(nonsense), STANDSTILL, 1.4)))
+    with pytest.raises(OdometryLost, match="makes no sense"):
+        motion.sees(Observation(1.6, odometry=Odometry(Pose(nonsense), STANDSTILL, 1.6)))

@@ -79,3 +79,12 @@ def test_two_measurements_of_one_moment_do_no_harm() -> None:
         track.add(10.0, odometry(x, stamp=5.0))
     track.add(10.1, odometry(3.0, stamp=5.1))
     assert track.at(10.0).pose.x == 2.0
+
+
+@pytest.mark.parametrize("measured_at", [0.0, 12.5])
+def test_a_clock_that_stands_still_fills_no_memory(measured_at: float) -> None:
+    track = Track()
+    for number in range(100):
+        track.add(measured_at, odometry(float(number), stamp=number / 20))
+    assert len(track) == 1
+    assert track.at(0.0).pose.x == track.at(measured_at).pose.x == 99.0
