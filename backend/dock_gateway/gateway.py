@@ -131,10 +131,12 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             )
         )
         await robots.open(robots.default_namespace)
-        actions.expect(await history.unfinished())
+        knows_all = await _expect_unfinished(actions, history)
+        if not knows_all:
+            actions.expect(await history.unfinished())
         dock = await actions.open(settings.resolve(settings.dock_action), settings.dock_action_type, pinned=True)
         undock = await actions.open(settings.resolve(settings.undock_action), settings.undock_action_type, pinned=True)
-        watching = asyncio.create_task(_watch_graph(bridge, actions, robots, history))
+        watching = asyncio.create_task(_watch_graph(bridge, actions, robots, None if knows_all else history))
         try:
             yield Gateway(settings, bridge, hub, history, actions, robots, stopper, simulators, dock, undock)
         finally:
@@ -152,13 +154,21 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         await asyncio.to_thread(bridge.close)
 
 
-async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, history: History) -> None:
-    knows_all = history.stats().database_reachable
+async def _expect_unfinished(actions: ActionRegistry, history: History) -> bool:
+    """Expect the goals that ran when the gateway ended; whether the history could say which."""
+    try:
+        actions.expect(await history.unfinished(complete=True))
+    except Unavailable:
+        return False
+    return True
+
+
+async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, unread: History | None) -> None:
+    """See who comes and goes; and read the history, where it was `unread` at the start, once it is back."""
     while True:
         try:
-            if not knows_all and history.stats().database_reachable:
-                actions.expect(await history.unfinished())
-                knows_all = True
+            if unread is not None and await _expect_unfinished(actions, unread):
+                unread = None
             found = await bridge.call(lambda: scan(bridge.node))
             await actions.update(found)
             await robots.update(found)

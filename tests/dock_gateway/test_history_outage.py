@@ -135,6 +135,8 @@ async def test_across_a_restart(outage: tuple[str, Outage], tmp_path: Path) -> N
         async with open_at(url, tmp_path) as history:
             assert time.perf_counter() - start < 3.5
             assert [goal.goal_id for goal in await history.unfinished()] == ["goal-0001", "goal-0002"]
+            with pytest.raises(Unavailable):
+                await history.unfinished(complete=True)
             assert await history.claim("key-1", "g2", "f") != ("g2", "f")
     async with open_at(url, tmp_path) as history:
         await written(history)

@@ -93,7 +93,7 @@ class MemoryHistory:
         held = self._keys.get(idempotency_key)
         return await self.get(held[0]) if held is not None and held[2] > time.monotonic() else None
 
-    async def unfinished(self) -> list[Goal]:
+    async def unfinished(self, *, complete: bool = False) -> list[Goal]:
         """The goals whose status is not final, oldest first."""
         goals = [copy(goal) for goal in self._goals.values() if not goal.status.final]
         return sorted(goals, key=lambda goal: (goal.created_at, goal.goal_id))

@@ -68,10 +68,16 @@ class History(Protocol):
     async def by_key(self, idempotency_key: str) -> Goal | None:
         """The goal that was sent with this key, within the last 24 hours."""
 
-    async def unfinished(self) -> list[Goal]:
+    async def unfinished(self, *, complete: bool = False) -> list[Goal]:
         """The goals whose status is not final, oldest first, to be taken up after a restart.
 
-        While the database is away (`stats` tells) these are only the ones that are in the spool.
+        While the database is away these are only the ones that are in the spool.
+
+        Args:
+            complete: Rather none than only those.
+
+        Raises:
+            Unavailable: They are to be complete, and the database does not answer (`history_unavailable`).
         """
 
     async def events_after(

@@ -167,12 +167,15 @@ class SqlHistory:
             key = await self._read(store.key_of, idempotency_key, timeout=KEY_TIMEOUT)
         return None if key is None else await self.get(key.goal_id)
 
-    async def unfinished(self) -> list[Goal]:
+    async def unfinished(self, *, complete: bool = False) -> list[Goal]:
         """The goals whose status is not final, oldest first."""
         waiting = dict(self._waiting.goals)
         stored: dict[str, Goal] = {}
-        with suppress(Unavailable):
+        try:
             stored = await self._read(_unfinished_or, list(waiting))
+        except Unavailable:
+            if complete:
+                raise
         goals = {**stored, **_merged(stored, waiting)}.values()
         return sorted((goal for goal in goals if not goal.status.final), key=_position)
 
