@@ -157,10 +157,18 @@ class Interlock:
         self._echoes[namespace] = asyncio.create_task(self._echo_later(namespace))
 
     async def _echo_later(self, namespace: str) -> None:
-        """Only a stop is said again: where two gateways cross each other, it wins."""
+        """Only a stop is said again: where two gateways cross each other, it wins.
+
+        So does one of a namespace above, of which a gateway that released the robot may not know.
+        """
         await asyncio.sleep(ECHO_AFTER)
-        latched = namespace in self._latches.held
-        if latched == self._said.get(namespace, False):
+        over = self._latches.over(namespace)
+        latched = over is not None
+        if over is not None and namespace not in self._latches.held:
+            log.warning("the stop of %s holds for %s, too: it is said again", over, namespace)
+            self._latches.latch(namespace, self._latches.held[over])
+            self._changed()
+        elif latched == self._said.get(namespace, False):
             return
         try:
             if latched:

@@ -100,6 +100,22 @@ async def test_a_robot_that_appears_below_is_held_too(pair: tuple[Gateway, Gatew
     assert not interlock.holds("/robot1")
 
 
+async def test_a_robot_is_held_again_that_another_gateway_released_below_a_stop(pair: tuple[Gateway, Gateway]) -> None:
+    interlock, topic = pair[0].interlock, FakeTopic()
+    interlock.join("/robot1", topic)
+    await interlock.latch("/", "Ada")
+    await interlock.tell("/")
+    interlock.heard("/robot1", latched=False)  # by one that knows of this robot alone
+    await settle()
+    assert topic.said == [True, True]
+    assert interlock.document("/")["robots"] == ["/", "/robot1"]
+    interlock.heard("/robot1", latched=False)  # by one that released both: in whichever order it is heard
+    interlock.heard("/", latched=False)
+    await settle()
+    assert topic.said == [True, True, None]
+    assert not interlock.holds("/robot1")
+
+
 async def test_another_gateway_learns_it_and_says_it_should_the_first_go(pair: tuple[Gateway, Gateway]) -> None:
     first, second = pair
     await first.interlock.latch("/", "Ada")
