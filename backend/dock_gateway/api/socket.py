@@ -31,6 +31,7 @@ router = APIRouter()
 
 MAX_SUBSCRIPTIONS = 32
 MAX_COMMANDS = 64
+MAX_STOPS = 64  # beside them: a stop does not queue behind goals that an action server does not answer
 SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
 
@@ -92,7 +93,10 @@ class Session:
             received = await self._websocket.receive()
             if received["type"] == "websocket.disconnect":
                 return
-            if len(self._commands) >= MAX_COMMANDS:
+            most = MAX_COMMANDS
+            if len(self._commands) >= most and _is_stop(received.get("text")):
+                most += MAX_STOPS
+            if len(self._commands) >= most:
                 await self._answer_error(None, TooManyRequests(f"{MAX_COMMANDS} commands are under way already"))
                 continue
             task = asyncio.create_task(self._handle(received.get("text")))
@@ -176,6 +180,14 @@ class Session:
     async def _send(self, text: str) -> None:
         async with self._sending:
             await send_text(self._websocket, self._gateway, text)
+
+
+def _is_stop(text: str | None) -> bool:
+    try:
+        message = _decode(text)
+    except MalformedRequest:
+        return False
+    return isinstance(message, dict) and message.get("op") == "stop"
 
 
 def _decode(text: str | None) -> Any:
