@@ -95,7 +95,7 @@ class Settings(BaseSettings):
     stop_path: Path | None = Field(
         None,
         description="File that keeps latched stops across restarts. Empty: `stops-<ROS_DOMAIN_ID>.json` in the user's "
-        "data directory.",
+        "data directory, `stops-<ROS_DOMAIN_ID>-localhost.json` where only this machine's robots are met.",
     )
     history_queue: int = Field(
         10_000,
@@ -161,8 +161,9 @@ class Settings(BaseSettings):
 
     @property
     def stop_file(self) -> Path:
-        """Where latched stops are kept: robots of another domain are other robots."""
-        name = f"stops-{os.environ.get('ROS_DOMAIN_ID') or 0}.json"
+        """Where latched stops are kept: robots of another domain, or of this machine alone, are other robots."""
+        local = "-localhost" if os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST" else ""
+        name = f"stops-{os.environ.get('ROS_DOMAIN_ID') or 0}{local}.json"
         return self.stop_path or platformdirs.user_data_path("dock-gateway", appauthor=False) / name
 
     def resolve(self, name: str, namespace: str | None = None) -> str:

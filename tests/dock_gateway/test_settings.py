@@ -105,3 +105,14 @@ def test_names_are_resolved_as_ros_does() -> None:
 def test_help_names_every_setting() -> None:
     text = CliRunner().invoke(main, ["serve", "--help"]).output
     assert all(option_name(name) in text for name in Settings.model_fields)
+
+
+def test_a_simulated_robot_does_not_release_the_stop_of_a_real_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`dock-gateway up` and `serve` on one machine: each meets other robots, both may be called `/`."""
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
+    monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE", raising=False)
+    served = Settings().stop_file
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    assert (served.name, Settings().stop_file.name) == ("stops-7.json", "stops-7-localhost.json")
+    chosen = Path("/tmp/stops.json")
+    assert Settings(stop_path=chosen).stop_file == chosen
