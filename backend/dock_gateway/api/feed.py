@@ -86,7 +86,7 @@ async def _from_history(gateway: Gateway, subscriber: Subscriber, after: str) ->
 
 
 async def snapshot(gateway: Gateway, subscriber: Subscriber) -> Event:
-    """How things stand: running and recent goals, the robot's battery and stop, the action servers of docking and undocking."""
+    """How things stand: running and recent goals, the robot's battery and stop, the docking and undocking servers."""
     interest = subscriber.interest
     goals = await gateway.recent_goals(interest)
     robot = gateway.robots.get(interest.robot)
