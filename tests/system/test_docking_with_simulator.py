@@ -135,7 +135,7 @@ def assert_docked(robot: Pose) -> None:
     assert abs(offset.theta) < math.radians(6)
 
 
-@pytest.mark.parametrize("start", random_starts(3, seed=20), ids=str)
+@pytest.mark.parametrize("start", random_starts(1, seed=20), ids=str)
 def test_dock_pose_docks_and_undocks(domain: int, observer: Observer, start: Pose) -> None:
     with site(domain, observer) as here:
         poses = {
