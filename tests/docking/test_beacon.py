@@ -5,8 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from docking.controllers.beacon import BeaconFilter, Receivers
+from docking.controllers.sidestep import Sidestep
 from docking.geometry import Pose, normalize_angle
-from docking.observation import STANDSTILL, InfraredReading, Observation, Odometry
+from docking.limiter import MotionLimits
+from docking.observation import STANDSTILL, InfraredReading, Observation, Odometry, Velocity
 
 INF = math.inf
 BEACON = Pose(1.0, 0.3)
@@ -91,3 +93,9 @@ def test_no_reading_makes_it_something_else_than_numbers(ranges: tuple[float, fl
         odometry = Odometry(Pose(0.0, 0.0, theta), STANDSTILL, now)
         beacon_filter.update(Observation(now, odometry=odometry, infrared=InfraredReading(*ranges, now)))
     assert beacon_filter.position is None or beacon_filter.position.finite
+
+
+def test_a_beacon_right_at_the_receivers_is_no_division_by_zero() -> None:
+    step = Sidestep(BeaconFilter(RECEIVERS), MotionLimits(), 1)._drive(RECEIVERS.infrared_receiver_angle, 0.0)
+    assert isinstance(step, Velocity)
+    assert step.finite

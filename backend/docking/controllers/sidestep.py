@@ -16,6 +16,8 @@ FARTHEST = 1.0
 """From the receivers to the beacon, in m, where backwards becomes forwards."""
 STEERING = 2.5
 """How hard the bearing is kept, in 1/s."""
+TOUCHING = 0.05
+"""From the receivers to the beacon, in m: nearer than that it says nothing more of how fast the bearing changes."""
 GONE = 3
 """Readings, one after another, that must not see the beacon to be beyond the edge."""
 SILENT = 0.5
@@ -74,5 +76,5 @@ class Sidestep:
             return turn(error, self._motion)
         self._turning = False
         speed = SPEED * self._motion.v_linear_max * (1.0 if self._forwards else -1.0)
-        keeping = speed * math.sin(bearing) / distance  # as the beacon goes by
+        keeping = speed * math.sin(bearing) / max(distance, TOUCHING)  # as the beacon goes by
         return Velocity(speed, bounded(STEERING * error + keeping, self._motion.v_angular_max))
