@@ -4,10 +4,13 @@ import asyncio
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
+import pytest
 import sqlalchemy as sa
 
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.history import store
+from dock_gateway.history.rows import Batch
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.tables import events, goals, idempotency_keys
 from tests.support.history import EVERYTHING, NOW, make_event, make_goal, open_at, written
@@ -188,3 +191,31 @@ async def test_what_a_database_cannot_take_harms_nothing_else(database_url: str,
         assert await ids(history) == ["goal-0003", "goal-0001"]
         assert await after(history, 1) == []
         assert history.stats().database_reachable
+
+
+async def test_new_goals_go_ahead_of_the_rest_which_is_not_forgotten(
+    database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    batches: list[Batch] = []
+    write = store.write
+
+    def noted(connection: sa.Connection, batch: Batch) -> None:
+        batches.append(batch)
+        write(connection, batch)
+
+    monkeypatch.setattr(store, "write", noted)
+    async with open_at(database_url, tmp_path) as history:
+        await history.add(make_goal(0))
+        await written(history)
+        batches.clear()
+        history.record_event(make_event(1))
+        await history.add(make_goal(1))
+        assert [(len(batch.goals), len(batch.events)) for batch in batches] == [(1, 0)]
+        number = 1
+        while not any(batch.events for batch in batches):
+            number += 1
+            assert number < 1000, "new goals hold up the rest for ever"
+            await history.add(make_goal(number))
+        await written(history)
+        assert await count(history, events) == 1
+        assert await count(history, goals) == number + 1

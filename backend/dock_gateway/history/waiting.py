@@ -1,5 +1,6 @@
 """What waits to be written, in memory: plain data, bounded, and readable as if it were written already."""
 
+from collections.abc import Iterable
 from copy import copy
 from itertools import islice
 from typing import TypeVar
@@ -87,6 +88,11 @@ class Waiting:
     def find_event(self, event_id: str) -> Event | None:
         """One event that waits."""
         return self.events.get(event_id) or self.droppable.get(event_id)
+
+    def urgent(self, goal_ids: Iterable[str]) -> Batch:
+        """These goals, and the keys that wait, ahead of all else; they go on waiting until they are `done`."""
+        goals = {goal_id: self.goals[goal_id] for goal_id in goal_ids if goal_id in self.goals}
+        return Batch(goals=_first(goals, BATCH_GOALS), keys=_first(self.keys, BATCH_GOALS))
 
     def batch(self) -> Batch:
         """What is written next, oldest first; it goes on waiting until it is `done`."""

@@ -25,6 +25,7 @@ ANSWER_TIMEOUT = 0.1  # a new goal waits so long for the database, then it goes 
 SPOOL_TIMEOUT = 5.0
 WRITE_TIMEOUT = 10.0
 BATCH_INTERVAL = 0.2
+BATCH_PATIENCE = 0.3  # new goals are written ahead of all else, but hold it up no longer than this
 # What is precious and not in the database after so long goes to the spool.
 SPOOL_AFTER = 0.5
 RETRY_FIRST, RETRY_LAST = 0.1, 2.0
@@ -42,6 +43,7 @@ class Writer:
         self._database = database
         self._spool = spool
         self._waiting = waiting
+        self._waiting_since = 0.0
         self._tickets: dict[str, list[asyncio.Future[None]]] = {}
         self._wake = asyncio.Event()
         self._urgent = asyncio.Event()
@@ -54,7 +56,9 @@ class Writer:
 
     def notice(self, *, precious: bool) -> None:
         """Something has been put among what waits."""
-        self._wake.set()
+        if not self._wake.is_set():
+            self._waiting_since = time.monotonic()
+            self._wake.set()
         if precious:
             self._guard.set()
 
@@ -112,25 +116,32 @@ class Writer:
                 with suppress(TimeoutError):
                     async with asyncio.timeout(BATCH_INTERVAL):
                         await self._urgent.wait()
+            # Who waits for a new goal need not wait for the rest, too, unless that has waited for long.
+            fresh = time.monotonic() - self._waiting_since < BATCH_PATIENCE
+            urgent = self._urgent.is_set() and self.reachable and fresh
             self._urgent.clear()
-            self._wake.clear()
-            pause = 0.0 if await self.flush() else min(max(2 * pause, RETRY_FIRST), RETRY_LAST)
+            if not urgent:
+                self._wake.clear()
+            pause = 0.0 if await self.flush(urgent=urgent) else min(max(2 * pause, RETRY_FIRST), RETRY_LAST)
 
-    async def flush(self) -> bool:
-        """Write all that waits; False if the database does not take it."""
+    async def flush(self, *, urgent: bool = False) -> bool:
+        """Write all that waits, or the goals alone that somebody waits for; False if the database does not take it."""
         batch = Batch()
         try:
             if not self._database.prepared:
                 async with asyncio.timeout(WRITE_TIMEOUT):
                     await self._database.prepare()
-            while len(batch := self._waiting.batch()) or not self.reachable:
+            while len(batch := self._waiting.urgent(self._tickets) if urgent else self._waiting.batch()) or (
+                not self.reachable
+            ):
                 await self._write(batch)
                 self._waiting.done(batch)
                 self._settle(batch, None)
                 self._say_reachable()
                 if not batch.full:
                     break
-            await self._empty_spool()
+            if not urgent:
+                await self._empty_spool()
         except Exception as error:
             if not isinstance(error, DATABASE_ERRORS):
                 log.exception("while writing the history")
