@@ -8,7 +8,8 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 from sensor_msgs.msg import BatteryState
 
-from dock_gateway.api.schemas import EVENTS, Problem
+from dock_gateway.api.event_schemas import EVENTS
+from dock_gateway.api.schemas import Problem
 from dock_gateway.ros.messages import codec
 
 REF = "#/components/schemas/{model}"
