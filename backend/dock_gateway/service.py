@@ -296,11 +296,12 @@ class GoalService:
         Raises:
             InvalidField: There is no goal `before`, so nothing can be older.
         """
-        if before is not None and before not in self._tracker.live and await self._history.get(before) is None:
-            raise InvalidField([FieldError("cursor", "`next_cursor` of an earlier answer", "there is no such goal")])
         goals = await self._history.page(
             action_name=self._tracker.port.action_name, statuses=statuses, limit=limit + 1, before=before
         )
+        unknown = not goals and before is not None and before not in self._tracker.live
+        if unknown and await self._history.get(before or "") is None:
+            raise InvalidField([FieldError("cursor", "`next_cursor` of an earlier answer", "there is no such goal")])
         current = [self._tracker.live.get(goal.goal_id, goal) for goal in goals[:limit]]
         return current, goals[limit - 1].goal_id if len(goals) > limit else None
 

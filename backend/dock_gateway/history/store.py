@@ -50,7 +50,7 @@ def _write_goals(connection: sa.Connection, news: dict[str, Goal]) -> None:
         return
     stored = goals_by_id(connection, news.keys() - inserted, lock=True)
     merged = [merge(stored[goal_id], news[goal_id]) for goal_id in sorted(stored)]
-    changes = [goal_row(goal) for goal in merged if goal_row(goal) != goal_row(stored[goal.goal_id])]
+    changes = [row for goal in merged if (row := goal_row(goal)) != goal_row(stored[goal.goal_id])]
     if changes:
         change = sa.update(goals).where(goals.c.goal_id == sa.bindparam("this_goal"))
         connection.execute(
@@ -112,14 +112,14 @@ def page(
     if before is not None:
         time, goal_id = sa.literal(before[0], goals.c.created_at.type), sa.literal(before[1], goals.c.goal_id.type)
         query = query.where(sa.tuple_(goals.c.created_at, goals.c.goal_id) < sa.tuple_(time, goal_id))
-    return [goal_of(row) for row in (connection.execute(query)).mappings()]
+    return [goal_of(row) for row in connection.execute(query).mappings()]
 
 
 def unfinished(connection: sa.Connection) -> list[Goal]:
     """The goals that are not in a final state."""
     open_statuses = [status.value for status in GoalStatus if status.value not in _FINAL]
     query = sa.select(goals).where(goals.c.status.in_(open_statuses))
-    return [goal_of(row) for row in (connection.execute(query)).mappings()]
+    return [goal_of(row) for row in connection.execute(query).mappings()]
 
 
 def key_of(connection: sa.Connection, key: str) -> Key | None:
@@ -140,7 +140,7 @@ def _keys(connection: sa.Connection, condition: "sa.ColumnElement[bool]", limit:
         .order_by(idempotency_keys.c.expires_at.desc())
         .limit(limit)
     )
-    return [Key(**row) for row in (connection.execute(query)).mappings()]
+    return [Key(**row) for row in connection.execute(query).mappings()]
 
 
 def knows_all_after(connection: sa.Connection, event_id: str, topics: Collection[str]) -> tuple[bool, bool]:
@@ -179,4 +179,4 @@ def events_after(
         .order_by(events.c.id)
         .limit(limit)
     )
-    return [event_of(row) for row in (connection.execute(query)).mappings()]
+    return [event_of(row) for row in connection.execute(query).mappings()]
