@@ -5,12 +5,11 @@ import math
 from docking.controllers.approach import Approach
 from docking.controllers.charge import WaitForCharge
 from docking.controllers.marker_filter import MarkerFilter
-from docking.controllers.moves import bounded
 from docking.controllers.plan import Poses
 from docking.controllers.protocol import Controller
 from docking.controllers.search import Search
+from docking.controllers.sighted import SightedPlan
 from docking.controllers.staging import ToStaging
-from docking.controllers.straight import BackOut
 from docking.dock import Dock
 from docking.failures import LostMarker, Stage
 from docking.geometry import Pose
@@ -25,10 +24,9 @@ MEMORY = 1.0
 """How old a detection may be, in s, to be used at all."""
 
 
-class DockPosePlan:
+class DockPosePlan(SightedPlan):
     """Finds the marker, drives to the staging pose in front of it, then along a smooth curve onto the dock."""
 
-    stages = (Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING, Stage.WAIT_FOR_CHARGE)
     lost = LostMarker
 
     def __init__(self, dock: Dock, motion: MotionLimits, *, search_speed: float, detection_timeout: float) -> None:
@@ -40,22 +38,14 @@ class DockPosePlan:
             search_speed: How fast to turn while the marker is looked for, in rad/s.
             detection_timeout: For how long the marker may be out of sight on the way to the dock, in s.
         """
-        self.motion = motion
-        self.dock = dock
+        super().__init__(dock, motion, search_speed=search_speed, detection_timeout=detection_timeout)
         self.marker = MarkerFilter(MEMORY)
-        self._detection_timeout = detection_timeout
-        self._search_speed = search_speed
-        self._robot: Pose | None = None
 
     @property
     def poses(self) -> Poses:
         """As far as they are known."""
-        raw, docked = self.marker.raw, self.docked
-        return Poses(
-            None if raw is None else self.dock.docked(raw),
-            docked,
-            None if docked is None else self.dock.staging(docked),
-        )
+        raw = self.marker.raw
+        return Poses(None if raw is None else self.dock.docked(raw), self.docked, self.staging)
 
     @property
     def docked(self) -> Pose | None:
@@ -66,8 +56,7 @@ class DockPosePlan:
     def observe(self, observation: Observation) -> None:
         """Keep up with the marker and the robot."""
         self.marker.update(observation)
-        if observation.odometry is not None:
-            self._robot = observation.odometry.pose
+        super().observe(observation)
 
     def controller(self, stage: Stage) -> Controller:
         """A new one for a stage."""
@@ -78,7 +67,7 @@ class DockPosePlan:
         if stage is Stage.CONTROLLING:
             return Approach(self, self.motion, self.lost, self._detection_timeout)
         if stage is Stage.RETRY:
-            return self._back_off()
+            return self.back_off()
         return WaitForCharge(self)
 
     @property
@@ -97,9 +86,3 @@ class DockPosePlan:
             knows=lambda: self.marker.count >= ENOUGH,
             towards=towards,
         )
-
-    def _back_off(self) -> BackOut:
-        staging, distance = -self.dock.staging_x_offset, 0.1
-        if self._robot is not None and self.docked is not None:
-            distance = staging + self._robot.relative_to(self.docked).x
-        return BackOut(bounded(distance, staging), self.motion)

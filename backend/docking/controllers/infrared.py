@@ -5,15 +5,14 @@ import math
 from docking.controllers.approach import Approach
 from docking.controllers.beacon import FRESH, BeaconFilter, Receivers
 from docking.controllers.charge import WaitForCharge
-from docking.controllers.moves import bounded
 from docking.controllers.plan import Poses
 from docking.controllers.protocol import Controller
 from docking.controllers.scan import Scan
 from docking.controllers.search import Search
 from docking.controllers.sequence import Sequence
 from docking.controllers.sidestep import Sidestep
+from docking.controllers.sighted import SightedPlan
 from docking.controllers.staging import ToStaging
-from docking.controllers.straight import BackOut
 from docking.dock import Dock
 from docking.failures import InfraredLost, Stage
 from docking.geometry import Pose
@@ -26,13 +25,12 @@ LAST_LOOK = 0.25
 """Where the direction is learned once more, in m before the docked pose."""
 
 
-class InfraredPlan:
+class InfraredPlan(SightedPlan):
     """Finds the beacon, then the edge of its light, and so the dock's axis; along that it drives onto the dock.
 
     Each retry looks for the other edge: with both, the axis is the better known.
     """
 
-    stages = (Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING, Stage.WAIT_FOR_CHARGE)
     lost = InfraredLost
 
     def __init__(
@@ -47,20 +45,15 @@ class InfraredPlan:
             search_speed: How fast to turn while the beacon is looked for, in rad/s.
             detection_timeout: For how long the beacon may be out of sight on the way to the dock, in s.
         """
-        self.motion = motion
-        self.dock = dock
+        super().__init__(dock, motion, search_speed=search_speed, detection_timeout=detection_timeout)
         self.beacon = BeaconFilter(receivers)
-        self._search_speed = search_speed
-        self._detection_timeout = detection_timeout
-        self._robot: Pose | None = None
         self._side = 1
         self._needed = False  # whether the stage needs the receivers
 
     @property
     def poses(self) -> Poses:
         """As far as they are known; there is no pose from one reading alone."""
-        docked = self.docked
-        return Poses(None, docked, None if docked is None else self.dock.staging(docked))
+        return Poses(None, self.docked, self.staging)
 
     @property
     def docked(self) -> Pose | None:
@@ -84,8 +77,7 @@ class InfraredPlan:
             raise InfraredLost(
                 f"the receivers are silent for {self._detection_timeout:g} s (external_detection_timeout)"
             )
-        if observation.odometry is not None:
-            self._robot = observation.odometry.pose
+        super().observe(observation)
 
     def controller(self, stage: Stage) -> Controller:
         """A new one for a stage."""
@@ -97,7 +89,7 @@ class InfraredPlan:
         if stage is Stage.CONTROLLING:
             return Sequence(lambda: self._approach(LAST_LOOK), self._scan, self._approach)
         if stage is Stage.RETRY:
-            return self._back_off()
+            return self.back_off()
         return WaitForCharge(self)
 
     def _search(self) -> Search:
@@ -123,9 +115,3 @@ class InfraredPlan:
 
     def _approach(self, until: float = -math.inf) -> Approach:
         return Approach(self, self.motion, self.lost, self._detection_timeout, until=until)
-
-    def _back_off(self) -> BackOut:
-        staging, distance = -self.dock.staging_x_offset, 0.1
-        if self._robot is not None and self.docked is not None:
-            distance = staging + self._robot.relative_to(self.docked).x
-        return BackOut(bounded(distance, staging), self.motion)
