@@ -14,7 +14,7 @@ from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import BatteryState, Range
@@ -24,9 +24,10 @@ from std_srvs.srv import SetBool, Trigger
 from docking.geometry import Pose
 from docking.observation import Velocity
 from docking.report import Level
-from docking.ros.geometry import pose_from
+from docking.ros.geometry import pose_from, stamped_pose
 from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
+from docking.ros.qos import LATCHED, LATEST
 from docking.ros.simulator_messages import (
     BASE,
     ODOM,
@@ -35,7 +36,6 @@ from docking.ros.simulator_messages import (
     OdometryMessage,
     RangeMessage,
     diagnostics_message,
-    stamped_pose,
 )
 from docking.simulation.courtesy import Courtesy
 from docking.simulation.faults import Fault
@@ -49,19 +49,6 @@ DIAGNOSTICS_PERIOD = 1.0
 LONGEST_LAPSE = 0.25
 """The most time, in s, that is caught up with; the simulation stands still while the process does."""
 RECEIVERS = ("left", "center", "right")
-
-LATEST = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.BEST_EFFORT,
-    durability=DurabilityPolicy.VOLATILE,
-)
-LATCHED = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
 
 
 class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types

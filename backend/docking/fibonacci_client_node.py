@@ -8,7 +8,7 @@ from rclpy.context import Context
 from rclpy.utilities import remove_ros_args
 
 from action_tutorials_interfaces.action import Fibonacci as FibonacciAction
-from docking.ros.goal_client import GoalClient, run_client, seconds
+from docking.ros.goal_client import GoalClient, add_timeout, client_parser, run_client
 from docking.ros.process import run_process
 from docking.session import Patience
 
@@ -57,16 +57,9 @@ def _int32(text: str) -> int:
 
 def parse_arguments(arguments: Sequence[str]) -> argparse.Namespace:
     """Parse the command line without its ROS arguments; exits with 2 where it is wrong."""
-    parser = argparse.ArgumentParser(
-        prog="fibonacci_action_client",
-        description="Send a goal to the action server fibonacci and print its feedback and result.",
-        epilog="Exit codes: 0 succeeded, 1 aborted, 2 usage, 3 rejected, 4 canceled, 5 no server, 6 server lost,"
-        " 130 interrupted. Ctrl-C cancels the goal.",
-    )
+    parser = client_parser("fibonacci_action_client", "fibonacci")
     parser.add_argument("--order", type=_int32, default=10, metavar="N", help="how far to count (default 10)")
-    parser.add_argument(
-        "--timeout", type=seconds, default=10.0, metavar="S", help="how long to wait for a server (default 10 s)"
-    )
+    add_timeout(parser)
     return parser.parse_args(arguments)
 
 

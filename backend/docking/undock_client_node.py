@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from functools import partial
 
 from action_tutorials_interfaces.action import DisconnectFromChargingDock
 from docking.battery import PowerSupplyStatus
@@ -17,10 +18,6 @@ ACTION = BatteryAction(
 )
 
 
-def _run(args: Sequence[str] | None) -> int:
-    return run_battery_client(ACTION, args)
-
-
 def main(args: Sequence[str] | None = None) -> int:
     """Send a goal and wait for its end.
 
@@ -30,7 +27,7 @@ def main(args: Sequence[str] | None = None) -> int:
     Returns:
         The exit code, one of `docking.session.ExitCode` or 2.
     """
-    return run_process(_run, args)
+    return run_process(partial(run_battery_client, ACTION), args)
 
 
 if __name__ == "__main__":

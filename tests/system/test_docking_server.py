@@ -1,8 +1,6 @@
 """The docking action server over DDS."""
 
 import math
-import threading
-import time
 
 import pytest
 from geometry_msgs.msg import Twist
@@ -10,13 +8,11 @@ from rcl_interfaces.msg import Log, ParameterType
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState
-from std_msgs.msg import Bool
 
 from docking.controllers.plan import Solo
 from docking.observation import Observation, Velocity
 from docking.parameters import DOCK_SERVER
 from docking.ros.action_server import RESULT_TIMEOUT
-from docking.ros.goal_server import LATCH_QOS
 from tests.support.docking import (
     ABORTED,
     CANCELED,
@@ -315,73 +311,6 @@ def test_a_changed_parameter_counts_from_the_next_goal(domain: int, observer: Ob
             goal = send_dock_goal(observer)
             wait_until(lambda: wheels.moving, "a move")
             assert wheels.messages[-1].angular.z == -0.5
-            assert goal.cancel()
-
-
-def test_a_latched_stop_aborts_the_goal_and_lets_in_no_other(domain: int, observer: Observer) -> None:
-    with dock_server(domain):
-        wheels = watch_wheels(observer)
-        reports = Reports(observer)
-        with observer.publishing(LOW, BATTERY):
-            goal = send_dock_goal(observer)
-            wait_until(lambda: wheels.moving, "a move")
-            observer.publish(Bool(data=True), "stop_latched", LATCH_QOS)
-            assert goal.result().status == ABORTED
-            wait_until(lambda: wheels.standing, "zero velocity")
-            reports.wait_for(goal_id=goal.goal_id, stage="ABORTED", error_code="STOP_LATCHED", error_number="953")
-            refused = send_dock_goal(observer)
-            assert not refused.accepted
-            reports.wait_for(goal_id=refused.goal_id, stage="REJECTED", error_code="STOP_LATCHED")
-            observer.publish(Bool(data=False), "stop_latched", LATCH_QOS)
-            wait_until(lambda: send_dock_goal(observer).accepted, "the release")
-            wait_until(lambda: wheels.moving, "a move after the release")
-
-
-def test_a_stop_that_was_latched_before_the_server_came_counts(domain: int, observer: Observer) -> None:
-    publisher = observer.call(lambda: observer.node.create_publisher(Bool, "stop_latched", LATCH_QOS))
-    observer.call(lambda: publisher.publish(Bool(data=True)))
-    with dock_server(domain):
-        wait_until(publisher.get_subscription_count, "the server's subscription")
-        wait_until(lambda: not send_dock_goal(observer).accepted, "a rejection")
-
-
-class Hangs:
-    """A controller that drives faster at each step, and takes too long for the fifth."""
-
-    def __init__(self) -> None:
-        self.speed = 0.0
-        self.hanging = threading.Event()
-        self.go_on = threading.Event()
-
-    def step(self, _observation: Observation, _dt: float) -> Velocity:
-        self.speed += 0.01
-        if self.speed == pytest.approx(0.05):
-            self.hanging.set()
-            assert self.go_on.wait(30)
-        return Velocity(self.speed, 0.0)
-
-
-def test_the_watchdog_stops_a_robot_whose_controller_hangs(domain: int, observer: Observer) -> None:
-    controller = Hangs()
-    with dock_server(domain, make_plan=lambda _settings: Solo(controller)):
-        wheels = watch_wheels(observer)
-        log = observer.record(Log, "/rosout")
-        with observer.publishing(LOW, BATTERY):
-            goal = send_dock_goal(observer)
-            assert controller.hanging.wait(15)
-            since = time.monotonic()
-            try:
-                wait_until(lambda: wheels.standing, "zero velocity")
-                took = time.monotonic() - since
-                before = len(wheels.messages)
-            finally:
-                controller.go_on.set()
-            assert 0.3 < took < 1.0
-            wait_until(lambda: wheels.moving, "a move when it is over")
-            speeds = [message.linear.x for message in wheels.messages]
-            assert speeds[before - 2] == pytest.approx(0.04)
-            assert 0.05 not in [round(speed, 3) for speed in speeds], "what was decided on long ago moves nothing"
-            log.wait_for(lambda entry: "No control step for 0.5 s" in entry.msg)
             assert goal.cancel()
 
 

@@ -9,7 +9,7 @@ from geometry_msgs.msg import Twist
 from std_msgs.msg import Bool
 
 from docking.geometry import Pose
-from docking.ros.goal_server import LATCH_QOS
+from docking.ros.qos import LATCHED
 from tests.support.docking import (
     ABORTED,
     CANCELED,
@@ -146,7 +146,7 @@ def test_a_latched_stop_ends_undocking_and_lets_in_nothing(domain: int, observer
         with on_the_dock(observer):
             goal = send_undock_goal(observer)
             wait_until(lambda: wheels.moving, "a move")
-            observer.publish(Bool(data=True), "stop_latched", LATCH_QOS)
+            observer.publish(Bool(data=True), "stop_latched", LATCHED)
             assert goal.result().status == ABORTED
             reports.wait_for(goal_id=goal.goal_id, error_code="STOP_LATCHED")
             wait_until(lambda: wheels.standing, "zero velocity")

@@ -15,7 +15,7 @@ from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Bool
 
 from docking.geometry import Pose, yaw_of
-from docking.ros.goal_server import LATCH_QOS
+from docking.ros.qos import LATCHED
 from docking.simulation.dock import DOCKED
 from tests.support.docking import (
     ABORTED,
@@ -304,7 +304,7 @@ def test_a_stop_that_is_latched_on_the_way(domain: int, observer: Observer) -> N
     with site(domain, observer) as here:
         goal = send_dock_goal(observer)
         wait_until(lambda: not here.stands, "a move")
-        observer.publish(Bool(data=True), "stop_latched", LATCH_QOS)
+        observer.publish(Bool(data=True), "stop_latched", LATCHED)
         here.expect_abort(goal, "STOP_LATCHED", within=0.0)
 
 

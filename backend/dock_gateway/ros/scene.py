@@ -14,11 +14,11 @@ from sensor_msgs.msg import Range
 
 from dock_gateway.events import Event, moment, scene_event
 from dock_gateway.ros.bridge import Bridge, guard
+from dock_gateway.ros.topics import LATCHED
 from dock_gateway.scene import ODOM, PLACED_FOR, WORLD, Pace, Pose, Scene, Seen
 
 # The newest counts.
 LATEST = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
-LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 MAX_RATE = 20.0
 
 # What the scene calls a pose, by its topic.

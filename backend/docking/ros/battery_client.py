@@ -11,7 +11,7 @@ from rclpy.context import Context
 from rclpy.utilities import remove_ros_args
 
 from docking.battery import PowerSupplyStatus
-from docking.ros.goal_client import GoalClient, run_client, seconds
+from docking.ros.goal_client import GoalClient, add_timeout, client_parser, run_client
 from docking.session import Patience
 
 LARGEST_FLOAT32 = 3.4028234663852886e38
@@ -89,12 +89,7 @@ def _status(text: str) -> int:
 
 def parse_arguments(action: BatteryAction, arguments: Sequence[str]) -> argparse.Namespace:
     """Parse the command line without its ROS arguments; exits with 2 where it is wrong."""
-    parser = argparse.ArgumentParser(
-        prog=action.program,
-        description=f"Send a goal to the action server {action.name} and print its feedback and result.",
-        epilog="Exit codes: 0 succeeded, 1 aborted, 2 usage, 3 rejected, 4 canceled, 5 no server, 6 server lost,"
-        " 130 interrupted. Ctrl-C cancels the goal.",
-    )
+    parser = client_parser(action.program, action.name)
     parser.add_argument("--voltage", type=_float32, default=2.16, metavar="V", help="desired voltage (default 2.16)")
     parser.add_argument(
         "--percentage", type=_float32, default=0.24, metavar="0…1", help="desired charge (default 0.24)"
@@ -106,9 +101,7 @@ def parse_arguments(action: BatteryAction, arguments: Sequence[str]) -> argparse
         metavar="N",
         help=f"desired power_supply_status: {action.statuses}",
     )
-    parser.add_argument(
-        "--timeout", type=seconds, default=10.0, metavar="S", help="how long to wait for a server (default 10 s)"
-    )
+    add_timeout(parser)
     return parser.parse_args(arguments)
 
 

@@ -40,21 +40,23 @@ class Diagnostics:
         faults = {**errors, **warnings}
         array = DiagnosticArray(
             status=[
-                self._status(self._name, report.level, report.message, report.values()),
-                self._status("sensors", level, "; ".join(faults.values()) or "ok", faults),
+                status_message(self._prefix + self._name, report.level, report.message, report.values()),
+                status_message(f"{self._prefix}sensors", level, "; ".join(faults.values()) or "ok", faults),
             ]
         )
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
 
-    def _status(self, name: str, level: Level, message: str, values: Mapping[str, str]) -> DiagnosticStatus:
-        return DiagnosticStatus(
-            level=bytes([level]),
-            name=self._prefix + name,
-            message=message,
-            values=[KeyValue(key=key, value=value) for key, value in values.items()],
-        )
-
     def wait_until_heard(self, seconds: float) -> None:
         """Wait until every reader has the last report, at most so long."""
         self._publisher.wait_for_all_acked(Duration(seconds=seconds))
+
+
+def status_message(name: str, level: Level, message: str, values: Mapping[str, str]) -> DiagnosticStatus:
+    """One status, with its key values in their order."""
+    return DiagnosticStatus(
+        level=bytes([level]),
+        name=name,
+        message=message,
+        values=[KeyValue(key=key, value=value) for key, value in values.items()],
+    )

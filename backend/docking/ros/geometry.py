@@ -2,7 +2,8 @@
 
 import math
 
-from geometry_msgs.msg import Point, Quaternion
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import Point, PoseStamped, Quaternion
 from geometry_msgs.msg import Pose as PoseMessage
 
 from docking.geometry import Pose, quaternion_of, yaw_of
@@ -29,3 +30,11 @@ def pose_message(pose: Pose) -> PoseMessage:
     """A pose in the plane as a message."""
     x, y, z, w = quaternion_of(pose.theta)
     return PoseMessage(position=Point(x=pose.x, y=pose.y), orientation=Quaternion(x=x, y=y, z=z, w=w))
+
+
+def stamped_pose(pose: Pose, frame: str, stamp: Time) -> PoseStamped:
+    """A pose in the plane, in a frame."""
+    message = PoseStamped(pose=pose_message(pose))
+    message.header.frame_id = frame
+    message.header.stamp = stamp
+    return message

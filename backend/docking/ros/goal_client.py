@@ -186,12 +186,33 @@ class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
         self._on_over()
 
 
-def seconds(text: str) -> float:
-    """A duration from the command line, in seconds."""
+def _seconds(text: str) -> float:
     value = float(text)
     if not 0.0 < value <= 86400.0:
         raise argparse.ArgumentTypeError(f"{text} is not between 0 and 86400 seconds")
     return value
+
+
+def client_parser(program: str, action_name: str) -> argparse.ArgumentParser:
+    """The command line of a client, to which its own options are added, and `add_timeout` last.
+
+    Args:
+        program: The client's name.
+        action_name: Of its action.
+    """
+    return argparse.ArgumentParser(
+        prog=program,
+        description=f"Send a goal to the action server {action_name} and print its feedback and result.",
+        epilog="Exit codes: 0 succeeded, 1 aborted, 2 usage, 3 rejected, 4 canceled, 5 no server, 6 server lost,"
+        " 130 interrupted. Ctrl-C cancels the goal.",
+    )
+
+
+def add_timeout(parser: argparse.ArgumentParser) -> None:
+    """Add the option `--timeout`."""
+    parser.add_argument(
+        "--timeout", type=_seconds, default=10.0, metavar="S", help="how long to wait for a server (default 10 s)"
+    )
 
 
 def run_client(make_node: Callable[[Context, Callable[[], None]], GoalClient], args: Sequence[str] | None) -> int:

@@ -14,7 +14,6 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Bool
 
@@ -30,6 +29,7 @@ from docking.ros.diagnostics import Diagnostics
 from docking.ros.drive import Drive
 from docking.ros.helm import Execution, Helm
 from docking.ros.parameters import declare_parameters
+from docking.ros.qos import LATCHED
 from docking.ros.sensors import Sensor, Sensors
 
 Event = TypeVar("Event", Command, Outcome)
@@ -37,7 +37,6 @@ Event = TypeVar("Event", Command, Outcome)
 FEEDBACK_PERIOD = 0.1
 DIAGNOSTICS_PERIOD = 1.0
 ACKNOWLEDGEMENT_TIMEOUT = 0.5
-LATCH_QOS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SENSED = frozenset(
     {ErrorCode.FAILED_TO_DETECT_DOCK, ErrorCode.LOST_MARKER, ErrorCode.INFRARED_LOST, ErrorCode.ODOMETRY_LOST}
 )
@@ -102,7 +101,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
             Bool,
             "stop_latched",
             self._take_latch,
-            LATCH_QOS,
+            LATCHED,
             qos_overriding_options=QoSOverridingOptions.with_default_policies(),
         )
         # A simulated clock that stands still must not stop these.

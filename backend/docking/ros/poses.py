@@ -6,7 +6,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from docking.goal import Command
-from docking.ros.geometry import pose_message
+from docking.ros.geometry import stamped_pose
 
 TOPICS = ("dock_pose", "filtered_dock_pose", "staging_pose")
 
@@ -45,7 +45,4 @@ class PosePublishers:
         known = zip(TOPICS, (command.dock_pose, command.filtered_dock_pose, command.staging_pose), strict=True)
         for topic, pose in known:
             if pose is not None and topic in self._publishers:
-                message = PoseStamped(pose=pose_message(pose))
-                message.header.frame_id = frame
-                message.header.stamp = self._node.get_clock().now().to_msg()
-                self._publishers[topic].publish(message)
+                self._publishers[topic].publish(stamped_pose(pose, frame, self._node.get_clock().now().to_msg()))

@@ -11,7 +11,6 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Range
@@ -19,15 +18,9 @@ from sensor_msgs.msg import Range
 from docking.battery import BatteryReading, received_at
 from docking.observation import InfraredReading, MarkerDetection, Observation, Odometry, Velocity
 from docking.ros.geometry import pose_from
+from docking.ros.qos import LATEST
 from docking.track import Track
 
-# BEST_EFFORT and VOLATILE match every publisher. One message is kept: an older one is of no use.
-QOS = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.BEST_EFFORT,
-    durability=DurabilityPolicy.VOLATILE,
-)
 RECEIVERS = ("left", "center", "right")
 # ROS finds the publishers of topics one after the other: a marker may be heard so many seconds before odometry.
 DISCOVERY = 1.0
@@ -100,7 +93,7 @@ class Sensors:
             message_type,
             topic,
             receive,
-            QOS,
+            LATEST,
             qos_overriding_options=QoSOverridingOptions.with_default_policies(),
         )
 

@@ -3,15 +3,14 @@
 from collections.abc import Mapping
 
 from builtin_interfaces.msg import Time
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from geometry_msgs.msg import PoseStamped
+from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, Range
 
 from docking.geometry import Pose, quaternion_of
 from docking.observation import Velocity
 from docking.report import Level
-from docking.ros.geometry import pose_message
+from docking.ros.diagnostics import status_message
 from docking.simulation.battery import BatteryMeasurement
 from docking.simulation.infrared import InfraredSettings
 
@@ -70,14 +69,6 @@ class RangeMessage:
         return self._message
 
 
-def stamped_pose(pose: Pose, frame: str, stamp: Time) -> PoseStamped:
-    """A pose in a frame."""
-    message = PoseStamped(pose=pose_message(pose))
-    message.header.frame_id = frame
-    message.header.stamp = stamp
-    return message
-
-
 class BatteryMessage:
     """The sensor_msgs/BatteryState of the simulated battery."""
 
@@ -111,12 +102,6 @@ def diagnostics_message(
     name: str, level: Level, message: str, values: Mapping[str, str], stamp: Time
 ) -> DiagnosticArray:
     """One status for `/diagnostics`."""
-    status = DiagnosticStatus(
-        level=bytes([level]),
-        name=name,
-        message=message,
-        values=[KeyValue(key=key, value=value) for key, value in values.items()],
-    )
-    array = DiagnosticArray(status=[status])
+    array = DiagnosticArray(status=[status_message(name, level, message, values)])
     array.header.stamp = stamp
     return array
