@@ -93,15 +93,26 @@ function drawTrail(ctx: CanvasRenderingContext2D, { view, size, colors, trail, r
   ctx.stroke();
 }
 
+/** Where a robot is to stand, dashed; what follows is drawn in the same colour and width. */
+function drawPlace(
+  ctx: CanvasRenderingContext2D,
+  picture: Picture,
+  pose: Pose,
+  color: string,
+  dashes: readonly number[],
+): void {
+  ctx.strokeStyle = color;
+  ctx.lineWidth = 1.5;
+  ctx.setLineDash([...dashes]);
+  circle(ctx, picture, pose, ROBOT_RADIUS_M);
+  ctx.stroke();
+  ctx.setLineDash([]);
+}
+
 function drawStaging(ctx: CanvasRenderingContext2D, picture: Picture, staging: Pose): void {
   const { colors } = picture;
   ctx.save();
-  ctx.strokeStyle = colors.staging;
-  ctx.lineWidth = 1.5;
-  ctx.setLineDash([5, 4]);
-  circle(ctx, picture, staging, ROBOT_RADIUS_M);
-  ctx.stroke();
-  ctx.setLineDash([]);
+  drawPlace(ctx, picture, staging, colors.staging, [5, 4]);
   const tip = ROBOT_RADIUS_M * 0.75;
   path(ctx, picture, staging, [
     [-tip * 0.4, tip * 0.5],
@@ -116,12 +127,7 @@ function drawStaging(ctx: CanvasRenderingContext2D, picture: Picture, staging: P
 function drawContactZone(ctx: CanvasRenderingContext2D, picture: Picture, docked: Pose): void {
   const { view, size, colors } = picture;
   ctx.save();
-  ctx.strokeStyle = colors.contact;
-  ctx.lineWidth = 1.5;
-  ctx.setLineDash([3, 3]);
-  circle(ctx, picture, docked, ROBOT_RADIUS_M);
-  ctx.stroke();
-  ctx.setLineDash([]);
+  drawPlace(ctx, picture, docked, colors.contact, [3, 3]);
   const centre = toScreen(view, size, docked);
   ctx.beginPath();
   ctx.arc(centre.x, centre.y, Math.max(3, CONTACT_RADIUS_M * view.scale), 0, 2 * Math.PI);
