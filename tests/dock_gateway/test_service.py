@@ -18,17 +18,10 @@ from dock_gateway.ros.actions import CancelAnswer
 from dock_gateway.service import GoalService
 from dock_gateway.settings import Settings
 from dock_gateway.tracker import GoalTracker
+from tests.support.calls import FakeCall
 
 ACCEPTED = SimpleNamespace(accepted=True, stamp=SimpleNamespace(sec=1, nanosec=0))
 REJECTED = SimpleNamespace(accepted=False)
-
-
-class FakeCall:
-    def __init__(self) -> None:
-        self.response: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
-
-    def forget(self) -> None:
-        self.response.cancel()
 
 
 class FakePort:

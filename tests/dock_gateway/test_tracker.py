@@ -18,17 +18,10 @@ from dock_gateway.interest import Interest
 from dock_gateway.later import Later
 from dock_gateway.ros.actions import StatusReport
 from dock_gateway.tracker import GoalTracker
+from tests.support.calls import FakeCall
 
 A, B = "aaaaaaaa-0000-4000-8000-000000000000", "bbbbbbbb-0000-4000-8000-000000000000"
 S = GoalStatus
-
-
-class FakeCall:
-    def __init__(self) -> None:
-        self.response: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
-
-    def forget(self) -> None:
-        self.response.cancel()
 
 
 class FakePort:
