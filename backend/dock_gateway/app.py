@@ -9,7 +9,7 @@ from fastapi_swagger import patch_fastapi
 from starlette.middleware.cors import CORSMiddleware
 
 from dock_gateway import __version__
-from dock_gateway.api import actions, battery, dock, health, interfaces, simulator, socket, stop, stream
+from dock_gateway.api import actions, all_goals, battery, dock, health, interfaces, simulator, socket, stop, stream
 from dock_gateway.api.dashboard import install_dashboard
 from dock_gateway.api.openapi import install_openapi
 from dock_gateway.api.origin import OriginGuard
@@ -48,7 +48,7 @@ def create_app(settings: Settings) -> FastAPI:
     install_problems(app)
     for router in dock.routers:
         app.include_router(router)
-    for module in (stop, stream, actions, interfaces, battery, simulator, health, socket):
+    for module in (stop, stream, all_goals, actions, interfaces, battery, simulator, health, socket):
         app.include_router(module.router)
     install_openapi(app)
     patch_fastapi(app, redirect_from_root_to_docs=False)  # /docs without a CDN: robots are often offline

@@ -47,8 +47,7 @@ class Canceler:
             Unavailable: The action server is not there. Should the goal turn up again, it is canceled.
             ServerTimeout: The server did not answer in time. It is asked again.
         """
-        if goal.status.final:
-            raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal.goal_id)
+        require_unfinished(goal)
         if goal.status in (GoalStatus.PENDING, GoalStatus.LOST):
             self.disown(goal, CANCELED)
         if goal.status is GoalStatus.LOST:
@@ -156,3 +155,13 @@ class Canceler:
 
     def _forget(self, goal: Goal) -> None:
         self._unwanted.pop(goal.goal_id, None)
+
+
+def require_unfinished(goal: Goal) -> None:
+    """See that there is something to cancel.
+
+    Raises:
+        Conflict: The goal has ended (`goal_terminal`).
+    """
+    if goal.status.final:
+        raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal.goal_id)

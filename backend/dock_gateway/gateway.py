@@ -7,9 +7,10 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 
 from dock_gateway.actions import Action, ActionRegistry
-from dock_gateway.errors import GatewayError, NotFound, Unavailable
+from dock_gateway.canceler import require_unfinished
+from dock_gateway.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
 from dock_gateway.goals import Goal, GoalError
-from dock_gateway.history import History, open_history
+from dock_gateway.history import History, Wanted, open_history
 from dock_gateway.hub import Hub
 from dock_gateway.interest import Interest
 from dock_gateway.interlock import Interlock
@@ -79,6 +80,33 @@ class Gateway:
             raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
         return goal
 
+    async def page(self, wanted: Wanted, limit: int = 50, before: str | None = None) -> tuple[list[Goal], str | None]:
+        """Goals, newest first, and the cursor of the next page.
+
+        Raises:
+            InvalidField: There is no goal `before`, so nothing can be older.
+        """
+        goals = await self.history.page(wanted, limit=limit + 1, before=before)
+        unknown = not goals and before is not None and self.actions.goal(before) is None
+        if unknown and await self.history.get(before or "") is None:
+            raise InvalidField([FieldError("cursor", "`next_cursor` of an earlier answer", "there is no such goal")])
+        current = [self.actions.goal(goal.goal_id) or goal for goal in goals[:limit]]
+        return current, goals[limit - 1].goal_id if len(goals) > limit else None
+
+    async def cancel(self, goal_id: str) -> Goal:
+        """Ask its action server to cancel a goal, on whatever action and whoever sent it.
+
+        Raises:
+            NotFound: There is no such goal, or nobody serves its action.
+            Conflict: It has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
+            Unavailable: The action server is gone.
+            ServerTimeout: It did not answer in time.
+        """
+        goal = await self.goal(goal_id)
+        require_unfinished(goal)
+        action = await self.actions.find(goal.action_name)
+        return await action.goals.cancel(goal_id)
+
     async def recent_goals(self, interest: Interest) -> list[Goal]:
         """What a new subscriber sees first: the goals that run and the newest ended ones, newest first."""
         if interest.goal_id is not None:
@@ -86,9 +114,10 @@ class Gateway:
         newest: list[Goal] = []
         with suppress(Unavailable):  # a stream goes on without the past
             # Those of docking and undocking are asked for by name, so that a busier action does not crowd them out.
-            wanted = interest.action_name
-            for name in dict.fromkeys((wanted, wanted or self.dock.name, wanted or self.undock.name)):
-                newest += await self.history.page(action_name=name, statuses=(), limit=RECENT, before=None)
+            named = interest.action_name
+            for name in dict.fromkeys((named, named or self.dock.name, named or self.undock.name)):
+                wanted = Wanted() if name is None else Wanted(frozenset({name}))
+                newest += await self.history.page(wanted, limit=RECENT)
         known = [*newest, *self.actions.running()]
         goals = {goal.goal_id: goal for goal in known if interest.covers_goal(goal.goal_id, goal.action_name)}
         return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)

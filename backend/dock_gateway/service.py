@@ -4,15 +4,12 @@ import asyncio
 import logging
 import time
 import uuid
-from collections.abc import Collection
 from typing import Any
 
 from dock_gateway.canceler import TOO_LATE, Canceler
 from dock_gateway.errors import (
     Conflict,
-    FieldError,
     GatewayError,
-    InvalidField,
     NotFound,
     ServerTimeout,
     TooManyRequests,
@@ -287,23 +284,6 @@ class GoalService:
         if goal is None:
             raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
         return goal
-
-    async def page(
-        self, statuses: Collection[GoalStatus] = (), limit: int = 50, before: str | None = None
-    ) -> tuple[list[Goal], str | None]:
-        """Goals, newest first, and the cursor of the next page.
-
-        Raises:
-            InvalidField: There is no goal `before`, so nothing can be older.
-        """
-        goals = await self._history.page(
-            action_name=self._tracker.port.action_name, statuses=statuses, limit=limit + 1, before=before
-        )
-        unknown = not goals and before is not None and before not in self._tracker.live
-        if unknown and await self._history.get(before or "") is None:
-            raise InvalidField([FieldError("cursor", "`next_cursor` of an earlier answer", "there is no such goal")])
-        current = [self._tracker.live.get(goal.goal_id, goal) for goal in goals[:limit]]
-        return current, goals[limit - 1].goal_id if len(goals) > limit else None
 
     async def wait(self, goal: Goal, timeout: float) -> None:
         """Wait until the goal has ended or the time is up."""

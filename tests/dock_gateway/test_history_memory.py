@@ -5,6 +5,7 @@ from datetime import UTC, datetime, timedelta
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import MemoryHistory
+from tests.support.history import page_of
 
 NOW = datetime(2026, 11, 21, tzinfo=UTC)
 
@@ -19,8 +20,7 @@ async def fill(history: MemoryHistory, *goals: Goal) -> None:
 
 
 async def ids(history: MemoryHistory, **query: object) -> list[str]:
-    asked = {"action_name": "/dock", "statuses": (), "limit": 10, "before": None} | query
-    return [goal.goal_id for goal in await history.page(**asked)]  # type: ignore[arg-type]
+    return [goal.goal_id for goal in await page_of(history, action_names={"/dock"}, **query)]
 
 
 async def test_pages_are_newest_first() -> None:

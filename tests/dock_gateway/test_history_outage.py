@@ -12,7 +12,7 @@ import sqlalchemy as sa
 
 from dock_gateway.errors import Unavailable
 from dock_gateway.goals import Goal, GoalStatus
-from dock_gateway.history import store
+from dock_gateway.history import Wanted, store
 from dock_gateway.history.rows import Batch
 from dock_gateway.history.sql import SqlHistory
 from tests.support.history import EVERYTHING, make_event, make_goal, open_at, timed, until, written
@@ -114,7 +114,7 @@ async def pages(history: SqlHistory) -> list[Goal]:
     """All goals, as soon as the database is read again."""
     for _ in range(100):
         try:
-            return await history.page(action_name=None, statuses=(), limit=10_000, before=None)
+            return await history.page(Wanted(), limit=10_000)
         except Unavailable:
             await asyncio.sleep(0.1)
     raise AssertionError("the database is not read again")
@@ -157,7 +157,7 @@ async def test_what_cannot_be_looked_up_is_not_said_to_be_missing(
                 with pytest.raises(Unavailable, match=BARRED):
                     await history.get("goal-0001")
             with pytest.raises(Unavailable, match=BARRED):
-                await history.page(action_name=None, statuses=(), limit=1, before=None)
+                await history.page(Wanted(), limit=1)
         await until(lambda: history.stats().database_reachable)
         assert len(await pages(history)) == 1
 
@@ -175,7 +175,7 @@ async def test_memory_is_bounded_and_nothing_precious_is_dropped(outage: tuple[s
             await until(lambda: history.stats().waiting <= 300)
             assert history.stats().spooled >= 1500
             with pytest.raises(Unavailable):
-                await history.page(action_name=None, statuses=(), limit=1, before=None)
+                await history.page(Wanted(), limit=1)
         await written(history, 30)
         assert len(await pages(history)) == 1000
         after = {"goal_id": None, "action_name": None, "topics": EVERYTHING, "limit": 10_000}

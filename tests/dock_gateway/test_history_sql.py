@@ -13,7 +13,7 @@ from dock_gateway.history import store
 from dock_gateway.history.rows import Batch
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.tables import events, goals, idempotency_keys
-from tests.support.history import EVERYTHING, NOW, make_event, make_goal, open_at, written
+from tests.support.history import EVERYTHING, NOW, make_event, make_goal, open_at, page_of, written
 
 
 async def count(history: SqlHistory, table: sa.Table) -> int:
@@ -22,8 +22,7 @@ async def count(history: SqlHistory, table: sa.Table) -> int:
 
 
 async def ids(history: SqlHistory, **query: object) -> list[str]:
-    asked = {"action_name": None, "statuses": (), "limit": 100, "before": None} | query
-    return [goal.goal_id for goal in await history.page(**asked)]  # type: ignore[arg-type]
+    return [goal.goal_id for goal in await page_of(history, **query)]
 
 
 async def after(history: SqlHistory, number: int, **query: object) -> list[bytes] | None:
@@ -94,7 +93,7 @@ async def test_pages_are_stable(database_url: str, tmp_path: Path) -> None:
         history.record(make_goal(3000, action="/other"))
         seen: list[str] = []
         for number in range(100):
-            page = await ids(history, action_name="/dock", limit=3, before=seen[-1] if seen else None)
+            page = await ids(history, action_names={"/dock"}, limit=3, before=seen[-1] if seen else None)
             if not page:
                 break
             seen += page

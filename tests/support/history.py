@@ -7,9 +7,11 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 from dock_gateway.events import Event, event_id
 from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.history import History, Wanted
 from dock_gateway.history.sql import SqlHistory
 
 NOW = datetime(2026, 11, 21, tzinfo=UTC)
@@ -59,6 +61,13 @@ async def until(holds: Callable[[], bool], timeout: float = 15.0) -> None:
 async def written(history: SqlHistory, timeout: float = 15.0) -> None:
     """Wait until all is in the database."""
     await until(lambda: not history.stats().waiting and not history.stats().spooled, timeout)
+
+
+async def page_of(history: History, *, limit: int = 100, before: str | None = None, **wanted: Any) -> list[Goal]:
+    """A page of the goals that are `Wanted` so."""
+    for name in ("action_names", "statuses"):
+        wanted[name] = frozenset(wanted.get(name, ()))
+    return await history.page(Wanted(**wanted), limit=limit, before=before)
 
 
 async def timed(work: Awaitable[object]) -> float:

@@ -88,7 +88,8 @@ async def list_action_goals(
     cursor: CursorQuery = None,
 ) -> Response:
     """Goals of an action, newest first."""
-    return await goals.list_goals(await gateway.actions.find(f"/{name}"), status, limit, cursor)
+    wanted = goals.on_action(await gateway.actions.find(f"/{name}"), status)
+    return await goals.list_goals(gateway, wanted, limit, cursor)
 
 
 @router.get("/{name:path}/goals/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503))

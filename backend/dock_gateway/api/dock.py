@@ -100,7 +100,8 @@ def goal_routes(verb: Verb) -> APIRouter:
         cursor: CursorQuery = None,
     ) -> Response:
         """Goals, newest first."""
-        return await goals.list_goals(await verb.action_of(gateway, robot), status, limit, cursor)
+        wanted = goals.on_action(await verb.action_of(gateway, robot), status)
+        return await goals.list_goals(gateway, wanted, limit, cursor)
 
     @router.get("/{goal_id}", name=f"get_{verb.prefix}goal", response_model=Goal, responses=problems(404, 422))
     async def get_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
@@ -116,9 +117,7 @@ def goal_routes(verb: Verb) -> APIRouter:
     )
     async def cancel_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
         """Ask the action server to cancel a goal, whoever sent it."""
-        goal = await gateway.goal(goal_id)
-        action = await gateway.actions.find(goal.action_name)
-        return goal_response(await action.goals.cancel(goal_id), f"/{verb.name}/{goal_id}", 202)
+        return goal_response(await gateway.cancel(goal_id), f"/{verb.name}/{goal_id}", 202)
 
     return router
 

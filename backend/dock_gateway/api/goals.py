@@ -1,4 +1,4 @@
-"""What `/dock` and `/actions/…` have in common: sending, listing, showing and canceling the goals of an action."""
+"""What `/dock`, `/actions/…` and `/goals` have in common: sending, listing and finding goals."""
 
 import uuid
 from typing import Any
@@ -12,6 +12,7 @@ from dock_gateway.api.requests import read_json, read_key, read_wait
 from dock_gateway.errors import NotFound
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.history import Wanted
 
 HEADERS = [
     {"name": "Prefer", "in": "header", "schema": {"type": "string"}, "example": "wait=30"},
@@ -37,12 +38,15 @@ async def send_goal(request: Request, action: Action, base: str, default: dict[s
     return goal_response(goal, f"{base}/{goal.goal_id}", 200 if wait and goal.status.terminal else 202)
 
 
-async def list_goals(
-    action: Action, statuses: list[GoalStatus] | None, limit: int, cursor: uuid.UUID | None
-) -> Response:
+async def list_goals(gateway: Gateway, wanted: Wanted, limit: int, cursor: uuid.UUID | None) -> Response:
     """A page of goals, newest first."""
-    goals, next_cursor = await action.goals.page(frozenset(statuses or ()), limit, str(cursor) if cursor else None)
+    goals, next_cursor = await gateway.page(wanted, limit, str(cursor) if cursor else None)
     return json_response({"goals": [goal.document() for goal in goals], "next_cursor": next_cursor})
+
+
+def on_action(action: Action, statuses: list[GoalStatus] | None) -> Wanted:
+    """The goals of one action, in these states."""
+    return Wanted(frozenset({action.name}), statuses=frozenset(statuses or ()))
 
 
 async def find_goal(gateway: Gateway, action: Action, goal_id: str) -> Goal:

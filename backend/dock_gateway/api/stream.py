@@ -136,6 +136,7 @@ class EventStream(StreamingResponse):
                 log.debug("a stream of Server-Sent Events was left unfinished")
 
 
+@router.get("/goals/{goal_id}/events", name="goal_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 @router.get("/undock/{goal_id}/events", name="undock_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 @router.get("/dock/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 async def dock_events(goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:

@@ -2,13 +2,13 @@
 
 import bisect
 import time
-from collections.abc import Collection
 from copy import copy
 
 from dock_gateway.events import Event
-from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.goals import Goal
 from dock_gateway.history.merge import merge
 from dock_gateway.history.protocol import KEY_LIFETIME, HistoryStats, fingerprint_of, selects
+from dock_gateway.history.wanted import Wanted
 
 
 class MemoryHistory:
@@ -68,19 +68,13 @@ class MemoryHistory:
             self._horizon[oldest.topic] = max(oldest.id or "", self._horizon.get(oldest.topic, ""))
             self._dropped += 1
 
-    async def page(
-        self, *, action_name: str | None, statuses: Collection[GoalStatus], limit: int, before: str | None
-    ) -> list[Goal]:
-        """Goals on an action, newest first."""
+    async def page(self, wanted: Wanted, *, limit: int, before: str | None = None) -> list[Goal]:
+        """Goals, newest first."""
         newest_first = sorted(self._goals.values(), key=lambda goal: (goal.created_at, goal.goal_id), reverse=True)
         if before is not None:
             position = next((i for i, goal in enumerate(newest_first) if goal.goal_id == before), len(newest_first))
             newest_first = newest_first[position + 1 :]
-        found = (
-            copy(goal)
-            for goal in newest_first
-            if action_name in (None, goal.action_name) and (not statuses or goal.status in statuses)
-        )
+        found = (copy(goal) for goal in newest_first if wanted.matches(goal))
         return [goal for goal, _ in zip(found, range(limit), strict=False)]
 
     async def get(self, goal_id: str) -> Goal | None:

@@ -1,13 +1,13 @@
 """What the gateway asks of any place that keeps goals and events. docs/history.md says what is kept for how long."""
 
 import hashlib
-from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import Protocol
 
 from dock_gateway.events import Event
-from dock_gateway.goals import Goal, GoalStatus, Json
+from dock_gateway.goals import Goal, Json
+from dock_gateway.history.wanted import Wanted
 
 KEY_LIFETIME = timedelta(hours=24)
 
@@ -57,10 +57,8 @@ class History(Protocol):
         One without an id is not kept.
         """
 
-    async def page(
-        self, *, action_name: str | None, statuses: Collection[GoalStatus], limit: int, before: str | None
-    ) -> list[Goal]:
-        """Goals on an action (None: on any), newest first, those older than the goal `before` where it is given."""
+    async def page(self, wanted: Wanted, *, limit: int, before: str | None = None) -> list[Goal]:
+        """Goals, newest first, those older than the goal `before` where it is given."""
 
     async def get(self, goal_id: str) -> Goal | None:
         """One goal."""

@@ -13,7 +13,7 @@ import sqlalchemy as sa
 
 from dock_gateway.errors import Unavailable
 from dock_gateway.events import Event
-from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.goals import Goal
 from dock_gateway.history import store
 from dock_gateway.history.database import Database, T, Ts
 from dock_gateway.history.merge import merge
@@ -22,6 +22,7 @@ from dock_gateway.history.retention import Retention
 from dock_gateway.history.rows import Key
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.waiting import Waiting
+from dock_gateway.history.wanted import Wanted
 from dock_gateway.history.writer import DATABASE_ERRORS, Writer
 
 log = logging.getLogger(__name__)
@@ -133,13 +134,11 @@ class SqlHistory:
 
     # ------------------------------------------------------------------ read
 
-    async def page(
-        self, *, action_name: str | None, statuses: Collection[GoalStatus], limit: int, before: str | None
-    ) -> list[Goal]:
-        """Goals on an action, newest first."""
+    async def page(self, wanted: Wanted, *, limit: int, before: str | None = None) -> list[Goal]:
+        """Goals, newest first."""
         self._require_everything()
-        read = partial(_page, action_name=action_name, statuses=statuses, limit=limit, before=before)
-        return await self._read(read, dict(self._waiting.goals))
+        read = partial(_page, limit=limit, before=before)
+        return await self._read(read, wanted, dict(self._waiting.goals))
 
     def _require_everything(self) -> None:
         if self._writer.evicted:
@@ -237,13 +236,7 @@ def open_database(url: str) -> Database:
 
 
 def _page(
-    connection: sa.Connection,
-    waiting: dict[str, Goal],
-    *,
-    action_name: str | None,
-    statuses: Collection[GoalStatus],
-    limit: int,
-    before: str | None,
+    connection: sa.Connection, wanted: Wanted, waiting: dict[str, Goal], *, limit: int, before: str | None
 ) -> list[Goal]:
     """A page of what is stored and what waits, newest first."""
     stored = store.goals_by_id(connection, [*waiting, *([] if before is None else [before])])
@@ -253,20 +246,11 @@ def _page(
         if before not in known:
             return []
         limits = _position(known[before])
-    found = store.page(
-        connection,
-        action_name=action_name,
-        statuses=statuses,
-        limit=limit,
-        before=limits,
-        without=list(waiting),
-    )
+    found = store.page(connection, wanted, limit=limit, before=limits, without=list(waiting))
     found += [
         known[goal_id]
         for goal_id in waiting
-        if action_name in (None, known[goal_id].action_name)
-        and (not statuses or known[goal_id].status in statuses)
-        and (limits is None or _position(known[goal_id]) < limits)
+        if wanted.matches(known[goal_id]) and (limits is None or _position(known[goal_id]) < limits)
     ]
     return sorted(found, key=_position, reverse=True)[:limit]
 

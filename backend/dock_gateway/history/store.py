@@ -12,6 +12,7 @@ from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history.merge import merge
 from dock_gateway.history.rows import Batch, Key, event_of, event_row, goal_of, goal_row, key_row
 from dock_gateway.history.tables import events, goals, horizons, idempotency_keys
+from dock_gateway.history.wanted import Wanted
 
 if TYPE_CHECKING:
     from sqlalchemy.dialects import postgresql, sqlite
@@ -94,25 +95,39 @@ def goals_by_id(connection: sa.Connection, goal_ids: Iterable[str], *, lock: boo
 
 def page(
     connection: sa.Connection,
+    wanted: Wanted,
     *,
-    action_name: str | None,
-    statuses: Collection[GoalStatus],
     limit: int,
     before: tuple[datetime, str] | None,
     without: Sequence[str],
 ) -> list[Goal]:
     """Goals, newest first, those `before` a time and an id."""
     query = sa.select(goals).order_by(goals.c.created_at.desc(), goals.c.goal_id.desc()).limit(limit)
-    if action_name is not None:
-        query = query.where(goals.c.action_name == action_name)
-    if statuses:
-        query = query.where(goals.c.status.in_([status.value for status in statuses]))
+    query = query.where(*_conditions(wanted))
     if without:
         query = query.where(goals.c.goal_id.not_in(without))
     if before is not None:
         time, goal_id = sa.literal(before[0], goals.c.created_at.type), sa.literal(before[1], goals.c.goal_id.type)
         query = query.where(sa.tuple_(goals.c.created_at, goals.c.goal_id) < sa.tuple_(time, goal_id))
     return [goal_of(row) for row in connection.execute(query).mappings()]
+
+
+def _conditions(wanted: Wanted) -> "list[sa.ColumnElement[bool]]":
+    """What `Wanted.matches` says, in SQL."""
+    conditions: list[sa.ColumnElement[bool]] = []
+    if wanted.action_names:
+        conditions.append(goals.c.action_name.in_(sorted(wanted.action_names)))
+    if wanted.prefix != "/":  # not by LIKE, to which upper and lower case are one in SQLite
+        conditions.append(sa.func.substr(goals.c.action_name, 1, len(wanted.prefix)) == wanted.prefix)
+    if wanted.statuses:
+        conditions.append(goals.c.status.in_(sorted(status.value for status in wanted.statuses)))
+    if wanted.origin is not None:
+        conditions.append(goals.c.origin == wanted.origin)
+    if wanted.since is not None:
+        conditions.append(goals.c.created_at >= wanted.since)
+    if wanted.until is not None:
+        conditions.append(goals.c.created_at < wanted.until)
+    return conditions
 
 
 def unfinished(connection: sa.Connection) -> list[Goal]:

@@ -1,0 +1,115 @@
+"""`/goals`: the goals of every action, the gateway's own and those of others, also of actions that have gone."""
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from tests.support.domain import ros_domain
+from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.processes import BIN, Process, ros_environment
+
+pytestmark = pytest.mark.ros
+
+
+@pytest.fixture(scope="module")
+def domain() -> Iterator[int]:
+    with ros_domain() as domain:
+        yield domain
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    with running_gateway(domain) as gateway:
+        yield gateway
+
+
+@contextmanager
+def fibonacci(domain: int, gateway: RunningGateway, namespace: str) -> Iterator[str]:
+    """A server of Fibonacci goals that the gateway knows; the path that goals are sent to."""
+    path = f"/actions{namespace}/fibonacci"
+    arguments = ("-r", f"__ns:={namespace}", "-p", "step_period:=0.05")
+    with running_program(domain, "fibonacci_action_server", *arguments):
+        wait_until(lambda: gateway.http.get(path).is_success)
+        yield f"{path}/goals"
+    wait_until(lambda: not gateway.http.get(path).is_success)
+
+
+def wait_until(holds: object, timeout: float = 30.0) -> None:
+    deadline = time.monotonic() + timeout
+    while not holds():  # type: ignore[operator]
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+
+
+def ids(gateway: RunningGateway, query: str = "") -> list[str]:
+    page = gateway.http.get(f"/goals{query}").raise_for_status().json()
+    return [goal["goal_id"] for goal in page["goals"]]
+
+
+def test_goals_of_every_action(gateway: RunningGateway, domain: int) -> None:
+    with fibonacci(domain, gateway, "/robot1") as one, fibonacci(domain, gateway, "/robot2") as two:
+        ended = {"Prefer": "wait=20"}
+        first = gateway.http.post(one, json={"order": 3}, headers=ended).json()
+        second = gateway.http.post(two, json={"order": 4}, headers=ended).json()
+        assert (first["status"], second["status"]) == ("succeeded", "succeeded")
+        assert ids(gateway) == [second["goal_id"], first["goal_id"]]
+        client = (str(BIN / "fibonacci_action_client"), "--ros-args", "-r", "__ns:=/robot1", "-p", "order:=5")
+        with Process(*client, env=ros_environment(domain)) as process:
+            assert process.wait(20) == 0
+        wait_until(lambda: len(ids(gateway, "?origin=external&status=succeeded")) == 1)
+        (external,) = ids(gateway, "?origin=external")
+        running = gateway.http.post(two, json={"order": 40}).json()["goal_id"]
+        assert ids(gateway, "?robot=/robot2") == [running, second["goal_id"]]
+        assert ids(gateway, "?status=accepted&status=executing") == [running]
+
+        path = f"/goals/{running}"
+        assert gateway.http.get(path).json()["action_name"] == "/robot2/fibonacci"
+        with gateway.http.stream("GET", f"{path}/events") as events:
+            canceled = gateway.http.post(f"{path}/cancel")
+            assert (canceled.status_code, canceled.headers["location"]) == (202, path)
+            assert '"status":"canceled"' in "".join(events.iter_text())
+
+    everything = [running, external, second["goal_id"], first["goal_id"]]
+    assert ids(gateway) == everything, "the actions have gone, their goals are still listed"
+    assert ids(gateway, "?robot=/robot1") == [external, first["goal_id"]]
+    assert ids(gateway, "?action=/robot1/fibonacci&action=/robot2/fibonacci") == everything
+    assert ids(gateway, f"?since={second['created_at']}&until={gateway.http.get(path).json()['created_at']}") == [
+        external,
+        second["goal_id"],
+    ]
+    pages, cursor = [], ""
+    while cursor is not None:
+        page = gateway.http.get(f"/goals?limit=3{cursor and f'&cursor={cursor}'}").json()
+        pages.append([goal["goal_id"] for goal in page["goals"]])
+        cursor = page["next_cursor"]
+    assert pages == [everything[:3], everything[3:]]
+    again = gateway.http.post(f"{path}/cancel")
+    assert (again.status_code, again.json()["code"]) == (409, "goal_terminal"), "also where nobody serves the action"
+
+
+@pytest.mark.parametrize(
+    ("query", "field"),
+    [
+        ("actoin=/dock", "query.actoin"),
+        ("robot=robot1", "query.robot"),
+        ("status=done", "query.status.0"),
+        ("origin=me", "query.origin"),
+        ("since=yesterday", "query.since"),
+        ("since=2026-11-21T03:32:40", "query.since"),
+        ("until=0001-01-01T00:00:00%2B14:00", "query.until"),
+        ("limit=501", "query.limit"),
+        ("cursor=3f0c7b2e-0000-4000-8000-000000000000", "cursor"),
+    ],
+)
+def test_what_is_refused(gateway: RunningGateway, query: str, field: str) -> None:
+    answer = gateway.http.get(f"/goals?{query}")
+    assert answer.status_code == 422, answer.text
+    assert [error["path"] for error in answer.json()["errors"]] == [field]
+
+
+def test_a_goal_that_is_not_there(gateway: RunningGateway) -> None:
+    for path in ("", "/events"):
+        answer = gateway.http.get(f"/goals/3f0c7b2e-0000-4000-8000-000000000000{path}")
+        assert (answer.status_code, answer.json()["code"]) == (404, "goal_not_found")
