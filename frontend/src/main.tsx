@@ -6,24 +6,27 @@ import { Notifications } from "@mantine/notifications";
 import { QueryClientProvider } from "@tanstack/react-query";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
+import { BrowserRouter } from "react-router";
 import { createGateway } from "./api/client";
+import { createHttp } from "./api/http";
 import { createQueryClient } from "./api/queryClient";
-import { BatterySeries } from "./battery/series";
+import { FleetProvider, type FleetServices } from "./fleet/context";
+import { FleetStore } from "./fleet/store";
 import { App } from "./layout/App";
 import { cssVariables, theme } from "./layout/theme";
-import { SceneBuffer } from "./scene/buffer";
-import { ServicesProvider } from "./store/context";
-import { Store } from "./store/store";
+import { openRobot } from "./robot/services";
 import { openStream, streamUrl } from "./stream/stream";
 
-const store = new Store();
-const series = new BatterySeries();
-store.onBattery((event) => {
-  series.push(Date.parse(event.time), event.battery.percentage, event.battery.voltage);
-});
-const scene = new SceneBuffer();
-store.onScene((event) => scene.push(event.scene, performance.now()));
-openStream(streamUrl(window.location), store);
+const { location } = window;
+const http = createHttp(location.origin);
+const store = new FleetStore();
+openStream(streamUrl(location, { include: "system", max_rate: "2" }), store);
+const fleet: FleetServices = {
+  http,
+  gateway: createGateway(http),
+  store,
+  openRobot: (robot) => openRobot(location, http, robot),
+};
 
 const root = document.getElementById("root");
 if (root === null) throw new Error("index.html has no #root");
@@ -32,9 +35,11 @@ createRoot(root).render(
     <MantineProvider theme={theme} cssVariablesResolver={cssVariables} defaultColorScheme="auto">
       <Notifications position="bottom-right" zIndex={400} />
       <QueryClientProvider client={createQueryClient()}>
-        <ServicesProvider value={{ gateway: createGateway(window.location.origin), store, series, scene }}>
-          <App />
-        </ServicesProvider>
+        <FleetProvider value={fleet}>
+          <BrowserRouter>
+            <App />
+          </BrowserRouter>
+        </FleetProvider>
       </QueryClientProvider>
     </MantineProvider>
   </StrictMode>,

@@ -1,6 +1,7 @@
 import { describe, expect, it, vi } from "vitest";
 import { createGateway } from "../src/api/client";
 import { CommandError, fromProblem } from "../src/api/errors";
+import { createHttp } from "../src/api/http";
 import { goal, released, simulator, stopReport } from "./events";
 
 function answer(status: number, body: unknown, type = "application/json") {
@@ -16,7 +17,7 @@ function answer(status: number, body: unknown, type = "application/json") {
   return fetch;
 }
 
-const gateway = createGateway("http://gateway:8000");
+const gateway = createGateway(createHttp("http://gateway:8000"));
 
 async function failure(promise: Promise<unknown>): Promise<CommandError> {
   const error = await promise.then(

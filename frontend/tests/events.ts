@@ -103,9 +103,14 @@ export function snapshot(change: Partial<EventOf<"snapshot">> = {}): EventOf<"sn
 }
 
 let serial = 0;
-function head(id: string, seconds: number) {
+/** The next event id; ids sort as text. */
+function nextId(): string {
   serial += 1;
-  return { id: `e${serial}`, time: at(seconds), goal_id: id, action_name: "/dock" };
+  return `e${String(serial).padStart(6, "0")}`;
+}
+
+function head(id: string, seconds: number) {
+  return { id: nextId(), time: at(seconds), goal_id: id, action_name: "/dock" };
 }
 
 export function status(id: string, change: Partial<Goal> = {}, seconds = 1): EventOf<"status"> {
@@ -133,10 +138,9 @@ export function result(id: string, change: Partial<EventOf<"result">> = {}, seco
 }
 
 export function batteryEvent(change: Partial<BatteryState> = {}, seconds = 1): EventOf<"battery"> {
-  serial += 1;
   return {
     type: "battery",
-    id: `e${serial}`,
+    id: nextId(),
     time: at(seconds),
     robot: "/",
     battery: { ...battery, ...change },
@@ -144,11 +148,10 @@ export function batteryEvent(change: Partial<BatteryState> = {}, seconds = 1): E
 }
 
 export function cmdVel(x: number, turn: number, seconds = 1): EventOf<"cmd_vel"> {
-  serial += 1;
   const zero = { x: 0, y: 0, z: 0 };
   return {
     type: "cmd_vel",
-    id: `e${serial}`,
+    id: nextId(),
     time: at(seconds),
     robot: "/",
     cmd_vel: { linear: { ...zero, x }, angular: { ...zero, z: turn } },

@@ -3,16 +3,21 @@ import { Notifications } from "@mantine/notifications";
 import { QueryClientProvider } from "@tanstack/react-query";
 import { render } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
+import { MemoryRouter } from "react-router";
 import { vi } from "vitest";
 import type { Gateway } from "../src/api/client";
+import { createHttp } from "../src/api/http";
 import { createQueryClient } from "../src/api/queryClient";
-import type { EventOf } from "../src/api/types";
+import type { EventOf, GatewayEvent } from "../src/api/types";
 import { BatterySeries } from "../src/battery/series";
+import { FleetProvider, type FleetServices } from "../src/fleet/context";
+import { FleetStore } from "../src/fleet/store";
 import { App } from "../src/layout/App";
 import { theme } from "../src/layout/theme";
 import { SceneBuffer } from "../src/scene/buffer";
-import { ServicesProvider } from "../src/store/context";
+import type { Services } from "../src/store/context";
 import { Store } from "../src/store/store";
+import type { ConnectionInput } from "../src/stream/connection";
 import { goal, idlePublisher, latched, released, snapshot, stopReport, undockGoal } from "./events";
 
 /** A gateway that does what it is told, and remembers. */
@@ -36,11 +41,34 @@ export function fakeGateway(change: Partial<Gateway> = {}) {
   };
 }
 
-/** The page, live with a snapshot that was just taken, or not live where `first` is null. */
-export function renderPage(gateway: Gateway, first: Partial<EventOf<"snapshot">> | null = {}) {
-  const store = new Store();
+/** The robot's store and that of all robots, told the same. */
+class BothStores {
+  readonly robot = new Store();
+  readonly fleet = new FleetStore();
+
+  onEvent(event: GatewayEvent): void {
+    this.robot.onEvent(event);
+    this.fleet.onEvent(event);
+  }
+
+  onConnection(input: ConnectionInput): void {
+    this.robot.onConnection(input);
+    this.fleet.onConnection(input);
+  }
+}
+
+/** The page at a path, live with a snapshot that was just taken, or not live where `first` is null. */
+export function renderPage(gateway: Gateway, first: Partial<EventOf<"snapshot">> | null = {}, path = "/") {
+  const store = new BothStores();
   const scene = new SceneBuffer();
-  store.onScene((event) => scene.push(event.scene, performance.now()));
+  const services: Services = { gateway, store: store.robot, series: new BatterySeries(), scene };
+  const fleet: FleetServices = {
+    http: createHttp("http://gateway:8000"),
+    gateway,
+    store: store.fleet,
+    openRobot: () => ({ services, close: () => {} }),
+  };
+  store.robot.onScene((event) => scene.push(event.scene, performance.now()));
   if (first !== null) {
     store.onEvent(snapshot({ time: new Date().toISOString(), ...first }));
     store.onConnection({ kind: "snapshot" });
@@ -49,9 +77,11 @@ export function renderPage(gateway: Gateway, first: Partial<EventOf<"snapshot">>
     <MantineProvider theme={theme} env="test">
       <Notifications />
       <QueryClientProvider client={createQueryClient()}>
-        <ServicesProvider value={{ gateway, store, series: new BatterySeries(), scene }}>
-          <App />
-        </ServicesProvider>
+        <FleetProvider value={fleet}>
+          <MemoryRouter initialEntries={[path]}>
+            <App />
+          </MemoryRouter>
+        </FleetProvider>
       </QueryClientProvider>
     </MantineProvider>,
   );

@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import { DoubleEscape, TWICE_WITHIN_MS } from "../src/stop/keys";
 import { ownName, setOwnName } from "../src/stop/who";
-import { latched, released, stopReport } from "./events";
+import { at, latched, released, stopReport } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
@@ -39,7 +39,7 @@ describe("a latched stop", () => {
 
   it("is released after a confirmation, and only then", async () => {
     const gateway = fakeGateway();
-    const { user } = renderPage(gateway, { stop: latched("Ada") });
+    const { store, user } = renderPage(gateway, { stop: latched("Ada") });
     await user.click(button("Release …"));
     await screen.findByRole("dialog", { name: "Release the stop?" });
     await user.click(button("Keep it stopped"));
@@ -48,7 +48,8 @@ describe("a latched stop", () => {
     await user.click(await screen.findByRole("button", { name: "Release" }));
     expect(gateway.release).toHaveBeenCalledTimes(1);
     await waitFor(() => expect(banner()).toBeNull());
-    expect(button("Dock").disabled).toBe(false);
+    act(() => store.onEvent({ type: "stop", time: at(9), robot: "/", stop: released }));
+    await waitFor(() => expect(button("Dock").disabled).toBe(false));
   });
 
   it("stays, and says why, where the release did not work", async () => {

@@ -1,5 +1,6 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { RENDER_INTERVAL_MS, Store } from "../src/store/store";
+import { RENDER_INTERVAL_MS } from "../src/store/shown";
+import { Store } from "../src/store/store";
 import { batteryEvent, feedback, goal, START, snapshot, status } from "./events";
 
 describe("Store", () => {

@@ -3,7 +3,7 @@ import type { GatewayEvent } from "../src/api/types";
 import type { ConnectionInput } from "../src/stream/connection";
 import { SILENCE_MS } from "../src/stream/connection";
 import { openStream, streamUrl } from "../src/stream/stream";
-import { at, snapshot } from "./events";
+import { at, cmdVel, feedback, snapshot } from "./events";
 
 class FakeSocket extends EventTarget {
   static sockets: FakeSocket[] = [];
@@ -84,6 +84,31 @@ describe("stream", () => {
     expect(kinds()).toEqual(["snapshot", "closed", "snapshot"]);
   });
 
+  it("goes on after the last event, whatever the order they came in", async () => {
+    const socket = await newest();
+    socket.open();
+    socket.receive(JSON.stringify(snapshot()));
+    const [older, newer] = [feedback("a", 0.1), feedback("a", 0.2)];
+    for (const event of [newer, older, cmdVel(0, 0)]) socket.receive(JSON.stringify(event));
+    socket.drop();
+    await vi.advanceTimersByTimeAsync(1000);
+    const second = await newest();
+    expect(new URL(second.url).searchParams.get("after")).toBe(newer.id);
+    second.open();
+    second.receive(JSON.stringify({ type: "resumed", time: at(9), after: newer.id, count: 0 }));
+    expect(kinds()).toEqual(["snapshot", "closed", "snapshot"]);
+  });
+
+  it("begins anew where the past is gone", async () => {
+    const socket = await newest();
+    socket.open();
+    socket.receive(JSON.stringify(feedback("a", 0.1)));
+    socket.receive(JSON.stringify({ type: "gap", time: at(9), after: "x" }));
+    socket.drop();
+    await vi.advanceTimersByTimeAsync(1000);
+    expect((await newest()).url).toBe("ws://gateway/ws/feedback");
+  });
+
   it("takes a silent connection for dead, and heartbeats for life", async () => {
     const socket = await newest();
     socket.open();
@@ -139,10 +164,10 @@ describe("stream", () => {
 });
 
 describe("streamUrl", () => {
-  it("follows the page's scheme and host", () => {
-    expect(streamUrl({ protocol: "http:", host: "a:8000" })).toBe(
-      "ws://a:8000/ws/feedback?include=battery,cmd_vel,system,scene",
+  it("follows the page's scheme and host, and asks for what is not null", () => {
+    expect(streamUrl({ protocol: "http:", host: "a:8000" }, { robot: "/robot1", action: null })).toBe(
+      "ws://a:8000/ws/feedback?robot=%2Frobot1",
     );
-    expect(streamUrl({ protocol: "https:", host: "robot" })).toMatch(/^wss:\/\/robot\//);
+    expect(streamUrl({ protocol: "https:", host: "robot" }, {})).toBe("wss://robot/ws/feedback");
   });
 });

@@ -193,6 +193,23 @@ class DroppedEvent(Schema):
     count: int
 
 
+class ResumedEvent(Schema):
+    """The first message of a stream that goes on after an event: so many follow that were missed."""
+
+    type: Literal["resumed"]
+    time: datetime
+    after: str
+    count: int
+
+
+class GapEvent(Schema):
+    """What followed an event is not to be had any more; a snapshot comes instead."""
+
+    type: Literal["gap"]
+    time: datetime
+    after: str
+
+
 class ClosingEvent(Schema):
     """The last message of a stream."""
 
@@ -215,5 +232,7 @@ EVENTS: tuple[type[BaseModel], ...] = (
     SceneEvent,
     HeartbeatEvent,
     DroppedEvent,
+    ResumedEvent,
+    GapEvent,
     ClosingEvent,
 )

@@ -1,7 +1,6 @@
-import createClient, { type Client } from "openapi-fetch";
 import type { Pose } from "../scene/geometry";
-import { CommandError, fromProblem, unreachable } from "./errors";
-import type { paths } from "./schema.gen";
+import { CommandError } from "./errors";
+import { deadline, type Http, settle } from "./http";
 import type {
   BatteryStateInput,
   Fault,
@@ -13,11 +12,8 @@ import type {
   StopState,
 } from "./types";
 
-/** The gateway needs at most 1.5 s to miss an action server and 5 s to wait for its answer. */
-const COMMAND_TIMEOUT_MS = 12_000;
-
 /**
- * What can be asked of the gateway. Each call is one HTTP request: nothing is sent again by itself, because a command
+ * What can be asked of a robot. Each call is one HTTP request: nothing is sent again by itself, because a command
  * that arrives late is worse than one that fails. Every failure is a CommandError.
  */
 export interface Gateway {
@@ -42,80 +38,63 @@ export interface Gateway {
 /** The two things that the page asks of a robot, each an action with its own goals. */
 export type Verb = "dock" | "undock";
 
-interface Answer<Data> {
-  data?: Data;
-  error?: unknown;
-  response: Response;
-}
-
-/** The body of the answer; throws a CommandError for everything that is not a success. */
-async function settle<Data>(request: Promise<Answer<Data>>): Promise<Data> {
-  let answer: Answer<Data>;
-  try {
-    answer = await request;
-  } catch (cause) {
-    throw cause instanceof CommandError ? cause : unreachable(cause);
-  }
-  if (!answer.response.ok) throw fromProblem(answer.response.status, answer.error);
-  return answer.data as Data;
-}
-
-export function createGateway(baseUrl: string): Gateway {
-  const api: Client<paths> = createClient<paths>({
-    baseUrl,
-    fetch: (request) => globalThis.fetch(request),
-  });
-  const signal = () => AbortSignal.timeout(COMMAND_TIMEOUT_MS);
+/** @param robot The robot's namespace; null for the one that the gateway is configured for (to stop: for all of them). */
+export function createGateway(http: Http, robot: string | null = null): Gateway {
+  const query = robot === null ? {} : { robot };
+  const options = () => ({ params: { query }, signal: deadline() });
 
   return {
     dock: (desiredStatus) =>
       settle(
-        api.POST("/dock", {
+        http.POST("/dock", {
           body: { desired_battery_state: { power_supply_status: desiredStatus } },
-          signal: signal(),
+          ...options(),
         }),
       ),
-    undock: () => settle(api.POST("/undock", { signal: signal() })),
+    undock: () => settle(http.POST("/undock", options())),
     cancel: (verb, goalId) =>
       settle(
-        api.POST(`/${verb}/{goal_id}/cancel`, { params: { path: { goal_id: goalId } }, signal: signal() }),
-      ),
-    goal: (verb, goalId) =>
-      settle(api.GET(`/${verb}/{goal_id}`, { params: { path: { goal_id: goalId } }, signal: signal() })),
-    goals: (verb, cursor) =>
-      settle(
-        api.GET(`/${verb}`, {
-          params: { query: { limit: 50, ...(cursor === null ? {} : { cursor }) } },
-          signal: signal(),
+        http.POST(`/${verb}/{goal_id}/cancel`, {
+          params: { path: { goal_id: goalId } },
+          signal: deadline(),
         }),
       ),
-    stop: (by) => settle(api.POST("/stop", { body: { by }, signal: signal() })),
-    release: () => settle(api.DELETE("/stop", { signal: signal() })),
+    goal: (verb, goalId) =>
+      settle(http.GET(`/${verb}/{goal_id}`, { params: { path: { goal_id: goalId } }, signal: deadline() })),
+    goals: (verb, cursor) =>
+      settle(
+        http.GET(`/${verb}`, {
+          params: { query: { ...query, limit: 50, ...(cursor === null ? {} : { cursor }) } },
+          signal: deadline(),
+        }),
+      ),
+    stop: (by) => settle(http.POST("/stop", { body: { by }, ...options() })),
+    release: () => settle(http.DELETE("/stop", options())),
     publishOnce: async (state) => {
-      await settle(api.POST("/battery", { body: state, signal: signal() }));
+      await settle(http.POST("/battery", { body: state, ...options() }));
     },
     publishRepeatedly: (state, rateHz) =>
-      settle(api.PUT("/battery/publisher", { body: { state, rate_hz: rateHz }, signal: signal() })),
+      settle(http.PUT("/battery/publisher", { body: { state, rate_hz: rateHz }, ...options() })),
     stopPublishing: async () => {
-      await settle(api.DELETE("/battery/publisher", { signal: signal() }));
+      await settle(http.DELETE("/battery/publisher", options()));
     },
     simulator: () =>
-      settle<Simulator>(api.GET("/simulator", { signal: signal() })).catch((error: unknown) => {
+      settle<Simulator>(http.GET("/simulator", options())).catch((error: unknown) => {
         if (error instanceof CommandError && error.code === "simulator_not_found") return null;
         throw error;
       }),
     resetSimulator: async () => {
-      await settle(api.POST("/simulator/reset", { signal: signal() }));
+      await settle(http.POST("/simulator/reset", options()));
     },
     placeRobot: async (pose) => {
-      await settle(api.POST("/simulator/place", { body: pose, signal: signal() }));
+      await settle(http.POST("/simulator/place", { body: pose, ...options() }));
     },
     switchFault: async (fault, active) => {
       await settle(
-        api.PUT("/simulator/faults/{fault}", {
-          params: { path: { fault } },
+        http.PUT("/simulator/faults/{fault}", {
+          params: { path: { fault }, query },
           body: { active },
-          signal: signal(),
+          signal: deadline(),
         }),
       );
     },

@@ -1014,7 +1014,7 @@ export interface components {
             count: number;
         };
         /** @description A message of /ws/feedback. */
-        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ClosingEvent"];
+        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * FeedbackEvent
          * @description A goal's feedback.
@@ -1049,6 +1049,24 @@ export interface components {
             expected: string;
             /** Detail */
             detail: string;
+        };
+        /**
+         * GapEvent
+         * @description What followed an event is not to be had any more; a snapshot comes instead.
+         */
+        GapEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "gap";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** After */
+            after: string;
         };
         /**
          * Goal
@@ -1322,6 +1340,26 @@ export interface components {
             status: components["schemas"]["GoalStatus"];
             result: components["schemas"]["DockResult"] | null;
             error: components["schemas"]["GoalError"] | null;
+        };
+        /**
+         * ResumedEvent
+         * @description The first message of a stream that goes on after an event: so many follow that were missed.
+         */
+        ResumedEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "resumed";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** After */
+            after: string;
+            /** Count */
+            count: number;
         };
         /**
          * Scene

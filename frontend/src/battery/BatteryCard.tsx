@@ -1,7 +1,7 @@
 import { Badge, Code, Group, RingProgress, Stack, Text, VisuallyHidden } from "@mantine/core";
 import type { BatteryState } from "../api/types";
+import { useGatewayNow } from "../store/clock";
 import { useLive, useTopic } from "../store/context";
-import { useGatewayNow } from "../store/useGatewayNow";
 import { Fact, FactList } from "../ui/Fact";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";

@@ -1,7 +1,7 @@
 import { Badge, Group, Text } from "@mantine/core";
 import type { Publisher } from "../api/types";
+import { useGatewayNow } from "../store/clock";
 import { useLive, useTopic } from "../store/context";
-import { useGatewayNow } from "../store/useGatewayNow";
 import { Time } from "../ui/Time";
 import { summarize } from "./words";
 

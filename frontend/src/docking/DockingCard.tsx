@@ -9,6 +9,7 @@ import { useVerbOf } from "../store/verbs";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Section } from "../ui/Section";
 import { useCommand } from "../ui/useCommand";
+import { ActionServerStatus } from "./ActionServerStatus";
 import classes from "./docking.module.css";
 import { GoalPanel } from "./GoalPanel";
 import { currentGoal } from "./goalWords";
@@ -47,7 +48,7 @@ export function DockingCard() {
   const silent = dockReason === null && servers.dock?.answering === false;
 
   return (
-    <Section title="Docking">
+    <Section title="Docking" aside={<ActionServerStatus />}>
       <Group gap="md" align="center">
         <Group gap="xs" className={classes.verbs}>
           <Button

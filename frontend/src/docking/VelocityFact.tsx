@@ -1,5 +1,5 @@
+import { useGatewayNow } from "../store/clock";
 import { useLive, useTopic } from "../store/context";
-import { useGatewayNow } from "../store/useGatewayNow";
 import { Fact } from "../ui/Fact";
 import { formatDuration } from "../ui/time";
 import { describeVelocity } from "./velocity";

@@ -1,39 +1,32 @@
-import { Container, Stack } from "@mantine/core";
-import { BatteryCard } from "../battery/BatteryCard";
-import { PublisherCard } from "../battery/PublisherCard";
-import { DockingCard } from "../docking/DockingCard";
-import { GoalsCard } from "../goals/GoalsCard";
-import { SceneCard } from "../scene/SceneCard";
-import { SimulatorCard } from "../simulator/SimulatorCard";
-import { StopBanner } from "../stop/StopBanner";
-import { Answers } from "./Answers";
-import { ConnectionBanner } from "./ConnectionBanner";
-import { CurlCard } from "./CurlCard";
-import { Header } from "./Header";
-import classes from "./layout.module.css";
+import { lazy } from "react";
+import { Route, Routes } from "react-router";
+import OverviewPage from "../overview/OverviewPage";
+import RobotPage from "../robot/RobotPage";
+import { NotFoundPage } from "./NotFoundPage";
+import { Shell } from "./Shell";
 
+const GoalsPage = lazy(() => import("../goals/GoalsPage"));
+const GoalPage = lazy(() => import("../goals/GoalPage"));
+const ActionsPage = lazy(() => import("../actions/ActionsPage"));
+const ActionPage = lazy(() => import("../actions/ActionPage"));
+const GraphPage = lazy(() => import("../graph/GraphPage"));
+
+/** The pages, in what they have in common. */
 export function App() {
   return (
-    <>
-      <Answers />
-      <Header />
-      <Container component="main" size="xl" py="md">
-        <Stack gap="md">
-          <ConnectionBanner />
-          <StopBanner />
-          <div className={classes.grid}>
-            <DockingCard />
-            <div className={classes.column}>
-              <SceneCard />
-              <SimulatorCard />
-              <PublisherCard />
-            </div>
-            <BatteryCard />
-          </div>
-          <GoalsCard />
-          <CurlCard />
-        </Stack>
-      </Container>
-    </>
+    <Routes>
+      <Route element={<Shell />}>
+        <Route index element={<OverviewPage />} />
+        <Route path="ui">
+          <Route path="robot" element={<RobotPage />} />
+          <Route path="goals" element={<GoalsPage />} />
+          <Route path="goals/:goalId" element={<GoalPage />} />
+          <Route path="actions" element={<ActionsPage />} />
+          <Route path="actions/*" element={<ActionPage />} />
+          <Route path="graph" element={<GraphPage />} />
+        </Route>
+        <Route path="*" element={<NotFoundPage />} />
+      </Route>
+    </Routes>
   );
 }

@@ -1,10 +1,10 @@
 import { Alert, Text } from "@mantine/core";
-import { useTopic } from "../store/context";
+import { useFleetTopic } from "../fleet/context";
 import { Time } from "../ui/Time";
 
 /** Says, above everything, that what is below is not live. */
 export function ConnectionBanner() {
-  const { phase, since, reason } = useTopic("connection");
+  const { phase, since, reason } = useFleetTopic("connection");
   if (phase === "live" || phase === "connecting") return null;
   const gone = phase === "gone";
   return (

@@ -1,5 +1,5 @@
 import { Badge, Tooltip } from "@mantine/core";
-import { useTopic } from "../store/context";
+import { useFleetTopic } from "../fleet/context";
 import type { ConnectionPhase } from "../stream/connection";
 
 const PHASES: Record<ConnectionPhase, { label: string; color: string; hint: string }> = {
@@ -18,7 +18,7 @@ const PHASES: Record<ConnectionPhase, { label: string; color: string; hint: stri
 };
 
 export function ConnectionStatus() {
-  const { phase } = useTopic("connection");
+  const { phase } = useFleetTopic("connection");
   const { label, color, hint } = PHASES[phase];
   return (
     <Tooltip label={hint} multiline maw={280}>

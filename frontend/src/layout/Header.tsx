@@ -1,25 +1,24 @@
-import { Anchor, Container, Group, Title } from "@mantine/core";
+import { Anchor, Container, Group } from "@mantine/core";
+import { Link } from "react-router";
 import { ShortcutsButton } from "../stop/ShortcutsButton";
 import { StopButton } from "../stop/StopButton";
-import { ActionServerStatus } from "./ActionServerStatus";
 import { ColorSchemeSwitch } from "./ColorSchemeSwitch";
 import { ConnectionStatus } from "./ConnectionStatus";
 import classes from "./layout.module.css";
+import { Navigation } from "./Navigation";
 
 export function Header() {
   return (
     <header className={classes.header}>
       <Container size="xl" w="100%">
         <div className={classes.bar}>
-          <Title order={1} size="h3" className={classes.name}>
+          <Link to="/" className={classes.name}>
             dock-gateway
-          </Title>
-          <Group gap="xs" className={classes.states}>
-            <ConnectionStatus />
-            <ActionServerStatus />
-          </Group>
+          </Link>
+          <Navigation />
           <Group gap="sm" wrap="nowrap" className={classes.actions}>
-            <Anchor href="/docs" size="sm" visibleFrom="sm">
+            <ConnectionStatus />
+            <Anchor href="/docs" size="sm" visibleFrom="md">
               API
             </Anchor>
             <ShortcutsButton />

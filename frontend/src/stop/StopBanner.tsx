@@ -1,7 +1,7 @@
 import { Button, Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import type { StopState } from "../api/types";
-import { useLive, useServices, useTopic } from "../store/context";
+import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Dialog } from "../ui/Dialog";
 import { Time } from "../ui/Time";
@@ -10,13 +10,13 @@ import classes from "./stop.module.css";
 
 /** Says that a stop holds, since when and by whom, and releases it. */
 export function StopBanner() {
-  const stop = useTopic("stop");
+  const stop = useFleetTopic("stop");
   return stop.latched ? <Latched stop={stop} /> : null;
 }
 
 function Latched({ stop }: { stop: StopState }) {
-  const { gateway, store } = useServices();
-  const live = useLive();
+  const { gateway, store } = useFleet();
+  const live = useFleetLive();
   const [asking, ask] = useDisclosure(false);
   const release = useCommand(async () => {
     store.setStop(await gateway.release());

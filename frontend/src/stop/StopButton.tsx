@@ -1,7 +1,7 @@
 import { Button, Group, Kbd } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { useEffect } from "react";
-import { useServices } from "../store/context";
+import { useFleet } from "../fleet/context";
 import { useCommand } from "../ui/useCommand";
 import { CHORD, DoubleEscape } from "./keys";
 import { showFailed, showStopped, showStopping } from "./notices";
@@ -13,7 +13,7 @@ import { whoStops } from "./who";
  * dialogs.
  */
 export function StopButton() {
-  const { gateway, store } = useServices();
+  const { gateway, store } = useFleet();
   const { mutate, isPending } = useCommand(async () => {
     showStopping();
     const report = await gateway.stop(whoStops());

@@ -1,9 +1,11 @@
-import { createContext, useCallback, useContext, useSyncExternalStore } from "react";
+import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
 import type { Gateway } from "../api/client";
 import type { BatterySeries } from "../battery/series";
 import type { SceneBuffer } from "../scene/buffer";
+import { ClockProvider } from "./clock";
 import type { Store, Topic, Topics } from "./store";
 
+/** What there is for one robot. */
 export interface Services {
   gateway: Gateway;
   store: Store;
@@ -13,7 +15,13 @@ export interface Services {
 
 const ServicesContext = createContext<Services | null>(null);
 
-export const ServicesProvider = ServicesContext.Provider;
+export function ServicesProvider({ value, children }: { value: Services; children: ReactNode }) {
+  return (
+    <ServicesContext.Provider value={value}>
+      <ClockProvider value={value.store}>{children}</ClockProvider>
+    </ServicesContext.Provider>
+  );
+}
 
 export function useServices(): Services {
   const services = useContext(ServicesContext);

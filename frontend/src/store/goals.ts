@@ -1,5 +1,5 @@
 import type { EventOf, Goal, GoalStatus } from "../api/types";
-import { MAX_ARRIVALS, MAX_GOALS, MAX_STAGES, type Stages, type State } from "./state";
+import { type GoalsState, MAX_ARRIVALS, MAX_GOALS, MAX_STAGES, type Stages } from "./state";
 
 const FINAL: ReadonlySet<GoalStatus> = new Set(["succeeded", "canceled", "aborted", "rejected"]);
 
@@ -18,7 +18,7 @@ export function newestFirst(goals: ReadonlyMap<string, Goal>): Goal[] {
   return [...goals.values()].sort((a, b) => Date.parse(b.created_at) - Date.parse(a.created_at));
 }
 
-export function applyStatus(state: State, event: EventOf<"status">): State {
+export function applyStatus<S extends GoalsState>(state: S, event: EventOf<"status">): S {
   const { type: _type, id: _id, time: _time, ...summary } = event;
   const known = state.goals.get(event.goal_id);
   if (known && isFinal(known.status) && known.status !== event.status) return state;
@@ -39,7 +39,7 @@ function withStage(stages: Stages, { goal_id, stage }: Pick<Goal, "goal_id" | "s
   return new Map(stages).set(goal_id, [...seen, stage].slice(-MAX_STAGES));
 }
 
-export function applyFeedback(state: State, event: EventOf<"feedback">): State {
+export function applyFeedback<S extends GoalsState>(state: S, event: EventOf<"feedback">): S {
   const known = state.goals.get(event.goal_id) ?? unknownGoal(event, "executing");
   const next = withGoal(state, {
     ...known,
@@ -53,7 +53,7 @@ export function applyFeedback(state: State, event: EventOf<"feedback">): State {
   return { ...next, arrivals: new Map(next.arrivals).set(event.goal_id, times) };
 }
 
-export function applyResult(state: State, event: EventOf<"result">): State {
+export function applyResult<S extends GoalsState>(state: S, event: EventOf<"result">): S {
   const known = state.goals.get(event.goal_id) ?? unknownGoal(event, event.status);
   if (isFinal(known.status) && known.status !== event.status) return state;
   return withGoal(state, {
@@ -69,7 +69,7 @@ export function applyResult(state: State, event: EventOf<"result">): State {
 }
 
 /** Takes up goals that came as an answer over HTTP, unless events have told something newer. */
-export function mergeGoals(state: State, goals: readonly Goal[]): State {
+export function mergeGoals<S extends GoalsState>(state: S, goals: readonly Goal[]): S {
   let next = state;
   for (const goal of goals) {
     const known = next.goals.get(goal.goal_id);
@@ -82,21 +82,26 @@ export function mergeGoals(state: State, goals: readonly Goal[]): State {
 /**
  * The snapshot's goals on the page's actions are the truth; ended ones that are older than those it holds are kept.
  *
+ * @param actionNames The page's actions; null where it is about all of them.
  * @param goals Those of every action on the graph.
  */
-export function snapshotGoals(state: State, actionNames: readonly string[], goals: readonly Goal[]): State {
+export function snapshotGoals<S extends GoalsState>(
+  state: S,
+  actionNames: readonly string[] | null,
+  goals: readonly Goal[],
+): S {
   const ended = [...state.goals.values()].filter((goal) => isFinal(goal.status));
-  const ours = [...ended, ...goals].filter((goal) => actionNames.includes(goal.action_name));
+  const ours = [...ended, ...goals].filter((goal) => actionNames?.includes(goal.action_name) ?? true);
   const map = new Map(ours.map((goal) => [goal.goal_id, goal]));
   const next = prune({ ...state, goals: map, arrivals: new Map() });
   return { ...next, stages: ours.reduce(withStage, next.stages) };
 }
 
-function withGoal(state: State, goal: Goal): State {
+function withGoal<S extends GoalsState>(state: S, goal: Goal): S {
   return prune({ ...state, goals: new Map(state.goals).set(goal.goal_id, goal) });
 }
 
-function prune(state: State): State {
+function prune<S extends GoalsState>(state: S): S {
   const arrivals = new Map(
     [...state.arrivals].filter(([id]) => {
       const goal = state.goals.get(id);

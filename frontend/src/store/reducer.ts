@@ -93,7 +93,8 @@ function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): S
   );
 }
 
-function remember(seen: ReadonlySet<string>, id: string): ReadonlySet<string> {
+/** Adds the id of an event that was seen; the oldest are forgotten. */
+export function remember(seen: ReadonlySet<string>, id: string): ReadonlySet<string> {
   const next = new Set(seen).add(id);
   for (const oldest of next) {
     if (next.size <= MAX_SEEN) break;

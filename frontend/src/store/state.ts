@@ -33,10 +33,15 @@ export type Arrivals = ReadonlyMap<string, readonly number[]>;
 /** The goal's id → the stages that it was seen in, in order, without those of its end. */
 export type Stages = ReadonlyMap<string, readonly string[]>;
 
-export interface State {
+/** What is known of goals. */
+export interface GoalsState {
   goals: ReadonlyMap<string, Goal>;
   arrivals: Arrivals;
   stages: Stages;
+}
+
+/** What is known of one robot. */
+export interface State extends GoalsState {
   battery: Battery;
   cmdVel: CmdVel;
   publisher: Publisher | null;

@@ -9,10 +9,17 @@ export interface StreamHandlers {
   onConnection(input: ConnectionInput): void;
 }
 
-/** Where the events are, for a page at `location`. */
-export function streamUrl(location: Pick<Location, "protocol" | "host">): string {
+export type StreamLocation = Pick<Location, "protocol" | "host">;
+
+/** What a stream is about: the query of `/ws/feedback`. */
+export type StreamQuery = Record<string, string | null>;
+
+/** Where the events are, for a page at `location`; what is null is not asked for. */
+export function streamUrl(location: StreamLocation, query: StreamQuery): string {
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-  return `${scheme}//${location.host}/ws/feedback?include=battery,cmd_vel,system,scene`;
+  const url = new URL(`${scheme}//${location.host}/ws/feedback`);
+  for (const [name, value] of Object.entries(query)) if (value !== null) url.searchParams.set(name, value);
+  return url.href;
 }
 
 /** Half a second, growing to eight; drawn anew for each attempt, so that a hundred open pages do not return as one. */
@@ -28,10 +35,11 @@ const backoff: Options = {
   maxEnqueuedMessages: 0,
 };
 
-/** Reads events until the returned function is called; reconnects by itself. */
+/** Reads events until the returned function is called; reconnects by itself, and goes on after the last event. */
 export function openStream(url: string, handlers: StreamHandlers, options: Options = {}): () => void {
   const merged = Object.create(backoff, Object.getOwnPropertyDescriptors(options)) as Options;
-  const socket = new ReconnectingWebSocket(url, null, merged);
+  const position = new Position();
+  const socket = new ReconnectingWebSocket(() => position.resume(url), null, merged);
   let lastHeard = Date.now();
 
   socket.addEventListener("open", () => {
@@ -42,8 +50,9 @@ export function openStream(url: string, handlers: StreamHandlers, options: Optio
     lastHeard = Date.now();
     const event = parse(message.data);
     if (event === null) return;
+    position.take(event);
     handlers.onEvent(event);
-    if (event.type === "snapshot") handlers.onConnection({ kind: "snapshot" });
+    if (event.type === "snapshot" || event.type === "resumed") handlers.onConnection({ kind: "snapshot" });
     if (event.type === "closing") handlers.onConnection({ kind: "closing", reason: event.reason });
   });
 
@@ -64,6 +73,25 @@ export function openStream(url: string, handlers: StreamHandlers, options: Optio
     window.removeEventListener("online", retryNow);
     socket.close();
   };
+}
+
+/** The last event that was read, to go on after. Ids sort as text. */
+class Position {
+  #after = "";
+
+  take(event: GatewayEvent): void {
+    // Velocities are not kept for those who come back.
+    if ("id" in event && event.type !== "cmd_vel" && event.id > this.#after) this.#after = event.id;
+    // The past is gone; a snapshot follows.
+    if (event.type === "gap") this.#after = "";
+  }
+
+  resume(url: string): string {
+    if (this.#after === "") return url;
+    const resumed = new URL(url);
+    resumed.searchParams.set("after", this.#after);
+    return resumed.href;
+  }
 }
 
 function parse(data: unknown): GatewayEvent | null {

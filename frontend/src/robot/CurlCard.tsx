@@ -5,7 +5,7 @@ import { newestFirst } from "../store/goals";
 import { useVerbOf } from "../store/verbs";
 import { Command } from "../ui/Command";
 import { Section } from "../ui/Section";
-import classes from "./layout.module.css";
+import classes from "./robot.module.css";
 
 /** The same from a terminal. */
 export function CurlCard() {

@@ -1,0 +1,45 @@
+import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
+import type { Gateway } from "../api/client";
+import type { Http } from "../api/http";
+import type { OpenRobot } from "../robot/services";
+import { ClockProvider } from "../store/clock";
+import type { FleetTopic, FleetTopics } from "./state";
+import type { FleetStore } from "./store";
+
+/** What every page has. */
+export interface FleetServices {
+  http: Http;
+  /** Commands that are not for one robot: Stop stops all of them. */
+  gateway: Gateway;
+  store: FleetStore;
+  /** Reads along with one robot, the configured one for null, until it is closed. */
+  openRobot(robot: string | null): OpenRobot;
+}
+
+const FleetContext = createContext<FleetServices | null>(null);
+
+export function FleetProvider({ value, children }: { value: FleetServices; children: ReactNode }) {
+  return (
+    <FleetContext.Provider value={value}>
+      <ClockProvider value={value.store}>{children}</ClockProvider>
+    </FleetContext.Provider>
+  );
+}
+
+export function useFleet(): FleetServices {
+  const services = useContext(FleetContext);
+  if (services === null) throw new Error("FleetProvider is missing");
+  return services;
+}
+
+/** A topic of the fleet's store; renders anew when that topic changes, at most ten times a second. */
+export function useFleetTopic<T extends FleetTopic>(topic: T): FleetTopics[T] {
+  const { store } = useFleet();
+  const subscribe = useCallback((listener: () => void) => store.subscribe(topic, listener), [store, topic]);
+  return useSyncExternalStore(subscribe, () => store.get(topic));
+}
+
+/** Whether what is shown of all robots is what the gateway says now. */
+export function useFleetLive(): boolean {
+  return useFleetTopic("connection").phase === "live";
+}

@@ -1,0 +1,70 @@
+import type { EventOf, GatewayEvent } from "../api/types";
+import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "../store/goals";
+import { remember } from "../store/reducer";
+import type { FleetState } from "./state";
+import type { AlertsEvent, FleetSnapshot, Robot, RobotsEvent } from "./types";
+
+export type FleetEvent = GatewayEvent | RobotsEvent | AlertsEvent;
+
+/** The state after an event. Pure; the same object where the event changes nothing. */
+export function reduceFleet(state: FleetState, event: FleetEvent, now: number): FleetState {
+  if ("id" in event) {
+    if (state.seen.has(event.id)) return state;
+    return apply({ ...state, seen: remember(state.seen, event.id) }, event, now);
+  }
+  return apply(state, event, now);
+}
+
+function apply(state: FleetState, event: FleetEvent, now: number): FleetState {
+  switch (event.type) {
+    case "snapshot":
+      return applySnapshot(state, event, now);
+    case "status":
+      return applyStatus(state, event);
+    case "feedback":
+      return applyFeedback(state, event);
+    case "result":
+      return applyResult(state, event);
+    case "stop":
+      return { ...state, stop: event.stop };
+    case "robots":
+      return { ...state, robots: withRobots(state.robots, event.robots, event.gone) };
+    case "alerts":
+      return { ...state, alerts: event.alerts };
+    case "heartbeat":
+      // The smallest difference is the one with the least delay on the way.
+      return { ...state, clockSkew: Math.min(state.clockSkew, now - Date.parse(event.time)) };
+    default:
+      return state;
+  }
+}
+
+function applySnapshot(
+  state: FleetState,
+  event: EventOf<"snapshot"> & FleetSnapshot,
+  now: number,
+): FleetState {
+  const { robots = [], alerts = [] } = event;
+  return snapshotGoals(
+    {
+      ...state,
+      robots: new Map(robots.map((robot) => [robot.name, robot])),
+      alerts,
+      stop: event.stop,
+      clockSkew: now - Date.parse(event.time),
+    },
+    null,
+    event.goals,
+  );
+}
+
+function withRobots(
+  known: ReadonlyMap<string, Robot>,
+  changed: readonly Robot[],
+  gone: readonly string[],
+): ReadonlyMap<string, Robot> {
+  const robots = new Map(known);
+  for (const robot of changed) robots.set(robot.name, robot);
+  for (const name of gone) robots.delete(name);
+  return robots;
+}

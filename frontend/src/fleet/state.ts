@@ -1,0 +1,33 @@
+import type { StopState } from "../api/types";
+import type { GoalsState } from "../store/state";
+import type { Connection } from "../stream/connection";
+import type { Alert, Robot } from "./types";
+
+/** What is known of all robots and of the goals on every action. */
+export interface FleetState extends GoalsState {
+  /** By name. */
+  robots: ReadonlyMap<string, Robot>;
+  alerts: readonly Alert[];
+  /** That of the robot that the gateway is configured for. */
+  stop: StopState;
+  /** This computer's clock minus the gateway's (ms), as well as is known. */
+  clockSkew: number;
+  seen: ReadonlySet<string>;
+}
+
+export interface FleetTopics extends Omit<FleetState, "seen"> {
+  connection: Connection;
+}
+
+export type FleetTopic = keyof FleetTopics;
+
+export const initialFleet: FleetState = {
+  goals: new Map(),
+  arrivals: new Map(),
+  stages: new Map(),
+  robots: new Map(),
+  alerts: [],
+  stop: { latched: false, since: null, by: null, robots: [] },
+  clockSkew: 0,
+  seen: new Set(),
+};

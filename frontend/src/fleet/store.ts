@@ -1,0 +1,68 @@
+import type { GatewayEvent, Goal, StopState } from "../api/types";
+import { mergeGoals } from "../store/goals";
+import { Shown } from "../store/shown";
+import {
+  type Connection,
+  type ConnectionInput,
+  initialConnection,
+  nextConnection,
+} from "../stream/connection";
+import { reduceFleet } from "./reducer";
+import { type FleetState, type FleetTopic, type FleetTopics, initialFleet } from "./state";
+
+/** Holds what is known of all robots, and shows it at most ten times a second; a change of the connection at once. */
+export class FleetStore {
+  #state: FleetState = initialFleet;
+  #connection: Connection;
+  readonly #shown: Shown<FleetTopics>;
+  readonly #now: () => number;
+
+  constructor(now: () => number = Date.now) {
+    this.#now = now;
+    this.#connection = initialConnection(now());
+    this.#shown = new Shown(() => this.#topics(), now);
+  }
+
+  readonly onEvent = (event: GatewayEvent): void => {
+    const before = this.#state;
+    this.#state = reduceFleet(before, event, this.#now());
+    if (this.#state !== before) this.#shown.schedule();
+  };
+
+  readonly onConnection = (input: ConnectionInput): void => {
+    const next = nextConnection(this.#connection, input, this.#now());
+    if (next === this.#connection) return;
+    this.#connection = next;
+    this.#shown.flush();
+  };
+
+  /** Takes up goals from an answer over HTTP. */
+  addGoals(goals: readonly Goal[]): void {
+    this.#state = mergeGoals(this.#state, goals);
+    this.#shown.schedule();
+  }
+
+  /** Takes up what an answer over HTTP says of the stop: at once, as people wait for it. */
+  setStop(stop: StopState): void {
+    this.#state = { ...this.#state, stop };
+    this.#shown.flush();
+  }
+
+  get<T extends FleetTopic>(topic: T): FleetTopics[T] {
+    return this.#shown.get(topic);
+  }
+
+  subscribe(topic: FleetTopic, listener: () => void): () => void {
+    return this.#shown.subscribe(topic, listener);
+  }
+
+  /** Now, in the gateway's time (ms). */
+  gatewayNow(): number {
+    return this.#now() - this.#state.clockSkew;
+  }
+
+  #topics(): FleetTopics {
+    const { seen: _seen, ...state } = this.#state;
+    return { ...state, connection: this.#connection };
+  }
+}

@@ -1,0 +1,59 @@
+import { Container, Skeleton, Stack } from "@mantine/core";
+import { type RefObject, Suspense, useEffect, useRef } from "react";
+import { Outlet, useLocation } from "react-router";
+import { StopBanner } from "../stop/StopBanner";
+import { ConnectionBanner } from "./ConnectionBanner";
+import { Header } from "./Header";
+import classes from "./layout.module.css";
+
+/** What all pages have: the header with Stop, and what has to be known everywhere. */
+export function Shell() {
+  const main = useRef<HTMLDivElement>(null);
+  useFocusOnNavigation(main);
+  return (
+    <>
+      <a className={classes.skip} href="#main">
+        Skip to the page
+      </a>
+      <Header />
+      <Container
+        component="main"
+        id="main"
+        size="xl"
+        py="md"
+        ref={main}
+        tabIndex={-1}
+        className={classes.main}
+      >
+        <Stack gap="md">
+          <ConnectionBanner />
+          <StopBanner />
+          <Suspense fallback={<PageSkeleton />}>
+            <Outlet />
+          </Suspense>
+        </Stack>
+      </Container>
+    </>
+  );
+}
+
+/** A new page begins at its top, for the eyes and for the keyboard. */
+function useFocusOnNavigation(main: RefObject<HTMLDivElement | null>): void {
+  const { pathname } = useLocation();
+  const shown = useRef(pathname);
+  useEffect(() => {
+    if (shown.current === pathname) return;
+    shown.current = pathname;
+    window.scrollTo(0, 0);
+    main.current?.focus({ preventScroll: true });
+  }, [main, pathname]);
+}
+
+function PageSkeleton() {
+  return (
+    <Stack gap="md" aria-busy="true" aria-label="The page is loading">
+      <Skeleton height={28} width={180} />
+      <Skeleton height={320} />
+    </Stack>
+  );
+}

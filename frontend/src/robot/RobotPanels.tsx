@@ -1,0 +1,29 @@
+import { BatteryCard } from "../battery/BatteryCard";
+import { PublisherCard } from "../battery/PublisherCard";
+import { DockingCard } from "../docking/DockingCard";
+import { GoalsCard } from "../goals/GoalsCard";
+import { SceneCard } from "../scene/SceneCard";
+import { SimulatorCard } from "../simulator/SimulatorCard";
+import { Answers } from "./Answers";
+import { CurlCard } from "./CurlCard";
+import classes from "./robot.module.css";
+
+/** Everything about one robot; inside of its RobotScope. */
+export function RobotPanels() {
+  return (
+    <>
+      <Answers />
+      <div className={classes.grid}>
+        <DockingCard />
+        <div className={classes.column}>
+          <SceneCard />
+          <SimulatorCard />
+          <PublisherCard />
+        </div>
+        <BatteryCard />
+      </div>
+      <GoalsCard />
+      <CurlCard />
+    </>
+  );
+}

@@ -1,0 +1,25 @@
+import { createGateway } from "../api/client";
+import type { Http } from "../api/http";
+import { BatterySeries } from "../battery/series";
+import { SceneBuffer } from "../scene/buffer";
+import type { Services } from "../store/context";
+import { Store } from "../store/store";
+import { openStream, type StreamLocation, streamUrl } from "../stream/stream";
+
+export interface OpenRobot {
+  services: Services;
+  close(): void;
+}
+
+/** Reads along with one robot, the configured one for null, until it is closed. */
+export function openRobot(location: StreamLocation, http: Http, robot: string | null): OpenRobot {
+  const store = new Store();
+  const series = new BatterySeries();
+  store.onBattery((event) => {
+    series.push(Date.parse(event.time), event.battery.percentage, event.battery.voltage);
+  });
+  const scene = new SceneBuffer();
+  store.onScene((event) => scene.push(event.scene, performance.now()));
+  const close = openStream(streamUrl(location, { include: "battery,cmd_vel,system,scene", robot }), store);
+  return { services: { gateway: createGateway(http, robot), store, series, scene }, close };
+}
