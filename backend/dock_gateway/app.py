@@ -9,7 +9,19 @@ from fastapi_swagger import patch_fastapi
 from starlette.middleware.cors import CORSMiddleware
 
 from dock_gateway import __version__
-from dock_gateway.api import actions, all_goals, battery, dock, health, interfaces, simulator, socket, stop, stream
+from dock_gateway.api import (
+    actions,
+    all_goals,
+    battery,
+    dock,
+    graph,
+    health,
+    interfaces,
+    simulator,
+    socket,
+    stop,
+    stream,
+)
 from dock_gateway.api.dashboard import install_dashboard
 from dock_gateway.api.openapi import install_openapi
 from dock_gateway.api.origin import OriginGuard
@@ -48,7 +60,7 @@ def create_app(settings: Settings) -> FastAPI:
     install_problems(app)
     for router in dock.routers:
         app.include_router(router)
-    for module in (stop, stream, all_goals, actions, interfaces, battery, simulator, health, socket):
+    for module in (stop, stream, all_goals, actions, interfaces, graph, battery, simulator, health, socket):
         app.include_router(module.router)
     install_openapi(app)
     patch_fastapi(app, redirect_from_root_to_docs=False)  # /docs without a CDN: robots are often offline
@@ -58,8 +70,8 @@ def create_app(settings: Settings) -> FastAPI:
             CORSMiddleware,
             allow_origins=settings.allowed_origins,
             allow_methods=("GET", "POST", "PUT", "DELETE"),
-            allow_headers=("Content-Type", "Idempotency-Key", "Last-Event-ID", "Prefer"),
-            expose_headers=("Location", "Retry-After"),
+            allow_headers=("Content-Type", "Idempotency-Key", "If-None-Match", "Last-Event-ID", "Prefer"),
+            expose_headers=("ETag", "Location", "Retry-After"),
             allow_private_network=True,  # a robot's address mostly is in one
         )
     app.add_middleware(OriginGuard, settings=settings)  # comes first, the last added being the outermost

@@ -4,7 +4,7 @@ GatewayError
 ├── MalformedRequest            400 malformed_json, 408 request_timeout, 413 body_too_large, 415 unsupported_media_type
 ├── InvalidField                422 invalid_field
 ├── NotAllowed                  403 origin_not_allowed, host_not_allowed
-├── NotFound                    404 goal_not_found, action_not_found, interface_not_found, not_found
+├── NotFound                    404 goal_not_found, action_not_found, interface_not_found, topic_not_found, …
 ├── Conflict                    409 goal_rejected, dock_busy, goal_terminal, cancel_rejected, stop_latched, …
 ├── TooManyRequests             429 too_many_requests
 ├── Unavailable                 503 action_server_unavailable, ros_unavailable, history_unavailable, shutting_down

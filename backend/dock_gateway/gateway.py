@@ -16,6 +16,7 @@ from dock_gateway.interest import Interest
 from dock_gateway.interlock import Interlock
 from dock_gateway.latch import LatchFile
 from dock_gateway.later import Later
+from dock_gateway.lookout import Lookout
 from dock_gateway.robots import RobotRegistry, normalize_namespace
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import scan
@@ -47,6 +48,7 @@ class Gateway:
     robots: RobotRegistry
     stopper: Stopper
     simulators: Simulators
+    lookout: Lookout
     dock: Action
     undock: Action
 
@@ -150,6 +152,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         stopper = Stopper(robots, actions, interlock)
         simulators = Simulators(settings, bridge, hub)
         scenes = Scenes(settings, bridge, hub)
+        lookout = Lookout(bridge)
         await bridge.call(
             lambda: DiagnosticsPort(
                 bridge,
@@ -167,13 +170,14 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         undock = await actions.open(settings.resolve(settings.undock_action), settings.undock_action_type, pinned=True)
         watching = asyncio.create_task(_watch_graph(bridge, actions, robots, None if knows_all else history))
         try:
-            yield Gateway(settings, bridge, hub, history, actions, robots, stopper, simulators, dock, undock)
+            yield Gateway(settings, bridge, hub, history, actions, robots, stopper, simulators, lookout, dock, undock)
         finally:
             hub.close()
             watching.cancel()
             with suppress(asyncio.CancelledError):
                 await watching
             await stopper.close()
+            await lookout.close()
             await scenes.close()
             await simulators.close()
             await robots.close()

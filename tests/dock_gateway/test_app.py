@@ -18,7 +18,7 @@ def preflight(origin: str, method: str, **more: str) -> dict[str, str]:
     return {
         "Origin": origin,
         "Access-Control-Request-Method": method,
-        "Access-Control-Request-Headers": "content-type,idempotency-key,last-event-id,prefer",
+        "Access-Control-Request-Headers": "content-type,idempotency-key,if-none-match,last-event-id,prefer",
         **more,
     }
 
@@ -49,6 +49,6 @@ def test_a_preflight_to_a_foreign_name() -> None:
 def test_what_an_allowed_page_may_read() -> None:
     headers = client(OPS).get("/openapi.json", headers={"Origin": OPS}).headers
     assert headers["access-control-allow-origin"] == OPS
-    assert headers["access-control-expose-headers"] == "Location, Retry-After"
+    assert headers["access-control-expose-headers"] == "ETag, Location, Retry-After"
     assert client("*").get("/openapi.json", headers={"Origin": OPS}).headers["access-control-allow-origin"] == "*"
     assert "access-control-allow-origin" not in client("").get("/openapi.json", headers={"Origin": OPS}).headers

@@ -71,6 +71,8 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("get", "/dock/{goal_id}/events"),
         ("get", "/interfaces"),
         ("get", "/interfaces/{package}/action/{name}"),
+        ("get", "/graph"),
+        ("get", "/graph/topics/{name}"),
         ("get", "/battery"),
         ("post", "/battery"),
         ("get", "/battery/publisher"),

@@ -1,11 +1,27 @@
-"""What is on the ROS graph: actions with their types, and topics."""
+"""What is on the ROS graph: at a glance, actions with their types and topics; or all of it, in pieces."""
 
+import re
+import time
+from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from rclpy.node import Node
+from rclpy.duration import Duration
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.node import Node, NodeNameNonExistentError
+from rclpy.qos import HistoryPolicy, QoSProfile
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from dock_gateway.graph import Endpoint, Quality, Seen, Service, Topic
 
 FEEDBACK, STATUS = "/_action/feedback", "/_action/status"
 FEEDBACK_TYPE = "_FeedbackMessage"
+
+# So many seconds the ROS thread looks at the graph in one go.
+PIECE = 0.002
+UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
+INFINITE_NS = 2**63 - 1
+TOPIC_NAME = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 
 
 @dataclass(frozen=True)
@@ -36,3 +52,85 @@ def scan(node: Node) -> Scan:
         elif "/_action/" not in topic:
             result.topics[topic] = list(types)
     return result
+
+
+class Survey:
+    """A look at the whole graph, in pieces between which the ROS thread does other work.
+
+    Attributes:
+        seen: What was found so far.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self.seen = Seen()
+        self._node = node
+        self._steps = self._look()
+
+    def proceed(self) -> bool:
+        """Look on for a moment; whether all has been seen. For the ROS thread."""
+        until = time.perf_counter() + PIECE
+        return all(time.perf_counter() < until for _ in self._steps)
+
+    def _look(self) -> Iterator[None]:
+        nodes = self._node.get_node_names_and_namespaces()
+        self.seen.nodes = dict(Counter(_full_name(name, namespace) for name, namespace in nodes))
+        for name, types in self._node.get_service_names_and_types():
+            self.seen.services[name] = Service(name, list(types))
+        yield
+        for name, _ in self._node.get_topic_names_and_types():
+            self.seen.topics[name] = read_topic(self._node, name)
+            yield
+        for name, namespace in dict.fromkeys(nodes):
+            self._look_at_services(name, namespace)
+            yield
+
+    def _look_at_services(self, name: str, namespace: str) -> None:
+        try:
+            served = self._node.get_service_names_and_types_by_node(name, namespace)
+            used = self._node.get_client_names_and_types_by_node(name, namespace)
+        except NodeNameNonExistentError:  # it has left meanwhile
+            return
+        node = _full_name(name, namespace)
+        for service, types in served:
+            self.seen.services.setdefault(service, Service(service, list(types))).servers.add(node)
+        for service, types in used:
+            self.seen.services.setdefault(service, Service(service, list(types))).clients.add(node)
+
+
+def read_topic(node: Node, name: str) -> Topic:
+    """Everyone at a topic; for the ROS thread. Nobody is at one that does not exist, or cannot."""
+    if not TOPIC_NAME.fullmatch(name):
+        return Topic(name, [], [])
+    try:
+        publishers, subscribers = node.get_publishers_info_by_topic(name), node.get_subscriptions_info_by_topic(name)
+    except InvalidTopicNameException:  # it is too long
+        return Topic(name, [], [])
+    return Topic(name, [_endpoint(info) for info in publishers], [_endpoint(info) for info in subscribers])
+
+
+def _endpoint(info: TopicEndpointInfo) -> Endpoint:
+    node = None if info.node_name == UNKNOWN_NODE else _full_name(info.node_name, info.node_namespace)
+    return Endpoint(node, info.topic_type, _quality(info.qos_profile))
+
+
+def _full_name(name: str, namespace: str) -> str:
+    return f"{namespace.rstrip('/')}/{name}"
+
+
+def _quality(profile: QoSProfile) -> Quality:
+    # DDS does not tell others how much an endpoint keeps.
+    depth = None if profile.history in (HistoryPolicy.UNKNOWN, HistoryPolicy.KEEP_ALL) else profile.depth
+    return Quality(
+        reliability=profile.reliability.name.lower(),
+        durability=profile.durability.name.lower(),
+        history=profile.history.name.lower(),
+        depth=depth,
+        deadline_s=_seconds(profile.deadline),
+        lifespan_s=_seconds(profile.lifespan),
+        liveliness=profile.liveliness.name.lower(),
+    )
+
+
+def _seconds(duration: Duration) -> float | None:
+    nanoseconds: int = duration.nanoseconds
+    return None if nanoseconds in (0, INFINITE_NS) else nanoseconds / 1e9

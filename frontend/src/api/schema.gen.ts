@@ -453,6 +453,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/graph": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Graph
+         * @description The whole graph, at most a second old; with `If-None-Match` only where it has changed.
+         */
+        get: operations["get_graph"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/graph/topics/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Topic
+         * @description One topic, as it is now, with those who publish and subscribe.
+         */
+        get: operations["get_topic"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/battery": {
         parameters: {
             query?: never;
@@ -1139,6 +1179,88 @@ export interface components {
          */
         GoalStatus: "pending" | "accepted" | "executing" | "canceling" | "succeeded" | "canceled" | "aborted" | "rejected" | "lost";
         /**
+         * Graph
+         * @description The ROS graph; what is `hidden` is there for ROS's own sake.
+         */
+        Graph: {
+            /** Nodes */
+            nodes: components["schemas"]["GraphNode"][];
+            /** Topics */
+            topics: components["schemas"]["GraphTopic"][];
+            /** Services */
+            services: components["schemas"]["GraphService"][];
+            /** Actions */
+            actions: components["schemas"]["GraphAction"][];
+        };
+        /**
+         * GraphAction
+         * @description An action, in place of the topics and services that it is made of.
+         */
+        GraphAction: {
+            /** Name */
+            name: string;
+            /** Types */
+            types: string[];
+            /** Servers */
+            servers: string[];
+            /** Clients */
+            clients: string[];
+        };
+        /**
+         * GraphNode
+         * @description A node, or `count` nodes of the same name, and the names of what it has.
+         */
+        GraphNode: {
+            /** Name */
+            name: string;
+            /** Count */
+            count: number;
+            /** Publishers */
+            publishers: string[];
+            /** Subscribers */
+            subscribers: string[];
+            /** Services */
+            services: string[];
+            /** Clients */
+            clients: string[];
+            /** Action Servers */
+            action_servers: string[];
+            /** Action Clients */
+            action_clients: string[];
+            /** Hidden */
+            hidden: boolean;
+        };
+        /**
+         * GraphService
+         * @description A service; without servers somebody waits for it.
+         */
+        GraphService: {
+            /** Name */
+            name: string;
+            /** Types */
+            types: string[];
+            /** Servers */
+            servers: string[];
+            /** Hidden */
+            hidden: boolean;
+        };
+        /**
+         * GraphTopic
+         * @description A topic with everyone at it; more than one type is a mistake on the graph.
+         */
+        GraphTopic: {
+            /** Name */
+            name: string;
+            /** Types */
+            types: string[];
+            /** Publishers */
+            publishers: components["schemas"]["TopicEndpoint"][];
+            /** Subscribers */
+            subscribers: components["schemas"]["TopicEndpoint"][];
+            /** Hidden */
+            hidden: boolean;
+        };
+        /**
          * Health
          * @description Whether the gateway itself works.
          */
@@ -1576,6 +1698,35 @@ export interface components {
             by: string | null;
             /** Robots */
             robots: string[];
+        };
+        /**
+         * TopicEndpoint
+         * @description A publisher or a subscription; `node` is null for that of a DDS program which is no ROS node.
+         */
+        TopicEndpoint: {
+            /** Node */
+            node: string | null;
+            qos: components["schemas"]["TopicQuality"];
+        };
+        /**
+         * TopicQuality
+         * @description Quality of service; a `depth` of null is not known, seconds of null are without limit.
+         */
+        TopicQuality: {
+            /** Reliability */
+            reliability: string;
+            /** Durability */
+            durability: string;
+            /** History */
+            history: string;
+            /** Depth */
+            depth: number | null;
+            /** Deadline S */
+            deadline_s: number | null;
+            /** Lifespan S */
+            lifespan_s: number | null;
+            /** Liveliness */
+            liveliness: string;
         };
         /**
          * Twist
@@ -3229,6 +3380,100 @@ export interface operations {
             };
             /** @description Unprocessable Entity */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_graph: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Graph"];
+                };
+            };
+            /** @description As in `If-None-Match` */
+            304: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_topic: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GraphTopic"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -1,0 +1,73 @@
+"""The shapes of the graph; as in `schemas`, nothing is validated or encoded with them at run time."""
+
+from dock_gateway.api.schemas import Schema
+
+
+class TopicQuality(Schema):
+    """Quality of service; a `depth` of null is not known, seconds of null are without limit."""
+
+    reliability: str
+    durability: str
+    history: str
+    depth: int | None
+    deadline_s: float | None
+    lifespan_s: float | None
+    liveliness: str
+
+
+class TopicEndpoint(Schema):
+    """A publisher or a subscription; `node` is null for that of a DDS program which is no ROS node."""
+
+    node: str | None
+    qos: TopicQuality
+
+
+class GraphNode(Schema):
+    """A node, or `count` nodes of the same name, and the names of what it has."""
+
+    name: str
+    count: int
+    publishers: list[str]
+    subscribers: list[str]
+    services: list[str]
+    clients: list[str]
+    action_servers: list[str]
+    action_clients: list[str]
+    hidden: bool
+
+
+class GraphTopic(Schema):
+    """A topic with everyone at it; more than one type is a mistake on the graph."""
+
+    name: str
+    types: list[str]
+    publishers: list[TopicEndpoint]
+    subscribers: list[TopicEndpoint]
+    hidden: bool
+
+
+class GraphService(Schema):
+    """A service; without servers somebody waits for it."""
+
+    name: str
+    types: list[str]
+    servers: list[str]
+    hidden: bool
+
+
+class GraphAction(Schema):
+    """An action, in place of the topics and services that it is made of."""
+
+    name: str
+    types: list[str]
+    servers: list[str]
+    clients: list[str]
+
+
+class Graph(Schema):
+    """The ROS graph; what is `hidden` is there for ROS's own sake."""
+
+    nodes: list[GraphNode]
+    topics: list[GraphTopic]
+    services: list[GraphService]
+    actions: list[GraphAction]

@@ -1,0 +1,131 @@
+"""The ROS graph as the API shows it: real gateway, real nodes."""
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+from tests.support.domain import ros_domain
+from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.processes import Process, ros_environment
+
+pytestmark = pytest.mark.ros
+
+NODES = 60
+Graph = dict[str, list[dict[str, Any]]]
+
+
+@pytest.fixture(scope="module")
+def domain() -> Iterator[int]:
+    with ros_domain() as domain:
+        yield domain
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    with running_gateway(domain) as gateway:
+        yield gateway
+
+
+@contextmanager
+def running_talker(domain: int, *arguments: str) -> Iterator[Process]:
+    with Process(sys.executable, "-m", "tests.support.talker", *arguments, env=ros_environment(domain)) as process:
+        process.wait_for("talking")
+        yield process
+
+
+def wait_for_graph(gateway: RunningGateway, matches: Callable[[Graph], bool], timeout: float = 20.0) -> Graph:
+    deadline = time.monotonic() + timeout
+    while not matches(graph := gateway.http.get("/graph").raise_for_status().json()):
+        assert time.monotonic() < deadline, {kind: [entry["name"] for entry in found] for kind, found in graph.items()}
+        time.sleep(0.2)
+    return graph
+
+
+def find(entries: list[dict[str, Any]], name: str) -> dict[str, Any]:
+    (entry,) = [entry for entry in entries if entry["name"] == name]
+    return entry
+
+
+def names(entries: list[dict[str, Any]]) -> set[str]:
+    return {entry["name"] for entry in entries}
+
+
+def test_an_action_is_one_thing_and_its_server_and_client_are_named(gateway: RunningGateway, domain: int) -> None:
+    with running_program(domain, "fibonacci_action_server"):
+        graph = wait_for_graph(
+            gateway, lambda graph: any(a["name"] == "/fibonacci" and a["clients"] for a in graph["actions"])
+        )
+    fibonacci = find(graph["actions"], "/fibonacci")
+    assert fibonacci["types"] == ["action_tutorials_interfaces/action/Fibonacci"]
+    assert fibonacci["servers"] == ["/fibonacci_action_server"]
+    assert fibonacci["clients"] == ["/dock_gateway"]
+    assert "/fibonacci" in find(graph["nodes"], "/fibonacci_action_server")["action_servers"]
+    assert not [name for name in names(graph["topics"]) | names(graph["services"]) if "/_action/" in name]
+    assert find(graph["topics"], "/rosout")["hidden"]
+    assert find(graph["services"], "/fibonacci_action_server/get_parameters")["hidden"]
+    assert not find(graph["topics"], "/battery_status")["hidden"]
+
+
+def test_sixty_nodes_with_their_topics_and_qualities(gateway: RunningGateway, domain: int) -> None:
+    with running_talker(domain, "--nodes", str(NODES)):
+        wanted = {f"/talker{number}/talker" for number in range(NODES)}
+        graph = wait_for_graph(
+            gateway,
+            lambda graph: (
+                wanted <= names(graph["nodes"]) and all(find(graph["nodes"], name)["services"] for name in wanted)
+            ),
+        )
+        begin = time.monotonic()
+        with ThreadPoolExecutor(8) as pool:
+            answers = list(pool.map(lambda _: gateway.http.get("/graph").status_code, range(40)))
+        assert answers == [200] * 40
+        assert time.monotonic() - begin < 5
+        topic = find(graph["topics"], "/talker7/battery_status")
+        assert topic["types"] == ["sensor_msgs/msg/BatteryState"]
+        (publisher,) = [entry for entry in topic["publishers"] if entry["node"] == "/talker7/talker"]
+        (subscriber,) = [entry for entry in topic["subscribers"] if entry["node"] == "/talker7/talker"]
+        assert (publisher["qos"]["reliability"], subscriber["qos"]["reliability"]) == ("best_effort", "reliable")
+        assert (publisher["qos"]["durability"], publisher["qos"]["deadline_s"]) == ("volatile", None)
+
+        alone = gateway.http.get("/graph/topics/talker7/battery_status").json()
+        assert {entry["node"] for entry in alone["publishers"]} >= {"/talker7/talker"}
+        assert alone.keys() == topic.keys()
+    wait_for_graph(gateway, lambda graph: not wanted & names(graph["nodes"]), timeout=30)
+
+
+def test_nodes_of_the_same_name_are_counted(gateway: RunningGateway, domain: int) -> None:
+    with running_talker(domain), running_talker(domain):
+        graph = wait_for_graph(
+            gateway, lambda graph: any(n["name"] == "/talker0/talker" and n["count"] == 2 for n in graph["nodes"])
+        )
+        talkers = [entry["node"] for entry in find(graph["topics"], "/talker0/battery_status")["publishers"]]
+        assert talkers.count("/talker0/talker") == 2
+
+
+def test_what_is_known_is_not_sent_again(gateway: RunningGateway, domain: int) -> None:
+    wait_for_graph(gateway, lambda graph: names(graph["nodes"]) == {"/dock_gateway"}, timeout=30)
+    deadline = time.monotonic() + 10
+    while True:  # ports of robots that left are closed a little later
+        tag = gateway.http.get("/graph").headers["etag"]
+        time.sleep(1.1)
+        same = gateway.http.get("/graph", headers={"If-None-Match": tag})
+        if same.status_code == 304:
+            break
+        assert time.monotonic() < deadline
+    assert (same.content, same.headers["etag"]) == (b"", tag)
+    with running_talker(domain):
+        wait_for_graph(gateway, lambda graph: "/talker0/talker" in names(graph["nodes"]))
+        changed = gateway.http.get("/graph", headers={"If-None-Match": tag})
+        assert (changed.status_code, changed.headers["etag"] != tag) == (200, True)
+
+
+def test_topics_that_are_not_there(gateway: RunningGateway) -> None:
+    for path in ("nope", "a//b", "battery_status/", "battery_status%00x", "%7Bnode%7D", "x" * 300):
+        response = gateway.http.get(f"/graph/topics/{path}")
+        assert (response.status_code, response.json()["code"]) == (404, "topic_not_found"), path
+    assert gateway.http.get("/graph?robot=/robot1").status_code == 422
