@@ -185,6 +185,10 @@ class ActionRegistry:
         """The actions on the graph whose package is missing, by name."""
         return sorted(self._uninstalled.values(), key=lambda entry: entry.name)
 
+    def get(self, name: str) -> Action | None:
+        """An action by its absolute name, where it is known and can be used."""
+        return self._actions.get(name)
+
     def under(self, namespace: str) -> list[Action]:
         """The actions of a robot: those in its namespace or below it."""
         prefix = f"{namespace.rstrip('/')}/"

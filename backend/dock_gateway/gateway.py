@@ -16,6 +16,7 @@ from dock_gateway.interest import Interest
 from dock_gateway.interlock import Interlock
 from dock_gateway.latch import LatchFile
 from dock_gateway.later import Later
+from dock_gateway.liveness import ServerState
 from dock_gateway.lookout import Lookout
 from dock_gateway.robots import RobotRegistry, normalize_namespace
 from dock_gateway.ros.bridge import Bridge
@@ -71,6 +72,17 @@ class Gateway:
     async def _action_of(self, robot: str, name: str) -> Action:
         return await self.actions.find(self.settings.resolve(name, self.robots.get(robot).namespace))
 
+    def servers_of(self, namespace: str) -> tuple[ServerState, ServerState]:
+        """How the docking and the undocking server of a robot are, also where nobody has seen them."""
+        dock, undock = (
+            self.settings.resolve(name, namespace) for name in (self.settings.dock_action, self.settings.undock_action)
+        )
+        return self._server(dock), self._server(undock)
+
+    def _server(self, action_name: str) -> ServerState:
+        action = self.actions.get(action_name)
+        return ServerState(action_name, available=False, answering=False) if action is None else action.watch.state
+
     async def goal(self, goal_id: str) -> Goal:
         """One goal, on whatever action.
 
@@ -117,8 +129,9 @@ class Gateway:
         with suppress(Unavailable):  # a stream goes on without the past
             # Those of docking and undocking are asked for by name, so that a busier action does not crowd them out.
             named = interest.action_name
-            for name in dict.fromkeys((named, named or self.dock.name, named or self.undock.name)):
-                wanted = Wanted() if name is None else Wanted(frozenset({name}))
+            dock, undock = (server.action_name for server in self.servers_of(interest.robot))
+            for name in dict.fromkeys((named, named or dock, named or undock)):
+                wanted = Wanted(frozenset() if name is None else frozenset({name}), interest.namespace)
                 newest += await self.history.page(wanted, limit=RECENT)
         known = [*newest, *self.actions.running()]
         goals = {goal.goal_id: goal for goal in known if interest.covers_goal(goal.goal_id, goal.action_name)}

@@ -94,7 +94,18 @@ def test_a_robot_is_a_namespace(gateway: RunningGateway, domain: int) -> None:
         wait_for_action(gateway, f"/robot1{ACTION}")
         wait_for_action(gateway, f"/fleet/robot2{ACTION}")
         with gateway.stream("?robot=/robot1&include=battery,cmd_vel,system") as stream:
-            assert stream.next()["goals"] == []
+            snapshot = stream.next()
+            assert snapshot["goals"] == []
+            assert snapshot["action_server"] == {
+                "action_name": f"/robot1{ACTION}",
+                "available": True,
+                "answering": True,
+            }
+            assert snapshot["undock_server"] == {
+                "action_name": "/robot1/disconnect_from_charging_dock",
+                "available": False,
+                "answering": False,
+            }
             gateway.http.put("/battery/publisher?robot=/robot1", json={"state": LOW, "rate_hz": 5}).raise_for_status()
             gateway.http.put(
                 "/battery/publisher?robot=/fleet/robot2", json={"state": CHARGING, "rate_hz": 5}

@@ -86,10 +86,11 @@ async def _from_history(gateway: Gateway, subscriber: Subscriber, after: str) ->
 
 
 async def snapshot(gateway: Gateway, subscriber: Subscriber) -> Event:
-    """How things stand: running and recent goals, the robot's battery and stop, the docking and undocking servers."""
+    """How things stand: running and recent goals; the robot's battery, its stop, its docking and undocking servers."""
     interest = subscriber.interest
     goals = await gateway.recent_goals(interest)
     robot = gateway.robots.get(interest.robot)
+    dock, undock = gateway.servers_of(interest.robot)
     return notice(
         "snapshot",
         utc_now(),
@@ -97,6 +98,6 @@ async def snapshot(gateway: Gateway, subscriber: Subscriber) -> Event:
         battery=robot.battery.document(),
         battery_publisher=robot.publisher.document(),
         stop=gateway.stopper.state(interest.robot),
-        action_server=gateway.dock.watch.state,
-        undock_server=gateway.undock.watch.state,
+        action_server=dock,
+        undock_server=undock,
     )
