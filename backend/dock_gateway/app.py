@@ -14,6 +14,7 @@ from dock_gateway.api import (
     all_goals,
     battery,
     dock,
+    goal_history,
     graph,
     health,
     interfaces,
@@ -60,7 +61,19 @@ def create_app(settings: Settings) -> FastAPI:
     install_problems(app)
     for router in dock.routers:
         app.include_router(router)
-    for module in (stop, stream, all_goals, actions, interfaces, graph, battery, simulator, health, socket):
+    for module in (
+        stop,
+        stream,
+        all_goals,
+        goal_history,
+        actions,
+        interfaces,
+        graph,
+        battery,
+        simulator,
+        health,
+        socket,
+    ):
         app.include_router(module.router)
     install_openapi(app)
     patch_fastapi(app, redirect_from_root_to_docs=False)  # /docs without a CDN: robots are often offline

@@ -55,9 +55,31 @@ class Event:
         return self.data.decode()
 
 
+# What the id of a goal's event says it is, by the event's type.
+STATUS, FEEDBACK, RESULT = "s", "f", "z"
+KINDS = {"status": STATUS, "feedback": FEEDBACK, "result": RESULT}
+STAMP_DIGITS = 20
+KIND_AT = STAMP_DIGITS + 1
+
+
 def event_id(stamp_ns: int, kind: str, goal_id: str = "") -> str:
     """The id of an event, sortable as text."""
-    return f"{stamp_ns:020d}-{kind}{goal_id[:8]}"
+    return f"{time_id(stamp_ns)}-{kind}{goal_id[:8]}"
+
+
+def time_id(stamp_ns: int) -> str:
+    """What the ids of events at a time begin with."""
+    return f"{stamp_ns:0{STAMP_DIGITS}d}"
+
+
+def kind_of(identity: str) -> str:
+    """What the id of a goal's event says it is: one of `KINDS`."""
+    return identity[KIND_AT : KIND_AT + 1]
+
+
+def nanoseconds(time: datetime) -> int:
+    """A time as a ROS timestamp, nanoseconds since 1970."""
+    return round(time.timestamp() * 1e6) * 1000
 
 
 def utc_now() -> datetime:
@@ -72,20 +94,20 @@ def moment(stamp_ns: int) -> datetime:
 
 def status_event(goal: Goal, stamp_ns: int) -> Event:
     """The goal's state changed."""
-    goal.last_event_id = event_id(stamp_ns, "s", goal.goal_id)
+    goal.last_event_id = event_id(stamp_ns, STATUS, goal.goal_id)
     ends_goal = goal.status in (GoalStatus.REJECTED, GoalStatus.LOST)
     return _goal_event("status", goal, stamp_ns, goal.summary(), ends_goal=ends_goal)
 
 
 def feedback_event(goal: Goal, stamp_ns: int) -> Event:
     """The goal's feedback, as it stands in the goal."""
-    goal.last_event_id = event_id(stamp_ns, "f", goal.goal_id)
+    goal.last_event_id = event_id(stamp_ns, FEEDBACK, goal.goal_id)
     return _goal_event("feedback", goal, stamp_ns, {"feedback": fragment(goal.feedback)}, droppable=True)
 
 
 def result_event(goal: Goal, stamp_ns: int) -> Event:
     """The goal ended; the result is null where the action server did not give one."""
-    goal.last_event_id = event_id(stamp_ns, "z", goal.goal_id)
+    goal.last_event_id = event_id(stamp_ns, RESULT, goal.goal_id)
     payload = {"status": goal.status.value, "result": fragment(goal.result), "error": goal.error}
     return _goal_event("result", goal, stamp_ns, payload, ends_goal=True)
 

@@ -43,3 +43,10 @@ def sqlite_url(tmp_path: Path) -> str:
 def database_url(request: pytest.FixtureRequest) -> str:
     url: str = request.getfixturevalue(f"{request.param}_url")
     return url
+
+
+@pytest.fixture(params=["memory", "sqlite", "postgresql"])
+def place(request: pytest.FixtureRequest) -> str:
+    """Each of the places where a history can be: a URL, as `open_place` takes it."""
+    url: str = "memory:" if request.param == "memory" else request.getfixturevalue(f"{request.param}_url")
+    return url

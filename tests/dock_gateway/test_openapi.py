@@ -61,6 +61,7 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("get", "/goals/{goal_id}"),
         ("post", "/goals/{goal_id}/cancel"),
         ("get", "/goals/{goal_id}/events"),
+        ("get", "/goals/{goal_id}/history"),
         ("get", "/actions"),
         ("get", "/actions/{name}"),
         ("post", "/actions/{name}/goals"),

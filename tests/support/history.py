@@ -11,7 +11,7 @@ from typing import Any
 
 from dock_gateway.events import Event, event_id
 from dock_gateway.goals import Goal, GoalStatus
-from dock_gateway.history import History, Wanted
+from dock_gateway.history import History, MemoryHistory, Wanted
 from dock_gateway.history.sql import SqlHistory
 
 NOW = datetime(2026, 11, 21, tzinfo=UTC)
@@ -48,6 +48,22 @@ async def open_at(
         yield history
     finally:
         await history.close()
+
+
+@asynccontextmanager
+async def open_place(url: str, folder: Path, **limits: int) -> AsyncIterator[History]:
+    """A history in memory or in a database, closed in the end."""
+    if url == "memory:":
+        yield MemoryHistory(1000)
+        return
+    async with open_at(url, folder, **limits) as history:
+        yield history
+
+
+async def settled(history: History) -> None:
+    """Wait until all is where it is kept."""
+    if isinstance(history, SqlHistory):
+        await written(history)
 
 
 async def until(holds: Callable[[], bool], timeout: float = 15.0) -> None:

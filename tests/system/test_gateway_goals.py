@@ -36,6 +36,9 @@ def fibonacci(domain: int, gateway: RunningGateway, namespace: str) -> Iterator[
     wait_until(lambda: not gateway.http.get(path).is_success)
 
 
+ENDED = {"Prefer": "wait=20"}
+
+
 def wait_until(holds: object, timeout: float = 30.0) -> None:
     deadline = time.monotonic() + timeout
     while not holds():  # type: ignore[operator]
@@ -50,9 +53,8 @@ def ids(gateway: RunningGateway, query: str = "") -> list[str]:
 
 def test_goals_of_every_action(gateway: RunningGateway, domain: int) -> None:
     with fibonacci(domain, gateway, "/robot1") as one, fibonacci(domain, gateway, "/robot2") as two:
-        ended = {"Prefer": "wait=20"}
-        first = gateway.http.post(one, json={"order": 3}, headers=ended).json()
-        second = gateway.http.post(two, json={"order": 4}, headers=ended).json()
+        first = gateway.http.post(one, json={"order": 3}, headers=ENDED).json()
+        second = gateway.http.post(two, json={"order": 4}, headers=ENDED).json()
         assert (first["status"], second["status"]) == ("succeeded", "succeeded")
         assert ids(gateway) == [second["goal_id"], first["goal_id"]]
         client = (str(BIN / "fibonacci_action_client"), "--ros-args", "-r", "__ns:=/robot1", "-p", "order:=5")
@@ -87,6 +89,34 @@ def test_goals_of_every_action(gateway: RunningGateway, domain: int) -> None:
     assert pages == [everything[:3], everything[3:]]
     again = gateway.http.post(f"{path}/cancel")
     assert (again.status_code, again.json()["code"]) == (409, "goal_terminal"), "also where nobody serves the action"
+
+
+def test_the_history_of_a_goal(gateway: RunningGateway, domain: int) -> None:
+    with fibonacci(domain, gateway, "/robot3") as path, gateway.stream("?action=/robot3/fibonacci") as stream:
+        goal_id = gateway.http.post(path, json={"order": 10}, headers=ENDED).json()["goal_id"]
+        stream.until_type("result")
+    seen = [event for event in stream.seen if event.get("goal_id") == goal_id]
+    history = f"/goals/{goal_id}/history"
+    everything = gateway.http.get(history).raise_for_status().json()
+    assert everything["events"] == seen, "exactly as on the WebSocket"
+    assert (everything["complete"], everything["next_after"]) == (True, None)
+
+    feedback = [event for event in seen if event["type"] == "feedback"]
+    assert gateway.http.get(f"{history}?type=feedback").json()["events"] == feedback
+    rest = gateway.http.get(f"{history}?type=status&type=result").json()["events"]
+    assert rest == [event for event in seen if event["type"] != "feedback"]
+    pages, after = [], ""
+    while after is not None:
+        page = gateway.http.get(f"{history}?limit=4{after and f'&after={after}'}").json()
+        pages += page["events"]
+        assert len(page["events"]) <= 4
+        after = page["next_after"]
+    assert pages == seen
+
+    for query in ("after=7", "limit=0", "limit=5001", "type=results", "before=1"):
+        assert gateway.http.get(f"{history}?{query}").json()["code"] == "invalid_field"
+    missing = gateway.http.get("/goals/3f0c7b2e-0000-4000-8000-000000000000/history")
+    assert (missing.status_code, missing.json()["code"]) == (404, "goal_not_found")
 
 
 @pytest.mark.parametrize(

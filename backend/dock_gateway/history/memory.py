@@ -2,13 +2,15 @@
 
 import bisect
 import time
+from collections.abc import Collection
 from copy import copy
 
-from dock_gateway.events import Event
+from dock_gateway.events import FEEDBACK, Event, kind_of
 from dock_gateway.goals import Goal
 from dock_gateway.history.merge import merge
-from dock_gateway.history.protocol import KEY_LIFETIME, HistoryStats, fingerprint_of, selects
+from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, fingerprint_of, selects
 from dock_gateway.history.wanted import Wanted
+from dock_gateway.history.whole import is_whole
 
 
 class MemoryHistory:
@@ -102,6 +104,26 @@ class MemoryHistory:
         later = (self._events[each] for each in self._event_ids[start:])
         found = (event for event in later if selects(event, goal_id, action_name, topics))
         return [event for event, _ in zip(found, range(limit), strict=False)]
+
+    async def events_of(
+        self, goal_id: str, *, kinds: Collection[str], after: str = "", until: str = NEVER, limit: int
+    ) -> list[Event]:
+        """The events of a goal after one and up to another, oldest first."""
+        between = (each for each in self._ids_of(goal_id) if after < each <= until and kind_of(each) in kinds)
+        return [self._events[each] for each, _ in zip(between, range(limit), strict=False)]
+
+    async def knows_all_of(self, goal: Goal) -> bool:
+        """Whether no event of a goal has been given up."""
+        ids = self._ids_of(goal.goal_id)
+        return is_whole(
+            goal,
+            first=min(ids, default=None),
+            missing=self._horizon.get("goals", ""),
+            feedback=sum(kind_of(each) == FEEDBACK for each in ids),
+        )
+
+    def _ids_of(self, goal_id: str) -> list[str]:
+        return [each for each in self._event_ids if self._events[each].goal_id == goal_id]
 
     def stats(self) -> HistoryStats:
         """How the keeping goes: always well."""

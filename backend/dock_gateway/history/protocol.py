@@ -1,6 +1,7 @@
 """What the gateway asks of any place that keeps goals and events. docs/history.md says what is kept for how long."""
 
 import hashlib
+from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import Protocol
@@ -10,6 +11,8 @@ from dock_gateway.goals import Goal, Json
 from dock_gateway.history.wanted import Wanted
 
 KEY_LIFETIME = timedelta(hours=24)
+# The id of an event sorts before this.
+NEVER = "~"
 
 
 @dataclass(frozen=True)
@@ -82,6 +85,14 @@ class History(Protocol):
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
     ) -> list[Event] | None:
         """The events that follow one, in the order of their ids; None where they are not all there (any more)."""
+
+    async def events_of(
+        self, goal_id: str, *, kinds: Collection[str], after: str = "", until: str = NEVER, limit: int
+    ) -> list[Event]:
+        """The events of a goal after one and up to another, oldest first; `kinds` as in `events.KINDS`."""
+
+    async def knows_all_of(self, goal: Goal) -> bool:
+        """Whether no event of a goal has been given up."""
 
     def stats(self) -> HistoryStats:
         """How the keeping goes."""

@@ -7,6 +7,7 @@ from datetime import UTC, datetime
 
 import sqlalchemy as sa
 
+from dock_gateway.events import time_id
 from dock_gateway.history import store
 from dock_gateway.history.database import Database
 from dock_gateway.history.tables import events, idempotency_keys
@@ -46,7 +47,7 @@ class Retention:
 
     async def enforce(self) -> int:
         """Delete all that has to go; returns how many events those were."""
-        cutoff = f"{time.time_ns() - int(self._max_age * 1e9):020d}"
+        cutoff = time_id(time.time_ns() - int(self._max_age * 1e9))
         deleted = 0
         while count := (await self._delete(before=cutoff))[0]:
             deleted += count

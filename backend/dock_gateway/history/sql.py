@@ -2,8 +2,7 @@
 
 import asyncio
 import logging
-import time
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from contextlib import suppress
 from datetime import UTC, datetime
 from functools import partial
@@ -15,9 +14,11 @@ from dock_gateway.errors import Unavailable
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal
 from dock_gateway.history import store
-from dock_gateway.history.database import Database, T, Ts
+from dock_gateway.history.database import Database
 from dock_gateway.history.merge import merge
-from dock_gateway.history.protocol import KEY_LIFETIME, HistoryStats, fingerprint_of, selects
+from dock_gateway.history.past import Past
+from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, fingerprint_of
+from dock_gateway.history.reader import Reader
 from dock_gateway.history.retention import Retention
 from dock_gateway.history.rows import Key
 from dock_gateway.history.spool import Spool
@@ -29,10 +30,7 @@ log = logging.getLogger(__name__)
 
 OPEN_TIMEOUT = 2.0  # at the start, for the database
 CLOSE_TIMEOUT = 1.0
-READ_TIMEOUT = 1.0
 KEY_TIMEOUT = 0.5  # a goal with an idempotency key waits so long to learn whether it is the first
-# After a read that failed, the next ones fail at once for so long.
-READ_PAUSE = 1.0
 MAX_KEYS = 10_000
 
 
@@ -53,7 +51,8 @@ class SqlHistory:
         self._waiting = Waiting(max_waiting)
         self._writer = Writer(self._database, self._spool, self._waiting)
         self._keys: dict[str, Key] = {}
-        self._reads_pause_until = 0.0
+        self._reader = Reader(self._database, self._writer)
+        self._past = Past(self._reader, self._waiting)
         self.retention = Retention(self._database, max_age, max_bytes)
         self._tasks: list[asyncio.Task[None]] = []
 
@@ -65,21 +64,10 @@ class SqlHistory:
             async with asyncio.timeout(OPEN_TIMEOUT):
                 await self._writer.answered.wait()
         with suppress(Unavailable):
-            self._keys = {key.key: key for key in await self._read(store.newest_keys, MAX_KEYS)}
+            self._keys = {key.key: key for key in await self._reader.read(store.newest_keys, MAX_KEYS)}
         for key in self._waiting.keys.values():
             self._keys.setdefault(key.key, key)
         self._tasks = [asyncio.create_task(self.retention.run())]
-
-    async def _read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, timeout: float = READ_TIMEOUT) -> T:
-        if not self._database.prepared or time.monotonic() < self._reads_pause_until:
-            raise Unavailable("the history database does not answer", code="history_unavailable")
-        try:
-            async with asyncio.timeout(timeout):
-                return await self._database.read(work, *args)
-        except DATABASE_ERRORS as error:
-            self._reads_pause_until = time.monotonic() + READ_PAUSE
-            self._writer.doubt(error)
-            raise Unavailable("the history database does not answer", code="history_unavailable") from error
 
     # ------------------------------------------------------------------ write
 
@@ -136,34 +124,30 @@ class SqlHistory:
 
     async def page(self, wanted: Wanted, *, limit: int, before: str | None = None) -> list[Goal]:
         """Goals, newest first."""
-        self._require_everything()
+        self._reader.require_everything()
         read = partial(_page, limit=limit, before=before)
-        return await self._read(read, wanted, dict(self._waiting.goals))
-
-    def _require_everything(self) -> None:
-        if self._writer.evicted:
-            raise Unavailable("the history is catching up with its spool", code="history_unavailable")
+        return await self._reader.read(read, wanted, dict(self._waiting.goals))
 
     async def get(self, goal_id: str) -> Goal | None:
         """One goal."""
         waiting = self._waiting.goals.get(goal_id)
         waiting_now = {} if waiting is None else {goal_id: waiting}
         try:
-            stored = await self._read(store.goals_by_id, [goal_id])
+            stored = await self._reader.read(store.goals_by_id, [goal_id])
         except Unavailable:
             if waiting is None:
                 raise
             return _merged({}, waiting_now)[goal_id]
         goal = {**stored, **_merged(stored, waiting_now)}.get(goal_id)
         if goal is None:
-            self._require_everything()
+            self._reader.require_everything()
         return goal
 
     async def by_key(self, idempotency_key: str) -> Goal | None:
         """The goal that was sent with this key."""
         key = self._held(idempotency_key)
         if key is None:
-            key = await self._read(store.key_of, idempotency_key, timeout=KEY_TIMEOUT)
+            key = await self._reader.read(store.key_of, idempotency_key, timeout=KEY_TIMEOUT)
         return None if key is None else await self.get(key.goal_id)
 
     async def unfinished(self, *, complete: bool = False) -> list[Goal]:
@@ -171,7 +155,7 @@ class SqlHistory:
         waiting = dict(self._waiting.goals)
         stored: dict[str, Goal] = {}
         try:
-            stored = await self._read(_unfinished_or, list(waiting))
+            stored = await self._reader.read(_unfinished_or, list(waiting))
         except Unavailable:
             if complete:
                 raise
@@ -182,24 +166,17 @@ class SqlHistory:
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
     ) -> list[Event] | None:
         """The events that follow one, oldest first; None where they are not all there."""
-        if self._writer.evicted or any(self._waiting.gaps.get(topic, "") > event_id for topic in topics):
-            return None
-        waiting = [*self._waiting.events.values(), *self._waiting.droppable.values()]
-        found = {
-            event.id or "": event
-            for event in waiting
-            if (event.id or "") > event_id and selects(event, goal_id, action_name, topics)
-        }
-        known = self._waiting.find_event(event_id) is not None
-        try:
-            read = partial(_events_after, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
-            later = await self._read(read, event_id, known)
-        except Unavailable:
-            return None
-        if later is None:
-            return None
-        found |= {event.id or "": event for event in later}
-        return [found[identity] for identity in sorted(found)][:limit]
+        return await self._past.after(event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
+
+    async def events_of(
+        self, goal_id: str, *, kinds: Collection[str], after: str = "", until: str = NEVER, limit: int
+    ) -> list[Event]:
+        """The events of a goal between two, oldest first."""
+        return await self._past.of_goal(goal_id, kinds=kinds, after=after, until=until, limit=limit)
+
+    async def knows_all_of(self, goal: Goal) -> bool:
+        """Whether no event of a goal is missing."""
+        return await self._past.knows_all_of(goal)
 
     # ------------------------------------------------------------------ the rest
 
@@ -258,25 +235,6 @@ def _page(
 def _unfinished_or(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, Goal]:
     """The goals that have not ended, and those with these ids."""
     return {goal.goal_id: goal for goal in store.unfinished(connection)} | store.goals_by_id(connection, goal_ids)
-
-
-def _events_after(
-    connection: sa.Connection,
-    event_id: str,
-    known: bool,
-    *,
-    goal_id: str | None,
-    action_name: str | None,
-    topics: frozenset[str],
-    limit: int,
-) -> list[Event] | None:
-    """The events that follow one; None where they are not all there."""
-    stored, whole = store.knows_all_after(connection, event_id, topics)
-    if not whole or not (known or stored):
-        return None
-    return store.events_after(
-        connection, event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit
-    )
 
 
 def _new_key(key: str, goal_id: str, fingerprint: str) -> Key:

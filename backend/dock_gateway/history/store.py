@@ -1,16 +1,18 @@
-"""What is asked of the tables, in SQL that SQLite and PostgreSQL share. Functions of a connection, for `Database`."""
+"""What is written, and what is asked of goals and keys, in SQL that SQLite and PostgreSQL share.
+
+Functions of a connection, for `Database`.
+"""
 
 import importlib
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sqlalchemy as sa
 
-from dock_gateway.events import Event
 from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history.merge import merge
-from dock_gateway.history.rows import Batch, Key, event_of, event_row, goal_of, goal_row, key_row
+from dock_gateway.history.rows import Batch, Key, event_row, goal_of, goal_row, key_row
 from dock_gateway.history.tables import events, goals, horizons, idempotency_keys
 from dock_gateway.history.wanted import Wanted
 
@@ -156,42 +158,3 @@ def _keys(connection: sa.Connection, condition: "sa.ColumnElement[bool]", limit:
         .limit(limit)
     )
     return [Key(**row) for row in connection.execute(query).mappings()]
-
-
-def knows_all_after(connection: sa.Connection, event_id: str, topics: Collection[str]) -> tuple[bool, bool]:
-    """Whether there is an event with this id, and whether nothing that followed it was given up."""
-    known = connection.scalar(sa.select(sa.literal(1)).where(events.c.id == event_id))
-    beyond = connection.scalar(
-        sa.select(sa.func.count())
-        .select_from(horizons)
-        .where(horizons.c.topic.in_(list(topics)), horizons.c.event_id > event_id)
-    )
-    return known is not None, not beyond
-
-
-def events_after(
-    connection: sa.Connection,
-    event_id: str,
-    *,
-    goal_id: str | None,
-    action_name: str | None,
-    topics: Collection[str],
-    limit: int,
-) -> list[Event]:
-    """The events that follow one, in the order of their ids."""
-    wanted: list[Any] = []
-    if goal_id is not None:
-        wanted.append(events.c.goal_id == goal_id)
-    if action_name is not None:
-        wanted.append(events.c.action_name == action_name)
-    query = (
-        sa.select(events)
-        .where(
-            events.c.id > event_id,
-            events.c.topic.in_(list(topics)),
-            sa.or_(events.c.topic != "goals", sa.and_(sa.true(), *wanted)),
-        )
-        .order_by(events.c.id)
-        .limit(limit)
-    )
-    return [event_of(row) for row in connection.execute(query).mappings()]

@@ -309,6 +309,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/goals/{goal_id}/history": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Goal History
+         * @description The events of a goal, as they were sent on the streams, oldest first.
+         */
+        get: operations["goal_history"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/actions": {
         parameters: {
             query?: never;
@@ -672,6 +692,32 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /**
+         * ActionFeedbackEvent
+         * @description Feedback of a goal on any action.
+         */
+        ActionFeedbackEvent: {
+            /**
+             * Type
+             * @constant
+             */
+            type: "feedback";
+            /** Id */
+            id: string;
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Goal Id */
+            goal_id: string;
+            /** Action Name */
+            action_name: string;
+            /** Feedback */
+            feedback: {
+                [key: string]: unknown;
+            };
+        };
+        /**
          * ActionGoal
          * @description A goal on any action; goal, feedback and result hold the fields of the action's messages.
          */
@@ -783,6 +829,34 @@ export interface components {
             actions: components["schemas"]["ActionInfo"][];
         };
         /**
+         * ActionResultEvent
+         * @description A goal on any action ended.
+         */
+        ActionResultEvent: {
+            /**
+             * Type
+             * @constant
+             */
+            type: "result";
+            /** Id */
+            id: string;
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Goal Id */
+            goal_id: string;
+            /** Action Name */
+            action_name: string;
+            status: components["schemas"]["GoalStatus"];
+            /** Result */
+            result: {
+                [key: string]: unknown;
+            } | null;
+            error: components["schemas"]["GoalError"] | null;
+        };
+        /**
          * ActionServer
          * @description Whether an action server is on the graph, and answers.
          */
@@ -810,6 +884,63 @@ export interface components {
              */
             time: string;
             action_server: components["schemas"]["ActionServer"];
+        };
+        /**
+         * ActionStatusEvent
+         * @description The state of a goal on any action changed.
+         */
+        ActionStatusEvent: {
+            /** Goal Id */
+            goal_id: string;
+            /** Action Name */
+            action_name: string;
+            /** Action Type */
+            action_type: string;
+            status: components["schemas"]["GoalStatus"];
+            /** Stalled */
+            stalled: boolean;
+            /**
+             * Origin
+             * @enum {string}
+             */
+            origin: "gateway" | "external";
+            /** Stage */
+            stage: string | null;
+            /** Retries */
+            retries: number | null;
+            error: components["schemas"]["GoalError"] | null;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /**
+             * Updated At
+             * Format: date-time
+             */
+            updated_at: string;
+            /** Finished At */
+            finished_at: string | null;
+            /** Feedback Count */
+            feedback_count: number;
+            /** Last Event Id */
+            last_event_id: string | null;
+            /**
+             * Type
+             * @constant
+             */
+            type: "status";
+            /** Id */
+            id: string;
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Goal */
+            goal: {
+                [key: string]: unknown;
+            } | null;
         };
         /**
          * Battery
@@ -1161,6 +1292,18 @@ export interface components {
             code: string;
             /** Detail */
             detail: string;
+        };
+        /**
+         * GoalHistory
+         * @description The events of a goal, oldest first; `next_after` where there are more, `complete` where none was given up.
+         */
+        GoalHistory: {
+            /** Events */
+            events: (components["schemas"]["ActionStatusEvent"] | components["schemas"]["ActionFeedbackEvent"] | components["schemas"]["ActionResultEvent"])[];
+            /** Next After */
+            next_after: string | null;
+            /** Complete */
+            complete: boolean;
         };
         /**
          * GoalPage
@@ -2957,6 +3100,61 @@ export interface operations {
             };
             /** @description Gateway Timeout */
             504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    goal_history: {
+        parameters: {
+            query?: {
+                /** @description Only events of these types */
+                type?: ("status" | "feedback" | "result")[] | null;
+                /** @description Id of the event that they follow */
+                after?: string | null;
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GoalHistory"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -1,0 +1,112 @@
+"""The events of the past: those that are stored, together with those that wait to be."""
+
+from collections.abc import Callable, Collection, Iterator
+from copy import copy
+from functools import partial
+
+import sqlalchemy as sa
+
+from dock_gateway.errors import Unavailable
+from dock_gateway.events import FEEDBACK, Event, kind_of
+from dock_gateway.goals import Goal
+from dock_gateway.history import event_store
+from dock_gateway.history.protocol import NEVER, selects
+from dock_gateway.history.reader import Reader
+from dock_gateway.history.waiting import Waiting
+from dock_gateway.history.whole import is_whole
+
+
+class Past:
+    """Reads events. What waits is looked at first: it may be stored meanwhile, and must not be missed in between."""
+
+    def __init__(self, reader: Reader, waiting: Waiting) -> None:
+        self._reader = reader
+        self._waiting = waiting
+
+    def _that_wait(self, chosen: Callable[[Event], bool]) -> dict[str, Event]:
+        return {event.id or "": event for event in self._all_that_wait() if chosen(event)}
+
+    def _all_that_wait(self) -> Iterator[Event]:
+        yield from self._waiting.events.values()
+        yield from self._waiting.droppable.values()
+
+    async def after(
+        self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
+    ) -> list[Event] | None:
+        """The events that follow one, oldest first; None where they are not all there."""
+        if any(self._waiting.gaps.get(topic, "") > event_id for topic in topics):
+            return None
+        found = self._that_wait(
+            lambda event: (event.id or "") > event_id and selects(event, goal_id, action_name, topics)
+        )
+        known = self._waiting.find_event(event_id) is not None
+        try:
+            self._reader.require_everything()
+            read = partial(_after, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
+            later = await self._reader.read(read, event_id, known)
+        except Unavailable:
+            return None
+        return None if later is None else _joined(found, later, limit)
+
+    async def of_goal(self, goal_id: str, *, kinds: Collection[str], after: str, until: str, limit: int) -> list[Event]:
+        """The events of a goal between two, oldest first.
+
+        Raises:
+            Unavailable: The database does not answer.
+        """
+        self._reader.require_everything()
+        found = self._that_wait(
+            lambda event: (
+                event.goal_id == goal_id and after < (event.id or "") <= until and kind_of(event.id or "") in kinds
+            )
+        )
+        read = partial(event_store.events_of_goal, kinds=kinds, after=after, until=until, limit=limit)
+        return _joined(found, await self._reader.read(read, goal_id), limit)
+
+    async def knows_all_of(self, goal: Goal) -> bool:
+        """Whether no event of a goal is missing.
+
+        Raises:
+            Unavailable: The database does not answer.
+        """
+        self._reader.require_everything()
+        waiting = self._that_wait(lambda event: event.goal_id == goal.goal_id)
+        gap = self._waiting.gaps.get("goals", "")
+        return await self._reader.read(_knows_all_of, copy(goal), frozenset(waiting), gap)
+
+
+def _joined(waiting: dict[str, Event], stored: list[Event], limit: int) -> list[Event]:
+    found = waiting | {event.id or "": event for event in stored}
+    return [found[identity] for identity in sorted(found)][:limit]
+
+
+def _after(
+    connection: sa.Connection,
+    event_id: str,
+    known: bool,
+    *,
+    goal_id: str | None,
+    action_name: str | None,
+    topics: frozenset[str],
+    limit: int,
+) -> list[Event] | None:
+    """The stored events that follow one; None where they are not all there."""
+    stored, whole = event_store.knows_all_after(connection, event_id, topics)
+    if not whole or not (known or stored):
+        return None
+    return event_store.events_after(
+        connection, event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit
+    )
+
+
+def _knows_all_of(connection: sa.Connection, goal: Goal, waiting: frozenset[str], gap: str) -> bool:
+    stored = event_store.first_of_goal(connection, goal.goal_id)
+    feedback = {identity for identity in waiting if kind_of(identity) == FEEDBACK}
+    # What waits may be stored meanwhile; it counts once.
+    count, later = event_store.feedback_of_goal(connection, goal.goal_id, min(feedback, default=NEVER))
+    return is_whole(
+        goal,
+        first=min(filter(None, (stored, *waiting)), default=None),
+        missing=max(event_store.horizon(connection, "goals"), gap),
+        feedback=count + len(feedback | later),
+    )
