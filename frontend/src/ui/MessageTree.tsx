@@ -1,0 +1,123 @@
+import {
+  descriptionOf,
+  fieldNode,
+  itemNode,
+  type JsonSchema,
+  rootNode,
+  type SchemaNode,
+  typeOf,
+} from "./jsonSchema";
+import classes from "./MessageTree.module.css";
+import { hasParts, isAbsent, isMessage, MAX_ITEMS, momentOf, valueWords } from "./messageWords";
+import { Time } from "./Time";
+
+interface MessageTreeProps {
+  /** A message as the gateway writes it. */
+  value: unknown;
+  /** Of `/interfaces/{type}`, where it is known: gives units, constants and descriptions. */
+  schema?: JsonSchema | undefined;
+  /** What it is, to a screen reader. */
+  label: string;
+  /** So many levels of messages are unfolded at first. */
+  open?: number;
+}
+
+/** A message to read: a field a line, messages within it to fold. Keeps what is unfolded while the message changes. */
+export function MessageTree({ value, schema, label, open = 1 }: MessageTreeProps) {
+  const node = rootNode(schema);
+  return (
+    <div className={classes.tree} data-testid="message-tree">
+      {hasParts(value) ? (
+        <Parts value={value} node={node} open={open} label={label} />
+      ) : (
+        <span className={classes.value}>{valueWords(value, node)}</span>
+      )}
+    </div>
+  );
+}
+
+interface PartsProps {
+  value: Record<string, unknown> | unknown[];
+  node: SchemaNode | undefined;
+  open: number;
+  label?: string;
+}
+
+function Parts({ value, node, open, label }: PartsProps) {
+  if (Array.isArray(value)) {
+    const item = itemNode(node);
+    const left = value.length - MAX_ITEMS;
+    return (
+      <ul className={classes.parts} aria-label={label}>
+        {value.slice(0, MAX_ITEMS).map((each, index) => (
+          // biome-ignore lint/suspicious/noArrayIndexKey: an item of a message is known by its place alone
+          <Part key={index} name={`[${index}]`} value={each} node={item} open={open} />
+        ))}
+        {left > 0 && <li className={classes.absent}>… and {left} more</li>}
+      </ul>
+    );
+  }
+  const fields = Object.entries(value);
+  return (
+    <ul className={classes.parts} aria-label={label}>
+      {fields.map(([name, each]) => (
+        <Part key={name} name={name} value={each} node={fieldNode(node, name)} open={open} />
+      ))}
+      {fields.length === 0 && <li className={classes.absent}>has no fields</li>}
+    </ul>
+  );
+}
+
+function Part({
+  name,
+  value,
+  node,
+  open,
+}: {
+  name: string;
+  value: unknown;
+  node: SchemaNode | undefined;
+  open: number;
+}) {
+  const moment = isMessage(value) ? momentOf(value, node) : null;
+  if (moment === null && hasParts(value)) {
+    return (
+      <li>
+        <details open={open > 0} className={classes.message}>
+          <summary>
+            <Name name={name} node={node} />
+            <span className={classes.type}>{kindWords(value, node)}</span>
+          </summary>
+          <Parts value={value} node={node} open={open - 1} />
+        </details>
+      </li>
+    );
+  }
+  return (
+    <li className={classes.field}>
+      <Name name={name} node={node} />{" "}
+      <span className={classes.value} data-absent={isAbsent(value) || undefined}>
+        {moment === null ? (
+          valueWords(value, node)
+        ) : moment.kind === "words" ? (
+          moment.words
+        ) : (
+          <Time value={moment.ms} />
+        )}
+      </span>
+    </li>
+  );
+}
+
+function Name({ name, node }: { name: string; node: SchemaNode | undefined }) {
+  return (
+    <span className={classes.name} title={descriptionOf(node) ?? undefined}>
+      {name}
+    </span>
+  );
+}
+
+function kindWords(value: Record<string, unknown> | unknown[], node: SchemaNode | undefined): string {
+  if (Array.isArray(value)) return `${value.length} × ${typeOf(itemNode(node)) ?? "message"}`;
+  return typeOf(node) ?? "";
+}
