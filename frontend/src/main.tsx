@@ -24,6 +24,7 @@ openStream(streamUrl(location, { include: "system", max_rate: "2" }), store);
 const fleet: FleetServices = {
   http,
   gateway: createGateway(http),
+  gatewayOf: (robot) => createGateway(http, robot),
   store,
   openRobot: (robot) => openRobot(location, http, robot),
 };

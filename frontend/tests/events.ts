@@ -9,6 +9,7 @@ import type {
   StopReport,
   StopState,
 } from "../src/api/types";
+import type { Alert, Robot } from "../src/fleet/types";
 
 export const START = Date.parse("2026-11-21T03:32:40Z");
 
@@ -63,6 +64,44 @@ export function stopReport(change: Partial<StopReport> = {}): StopReport {
 
 export function undockGoal(id: string, change: Partial<Goal> = {}): Goal {
   return goal(id, { action_name: undockServer.action_name, ...change });
+}
+
+export function robot(name: string, change: Partial<Robot> = {}): Robot {
+  const action = (verb: string): ActionServer => ({
+    action_name: `${name === "/" ? "" : name}/${verb}`,
+    available: true,
+    answering: true,
+  });
+  return {
+    name,
+    default: name === "/",
+    docked: false,
+    simulated: false,
+    battery: { state: battery, received_at: new Date().toISOString(), stale: false, stale_after_s: 2 },
+    battery_topic: `${name === "/" ? "" : name}/battery_status`,
+    battery_publisher: { active: false, rate_hz: null },
+    stop: released,
+    dock: action("dock"),
+    undock: action("undock"),
+    goals: [],
+    last_goal: null,
+    ...change,
+  };
+}
+
+export function alert(id: string, change: Partial<Alert> = {}): Alert {
+  return {
+    id,
+    kind: "low_battery",
+    robot: "/robot1",
+    severity: "warning",
+    since: at(0),
+    title: "Low battery",
+    detail: "12 % and no docking goal runs: dock it.",
+    goal_id: null,
+    acknowledged: null,
+    ...change,
+  };
 }
 
 export function goal(id: string, change: Partial<Goal> = {}): Goal {

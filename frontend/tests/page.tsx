@@ -12,6 +12,7 @@ import type { EventOf, GatewayEvent } from "../src/api/types";
 import { BatterySeries } from "../src/battery/series";
 import { FleetProvider, type FleetServices } from "../src/fleet/context";
 import { FleetStore } from "../src/fleet/store";
+import type { FleetSnapshot } from "../src/fleet/types";
 import { App } from "../src/layout/App";
 import { theme } from "../src/layout/theme";
 import { SceneBuffer } from "../src/scene/buffer";
@@ -58,13 +59,19 @@ class BothStores {
 }
 
 /** The page at a path, live with a snapshot that was just taken, or not live where `first` is null. */
-export function renderPage(gateway: Gateway, first: Partial<EventOf<"snapshot">> | null = {}, path = "/") {
+export function renderPage(
+  gateway: Gateway,
+  first: Partial<EventOf<"snapshot"> & FleetSnapshot> | null = {},
+  path = "/",
+  gatewayOf: FleetServices["gatewayOf"] = () => gateway,
+) {
   const store = new BothStores();
   const scene = new SceneBuffer();
   const services: Services = { gateway, store: store.robot, series: new BatterySeries(), scene };
   const fleet: FleetServices = {
     http: createHttp("http://gateway:8000"),
     gateway,
+    gatewayOf,
     store: store.fleet,
     openRobot: () => ({ services, close: () => {} }),
   };

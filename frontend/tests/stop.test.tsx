@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import { DoubleEscape, TWICE_WITHIN_MS } from "../src/stop/keys";
 import { ownName, setOwnName } from "../src/stop/who";
-import { at, latched, released, stopReport } from "./events";
+import { at, latched, released, robot, stopReport } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
@@ -77,7 +77,79 @@ describe("a latched stop", () => {
   });
 });
 
+describe("the stops of several robots", () => {
+  const stoppedBy = (by: string, ...robots: string[]) => ({ ...latched(by), robots });
+  const one = robot("/robot1", { stop: stoppedBy("Ada", "/robot1") });
+  const two = robot("/robot2", { stop: stoppedBy("Grace", "/robot2") });
+
+  it("are told apart, and each is released by itself", async () => {
+    const release = vi.fn(async () => released);
+    const gatewayOf = vi.fn(() => fakeGateway({ release }));
+    const { user } = renderPage(
+      fakeGateway(),
+      { robots: [one, two, robot("/robot3")] },
+      "/ui/robot",
+      gatewayOf,
+    );
+    expect(banner()?.textContent).toMatch(/2 robots are stopped/);
+    expect(banner()?.textContent).toMatch(/\/robot1: Stopped by Ada.*\/robot2: Stopped by Grace/);
+    await user.click(button("Release /robot2 …"));
+    const dialog = await screen.findByRole("dialog", { name: "Release the stop?" });
+    expect(dialog.textContent).toMatch(/\/robot2/);
+    await user.click(button("Release"));
+    expect(gatewayOf.mock.calls).toEqual([["/robot2"]]);
+    await waitFor(() => expect(banner()?.textContent).toMatch(/^\/robot1: Stopped by Ada/));
+    expect(release).toHaveBeenCalledTimes(1);
+  });
+
+  it("are released together by those who mean all", async () => {
+    const release = vi.fn(async () => released);
+    const gatewayOf = vi.fn(() => fakeGateway({ release }));
+    const { user } = renderPage(fakeGateway(), { robots: [one, two] }, "/ui/robot", gatewayOf);
+    await user.click(button("Release all …"));
+    await screen.findByRole("dialog", { name: "Release 2 stops?" });
+    await user.click(button("Release all"));
+    await waitFor(() => expect(banner()).toBeNull());
+    expect(gatewayOf.mock.calls).toEqual([["/robot1"], ["/robot2"]]);
+  });
+
+  it("are one where it is that of the namespace above", async () => {
+    const held = { ...latched("Ada"), robots: ["/", "/robot1", "/robot2"] };
+    const robots = [robot("/", { stop: held }), one, two];
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway, { stop: held, robots }, "/ui/robot");
+    expect(banner()?.textContent).toMatch(/^Stopped by Ada.*\/robot1, \/robot2: /);
+    await user.click(button("Release …"));
+    await user.click(await screen.findByRole("button", { name: "Release" }));
+    await waitFor(() => expect(banner()).toBeNull());
+    expect(gateway.release).toHaveBeenCalledTimes(1);
+  });
+});
+
 describe("Stop", () => {
+  it("stops those too that are not below the configured robot", async () => {
+    const gateway = fakeGateway();
+    const other = fakeGateway();
+    const gatewayOf = vi.fn(() => other);
+    const robots = [robot("/a", { default: true }), robot("/a/arm"), robot("/b"), robot("/b/arm")];
+    const { user } = renderPage(gateway, { robots }, "/ui/robot", gatewayOf);
+    await user.click(button("Stop"));
+    expect(gateway.stop).toHaveBeenCalledTimes(1);
+    expect(gatewayOf.mock.calls).toEqual([["/b"]]);
+    expect(other.stop).toHaveBeenCalledTimes(1);
+    expect(await screen.findByText(/2 goals are being canceled/)).toBeDefined();
+  });
+
+  it("says which robot it did not reach", async () => {
+    const stop = vi
+      .fn()
+      .mockRejectedValue(new CommandError("robot_not_found", "No such robot", "it has gone"));
+    const robots = [robot("/a", { default: true }), robot("/b")];
+    const { user } = renderPage(fakeGateway(), { robots }, "/ui/robot", () => fakeGateway({ stop }));
+    await user.click(button("Stop"));
+    expect(await screen.findByText(/\/b: it has gone \(robot_not_found\)/)).toBeDefined();
+  });
+
   it("is answered on the page at once, and says who has not answered yet", async () => {
     let answer: (report: ReturnType<typeof stopReport>) => void = () => {};
     const stop = vi.fn(() => new Promise<ReturnType<typeof stopReport>>((resolve) => (answer = resolve)));

@@ -155,6 +155,18 @@ describe("stream", () => {
     expect(FakeSocket.sockets.length).toBeGreaterThanOrEqual(2);
   });
 
+  it("is closed at once when the network is gone, and goes on by itself", async () => {
+    const socket = await newest();
+    socket.open();
+    socket.receive(JSON.stringify(snapshot()));
+    window.dispatchEvent(new Event("offline"));
+    expect(kinds()).toEqual(["snapshot", "closed"]);
+    expect(socket.readyState).toBe(3);
+    (await newest()).open();
+    (await newest()).receive(JSON.stringify({ type: "resumed", time: at(1), after: "x", count: 0 }));
+    expect(kinds()).toEqual(["snapshot", "closed", "snapshot"]);
+  });
+
   it("ends for good when closed", async () => {
     (await newest()).open();
     close();

@@ -9,8 +9,10 @@ import type { FleetStore } from "./store";
 /** What every page has. */
 export interface FleetServices {
   http: Http;
-  /** Commands that are not for one robot: Stop stops all of them. */
+  /** Commands for the robot that the gateway is configured for; its Stop stops those in namespaces below, too. */
   gateway: Gateway;
+  /** Commands for one robot, the configured one for null. */
+  gatewayOf(robot: string | null): Gateway;
   store: FleetStore;
   /** Reads along with one robot, the configured one for null, until it is closed. */
   openRobot(robot: string | null): OpenRobot;

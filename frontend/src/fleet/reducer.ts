@@ -1,7 +1,8 @@
-import type { EventOf, GatewayEvent } from "../api/types";
+import type { EventOf, GatewayEvent, StopState } from "../api/types";
+import { defaultRobot, isUnder } from "../stop/held";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "../store/goals";
 import { remember } from "../store/reducer";
-import type { FleetState } from "./state";
+import { type FleetState, NO_STOP } from "./state";
 import type { AlertsEvent, FleetSnapshot, Robot, RobotsEvent } from "./types";
 
 export type FleetEvent = GatewayEvent | RobotsEvent | AlertsEvent;
@@ -26,7 +27,7 @@ function apply(state: FleetState, event: FleetEvent, now: number): FleetState {
     case "result":
       return applyResult(state, event);
     case "stop":
-      return { ...state, stop: event.stop };
+      return withStop(state, event.robot, event.stop);
     case "robots":
       return { ...state, robots: withRobots(state.robots, event.robots, event.gone) };
     case "alerts":
@@ -56,6 +57,24 @@ function applySnapshot(
     null,
     event.goals,
   );
+}
+
+/**
+ * Takes up the stop of a robot, the configured one for null, and what it says of the robots in namespaces below. Of
+ * those the gateway tells only later.
+ */
+export function withStop(state: FleetState, robot: string | null, stop: StopState): FleetState {
+  const configured = defaultRobot(state.robots);
+  const name = robot ?? configured;
+  const robots = new Map(state.robots);
+  for (const known of state.robots.values()) {
+    if (!isUnder(known.name, name)) continue;
+    const latched = stop.robots.includes(known.name);
+    if (known.name === name) robots.set(name, { ...known, stop });
+    else if (latched !== known.stop.latched)
+      robots.set(known.name, { ...known, stop: { ...(latched ? stop : NO_STOP), robots: [] } });
+  }
+  return { ...state, robots, stop: name === configured ? stop : state.stop };
 }
 
 function withRobots(

@@ -21,13 +21,15 @@ export interface FleetTopics extends Omit<FleetState, "seen"> {
 
 export type FleetTopic = keyof FleetTopics;
 
+export const NO_STOP: StopState = { latched: false, since: null, by: null, robots: [] };
+
 export const initialFleet: FleetState = {
   goals: new Map(),
   arrivals: new Map(),
   stages: new Map(),
   robots: new Map(),
   alerts: [],
-  stop: { latched: false, since: null, by: null, robots: [] },
+  stop: NO_STOP,
   clockSkew: 0,
   seen: new Set(),
 };

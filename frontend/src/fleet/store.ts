@@ -7,8 +7,9 @@ import {
   initialConnection,
   nextConnection,
 } from "../stream/connection";
-import { reduceFleet } from "./reducer";
+import { reduceFleet, withStop } from "./reducer";
 import { type FleetState, type FleetTopic, type FleetTopics, initialFleet } from "./state";
+import type { Alert } from "./types";
 
 /** Holds what is known of all robots, and shows it at most ten times a second; a change of the connection at once. */
 export class FleetStore {
@@ -42,9 +43,16 @@ export class FleetStore {
     this.#shown.schedule();
   }
 
-  /** Takes up what an answer over HTTP says of the stop: at once, as people wait for it. */
-  setStop(stop: StopState): void {
-    this.#state = { ...this.#state, stop };
+  /** Takes up what an answer over HTTP says of a robot's stop, the configured one for null: people wait for it. */
+  setStop(stop: StopState, robot: string | null = null): void {
+    this.#state = withStop(this.#state, robot, stop);
+    this.#shown.flush();
+  }
+
+  /** Takes up what an answer over HTTP says of an alert: at once, as people wait for it. */
+  setAlert(alert: Alert): void {
+    const alerts = this.#state.alerts.map((known) => (known.id === alert.id ? alert : known));
+    this.#state = { ...this.#state, alerts };
     this.#shown.flush();
   }
 

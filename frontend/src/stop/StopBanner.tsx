@@ -1,28 +1,24 @@
 import { Button, Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
-import type { StopState } from "../api/types";
+import { type ReactNode, useMemo } from "react";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Dialog } from "../ui/Dialog";
 import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";
+import { type HeldStop, heldStops } from "./held";
 import classes from "./stop.module.css";
 
-/** Says that a stop holds, since when and by whom, and releases it. */
+/** So many names are said; the others are counted. */
+const NAMES = 6;
+
+/** Says which stops hold, since when and by whom, and releases each. */
 export function StopBanner() {
   const stop = useFleetTopic("stop");
-  return stop.latched ? <Latched stop={stop} /> : null;
-}
-
-function Latched({ stop }: { stop: StopState }) {
-  const { gateway, store } = useFleet();
-  const live = useFleetLive();
-  const [asking, ask] = useDisclosure(false);
-  const release = useCommand(async () => {
-    store.setStop(await gateway.release());
-  });
-  const others = stop.robots.filter((robot) => robot !== "/");
-
+  const robots = useFleetTopic("robots");
+  const held = useMemo(() => heldStops(stop, robots), [stop, robots]);
+  const [only] = held;
+  if (only === undefined) return null;
   return (
     <Paper
       component="section"
@@ -31,51 +27,149 @@ function Latched({ stop }: { stop: StopState }) {
       radius="md"
       p="md"
       className={classes.banner}
-      style={{ borderColor: "var(--mantine-color-red-filled)", borderWidth: 2 }}
       data-testid="stop-banner"
     >
+      {held.length === 1 ? (
+        <Held stop={only} title={<Title stop={only} several={robots.size > 1} />} large>
+          {only.below.length > 0 && `${listed(only.below)}: `}
+          Zero velocity was sent, goals are canceled, and none is sent until the stop is released.
+        </Held>
+      ) : (
+        <Several held={held} />
+      )}
+    </Paper>
+  );
+}
+
+/** Several robots, each with a stop of its own. */
+function Several({ held }: { held: readonly HeldStop[] }) {
+  return (
+    <Stack gap="xs">
       <Group justify="space-between" gap="md">
         <div role="status">
           <Text fw={700} fz="lg">
-            Stopped{stop.by !== null && ` by ${stop.by}`}
-            {stop.since !== null && (
-              <>
-                {" "}
-                at <Time value={stop.since} />
-              </>
-            )}
+            {held.length} robots are stopped
           </Text>
           <Text size="sm">
-            {others.length > 0 && `${others.join(", ")}: `}
-            Zero velocity was sent, goals are canceled, and none is sent until the stop is released.
+            Zero velocity was sent, goals are canceled, and none is sent to a robot until its stop is
+            released.
           </Text>
         </div>
-        <Button variant="default" disabled={!live} onClick={ask.open}>
-          Release …
-        </Button>
+        <Release held={held} />
       </Group>
-      <CommandErrorAlert command="Release" error={release.error} onClose={release.reset} />
-      <Dialog opened={asking} onClose={ask.close} title="Release the stop?">
+      <ul className={classes.held}>
+        {held.map((stop) => (
+          <li key={stop.robot}>
+            <Held stop={stop} title={<Title stop={stop} several />}>
+              {stop.below.length > 0 && `Holds ${listed(stop.below)}, too.`}
+            </Held>
+          </li>
+        ))}
+      </ul>
+    </Stack>
+  );
+}
+
+interface HeldProps {
+  stop: HeldStop;
+  title: ReactNode;
+  large?: boolean;
+  children: ReactNode;
+}
+
+function Held({ stop, title, large = false, children }: HeldProps) {
+  return (
+    <Group justify="space-between" gap="md">
+      <div role={large ? "status" : undefined}>
+        <Text fw={large ? 700 : 600} fz={large ? "lg" : "md"}>
+          {title}
+        </Text>
+        <Text size="sm">{children}</Text>
+      </div>
+      <Release held={[stop]} small={!large} />
+    </Group>
+  );
+}
+
+function Title({ stop: { robot, by, since }, several }: { stop: HeldStop; several: boolean }) {
+  return (
+    <>
+      {several && robot !== "/" && `${robot}: `}
+      Stopped{by !== null && ` by ${by}`}
+      {since !== null && (
+        <>
+          {" "}
+          at <Time value={since} />
+        </>
+      )}
+    </>
+  );
+}
+
+/** Releases one stop, or all of them, after a confirmation that says whose. */
+function Release({ held, small = false }: { held: readonly HeldStop[]; small?: boolean }) {
+  const { gateway, gatewayOf, store } = useFleet();
+  const live = useFleetLive();
+  const [asking, ask] = useDisclosure(false);
+  const release = useCommand(async (stops: readonly HeldStop[]) => {
+    for (const { robot, configured } of stops) {
+      const name = configured ? null : robot;
+      store.setStop(await (configured ? gateway : gatewayOf(robot)).release(), name);
+    }
+  });
+  const all = held.length > 1;
+  const names = held.flatMap(({ robot, below }) => [robot, ...below]).filter((name) => name !== "/");
+  return (
+    <>
+      <Button
+        variant="default"
+        size={small ? "compact-md" : "sm"}
+        disabled={!live || release.isPending}
+        title={live ? undefined : "The gateway is not connected."}
+        aria-label={small ? `Release ${names[0] ?? ""} …` : undefined}
+        onClick={ask.open}
+      >
+        {all ? "Release all …" : "Release …"}
+      </Button>
+      {release.error !== null && (
+        <div className={classes.failed}>
+          <CommandErrorAlert command="Release" error={release.error} onClose={release.reset} />
+        </div>
+      )}
+      <Dialog
+        opened={asking}
+        onClose={ask.close}
+        title={all ? `Release ${held.length} stops?` : "Release the stop?"}
+      >
         <Stack gap="md">
+          {names.length > 0 && <Text fw={600}>{names.join(", ")}</Text>}
           <Text size="sm">
-            Goals can be sent again afterwards, by everybody. The robot stays where it is until one is. See
-            first that nobody and nothing is in its way.
+            Goals can be sent again afterwards, by everybody.{" "}
+            {names.length > 1
+              ? "The robots stay where they are until one is. See first that nobody and nothing is in their way."
+              : "The robot stays where it is until one is. See first that nobody and nothing is in its way."}
           </Text>
           <Group justify="flex-end" gap="sm">
             <Button variant="default" onClick={ask.close} data-autofocus>
-              Keep it stopped
+              {names.length > 1 ? "Keep them stopped" : "Keep it stopped"}
             </Button>
             <Button
               onClick={() => {
                 ask.close();
-                release.mutate();
+                release.mutate(held);
               }}
             >
-              Release
+              {all ? "Release all" : "Release"}
             </Button>
           </Group>
         </Stack>
       </Dialog>
-    </Paper>
+    </>
   );
+}
+
+/** `/robot1, /robot2 and 7 more` */
+function listed(names: readonly string[]): string {
+  if (names.length <= NAMES) return names.join(", ");
+  return `${names.slice(0, NAMES - 1).join(", ")} and ${names.length - NAMES + 1} more`;
 }

@@ -3,22 +3,25 @@ import { useHotkeys } from "@mantine/hooks";
 import { useEffect } from "react";
 import { useFleet } from "../fleet/context";
 import { useCommand } from "../ui/useCommand";
+import { stopEverywhere } from "./everywhere";
 import { CHORD, DoubleEscape } from "./keys";
 import { showFailed, showStopped, showStopping } from "./notices";
 import classes from "./stop.module.css";
 import { whoStops } from "./who";
 
 /**
- * Stops the robot, and keeps it stopped. Enabled always: also while disconnected, while a Stop is under way, and in
+ * Stops every robot, and keeps them stopped. Enabled always: also while disconnected, while a Stop is under way, and in
  * dialogs.
  */
 export function StopButton() {
-  const { gateway, store } = useFleet();
-  const { mutate, isPending } = useCommand(async () => {
+  const { gateway, gatewayOf, store } = useFleet();
+  const { mutate, isPending } = useCommand(() => {
     showStopping();
-    const report = await gateway.stop(whoStops());
-    store.setStop(report.stop);
-    return report;
+    return stopEverywhere(async (robot) => {
+      const report = await (robot === null ? gateway : gatewayOf(robot)).stop(whoStops());
+      store.setStop(report.stop, robot);
+      return report;
+    }, store.get("robots"));
   });
   const press = () => mutate(undefined, { onSuccess: showStopped, onError: showFailed });
   useHotkeys([[CHORD, press]], [], true);

@@ -13,7 +13,7 @@ export interface Connection {
 export const GONE_AFTER_MS = 10_000;
 
 /** Heartbeats come every 5 s: after this silence the connection is dead even though TCP has not noticed. */
-export const SILENCE_MS = 12_000;
+export const SILENCE_MS = 7_000;
 
 export type ConnectionInput =
   | { kind: "snapshot" }

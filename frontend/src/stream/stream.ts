@@ -66,11 +66,15 @@ export function openStream(url: string, handlers: StreamHandlers, options: Optio
   const retryNow = () => {
     if (socket.readyState !== socket.OPEN) socket.reconnect();
   };
+  // TCP would notice only later. Where the gateway is on this computer, it goes on at once.
+  const tryAnew = () => socket.reconnect();
   window.addEventListener("online", retryNow);
+  window.addEventListener("offline", tryAnew);
 
   return () => {
     clearInterval(watch);
     window.removeEventListener("online", retryNow);
+    window.removeEventListener("offline", tryAnew);
     socket.close();
   };
 }

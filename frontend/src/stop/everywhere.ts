@@ -1,0 +1,38 @@
+import { toCommandError } from "../api/errors";
+import type { StopReport } from "../api/types";
+import type { Robot } from "../fleet/types";
+import { defaultRobot, isUnder } from "./held";
+
+/** Stops one robot and those in namespaces below it; null for the one that the gateway is configured for. */
+type StopRobot = (robot: string | null) => Promise<StopReport>;
+
+/**
+ * Stops every robot that is known, all at once: the gateway's stop holds for the configured robot and those below it,
+ * which is all of them unless it is configured for one of several.
+ *
+ * Throws the CommandError of the first where not one stop got through.
+ */
+export async function stopEverywhere(
+  stopRobot: StopRobot,
+  robots: ReadonlyMap<string, Robot>,
+): Promise<StopReport> {
+  const configured = defaultRobot(robots);
+  const beside = [...robots.keys()].filter((name) => !isUnder(name, configured));
+  const outermost = beside.filter((name) => !beside.some((other) => other !== name && isUnder(name, other)));
+  const targets = [null, ...outermost];
+  const answers = await Promise.allSettled(targets.map((robot) => stopRobot(robot)));
+  const reports = answers.flatMap((answer) => (answer.status === "fulfilled" ? [answer.value] : []));
+  const [first] = reports;
+  if (first === undefined) throw (answers[0] as PromiseRejectedResult).reason;
+  const refused = answers.flatMap((answer, index) => {
+    if (answer.status === "fulfilled") return [];
+    const { code, detail } = toCommandError(answer.reason);
+    return [{ action_name: targets[index] ?? configured, code, detail }];
+  });
+  return {
+    canceling: reports.flatMap((report) => report.canceling),
+    failed: [...refused, ...reports.flatMap((report) => report.failed)],
+    unconfirmed: reports.flatMap((report) => report.unconfirmed),
+    stop: first.stop,
+  };
+}

@@ -1,0 +1,57 @@
+import type { StopState } from "../api/types";
+import type { Robot } from "../fleet/types";
+
+/** A stop that holds, with what it holds besides; released for all of them together. */
+export interface HeldStop {
+  robot: string;
+  /** It is that of the robot that the gateway is configured for. */
+  configured: boolean;
+  since: string | null;
+  by: string | null;
+  /** The robots in namespaces below, by name. */
+  below: string[];
+}
+
+/**
+ * The stops that hold, the outermost of each: a stop of `/` holds every robot, and is released for all of them.
+ *
+ * @param stop That of the robot that the gateway is configured for, which is known first.
+ */
+export function heldStops(stop: StopState, robots: ReadonlyMap<string, Robot>): HeldStop[] {
+  const name = defaultRobot(robots);
+  const latched = new Map<string, StopState>();
+  for (const robot of robots.values()) if (robot.stop.latched) latched.set(robot.name, robot.stop);
+  latched.delete(name);
+  if (stop.latched) latched.set(name, stop);
+  const names = [...latched.keys()].sort(byName);
+  return [...latched]
+    .filter(([held]) => !names.some((other) => other !== held && isUnder(held, other)))
+    .map(([held, { since, by, robots: under }]) => ({
+      robot: held,
+      configured: held === name,
+      since,
+      by,
+      below: [...new Set([...names, ...under])]
+        .filter((other) => other !== held && isUnder(other, held))
+        .sort(byName),
+    }))
+    .sort((a, b) => byName(a.robot, b.robot));
+}
+
+/** The name of the robot that the gateway is configured for. */
+export function defaultRobot(robots: ReadonlyMap<string, Robot>): string {
+  for (const robot of robots.values()) if (robot.default) return robot.name;
+  return "/";
+}
+
+/** Whether a namespace is another one, or in it. */
+export function isUnder(name: string, namespace: string): boolean {
+  return name === namespace || name.startsWith(namespace === "/" ? "/" : `${namespace}/`);
+}
+
+const collator = new Intl.Collator(undefined, { numeric: true });
+
+/** `/robot2` before `/robot10`. */
+export function byName(a: string, b: string): number {
+  return collator.compare(a, b);
+}
