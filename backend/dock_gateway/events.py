@@ -6,7 +6,7 @@ the network: nanoseconds, padded so that ids sort as text, then what it is and w
 
 import struct
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from functools import cached_property
 from typing import Any
 
@@ -55,6 +55,7 @@ class Event:
         return self.data.decode()
 
 
+EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 # What the id of a goal's event says it is, by the event's type.
 STATUS, FEEDBACK, RESULT = "s", "f", "z"
 KINDS = {"status": STATUS, "feedback": FEEDBACK, "result": RESULT}
@@ -79,7 +80,7 @@ def kind_of(identity: str) -> str:
 
 def nanoseconds(time: datetime) -> int:
     """A time as a ROS timestamp, nanoseconds since 1970."""
-    return round(time.timestamp() * 1e6) * 1000
+    return (time - EPOCH) // timedelta(microseconds=1) * 1000
 
 
 def utc_now() -> datetime:
@@ -88,8 +89,8 @@ def utc_now() -> datetime:
 
 
 def moment(stamp_ns: int) -> datetime:
-    """A ROS timestamp, nanoseconds since 1970, as a UTC time."""
-    return datetime.fromtimestamp(stamp_ns / 1e9, UTC)
+    """A ROS timestamp, nanoseconds since 1970, as a UTC time: the microsecond that it is in, never the next one."""
+    return EPOCH + timedelta(microseconds=stamp_ns // 1000)
 
 
 def status_event(goal: Goal, stamp_ns: int) -> Event:

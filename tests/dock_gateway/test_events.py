@@ -3,12 +3,14 @@
 from datetime import UTC, datetime
 
 import orjson
+import pytest
 
 from dock_gateway.events import (
     event_id,
     feedback_event,
     message_event,
     moment,
+    nanoseconds,
     notice,
     result_event,
     status_event,
@@ -22,6 +24,11 @@ STAMP = 1_795_234_054_172_405_212
 
 def make() -> Goal:
     return Goal("3f0c8a52-0000-4000-8000-000000000000", "/dock", "pkg/action/Dock", NOW)
+
+
+@pytest.mark.parametrize("stamp", [0, 999, 1_795_234_054_172_405_999, 1_795_234_054_172_406_000, 4 * 10**18 + 1])
+def test_a_time_is_never_after_its_stamp(stamp: int) -> None:
+    assert 0 <= stamp - nanoseconds(moment(stamp)) < 1000
 
 
 def test_ids_sort_by_time_and_tell_whose_they_are() -> None:

@@ -75,6 +75,7 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("get", "/graph"),
         ("get", "/graph/topics/{name}"),
         ("get", "/battery"),
+        ("get", "/battery/history"),
         ("post", "/battery"),
         ("get", "/battery/publisher"),
         ("put", "/battery/publisher"),

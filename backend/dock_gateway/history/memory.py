@@ -1,5 +1,6 @@
 """Goals and events of this process alone (`memory:`); nothing outlives it."""
 
+import asyncio
 import bisect
 import time
 from collections.abc import Collection
@@ -7,6 +8,7 @@ from copy import copy
 
 from dock_gateway.events import FEEDBACK, Event, kind_of
 from dock_gateway.goals import Goal
+from dock_gateway.history.buckets import BatterySpan, Bucket, add_events
 from dock_gateway.history.merge import merge
 from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, fingerprint_of, selects
 from dock_gateway.history.wanted import Wanted
@@ -124,6 +126,11 @@ class MemoryHistory:
 
     def _ids_of(self, goal_id: str) -> list[str]:
         return [each for each in self._event_ids if self._events[each].goal_id == goal_id]
+
+    async def battery(self, span: BatterySpan) -> list[Bucket]:
+        """The battery states of a span in buckets, oldest first."""
+        covered = [event for event in self._events.values() if span.covers(event)]
+        return await asyncio.to_thread(add_events, {}, covered, span.step)
 
     def stats(self) -> HistoryStats:
         """How the keeping goes: always well."""

@@ -1,5 +1,6 @@
 """The events of the past: those that are stored, together with those that wait to be."""
 
+import asyncio
 from collections.abc import Callable, Collection, Iterator
 from copy import copy
 from functools import partial
@@ -9,7 +10,8 @@ import sqlalchemy as sa
 from dock_gateway.errors import Unavailable
 from dock_gateway.events import FEEDBACK, Event, kind_of
 from dock_gateway.goals import Goal
-from dock_gateway.history import event_store
+from dock_gateway.history import battery_store, event_store
+from dock_gateway.history.buckets import BatterySpan, Bucket, add_events
 from dock_gateway.history.protocol import NEVER, selects
 from dock_gateway.history.reader import Reader
 from dock_gateway.history.waiting import Waiting
@@ -73,6 +75,18 @@ class Past:
         waiting = self._that_wait(lambda event: event.goal_id == goal.goal_id)
         gap = self._waiting.gaps.get("goals", "")
         return await self._reader.read(_knows_all_of, copy(goal), frozenset(waiting), gap)
+
+    async def battery(self, span: BatterySpan) -> list[Bucket]:
+        """The battery states of a span in buckets, oldest first.
+
+        Raises:
+            Unavailable: The database does not answer, or takes too long.
+        """
+        waiting = self._that_wait(span.covers)
+        # From the first one that waits on, events come as they are: what is stored meanwhile must count once.
+        stored, late = await self._reader.read_much(battery_store.battery, span, min(waiting, default=NEVER))
+        waiting |= {event.id or "": event for event in late}
+        return await asyncio.to_thread(add_events, stored, waiting.values(), span.step)
 
 
 def _joined(waiting: dict[str, Event], stored: list[Event], limit: int) -> list[Event]:

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal, Json
+from dock_gateway.history.buckets import BatterySpan, Bucket
 from dock_gateway.history.wanted import Wanted
 
 KEY_LIFETIME = timedelta(hours=24)
@@ -93,6 +94,9 @@ class History(Protocol):
 
     async def knows_all_of(self, goal: Goal) -> bool:
         """Whether no event of a goal has been given up."""
+
+    async def battery(self, span: BatterySpan) -> list[Bucket]:
+        """The battery states of a span in buckets, oldest first; those without any are left out."""
 
     def stats(self) -> HistoryStats:
         """How the keeping goes."""

@@ -13,6 +13,10 @@ from dock_gateway.history.writer import DATABASE_ERRORS, Writer
 READ_TIMEOUT = 1.0
 # After a read that failed, the next ones fail at once for so long.
 READ_PAUSE = 1.0
+MUCH_TIMEOUT = 8.0
+
+AWAY = "the history database does not answer"
+TOO_MUCH = f"the history database needs more than {MUCH_TIMEOUT:g} s for so much; ask for less"
 
 
 class Reader:
@@ -22,6 +26,7 @@ class Reader:
         self._database = database
         self._writer = writer
         self._pause_until = 0.0
+        self._much = asyncio.Lock()
 
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, timeout: float = READ_TIMEOUT) -> T:
         """Carry out a function of a connection.
@@ -29,15 +34,39 @@ class Reader:
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
         """
-        if not self._database.prepared or time.monotonic() < self._pause_until:
-            raise Unavailable("the history database does not answer", code="history_unavailable")
+        if not self._answers:
+            raise Unavailable(AWAY, code="history_unavailable")
         try:
             async with asyncio.timeout(timeout):
                 return await self._database.read(work, *args)
         except DATABASE_ERRORS as error:
-            self._pause_until = time.monotonic() + READ_PAUSE
-            self._writer.doubt(error)
-            raise Unavailable("the history database does not answer", code="history_unavailable") from error
+            raise self._away(error) from error
+
+    async def read_much(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
+        """Carry out what may take seconds; one after the other, so that the rest finds connections that are free.
+
+        Raises:
+            Unavailable: The database does not answer, or takes too long (`history_unavailable`).
+        """
+        async with self._much:
+            if not self._answers:
+                raise Unavailable(AWAY, code="history_unavailable")
+            try:
+                async with asyncio.timeout(MUCH_TIMEOUT) as deadline:
+                    return await self._database.read(work, *args)
+            except DATABASE_ERRORS as error:
+                if deadline.expired():  # that is no reason to think that it is away
+                    raise Unavailable(TOO_MUCH, code="history_unavailable") from error
+                raise self._away(error) from error
+
+    @property
+    def _answers(self) -> bool:
+        return self._database.prepared and time.monotonic() >= self._pause_until
+
+    def _away(self, error: Exception) -> Unavailable:
+        self._pause_until = time.monotonic() + READ_PAUSE
+        self._writer.doubt(error)
+        return Unavailable(AWAY, code="history_unavailable")
 
     def require_everything(self) -> None:
         """See that there is nothing that is in the spool alone.

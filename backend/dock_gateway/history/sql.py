@@ -14,6 +14,7 @@ from dock_gateway.errors import Unavailable
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal
 from dock_gateway.history import store
+from dock_gateway.history.buckets import BatterySpan, Bucket
 from dock_gateway.history.database import Database
 from dock_gateway.history.merge import merge
 from dock_gateway.history.past import Past
@@ -177,6 +178,10 @@ class SqlHistory:
     async def knows_all_of(self, goal: Goal) -> bool:
         """Whether no event of a goal is missing."""
         return await self._past.knows_all_of(goal)
+
+    async def battery(self, span: BatterySpan) -> list[Bucket]:
+        """The battery states of a span in buckets, oldest first."""
+        return await self._past.battery(span)
 
     # ------------------------------------------------------------------ the rest
 

@@ -51,6 +51,9 @@ def identity() -> Any:
 
 metadata = sa.MetaData()
 
+# As text, not as a parameter: what a database is asked has to say the same as the index, to be found by it.
+IS_BATTERY = sa.text("topic = 'battery'")
+
 goals = sa.Table(
     "goals",
     metadata,
@@ -96,6 +99,7 @@ events = sa.Table(
         sqlite_where=sa.text("droppable"),
         postgresql_where=sa.text("droppable"),
     ),
+    sa.Index("battery_events", "robot", "id", sqlite_where=IS_BATTERY, postgresql_where=IS_BATTERY),
 )
 
 idempotency_keys = sa.Table(

@@ -565,6 +565,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/battery/history": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Battery History
+         * @description What was measured of a battery from `since` on and before `until`, at so many points; the last five minutes.
+         */
+        get: operations["battery_history"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/simulator": {
         parameters: {
             query?: never;
@@ -977,6 +997,34 @@ export interface components {
             /** Robot */
             robot: string;
             battery: components["schemas"]["BatteryState"];
+        };
+        /**
+         * BatteryHistory
+         * @description Columns of equal length, a row for each bucket in which there was a message; `time` is that of its last one.
+         */
+        BatteryHistory: {
+            /** Robot */
+            robot: string;
+            /**
+             * Since
+             * Format: date-time
+             */
+            since: string;
+            /**
+             * Until
+             * Format: date-time
+             */
+            until: string;
+            /** Resolution S */
+            resolution_s: number;
+            /** Time */
+            time: string[];
+            voltage: components["schemas"]["Measured"];
+            percentage: components["schemas"]["Measured"];
+            current: components["schemas"]["Measured"];
+            temperature: components["schemas"]["Measured"];
+            /** Power Supply Status */
+            power_supply_status: number[];
         };
         /**
          * BatteryState
@@ -1490,6 +1538,18 @@ export interface components {
         InterfaceList: {
             /** Interfaces */
             interfaces: components["schemas"]["Interface"][];
+        };
+        /**
+         * Measured
+         * @description What was measured of a field in each bucket; null where it was not.
+         */
+        Measured: {
+            /** Mean */
+            mean: (number | null)[];
+            /** Min */
+            min: (number | null)[];
+            /** Max */
+            max: (number | null)[];
         };
         /**
          * Pose
@@ -3958,6 +4018,52 @@ export interface operations {
             };
             /** @description Unprocessable Entity */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    battery_history: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+                /** @description At this time or later, RFC 3339 */
+                since?: string | null;
+                /** @description Before this time, RFC 3339 */
+                until?: string | null;
+                points?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["BatteryHistory"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };
