@@ -85,6 +85,7 @@ class ActionRegistry:
         history: Where goals are kept.
         reasons: Why goals were rejected or aborted.
         interlock: Which robots are held by a stop.
+        on_end: Called with a goal, on any action, that nothing more is expected of.
     """
 
     def __init__(
@@ -96,11 +97,13 @@ class ActionRegistry:
         reasons: Later[GoalError],
         *,
         interlock: Interlock,
+        on_end: Callable[[Goal], None] = lambda _: None,
     ) -> None:
         self._settings = settings
         self._bridge = bridge
         self._parts = (settings, hub, history, reasons)
         self._interlock = interlock
+        self._on_end = on_end
         self._history = history
         self._actions: dict[str, Action] = {}
         self._uninstalled: dict[str, Uninstalled] = {}
@@ -130,6 +133,7 @@ class ActionRegistry:
         """
         port = await self._bridge.call(lambda: ActionPort(self._bridge, name, type_name))
         action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
+        action.tracker.on_end.append(self._on_end)
         self._actions[name] = action
         for goal in self._unfinished.pop(name, []):
             action.tracker.take_up(goal)
@@ -224,6 +228,12 @@ class ActionRegistry:
     def running(self) -> list[Goal]:
         """The goals that run, on all actions."""
         return [goal for action in self._actions.values() for goal in action.tracker.running()]
+
+    def lost(self) -> list[Goal]:
+        """The goals that are lost and may return, on all actions, also on those that have not come back."""
+        known = (goal for action in self._actions.values() for goal in action.tracker.live.values())
+        awaited = (goal for goals in self._unfinished.values() for goal in goals)
+        return [goal for goal in (*known, *awaited) if goal.status is GoalStatus.LOST]
 
     def each(self, do: Callable[[Action], None]) -> None:
         """Do something with every action."""

@@ -5,7 +5,10 @@ import logging
 import time
 from dataclasses import dataclass
 from datetime import datetime
+from enum import IntEnum
 from typing import Any
+
+import orjson
 
 from dock_gateway.errors import GatewayError
 from dock_gateway.events import message_event, system_event, utc_now
@@ -17,6 +20,24 @@ log = logging.getLogger(__name__)
 
 # The count of published messages is told to subscribers so often, in seconds.
 COUNT_INTERVAL = 1.0
+
+
+class PowerSupply(IntEnum):
+    """sensor_msgs/BatteryState, power_supply_status."""
+
+    UNKNOWN = 0
+    CHARGING = 1
+    DISCHARGING = 2
+    NOT_CHARGING = 3
+    FULL = 4
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What of a battery state decides something; `percentage` is 0 to 1, None where it is not measured."""
+
+    power_supply: int = PowerSupply.UNKNOWN
+    percentage: float | None = None
 
 
 @dataclass
@@ -44,26 +65,45 @@ class Battery:
         self._hub = hub
         self._stale_after = stale_after
         self._state: Json | None = None
+        self._reading: Reading | None = Reading()
         self._heard_at = 0.0
         self._received_at: datetime | None = None
 
     def on_battery(self, state: Json, stamp_ns: int) -> None:
         """A message of the battery topic."""
         self._state = state
+        self._reading = None
         self._heard_at = time.monotonic()
         self._received_at = utc_now()
         self._hub.publish(message_event("battery", state, stamp_ns, robot=self._robot))
 
-    def document(self) -> dict[str, Any]:
-        """State, age in seconds and whether it is stale, ready for `orjson`."""
-        age = None if self._state is None else round(time.monotonic() - self._heard_at, 3)
+    @property
+    def age(self) -> float | None:
+        """Seconds since the last message; None where there was none."""
+        return None if self._state is None else time.monotonic() - self._heard_at
+
+    @property
+    def reading(self) -> Reading:
+        """What the last message says; it is decoded once, and only where somebody asks."""
+        if self._reading is None:
+            state = orjson.loads(self._state or b"{}")
+            self._reading = Reading(state["power_supply_status"], state["percentage"])
+        return self._reading
+
+    def lasting(self) -> dict[str, Any]:
+        """State and whether it is stale, without what changes by itself all the time, ready for `orjson`."""
+        age = self.age
         return {
             "state": fragment(self._state),
-            "age_s": age,
+            "received_at": self._received_at,
             "stale": age is None or age > self._stale_after,
             "stale_after_s": self._stale_after,
-            "received_at": self._received_at,
         }
+
+    def document(self) -> dict[str, Any]:
+        """State, age in seconds and whether it is stale, ready for `orjson`."""
+        age = self.age
+        return {**self.lasting(), "age_s": None if age is None else round(age, 3)}
 
 
 class BatteryPublisher:

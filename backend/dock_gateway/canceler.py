@@ -37,7 +37,7 @@ class Canceler:
         self._unwanted: dict[str, GoalError] = {}
         self._insisting: set[str] = set()
         tracker.on_return = self.turned_up
-        tracker.on_end = self._forget
+        tracker.on_end.append(self._forget)
 
     async def cancel(self, goal: Goal) -> None:
         """Ask the server to cancel a goal; where it cannot be reached, the goal stays unwanted.

@@ -17,10 +17,10 @@ from dock_gateway.goals import Goal, GoalStatus, Json, encode, fragment
 class Event:
     """An encoded event and what is needed to route it.
 
-    `topic` is `goals`, or what `?include=` names: `battery`, `cmd_vel`, `system`, `scene`. Only `droppable` ones may be
-    lost to a slow subscriber. `id` is that of the document, where it has one; `robot` the namespace it is about.
-    `ends_goal`: nothing more is to be expected of the goal. `supersedes`: who has not been sent the one before of its
-    topic and robot does not get it any more.
+    `topic` is `goals`, or what `?include=` names: `battery`, `cmd_vel`, `system`, `scene`, `robots`. Only `droppable`
+    ones may be lost to a slow subscriber. `id` is that of the document, where it has one; `robot` the namespace it is
+    about, where that is one robot. `ends_goal`: nothing more is to be expected of the goal. `supersedes`: who has not
+    been sent the one before of its topic and robot does not get it any more.
     """
 
     data: bytes
@@ -159,6 +159,11 @@ def system_event(
     """A change around goals: `battery_publisher`, `stop` or `simulator` of a robot, `action_server` of an action."""
     document = {"type": kind, "time": now, kind: payload} | ({} if robot is None else {"robot": robot})
     return Event(encode(document), "system", robot=robot, action_name=action_name)
+
+
+def fleet_event(kind: str, now: datetime, **payload: Any) -> Event:
+    """A change of the fleet: `robots`, those of them that changed."""
+    return Event(encode({"type": kind, "time": now, **payload}), "robots")
 
 
 def notice(kind: str, now: datetime, **payload: Any) -> Event:

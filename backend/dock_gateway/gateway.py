@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from dock_gateway.actions import Action, ActionRegistry
 from dock_gateway.canceler import require_unfinished
 from dock_gateway.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
+from dock_gateway.fleet import Fleet
 from dock_gateway.goals import Goal, GoalError
 from dock_gateway.history import History, Wanted, open_history
 from dock_gateway.hub import Hub
@@ -18,6 +19,7 @@ from dock_gateway.latch import LatchFile
 from dock_gateway.later import Later
 from dock_gateway.liveness import ServerState
 from dock_gateway.lookout import Lookout
+from dock_gateway.outcomes import Outcomes
 from dock_gateway.robots import RobotRegistry, normalize_namespace
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import scan
@@ -49,6 +51,7 @@ class Gateway:
     robots: RobotRegistry
     stopper: Stopper
     simulators: Simulators
+    fleet: Fleet
     lookout: Lookout
     dock: Action
     undock: Action
@@ -160,8 +163,9 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
     bridge.start()
     try:
         interlock = Interlock(hub, LatchFile(settings.stop_file), normalize_namespace(settings.namespace))
-        actions = ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock)
-        robots = RobotRegistry(settings, bridge, hub, interlock)
+        outcomes = Outcomes(history)
+        actions = ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock, on_end=outcomes.take)
+        robots = RobotRegistry(settings, bridge, hub, interlock, outcomes)
         stopper = Stopper(robots, actions, interlock)
         simulators = Simulators(settings, bridge, hub)
         scenes = Scenes(settings, bridge, hub)
@@ -181,14 +185,27 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             actions.expect(await history.unfinished())
         dock = await actions.open(settings.resolve(settings.dock_action), settings.dock_action_type, pinned=True)
         undock = await actions.open(settings.resolve(settings.undock_action), settings.undock_action_type, pinned=True)
+        fleet = Fleet(
+            settings,
+            hub,
+            robots=robots,
+            actions=actions,
+            interlock=interlock,
+            simulators=simulators,
+            outcomes=outcomes,
+        )
         watching = asyncio.create_task(_watch_graph(bridge, actions, robots, None if knows_all else history))
         try:
-            yield Gateway(settings, bridge, hub, history, actions, robots, stopper, simulators, lookout, dock, undock)
+            yield Gateway(
+                settings, bridge, hub, history, actions, robots, stopper, simulators, fleet, lookout, dock, undock
+            )
         finally:
             hub.close()
             watching.cancel()
             with suppress(asyncio.CancelledError):
                 await watching
+            await fleet.close()
+            await outcomes.close()
             await stopper.close()
             await lookout.close()
             await scenes.close()

@@ -151,6 +151,12 @@ class Goal:
             "last_event_id": self.last_event_id,
         }
 
+    def state(self) -> dict[str, Any]:
+        """Every field but the messages, ready for `orjson`."""
+        summary = self.summary()
+        del summary["goal"]
+        return summary
+
     def document(self) -> dict[str, Any]:
         """The whole goal, ready for `orjson`."""
         return {**self.summary(), "feedback": fragment(self.feedback), "result": fragment(self.result)}

@@ -10,7 +10,7 @@ class Interest:
     """What a subscriber wants to hear of.
 
     Attributes:
-        topics: `goals`, `battery`, `cmd_vel`, `system`, `scene`.
+        topics: `goals`, `battery`, `cmd_vel`, `system`, `scene`, `robots`.
         goal_id: Only events of this goal.
         action_name: Only goals and servers of this action.
         namespace: Only goals and servers of actions in this namespace or below.
@@ -29,7 +29,9 @@ class Interest:
             return False
         if event.robot is not None:
             return event.robot == self.robot
-        return self.covers_goal(event.goal_id, event.action_name or "")
+        if event.action_name is None:
+            return True  # it is about all robots
+        return self.covers_goal(event.goal_id, event.action_name)
 
     def covers_goal(self, goal_id: str | None, action_name: str) -> bool:
         """Whether a goal is of interest, or, without a goal id, an action."""
@@ -38,3 +40,12 @@ class Interest:
             and self.action_name in (None, action_name)
             and action_name.startswith(f"{self.namespace.rstrip('/')}/")
         )
+
+
+@dataclass(frozen=True)
+class WithoutFeedback(Interest):
+    """The same, but for the feedback of goals: how they stand and how they end."""
+
+    def covers(self, event: Event) -> bool:
+        """Whether an event is of interest."""
+        return not (event.droppable and event.topic == "goals") and super().covers(event)

@@ -77,6 +77,10 @@ class Interlock:
         """The latch as `GET /stop` shows it."""
         return self._latches.document(namespace, {*self._topics, *self._latches.held})
 
+    def shown(self, namespace: str) -> dict[str, Any]:
+        """The latch of a robot that has joined, as subscribers were told of it last; cheaper than `document`."""
+        return self._shown[namespace]
+
     # ------------------------------------------------------------------ what is done
 
     def join(self, namespace: str, topic: LatchTopic) -> None:

@@ -9,6 +9,7 @@ from dock_gateway.events import message_event
 from dock_gateway.goals import Json
 from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
+from dock_gateway.outcomes import Outcomes
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
 from dock_gateway.ros.topics import BatteryPort, LatchPort, VelocityPort
@@ -30,11 +31,12 @@ class Robot:
 class RobotRegistry:
     """The robots on the graph: the configured one always, others as their battery topic or docking action appears."""
 
-    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub, interlock: Interlock) -> None:
+    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub, interlock: Interlock, outcomes: Outcomes) -> None:
         self._settings = settings
         self._bridge = bridge
         self._hub = hub
         self._interlock = interlock
+        self._outcomes = outcomes
         self._robots: dict[str, Robot] = {}
         self.default_namespace = normalize_namespace(settings.namespace)
 
@@ -62,6 +64,9 @@ class RobotRegistry:
         robot = Robot(namespace, battery, BatteryPublisher(battery_port, hub, namespace), velocity)
         self._robots[namespace] = robot
         self._interlock.join(namespace, latch)
+        self._outcomes.watch(
+            *(settings.resolve(name, namespace) for name in (settings.dock_action, settings.undock_action))
+        )
         log.info("robot %s", namespace)
         return robot
 
@@ -82,6 +87,14 @@ class RobotRegistry:
         """The robot of a namespace and those below it."""
         prefix = f"{namespace.rstrip('/')}/"
         return [robot for robot in self.all() if f"{robot.namespace.rstrip('/')}/".startswith(prefix)]
+
+    def owner(self, name: str) -> Robot | None:
+        """The robot that an action belongs to: the one with the longest namespace that it is in."""
+        while name:
+            name = name.rpartition("/")[0]
+            if robot := self._robots.get(name or "/"):
+                return robot
+        return None
 
     def get(self, namespace: str | None = None) -> Robot:
         """The robot of a namespace, the configured one where none is named.

@@ -96,14 +96,19 @@ class Simulators:
 
     # ------------------------------------------------------------------ what is done
 
+    def find(self, namespace: str) -> Simulator | None:
+        """The simulator of a robot, where it has one."""
+        simulator = self._simulators.get(namespace)
+        return simulator if simulator is not None and simulator.available else None
+
     def get(self, namespace: str) -> Simulator:
         """The simulator of a robot.
 
         Raises:
             NotFound: `simulator_not_found`.
         """
-        simulator = self._simulators.get(namespace)
-        if simulator is None or not simulator.available:
+        simulator = self.find(namespace)
+        if simulator is None:
             raise NotFound(f"there is no simulator of {namespace}", code="simulator_not_found")
         return simulator
 

@@ -47,7 +47,7 @@ class GoalTracker:
         live: The goals that run, and lost ones that may return.
         taken_up: Ids of goals from before a restart.
         on_return: Called with a goal that was `lost` and shows signs of life.
-        on_end: Called with a goal that nothing more is expected of.
+        on_end: What is called with a goal that nothing more is expected of.
         last_heard: When the action server gave its last sign of life, on the monotonic clock.
     """
 
@@ -55,7 +55,7 @@ class GoalTracker:
         self.live: dict[str, Goal] = {}
         self.taken_up: set[str] = set()
         self.on_return: Callable[[Goal], None] = lambda _: None
-        self.on_end: Callable[[Goal], None] = lambda _: None
+        self.on_end: list[Callable[[Goal], None]] = []
         self.last_heard = time.monotonic()
         self.port = port
         self._hub = hub
@@ -229,7 +229,8 @@ class GoalTracker:
         self._goal_heard.pop(goal.goal_id, None)
         if goal.result is not None or goal.status not in WITH_RESULT:
             self._forget_call(goal.goal_id)
-        self.on_end(goal)
+        for told in self.on_end:
+            told(goal)
         self._ended[goal.goal_id] = goal
         if len(self._ended) > MAX_REMEMBERED:
             self._forget_call(self._ended.popitem(last=False)[0])

@@ -3,7 +3,7 @@
 import pytest
 
 from dock_gateway.events import Event
-from dock_gateway.interest import Interest
+from dock_gateway.interest import Interest, WithoutFeedback
 
 ALL = frozenset({"goals", "battery", "cmd_vel", "system"})
 
@@ -28,6 +28,12 @@ def goal(action: str = "/dock", goal_id: str = "a") -> Event:
         (Interest(namespace="/robot1"), goal("/robot10/dock"), False),
         (Interest(namespace="/robot1"), goal("/dock"), False),
         (Interest(namespace="/robot1"), goal("/robot1/arm/move"), True),
+        (Interest(), Event(b"", "robots"), False),
+        (Interest(frozenset({"robots"}), goal_id="a", namespace="/robot1"), Event(b"", "robots"), True),
+        (WithoutFeedback(), goal(), True),
+        (WithoutFeedback(), Event(b"", "goals", "a", "/dock", droppable=True), False),
+        (WithoutFeedback(goal_id="b"), goal(), False),
+        (WithoutFeedback(ALL), Event(b"", "battery", droppable=True, robot="/"), True),
     ],
 )
 def test_what_is_covered(interest: Interest, event: Event, expected: bool) -> None:

@@ -70,6 +70,7 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("post", "/actions/{name}/goals/{goal_id}/cancel"),
         ("get", "/actions/{name}/goals/{goal_id}/events"),
         ("get", "/dock/{goal_id}/events"),
+        ("get", "/robots"),
         ("get", "/interfaces"),
         ("get", "/interfaces/{package}/action/{name}"),
         ("get", "/graph"),

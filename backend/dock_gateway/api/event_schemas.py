@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Literal
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict, Field
 
 from dock_gateway.api.schemas import (
     ActionServer,
@@ -15,6 +15,7 @@ from dock_gateway.api.schemas import (
     GoalError,
     GoalSummary,
     Publisher,
+    Robot,
     Schema,
     Simulator,
     StopState,
@@ -70,7 +71,9 @@ class Scene(Schema):
 
 
 class SnapshotEvent(Schema):
-    """The first message of a stream."""
+    """The first message of a stream; `robots` is there where `include=robots` asks for it."""
+
+    model_config = ConfigDict(json_schema_serialization_defaults_required=False)
 
     type: Literal["snapshot"]
     time: datetime
@@ -80,6 +83,7 @@ class SnapshotEvent(Schema):
     stop: StopState
     action_server: ActionServer
     undock_server: ActionServer
+    robots: list[Robot] = Field(default_factory=list)
 
 
 class StatusEvent(GoalSummary):
@@ -169,6 +173,15 @@ class SimulatorEvent(Schema):
     simulator: Simulator
 
 
+class RobotsEvent(Schema):
+    """Robots changed: those that did, as they are now, at most twice a second; and the names of those that left."""
+
+    type: Literal["robots"]
+    time: datetime
+    robots: list[Robot]
+    gone: list[str]
+
+
 class SceneEvent(Schema):
     """Where a robot and its dock are, up to 20 times a second."""
 
@@ -229,6 +242,7 @@ EVENTS: tuple[type[BaseModel], ...] = (
     ActionServerEvent,
     StopEvent,
     SimulatorEvent,
+    RobotsEvent,
     SceneEvent,
     HeartbeatEvent,
     DroppedEvent,

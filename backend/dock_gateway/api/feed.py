@@ -86,11 +86,12 @@ async def _from_history(gateway: Gateway, subscriber: Subscriber, after: str) ->
 
 
 async def snapshot(gateway: Gateway, subscriber: Subscriber) -> Event:
-    """How things stand: running and recent goals; the robot's battery, its stop, its docking and undocking servers."""
+    """How things stand: running and recent goals; the robot's battery, stop and servers; all robots if asked for."""
     interest = subscriber.interest
     goals = await gateway.recent_goals(interest)
     robot = gateway.robots.get(interest.robot)
     dock, undock = gateway.servers_of(interest.robot)
+    fleet = {"robots": gateway.fleet.documents()} if "robots" in interest.topics else {}
     return notice(
         "snapshot",
         utc_now(),
@@ -100,4 +101,5 @@ async def snapshot(gateway: Gateway, subscriber: Subscriber) -> Event:
         stop=gateway.stopper.state(interest.robot),
         action_server=dock,
         undock_server=undock,
+        **fleet,
     )

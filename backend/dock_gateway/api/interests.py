@@ -1,4 +1,4 @@
-"""What a stream is about, out of its query: `?goal_id= ?action= ?robot= ?include= ?after= ?max_rate=`."""
+"""What a stream is about, out of its query: `?goal_id= ?action= ?robot= ?include= ?feedback= ?after= ?max_rate=`."""
 
 import re
 from collections.abc import Mapping
@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from dock_gateway.api.answers import read_goal_id
 from dock_gateway.errors import FieldError, InvalidField
 from dock_gateway.gateway import Gateway
-from dock_gateway.interest import Interest
+from dock_gateway.interest import Interest, WithoutFeedback
 from dock_gateway.robots import read_namespace
 
-QUERY = ("goal_id", "action", "robot", "include")
-INCLUDES = ("battery", "cmd_vel", "system", "scene")
+QUERY = ("goal_id", "action", "robot", "include", "feedback")
+INCLUDES = ("battery", "cmd_vel", "system", "scene", "robots")
 EVENT_ID = re.compile(r"\d{20}-[a-z_]+[0-9a-f]*")
 MIN_RATE, MAX_RATE = 0.01, 1000.0
 
@@ -46,6 +46,18 @@ def read_max_rate(query: Mapping[str, str]) -> float | None:
     return rate
 
 
+def read_feedback(query: Mapping[str, str]) -> bool:
+    """Whether feedback is wanted.
+
+    Raises:
+        InvalidField: It is neither true nor false.
+    """
+    text = query.get("feedback", "true").lower()
+    if text not in ("true", "false"):
+        raise InvalidField([FieldError("query.feedback", "true or false", f"got {text[:60]!r}")])
+    return text == "true"
+
+
 async def read_interest(gateway: Gateway, query: Mapping[str, str]) -> Interest:
     """The interest that a query describes.
 
@@ -60,7 +72,8 @@ async def read_interest(gateway: Gateway, query: Mapping[str, str]) -> Interest:
     names = [name.strip() for name in query.get("include", "").split(",") if name.strip()]
     if unknown := [name for name in names if name not in INCLUDES]:
         raise InvalidField([FieldError("query.include", f"any of {', '.join(INCLUDES)}", f"got {unknown[0][:60]!r}")])
-    return Interest(
+    kind = Interest if read_feedback(query) else WithoutFeedback
+    return kind(
         topics=frozenset({"goals", *names}),
         goal_id=None if goal_id is None else (await gateway.goal(read_goal_id(goal_id))).goal_id,
         action_name=None if action is None else gateway.settings.resolve(action, None if robot is None else namespace),

@@ -160,6 +160,49 @@ class ActionServer(Schema):
     answering: bool
 
 
+class RobotBattery(Schema):
+    """The latest battery state, without its age: it was received then."""
+
+    state: BatteryState | None
+    received_at: datetime | None
+    stale: bool
+    stale_after_s: float
+
+
+class RobotPublisher(Schema):
+    """Whether the gateway publishes a battery state for the robot, and how often."""
+
+    active: bool
+    rate_hz: float | None
+
+
+class Robot(Schema):
+    """A robot at a glance.
+
+    `docked` is null where nobody knows; `dock` and `undock` where it has no such action. `goals` run on its actions;
+    `last_goal` is the last one of docking and undocking that ended.
+    """
+
+    name: str
+    default: bool
+    docked: bool | None
+    simulated: bool
+    battery: RobotBattery
+    battery_topic: str
+    battery_publisher: RobotPublisher
+    stop: StopState
+    dock: ActionServer | None
+    undock: ActionServer | None
+    goals: list[GoalState]
+    last_goal: GoalState | None
+
+
+class RobotList(Schema):
+    """The robots, by name."""
+
+    robots: list[Robot]
+
+
 class ActionInfo(ActionServer):
     """An action on the graph; `hint` says what to install where its package is missing."""
 

@@ -135,7 +135,7 @@ class Session:
         return await command(self._gateway, fields)
 
     async def _subscribe(self, identity: str | None, fields: Fields) -> Fields:
-        check_fields(fields, SUBSCRIPTION_TEXTS, ("max_rate",))
+        check_fields(fields, SUBSCRIPTION_TEXTS, ("max_rate", "feedback"))
         if not identity:
             raise InvalidField([FieldError("id", "a string, which names the subscription", "got none")])
         if identity in self._subscriptions:

@@ -38,8 +38,8 @@ SSE_RESPONSES = {
 async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     """A snapshot, then every event as it happens.
 
-    `?goal_id=`, `?action=` and `?robot=` narrow it; `?include=battery,cmd_vel,system,scene` asks for more than goals;
-    `?after=` resumes; `?max_rate=` thins out.
+    `?goal_id=`, `?action=` and `?robot=` narrow it; `?include=battery,cmd_vel,system,scene,robots` asks for more than
+    goals; `?feedback=false` leaves feedback out, `?max_rate=` thins it out; `?after=` resumes.
     """
     query = websocket.query_params
     try:
@@ -151,19 +151,20 @@ async def action_events(name: str, goal_id: GoalId, request: Request, gateway: T
 
 
 async def _sse(request: Request, gateway: Gateway, goal_id: str) -> Response:
-    await known_query("after", "max_rate")(request)
+    await known_query("feedback", "after", "max_rate")(request)
     last = request.headers.get("last-event-id")
     after = read_after(request.query_params if last is None else {"after": last})
-    chunks = _sse_chunks(gateway, goal_id, after, read_max_rate(request.query_params))
+    query = {"goal_id": goal_id, "feedback": request.query_params.get("feedback", "true")}
+    chunks = _sse_chunks(gateway, query, after, read_max_rate(request.query_params))
     first = await anext(chunks)  # what is wrong is said before the stream begins
     return EventStream(first, chunks, gateway.settings.subscriber_timeout)
 
 
 async def _sse_chunks(
-    gateway: Gateway, goal_id: str, after: str | None, max_rate: float | None
+    gateway: Gateway, query: dict[str, str], after: str | None, max_rate: float | None
 ) -> AsyncGenerator[bytes]:
-    ended = (await gateway.goal(goal_id)).status.terminal
-    subscriber = gateway.hub.subscribe(await read_interest(gateway, {"goal_id": goal_id}))
+    ended = (await gateway.goal(query["goal_id"])).status.terminal
+    subscriber = gateway.hub.subscribe(await read_interest(gateway, query))
     try:
         if ended:
             async for event in begin(gateway, subscriber, after):

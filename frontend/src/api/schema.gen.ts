@@ -585,6 +585,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/robots": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Robots
+         * @description Every robot that was found, or the one that is asked for.
+         */
+        get: operations["list_robots"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/simulator": {
         parameters: {
             query?: never;
@@ -1233,7 +1253,7 @@ export interface components {
             count: number;
         };
         /** @description A message of /ws/feedback. */
-        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
+        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * FeedbackEvent
          * @description A goal's feedback.
@@ -1362,6 +1382,47 @@ export interface components {
             goals: components["schemas"]["Goal"][];
             /** Next Cursor */
             next_cursor: string | null;
+        };
+        /**
+         * GoalState
+         * @description What is known of any goal, without its messages.
+         */
+        GoalState: {
+            /** Goal Id */
+            goal_id: string;
+            /** Action Name */
+            action_name: string;
+            /** Action Type */
+            action_type: string;
+            status: components["schemas"]["GoalStatus"];
+            /** Stalled */
+            stalled: boolean;
+            /**
+             * Origin
+             * @enum {string}
+             */
+            origin: "gateway" | "external";
+            /** Stage */
+            stage: string | null;
+            /** Retries */
+            retries: number | null;
+            error: components["schemas"]["GoalError"] | null;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /**
+             * Updated At
+             * Format: date-time
+             */
+            updated_at: string;
+            /** Finished At */
+            finished_at: string | null;
+            /** Feedback Count */
+            feedback_count: number;
+            /** Last Event Id */
+            last_event_id: string | null;
         };
         /**
          * GoalStatus
@@ -1687,6 +1748,84 @@ export interface components {
             count: number;
         };
         /**
+         * Robot
+         * @description A robot at a glance.
+         *
+         *     `docked` is null where nobody knows; `dock` and `undock` where it has no such action. `goals` run on its actions;
+         *     `last_goal` is the last one of docking and undocking that ended.
+         */
+        Robot: {
+            /** Name */
+            name: string;
+            /** Default */
+            default: boolean;
+            /** Docked */
+            docked: boolean | null;
+            /** Simulated */
+            simulated: boolean;
+            battery: components["schemas"]["RobotBattery"];
+            /** Battery Topic */
+            battery_topic: string;
+            battery_publisher: components["schemas"]["RobotPublisher"];
+            stop: components["schemas"]["StopState"];
+            dock: components["schemas"]["ActionServer"] | null;
+            undock: components["schemas"]["ActionServer"] | null;
+            /** Goals */
+            goals: components["schemas"]["GoalState"][];
+            last_goal: components["schemas"]["GoalState"] | null;
+        };
+        /**
+         * RobotBattery
+         * @description The latest battery state, without its age: it was received then.
+         */
+        RobotBattery: {
+            state: components["schemas"]["BatteryState"] | null;
+            /** Received At */
+            received_at: string | null;
+            /** Stale */
+            stale: boolean;
+            /** Stale After S */
+            stale_after_s: number;
+        };
+        /**
+         * RobotList
+         * @description The robots, by name.
+         */
+        RobotList: {
+            /** Robots */
+            robots: components["schemas"]["Robot"][];
+        };
+        /**
+         * RobotPublisher
+         * @description Whether the gateway publishes a battery state for the robot, and how often.
+         */
+        RobotPublisher: {
+            /** Active */
+            active: boolean;
+            /** Rate Hz */
+            rate_hz: number | null;
+        };
+        /**
+         * RobotsEvent
+         * @description Robots changed: those that did, as they are now, at most twice a second; and the names of those that left.
+         */
+        RobotsEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "robots";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Robots */
+            robots: components["schemas"]["Robot"][];
+            /** Gone */
+            gone: string[];
+        };
+        /**
          * Scene
          * @description Where a robot and its dock are, all in one frame.
          *
@@ -1769,7 +1908,7 @@ export interface components {
         };
         /**
          * SnapshotEvent
-         * @description The first message of a stream.
+         * @description The first message of a stream; `robots` is there where `include=robots` asks for it.
          */
         SnapshotEvent: {
             /**
@@ -1789,6 +1928,8 @@ export interface components {
             stop: components["schemas"]["StopState"];
             action_server: components["schemas"]["ActionServer"];
             undock_server: components["schemas"]["ActionServer"];
+            /** Robots */
+            robots?: components["schemas"]["Robot"][];
         };
         /**
          * StatusEvent
@@ -4064,6 +4205,47 @@ export interface operations {
             };
             /** @description Service Unavailable */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_robots: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RobotList"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };

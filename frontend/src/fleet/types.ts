@@ -1,23 +1,11 @@
-import type { ActionServer, BatteryState, Goal, StopState } from "../api/types";
+import type { components } from "../api/schema.gen";
+import type { EventOf } from "../api/types";
 
-export type GoalSummary = Omit<Goal, "goal" | "feedback" | "result">;
+type Schemas = components["schemas"];
 
+export type GoalSummary = Schemas["GoalState"];
 /** A robot, as `GET /robots` tells. */
-export interface Robot {
-  name: string;
-  default: boolean;
-  /** Null where nobody knows. */
-  docked: boolean | null;
-  simulated: boolean;
-  battery: { state: BatteryState | null; received_at: string | null; stale: boolean; stale_after_s: number };
-  battery_topic: string;
-  battery_publisher: { active: boolean; rate_hz: number | null };
-  stop: StopState;
-  dock: ActionServer | null;
-  undock: ActionServer | null;
-  goals: GoalSummary[];
-  last_goal: GoalSummary | null;
-}
+export type Robot = Schemas["Robot"];
 
 /** Something that an operator has to know of, as `GET /alerts` tells. */
 export interface Alert {
@@ -32,12 +20,7 @@ export interface Alert {
   acknowledged: { by: string; at: string } | null;
 }
 
-export interface RobotsEvent {
-  type: "robots";
-  time: string;
-  robots: Robot[];
-  gone: string[];
-}
+export type RobotsEvent = EventOf<"robots">;
 
 export interface AlertsEvent {
   type: "alerts";
@@ -47,6 +30,5 @@ export interface AlertsEvent {
 
 /** What the snapshot of a stream with `include=robots` has besides. */
 export interface FleetSnapshot {
-  robots?: Robot[];
   alerts?: Alert[];
 }

@@ -1,0 +1,136 @@
+"""All robots at a glance: how each of them is, told to whoever asks, as it changes."""
+
+import asyncio
+import logging
+from collections import defaultdict
+from typing import Any
+
+import orjson
+
+from dock_gateway.actions import ActionRegistry
+from dock_gateway.events import fleet_event, utc_now
+from dock_gateway.goals import Goal, encode
+from dock_gateway.hub import Hub
+from dock_gateway.interlock import Interlock
+from dock_gateway.outcomes import Outcomes, latest
+from dock_gateway.robot_state import RobotState
+from dock_gateway.robots import Robot, RobotRegistry
+from dock_gateway.settings import Settings
+from dock_gateway.simulators import Simulators
+
+log = logging.getLogger(__name__)
+
+TOPIC = "robots"
+# Changes are looked for so often, in seconds.
+INTERVAL = 0.5
+
+
+class Fleet:
+    """Puts together what is known of each robot, and tells of changes while somebody wants to hear of them.
+
+    Args:
+        settings: Names.
+        hub: Where events go, and who wants them.
+        robots: The robots.
+        actions: The actions.
+        interlock: Which robots are held by a stop.
+        simulators: The simulators.
+        outcomes: How docking and undocking goals ended.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        hub: Hub,
+        *,
+        robots: RobotRegistry,
+        actions: ActionRegistry,
+        interlock: Interlock,
+        simulators: Simulators,
+        outcomes: Outcomes,
+    ) -> None:
+        self._settings = settings
+        self._hub = hub
+        self._robots = robots
+        self._actions = actions
+        self._interlock = interlock
+        self._simulators = simulators
+        self._outcomes = outcomes
+        self._told: dict[str, bytes] = {}
+        self._task = asyncio.create_task(self._run())
+
+    # ------------------------------------------------------------------ how they are
+
+    def states(self) -> list[RobotState]:
+        """Every robot as it is now, by name."""
+        running, lost = self._by_robot(self._actions.running()), self._by_robot(self._actions.lost())
+        robots = self._robots.all()
+        return [self._state(robot, running[robot.namespace], lost[robot.namespace]) for robot in robots]
+
+    def _by_robot(self, goals: list[Goal]) -> dict[str, list[Goal]]:
+        found: dict[str, list[Goal]] = defaultdict(list)
+        for goal in sorted(goals, key=lambda goal: goal.created_at, reverse=True):
+            if owner := self._robots.owner(goal.action_name):
+                found[owner.namespace].append(goal)
+        return found
+
+    def _state(self, robot: Robot, running: list[Goal], lost: list[Goal]) -> RobotState:
+        name, resolve = robot.namespace, self._settings.resolve
+        dock_name, undock_name = (
+            resolve(action, name) for action in (self._settings.dock_action, self._settings.undock_action)
+        )
+        dock, undock = self._actions.get(dock_name), self._actions.get(undock_name)
+        simulator = self._simulators.find(name)
+        ended = [goal for goal in lost if goal.action_name in (dock_name, undock_name)]
+        succeeded = self._outcomes.succeeded(dock_name, undock_name)
+        return RobotState(
+            name=name,
+            default=name == self._robots.default_namespace,
+            battery=robot.battery,
+            battery_topic=resolve(self._settings.battery_topic, name),
+            publisher=robot.publisher,
+            stop=self._interlock.shown(name),
+            simulator=None if simulator is None else simulator.document(),
+            dock=None if dock is None else dock.watch.state,
+            undock=None if undock is None else undock.watch.state,
+            goals=running,
+            last_goal=latest([self._outcomes.last(dock_name, undock_name), *ended]),
+            left_docked=None if succeeded is None else succeeded.action_name == dock_name,
+        )
+
+    def documents(self, namespace: str | None = None) -> list[dict[str, Any]]:
+        """The robots as `GET /robots` shows them, or the one of a namespace.
+
+        Raises:
+            InvalidField: That is no namespace.
+            NotFound: `robot_not_found`.
+        """
+        only = None if namespace is None else self._robots.get(namespace).namespace
+        return [state.document() for state in self.states() if only in (None, state.name)]
+
+    # ------------------------------------------------------------------ who is told
+
+    async def _run(self) -> None:
+        while True:
+            await asyncio.sleep(INTERVAL)
+            try:
+                self.look()
+            except Exception:
+                log.exception("while looking at the robots")
+
+    def look(self) -> None:
+        """Tell of the robots that have changed since this was done last, where somebody wants to hear of them."""
+        if not self._hub.wished(TOPIC):
+            self._told = {}
+            return
+        now = {state.name: encode(state.document()) for state in self.states()}
+        changed = [orjson.Fragment(document) for name, document in now.items() if self._told.get(name) != document]
+        gone = sorted(self._told.keys() - now.keys())
+        self._told = now
+        if changed or gone:
+            self._hub.publish(fleet_event("robots", utc_now(), robots=changed, gone=gone))
+
+    async def close(self) -> None:
+        """Look no more."""
+        self._task.cancel()
+        await asyncio.gather(self._task, return_exceptions=True)
