@@ -37,7 +37,7 @@ describe("axe finds nothing", () => {
     await screen.findByRole("region", { name: "Simulator" });
     expect(await violations()).toEqual([]);
     await user.click(screen.getByRole("button", { name: "Keyboard and name" }));
-    await screen.findByRole("dialog");
+    await screen.findByLabelText("Your name");
     expect(await violations()).toEqual([]);
   });
 

@@ -191,7 +191,8 @@ describe("Stop", () => {
   it("and what else the keyboard does can be read on the page", async () => {
     const { user } = renderPage(fakeGateway(), { stop: released });
     await user.click(button("Keyboard and name"));
-    expect((await screen.findByRole("dialog")).textContent).toMatch(/Escape twice within 0.7 s/);
+    const dialog = await screen.findByRole("dialog");
+    await waitFor(() => expect(dialog.textContent).toMatch(/Escape twice within 0.7 s/));
   });
 });
 

@@ -1,11 +1,11 @@
 import { Anchor, Container, Group } from "@mantine/core";
 import { Link } from "react-router";
-import { ShortcutsButton } from "../stop/ShortcutsButton";
 import { StopButton } from "../stop/StopButton";
 import { ColorSchemeSwitch } from "./ColorSchemeSwitch";
 import { ConnectionStatus } from "./ConnectionStatus";
 import classes from "./layout.module.css";
 import { Navigation } from "./Navigation";
+import { ShortcutsButton } from "./ShortcutsButton";
 
 export function Header() {
   return (

@@ -1,19 +1,19 @@
 import { NavLink } from "react-router";
 import classes from "./layout.module.css";
-
-const PAGES = [
-  { to: "/", name: "Overview" },
-  { to: "/ui/goals", name: "Goals" },
-  { to: "/ui/actions", name: "Actions" },
-  { to: "/ui/graph", name: "Graph" },
-] as const;
+import { PAGES } from "./pages";
 
 /** The way to the pages. */
 export function Navigation() {
   return (
     <nav aria-label="Pages" className={classes.navigation}>
-      {PAGES.map(({ to, name }) => (
-        <NavLink key={to} to={to} end={to === "/"} className={classes.page ?? ""}>
+      {PAGES.map(({ to, name, letter }) => (
+        <NavLink
+          key={to}
+          to={to}
+          end={to === "/"}
+          className={classes.page ?? ""}
+          title={`${name} (g, then ${letter})`}
+        >
           {name}
         </NavLink>
       ))}

@@ -35,7 +35,8 @@ const NO_TEXT = new Set([
   "submit",
 ]);
 
-function isTextField(target: EventTarget | null): boolean {
+/** Whether keys are text there. */
+export function isTextField(target: EventTarget | null): boolean {
   if (target instanceof HTMLInputElement) return !NO_TEXT.has(target.type);
   return (
     target instanceof HTMLTextAreaElement ||

@@ -1,0 +1,107 @@
+import { Kbd, Stack, Switch, Text, TextInput, Title } from "@mantine/core";
+import { Fragment, useState } from "react";
+import { TWICE_WITHIN_MS } from "../stop/keys";
+import { MAX_NAME, ownName, setOwnName } from "../stop/who";
+import classes from "./layout.module.css";
+import { lettersOn, setLettersOn } from "./letters";
+import { PAGES } from "./pages";
+
+interface Shortcut {
+  keys: readonly string[];
+  what: string;
+}
+
+const EVERYWHERE: readonly Shortcut[] = [
+  {
+    keys: ["Esc", "Esc"],
+    what: `Stop every robot: Escape twice within ${TWICE_WITHIN_MS / 1000} s, anywhere but in a text field`,
+  },
+  { keys: ["Ctrl", "Shift", "X"], what: "Stop every robot, also while you type" },
+  { keys: ["Tab", "Enter"], what: "To the next control; press it" },
+];
+
+const LETTERS: readonly Shortcut[] = [
+  { keys: ["?"], what: "This list" },
+  { keys: ["/"], what: "Search on the page" },
+  ...PAGES.map(({ letter, name }) => ({ keys: ["g", letter], what: `Go to ${name}` })),
+];
+
+const PICTURE: readonly Shortcut[] = [
+  { keys: ["+", "−", "0"], what: "Closer, farther, all of it" },
+  {
+    keys: ["←", "↑", "→", "↓"],
+    what: "Move a simulated robot, with Shift turn it; Enter places it. Without a simulator, or with Ctrl: move the picture",
+  },
+];
+
+/** Everything that keys do, and the name of who presses them. */
+export default function ShortcutList() {
+  return (
+    <Stack gap="md">
+      <Shortcuts title="Everywhere" shortcuts={EVERYWHERE} />
+      <Shortcuts title="One letter after the other" shortcuts={LETTERS} />
+      <LettersSwitch />
+      <Shortcuts title="In the picture of a robot" shortcuts={PICTURE} />
+      <NameField />
+    </Stack>
+  );
+}
+
+function Shortcuts({ title, shortcuts }: { title: string; shortcuts: readonly Shortcut[] }) {
+  return (
+    <div>
+      <Title order={3} size="h5" mb={4}>
+        {title}
+      </Title>
+      <dl className={classes.shortcuts}>
+        {shortcuts.map(({ keys, what }) => (
+          <Fragment key={what}>
+            <dt>
+              {keys.map((key, index) => (
+                // biome-ignore lint/suspicious/noArrayIndexKey: the same key can be there twice
+                <Kbd key={index} mr={4}>
+                  {key}
+                </Kbd>
+              ))}
+            </dt>
+            <Text component="dd" size="sm">
+              {what}
+            </Text>
+          </Fragment>
+        ))}
+      </dl>
+    </div>
+  );
+}
+
+function LettersSwitch() {
+  const [on, setOn] = useState(lettersOn);
+  return (
+    <Switch
+      label="Letters are shortcuts"
+      description="Off where you speak to this computer, or press keys by mistake. Stop works either way."
+      checked={on}
+      onChange={(event) => {
+        setOn(event.currentTarget.checked);
+        setLettersOn(event.currentTarget.checked);
+      }}
+    />
+  );
+}
+
+function NameField() {
+  const [name, setName] = useState(ownName);
+  return (
+    <TextInput
+      label="Your name"
+      description="Others read it where you stop a robot or acknowledge an alert. It is kept in this browser."
+      autoComplete="name"
+      maxLength={MAX_NAME}
+      value={name}
+      onChange={(event) => {
+        setName(event.currentTarget.value);
+        setOwnName(event.currentTarget.value);
+      }}
+    />
+  );
+}

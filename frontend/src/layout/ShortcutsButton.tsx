@@ -1,0 +1,57 @@
+import { ActionIcon } from "@mantine/core";
+import { lazy, Suspense, useEffect, useState } from "react";
+import { useLocation, useNavigate } from "react-router";
+import { Dialog } from "../ui/Dialog";
+import { Letters, lettersOn } from "./letters";
+
+const ShortcutList = lazy(() => import("./ShortcutList"));
+
+/** What the keyboard does, in a list that ? opens, and the name that others read when this page stops a robot. */
+export function ShortcutsButton() {
+  const [opened, setOpened] = useState(false);
+  useLetters(() => setOpened(true));
+  const { pathname } = useLocation();
+  // biome-ignore lint/correctness/useExhaustiveDependencies: another page closes it
+  useEffect(() => setOpened(false), [pathname]);
+  return (
+    <>
+      <ActionIcon
+        variant="default"
+        size="lg"
+        aria-label="Keyboard and name"
+        title="Keyboard and name (?)"
+        aria-haspopup="dialog"
+        onClick={() => setOpened(true)}
+      >
+        <svg width="20" height="20" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
+          <path d="M4 5h16a2 2 0 0 1 2 2v10a2 2 0 0 1-2 2H4a2 2 0 0 1-2-2V7a2 2 0 0 1 2-2Zm0 2v10h16V7H4Zm1.5 1.5h2v2h-2v-2Zm3.7 0h2v2h-2v-2Zm3.6 0h2v2h-2v-2Zm3.7 0h2v2h-2v-2Zm-11 4h2v2h-2v-2Zm3.7 0h5.6v2H9.2v-2Zm7.3 0h2v2h-2v-2Z" />
+        </svg>
+      </ActionIcon>
+      <Dialog opened={opened} onClose={() => setOpened(false)} title="Keyboard and name">
+        <Suspense fallback={null}>
+          <ShortcutList />
+        </Suspense>
+      </Dialog>
+    </>
+  );
+}
+
+/** Does what letters ask for, but in dialogs. */
+function useLetters(openList: () => void): void {
+  const navigate = useNavigate();
+  useEffect(() => {
+    const letters = new Letters();
+    const hear = (event: KeyboardEvent) => {
+      if (!lettersOn() || document.querySelector("[aria-modal=true]") !== null) return;
+      const asked = letters.press(event);
+      if (asked === null) return;
+      event.preventDefault();
+      if (asked.kind === "list") openList();
+      else if (asked.kind === "search")
+        document.querySelector<HTMLInputElement>("main input[type=search]")?.focus();
+      else void navigate(asked.to);
+    };
+    window.addEventListener("keydown", hear);
+    return () => window.removeEventListener("keydown", hear);
+  });
+}
