@@ -91,8 +91,7 @@ class Simulators:
                     self._tell(namespace)
 
     def _tell(self, namespace: str) -> None:
-        document = self._simulators[namespace].document()
-        self._hub.publish(system_event("simulator", document, utc_now(), robot=namespace))
+        self._hub.publish(system_event("simulator", self.document(namespace), utc_now(), robot=namespace))
 
     # ------------------------------------------------------------------ what is done
 
@@ -100,6 +99,11 @@ class Simulators:
         """The simulator of a robot, where it has one."""
         simulator = self._simulators.get(namespace)
         return simulator if simulator is not None and simulator.available else None
+
+    def document(self, namespace: str) -> dict[str, Any] | None:
+        """The simulator of a robot as it reported last, also where it has gone; None where there never was one."""
+        simulator = self._simulators.get(namespace)
+        return None if simulator is None else simulator.document()
 
     def get(self, namespace: str) -> Simulator:
         """The simulator of a robot.

@@ -9,7 +9,7 @@ import orjson
 import pytest
 
 from tests.support.domain import ros_domain
-from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 
 pytestmark = pytest.mark.ros
 
@@ -70,6 +70,33 @@ def test_a_reader_that_was_away_gets_what_it_missed_and_nothing_twice(gateway: R
         assert ids(second.seen) == expected
 
 
+def test_what_is_not_replayed_is_told_as_it_is_now(gateway: RunningGateway, running: str) -> None:
+    with gateway.stream("?include=system,robots") as first:
+        last = first.until_type("feedback")["id"]
+    gateway.http.post("/stop", json={"by": "Ada"}).raise_for_status()
+    gateway.http.delete("/battery/publisher").raise_for_status()
+    gateway.wait_for_goal(running, "canceled")
+    with gateway.stream(f"?include=system,robots&after={last}") as second:
+        missed = second.next()["count"]
+        for _ in range(missed):
+            assert "id" in second.next()
+        present = [second.next() for _ in range(5)]
+    gateway.http.delete("/stop").raise_for_status()
+    gateway.publish(LOW)
+    assert [event["type"] for event in present] == ["stop", "battery_publisher", *["action_server"] * 2, "robots"]
+    stop, publisher, dock, undock, robots = present
+    assert (stop["robot"], stop["stop"]["latched"], stop["stop"]["by"]) == ("/", True, "Ada")
+    assert publisher["battery_publisher"]["active"] is False
+    assert dock["action_server"] == {"action_name": ACTION, "available": True, "answering": True}
+    assert undock["action_server"]["available"] is False
+    assert robots["robots"][0]["stop"]["by"] == "Ada"
+    with gateway.stream(f"?after={last}") as third:  # who did not ask for it is not told
+        for _ in range(third.next()["count"]):
+            third.next()
+        gateway.publish(LOW)
+        assert third.next()["type"] == "heartbeat"
+
+
 def test_a_past_that_is_gone_is_said_to_be(gateway: RunningGateway, running: str) -> None:
     with gateway.stream(f"?after={GONE}") as stream:
         assert stream.next() == stream.seen[0] | {"type": "gap", "after": GONE}
@@ -106,6 +133,10 @@ def test_server_sent_events_until_the_end(gateway: RunningGateway, running: str)
         again = [event for _, event in sse(response)]
     assert again[0]["type"] == "resumed"
     assert ids(again) == ids(rest)
+    with gateway.http.stream(
+        "GET", f"/dock/{running}/events", params={"feedback": "false", "after": identity}
+    ) as response:
+        assert [event["type"] for _, event in sse(response)] == ["resumed", "status", "result"]
     with gateway.http.stream("GET", f"/dock/{running}/events") as response:
         (only,) = [event for _, event in sse(response)]
     assert only["goals"][0]["status"] == "succeeded"

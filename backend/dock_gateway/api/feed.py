@@ -3,6 +3,7 @@
 import time
 from collections.abc import AsyncIterator
 
+from dock_gateway.api.snapshot import present, snapshot
 from dock_gateway.conflation import Conflator
 from dock_gateway.errors import GatewayError
 from dock_gateway.events import Event, notice, utc_now
@@ -21,8 +22,8 @@ async def feed(
     Args:
         gateway: The gateway.
         subscriber: The reader's place in the hub.
-        after: Id of the last event that the reader has seen. What followed it comes first (`resumed`); where that is
-            not to be had any more, `gap` and a snapshot.
+        after: Id of the last event that the reader has seen. What followed it comes first (`resumed`), then what
+            is not replayed, as it is now; where the past is not to be had any more, `gap` and a snapshot.
         max_rate: Messages a second of each goal's feedback, of battery and of velocity.
     """
     async for event in begin(gateway, subscriber, after):
@@ -53,12 +54,12 @@ async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> 
             missed = await _from_history(gateway, subscriber, after)
         if missed is not None:
             yield notice("resumed", utc_now(), after=after, count=len(missed))
-            for event in missed:
+            for event in (*missed, *present(gateway, subscriber.interest)):
                 yield event
             return
         yield notice("gap", utc_now(), after=after)
         subscriber.clear()
-    yield await snapshot(gateway, subscriber)
+    yield await snapshot(gateway, subscriber.interest)
 
 
 async def _from_history(gateway: Gateway, subscriber: Subscriber, after: str) -> list[Event] | None:
@@ -83,23 +84,3 @@ async def _from_history(gateway: Gateway, subscriber: Subscriber, after: str) ->
         return None
     subscriber.forget({event.id for event in missed})
     return missed
-
-
-async def snapshot(gateway: Gateway, subscriber: Subscriber) -> Event:
-    """How things stand: running and recent goals; the robot's battery, stop and servers; all robots if asked for."""
-    interest = subscriber.interest
-    goals = await gateway.recent_goals(interest)
-    robot = gateway.robots.get(interest.robot)
-    dock, undock = gateway.servers_of(interest.robot)
-    fleet = {"robots": gateway.fleet.documents()} if "robots" in interest.topics else {}
-    return notice(
-        "snapshot",
-        utc_now(),
-        goals=[goal.document() for goal in goals],
-        battery=robot.battery.document(),
-        battery_publisher=robot.publisher.document(),
-        stop=gateway.stopper.state(interest.robot),
-        action_server=dock,
-        undock_server=undock,
-        **fleet,
-    )
