@@ -15,6 +15,7 @@ from dock_gateway.api import (
     battery,
     battery_history,
     dock,
+    exports,
     goal_history,
     graph,
     health,
@@ -66,6 +67,7 @@ def create_app(settings: Settings) -> FastAPI:
     for module in (
         stop,
         stream,
+        exports,  # before the goals: `export` is no id of one
         all_goals,
         goal_history,
         actions,
@@ -88,7 +90,7 @@ def create_app(settings: Settings) -> FastAPI:
             allow_origins=settings.allowed_origins,
             allow_methods=("GET", "POST", "PUT", "DELETE"),
             allow_headers=("Content-Type", "Idempotency-Key", "If-None-Match", "Last-Event-ID", "Prefer"),
-            expose_headers=("ETag", "Location", "Retry-After"),
+            expose_headers=("Content-Disposition", "ETag", "Location", "Retry-After"),
             allow_private_network=True,  # a robot's address mostly is in one
         )
     app.add_middleware(OriginGuard, settings=settings)  # comes first, the last added being the outermost

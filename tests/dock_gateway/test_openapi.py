@@ -62,6 +62,8 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("post", "/goals/{goal_id}/cancel"),
         ("get", "/goals/{goal_id}/events"),
         ("get", "/goals/{goal_id}/history"),
+        ("get", "/goals/export"),
+        ("get", "/goals/{goal_id}/export"),
         ("get", "/actions"),
         ("get", "/actions/{name}"),
         ("post", "/actions/{name}/goals"),

@@ -1,5 +1,7 @@
 """`/goals`: the goals of every action, the gateway's own and those of others, also of actions that have gone."""
 
+import csv
+import io
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -116,6 +118,45 @@ def test_the_history_of_a_goal(gateway: RunningGateway, domain: int) -> None:
     for query in ("after=7", "limit=0", "limit=5001", "type=results", "before=1"):
         assert gateway.http.get(f"{history}?{query}").json()["code"] == "invalid_field"
     missing = gateway.http.get("/goals/3f0c7b2e-0000-4000-8000-000000000000/history")
+    assert (missing.status_code, missing.json()["code"]) == (404, "goal_not_found")
+
+
+def test_exports(gateway: RunningGateway, domain: int) -> None:
+    with fibonacci(domain, gateway, "/robot4") as path:
+        goal = gateway.http.post(path, json={"order": 6}, headers=ENDED).json()
+        gateway.http.post(path, json={"order": 3}, headers=ENDED)
+    export = f"/goals/{goal['goal_id']}/export"
+    feedback = gateway.http.get(f"/goals/{goal['goal_id']}/history?type=feedback").json()["events"]
+
+    answer = gateway.http.get(f"{export}?format=csv")
+    assert answer.headers["content-type"] == "text/csv; charset=utf-8"
+    assert answer.headers["content-disposition"] == f'attachment; filename="goal-{goal["goal_id"]}.csv"'
+    rows = list(csv.DictReader(io.StringIO(answer.text, newline="")))
+    assert [row["id"] for row in rows] == [event["id"] for event in feedback]
+    assert list(rows[0])[:4] == ["time", "id", "partial_sequence.0", "partial_sequence.1"]
+    assert [rows[-1][f"partial_sequence.{place}"] for place in range(7)] == ["0", "1", "1", "2", "3", "5", "8"]
+    assert rows[0]["partial_sequence.6"] == ""
+
+    exported = gateway.http.get(f"{export}?format=json").json()
+    assert exported.pop("events") == gateway.http.get(f"/goals/{goal['goal_id']}/history").json()["events"]
+    assert exported.pop("complete") is True
+    assert exported == goal
+
+    listed = gateway.http.get("/goals?robot=/robot4").json()["goals"]
+    answer = gateway.http.get("/goals/export?robot=/robot4&format=json")
+    assert answer.json() == listed
+    assert answer.headers["content-disposition"].startswith('attachment; filename="goals-2')
+    rows = list(
+        csv.DictReader(io.StringIO(gateway.http.get("/goals/export?robot=/robot4&format=csv").text, newline=""))
+    )
+    assert [row["goal_id"] for row in rows] == [each["goal_id"] for each in listed]
+    assert (rows[1]["status"], rows[1]["goal"]) == ("succeeded", '{"order":6}')
+    assert 0 < float(rows[1]["duration_s"]) < 60
+    assert gateway.http.get("/goals/export?robot=/robot5").json() == []
+
+    for refused in (f"{export}?format=xlsx", "/goals/export?limit=1", "/goals/export?status=done"):
+        assert gateway.http.get(refused).json()["code"] == "invalid_field"
+    missing = gateway.http.get("/goals/3f0c7b2e-0000-4000-8000-000000000000/export")
     assert (missing.status_code, missing.json()["code"]) == (404, "goal_not_found")
 
 

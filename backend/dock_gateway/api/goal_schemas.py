@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Any, Literal
 
-from dock_gateway.api.schemas import GoalError, GoalState, Schema
+from dock_gateway.api.schemas import ActionGoal, GoalError, GoalState, Schema
 from dock_gateway.goals import GoalStatus
 
 
@@ -46,3 +46,10 @@ class GoalHistory(Schema):
     events: list[ActionStatusEvent | ActionFeedbackEvent | ActionResultEvent]
     next_after: str | None
     complete: bool
+
+
+class ExportedGoal(ActionGoal):
+    """A goal with its events, oldest first; `complete` where none was given up."""
+
+    complete: bool
+    events: list[ActionStatusEvent | ActionFeedbackEvent | ActionResultEvent]

@@ -3,19 +3,17 @@
 import asyncio
 import logging
 from collections.abc import AsyncGenerator, AsyncIterator, Coroutine
-from contextlib import aclosing
 from typing import Any
 
 from fastapi import APIRouter, Request, WebSocket
-from starlette.requests import ClientDisconnect
 from starlette.responses import Response, StreamingResponse
-from starlette.types import Message, Receive, Scope, Send
 from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.api.answers import GoalId, TheGateway
 from dock_gateway.api.feed import begin, feed
 from dock_gateway.api.frames import short_way
 from dock_gateway.api.interests import QUERY, read_after, read_interest, read_max_rate
+from dock_gateway.api.paced import PacedResponse, send_in_time
 from dock_gateway.api.problems import problem_response, problems
 from dock_gateway.api.requests import known_query
 from dock_gateway.errors import GatewayError
@@ -94,46 +92,14 @@ async def send_text(websocket: WebSocket, gateway: Gateway, text: str) -> None:
     Raises:
         TimeoutError: It did not.
     """
-    await _send_in_time(websocket.send, {"type": "websocket.send", "text": text}, gateway.settings.subscriber_timeout)
+    await send_in_time(websocket.send, {"type": "websocket.send", "text": text}, gateway.settings.subscriber_timeout)
 
 
-async def _send_in_time(send: Send, message: Message, timeout: float) -> None:
-    try:
-        async with asyncio.timeout(timeout):
-            await send(message)
-    except TimeoutError:
-        log.info("a subscriber did not read for %g s and is cut off", timeout)
-        raise
-
-
-class EventStream(StreamingResponse):
-    """Server-Sent Events; a client that does not read for so long is cut off.
-
-    Args:
-        first: The first piece.
-        chunks: The others; closed when the stream ends, however it does.
-        timeout: Seconds that the client may not read.
-    """
+class EventStream(PacedResponse):
+    """Server-Sent Events."""
 
     def __init__(self, first: bytes, chunks: AsyncGenerator[bytes], timeout: float) -> None:
-        headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-        super().__init__(self._pieces(first, chunks), media_type="text/event-stream", headers=headers)
-        self._chunks = chunks
-        self._timeout = timeout
-
-    @staticmethod
-    async def _pieces(first: bytes, chunks: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
-        yield first
-        async for chunk in chunks:
-            yield chunk
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Send it."""
-        async with aclosing(self._chunks):
-            try:
-                await super().__call__(scope, receive, lambda message: _send_in_time(send, message, self._timeout))
-            except (TimeoutError, ClientDisconnect):
-                log.debug("a stream of Server-Sent Events was left unfinished")
+        super().__init__(first, chunks, timeout, media_type="text/event-stream", headers={"X-Accel-Buffering": "no"})
 
 
 @router.get("/goals/{goal_id}/events", name="goal_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
