@@ -1,6 +1,7 @@
 import { notifications } from "@mantine/notifications";
 import { onlineManager } from "@tanstack/react-query";
 import { act, screen, waitFor, within } from "@testing-library/react";
+import type { UserEvent } from "@testing-library/user-event";
 import { afterEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import type { GatewayEvent, Goal } from "../src/api/types";
@@ -18,6 +19,12 @@ import {
 import { fakeGateway, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
+/** Presses Dock or Undock, and says yes. */
+const move = async (user: UserEvent, name: "Dock" | "Undock") => {
+  await user.click(button(name));
+  const question = await screen.findByRole("dialog", { name: `${name} the robot?` });
+  await user.click(within(question).getByRole("button", { name }));
+};
 const now = () => new Date().toISOString();
 const running = goal("a", { created_at: now(), updated_at: now(), feedback_count: 3 });
 
@@ -98,7 +105,7 @@ describe("docking", () => {
     const { user } = renderPage(gateway);
     expect(button("Cancel").disabled).toBe(true);
     await user.click(screen.getByText("Full", { selector: "label *" }));
-    await user.click(button("Dock"));
+    await move(user, "Dock");
     expect(gateway.dock).toHaveBeenCalledWith(4);
     expect((await screen.findByTestId("goal-status")).textContent).toBe("accepted");
   });
@@ -107,7 +114,7 @@ describe("docking", () => {
     const gateway = fakeGateway();
     const { user } = renderPage(gateway);
     await waitFor(() => expect(button("Undock").disabled).toBe(false));
-    await user.click(button("Undock"));
+    await move(user, "Undock");
     expect(gateway.undock).toHaveBeenCalledTimes(1);
     expect(await screen.findByText("Running goal: undock")).toBeDefined();
     await user.click(button("Cancel"));
@@ -153,7 +160,7 @@ describe("docking", () => {
   it("says why a goal was rejected and what to do", async () => {
     const error = new CommandError("dock_busy", "The dock is busy with another goal", "goal 7 is running");
     const { user } = renderPage(fakeGateway({ dock: vi.fn().mockRejectedValue(error) }));
-    await user.click(button("Dock"));
+    await move(user, "Dock");
     const alert = await screen.findByRole("alert");
     expect(alert.textContent).toMatch(/Dock did not work: the dock is busy/);
     expect(alert.textContent).toMatch(/Goal 7 is running/);

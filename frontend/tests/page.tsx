@@ -67,13 +67,13 @@ export function renderPage(
 ) {
   const store = new BothStores();
   const scene = new SceneBuffer();
-  const services: Services = { gateway, store: store.robot, series: new BatterySeries(), scene };
+  const services: Services = { robot: null, gateway, store: store.robot, series: new BatterySeries(), scene };
   const fleet: FleetServices = {
     http: createHttp("http://gateway:8000"),
     gateway,
     gatewayOf,
     store: store.fleet,
-    openRobot: () => ({ services, close: () => {} }),
+    openRobot: (robot) => ({ services: { ...services, robot }, close: () => {} }),
   };
   store.robot.onScene((event) => scene.push(event.scene, performance.now()));
   if (first !== null) {

@@ -17,6 +17,7 @@ def page(page: Page, request: pytest.FixtureRequest) -> Page:
 def dock(page: Page, gateway: RunningGateway) -> None:
     gateway.publish(LOW)
     page.get_by_role("button", name="Dock", exact=True).click()
+    page.get_by_role("dialog").get_by_role("button", name="Dock", exact=True).click()
     expect(page.get_by_test_id("goal-status")).to_have_text("executing")
     expect(page.get_by_text("turning left")).to_be_visible()
 

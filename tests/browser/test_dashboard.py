@@ -13,6 +13,12 @@ def press(page: Page, name: str) -> None:
     page.get_by_role("button", name=name, exact=True).click()
 
 
+def dock(page: Page) -> None:
+    """Dock a robot that is real as far as the page knows: it asks."""
+    press(page, "Dock")
+    page.get_by_role("dialog", name="Dock the robot?").get_by_role("button", name="Dock", exact=True).click()
+
+
 def publish(page: Page, preset: str) -> None:
     page.get_by_text(preset, exact=True).first.click()
     press(page, "Publish repeatedly")
@@ -26,7 +32,7 @@ def test_the_tutorial_by_clicking(page: Page) -> None:
     expect(page.get_by_test_id("connection")).to_contain_text("live", ignore_case=True)
     publish(page, "Low battery, not charging")
     expect(page.get_by_test_id("battery-status")).to_contain_text("not charging", ignore_case=True)
-    press(page, "Dock")
+    dock(page)
     expect_status(page, "executing")
     expect(page.get_by_text("24 %").first).to_be_visible()
     publish(page, "On the dock, charging")
@@ -36,7 +42,7 @@ def test_the_tutorial_by_clicking(page: Page) -> None:
 
 def test_cancel_by_clicking(page: Page, gateway: RunningGateway) -> None:
     gateway.publish(LOW)
-    press(page, "Dock")
+    dock(page)
     expect_status(page, "executing")
     press(page, "Cancel")
     expect_status(page, "canceled")
@@ -44,7 +50,7 @@ def test_cancel_by_clicking(page: Page, gateway: RunningGateway) -> None:
 
 def test_stop_by_clicking(page: Page, gateway: RunningGateway) -> None:
     gateway.publish(LOW)
-    press(page, "Dock")
+    dock(page)
     expect_status(page, "executing")
     page.get_by_role("button", name="Stop", exact=True).click()
     expect_status(page, "canceled")
@@ -68,7 +74,7 @@ def test_the_page_says_when_the_gateway_is_gone_and_goes_on_when_it_is_back(brow
             page = browser.new_page(reduced_motion="reduce")
             page.goto(first.url)
             expect(page.get_by_test_id("connection")).to_contain_text("live", ignore_case=True)
-            press(page, "Dock")
+            dock(page)
             expect_status(page, "executing")
             press(page, "Cancel")
             expect_status(page, "canceled")

@@ -21,5 +21,5 @@ export function openRobot(location: StreamLocation, http: Http, robot: string | 
   const scene = new SceneBuffer();
   store.onScene((event) => scene.push(event.scene, performance.now()));
   const close = openStream(streamUrl(location, { include: "battery,cmd_vel,system,scene", robot }), store);
-  return { services: { gateway: createGateway(http, robot), store, series, scene }, close };
+  return { services: { robot, gateway: createGateway(http, robot), store, series, scene }, close };
 }

@@ -7,6 +7,8 @@ import type { Store, Topic, Topics } from "./store";
 
 /** What there is for one robot. */
 export interface Services {
+  /** Its namespace; null for the one that the gateway is configured for. */
+  robot: string | null;
   gateway: Gateway;
   store: Store;
   series: BatterySeries;

@@ -1,0 +1,126 @@
+import { Button, Group, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
+import { useId, useState } from "react";
+import type { Verb } from "../api/client";
+import type { Goal } from "../api/types";
+import { CHARGING, FULL } from "../battery/words";
+import { RobotStopButton, useStoppableAlone } from "../stop/RobotStop";
+import { useLive, useServices, useTopic } from "../store/context";
+import { useVerbOf } from "../store/verbs";
+import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { useCommand } from "../ui/useCommand";
+import { useAsking } from "./asking";
+import classes from "./docking.module.css";
+import { MoveDialog } from "./MoveDialog";
+import { whyNotCancel, whyNotSend } from "./reasons";
+
+/** Dock, Undock, Cancel, and a Stop of this robot alone where there are others; each says why where it cannot be used. */
+export function DockingControls({ running }: { running: Goal | null }) {
+  const { gateway, store } = useServices();
+  const live = useLive();
+  const servers = { dock: useTopic("actionServer"), undock: useTopic("undockServer") };
+  const stopped = useTopic("stop").latched;
+  const verbOf = useVerbOf();
+  const alone = useStoppableAlone();
+  const asking = useAsking();
+  const [asked, setAsked] = useState<Verb>("dock");
+  const [open, question] = useDisclosure(false);
+  const [target, setTarget] = useState(String(CHARGING));
+  const reasonId = useId();
+  const targetId = useId();
+
+  const dock = useCommand(async () => store.addGoals([await gateway.dock(Number(target))]));
+  const undock = useCommand(async () => store.addGoals([await gateway.undock()]));
+  const cancel = useCommand(async (goal: Goal) =>
+    store.addGoals([await gateway.cancel(verbOf(goal), goal.goal_id)]),
+  );
+  const send = (verb: Verb) => {
+    question.close();
+    for (const command of [dock, undock, cancel]) command.reset();
+    (verb === "dock" ? dock : undock).mutate();
+  };
+  const press = (verb: Verb) => {
+    if (!asking.asks) return send(verb);
+    setAsked(verb);
+    question.open();
+  };
+
+  const sending = dock.isPending || undock.isPending;
+  const whyNot = (verb: Verb) => whyNotSend(verb, { live, stopped, running, sending, server: servers[verb] });
+  const cancelReason = whyNotCancel(live, running, cancel.isPending);
+  const reasons = [whyNot("dock"), whyNot("undock"), cancelReason].filter((reason) => reason !== null);
+  const silent = whyNot("dock") === null && servers.dock?.answering === false;
+
+  return (
+    <Stack gap="sm">
+      <Group gap="xs" className={classes.verbs}>
+        <Button
+          size="lg"
+          disabled={whyNot("dock") !== null}
+          aria-describedby={reasonId}
+          aria-haspopup={asking.asks ? "dialog" : undefined}
+          onClick={() => press("dock")}
+        >
+          Dock
+        </Button>
+        <Button
+          size="lg"
+          variant="light"
+          disabled={whyNot("undock") !== null}
+          aria-describedby={reasonId}
+          aria-haspopup={asking.asks ? "dialog" : undefined}
+          onClick={() => press("undock")}
+        >
+          Undock
+        </Button>
+        <Button
+          size="lg"
+          variant="default"
+          disabled={cancelReason !== null}
+          aria-describedby={reasonId}
+          onClick={() => running && cancel.mutate(running)}
+        >
+          Cancel
+        </Button>
+        {alone !== null && <RobotStopButton robot={alone} />}
+      </Group>
+      <Group gap="sm">
+        <Group gap="xs">
+          <Text size="sm" id={targetId}>
+            Dock until the battery is
+          </Text>
+          <SegmentedControl
+            aria-labelledby={targetId}
+            value={target}
+            onChange={setTarget}
+            data={[
+              { label: "Charging", value: String(CHARGING) },
+              { label: "Full", value: String(FULL) },
+            ]}
+          />
+        </Group>
+        <Switch
+          label={asking.simulated ? "Ask before it moves (not a simulated robot)" : "Ask before it moves"}
+          checked={asking.asks}
+          disabled={asking.simulated}
+          onChange={(event) => asking.change(event.currentTarget.checked)}
+        />
+      </Group>
+      <Text size="sm" c="dimmed" id={reasonId} role="status">
+        {[...new Set(reasons)].join(" ")}{" "}
+        {silent && <strong>The action server is there but does not answer: a goal may time out.</strong>}
+      </Text>
+      <CommandErrorAlert command="Dock" error={dock.error} onClose={dock.reset} />
+      <CommandErrorAlert command="Undock" error={undock.error} onClose={undock.reset} />
+      <CommandErrorAlert command="Cancel" error={cancel.error} onClose={cancel.reset} />
+      <MoveDialog
+        opened={open}
+        verb={asked}
+        robot={alone}
+        reason={whyNot(asked)}
+        onMove={() => send(asked)}
+        onClose={question.close}
+      />
+    </Stack>
+  );
+}

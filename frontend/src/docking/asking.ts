@@ -1,0 +1,19 @@
+import { useLocalStorage } from "@mantine/hooks";
+import { useTopic } from "../store/context";
+
+const KEY = "dock-gateway-ask-before-moving";
+
+export interface Asking {
+  /** Whether a click that makes the robot move is asked about. */
+  asks: boolean;
+  /** Nobody is hurt by a simulated robot: it is never asked about. */
+  simulated: boolean;
+  change: (asks: boolean) => void;
+}
+
+/** Whether to ask before this robot moves: a real one, until somebody switches that off in this browser. */
+export function useAsking(): Asking {
+  const simulated = useTopic("simulator") !== null;
+  const [wanted, change] = useLocalStorage({ key: KEY, defaultValue: true, getInitialValueInEffect: false });
+  return { asks: wanted && !simulated, simulated, change };
+}

@@ -1,0 +1,41 @@
+import { Button } from "@mantine/core";
+import { useFleetTopic } from "../fleet/context";
+import { useServices } from "../store/context";
+import { useCommand } from "../ui/useCommand";
+import { defaultRobot } from "./held";
+import { showFailed, showStopped, showStopping } from "./notices";
+import { whoStops } from "./who";
+
+/**
+ * The name of this robot where it can be stopped alone; null where the Stop in the header does just that: for the only
+ * robot, and for one in the root namespace, which all others are below.
+ */
+export function useStoppableAlone(): string | null {
+  const { robot } = useServices();
+  const robots = useFleetTopic("robots");
+  const name = robot ?? defaultRobot(robots);
+  return robots.size > 1 && name !== "/" ? name : null;
+}
+
+/** Stops this robot alone. Enabled always, as Stop in the header is. */
+export function RobotStopButton({ robot }: { robot: string }) {
+  const { gateway, store } = useServices();
+  const { mutate, isPending } = useCommand(async () => {
+    showStopping();
+    const report = await gateway.stop(whoStops());
+    store.setStop(report.stop);
+    return report;
+  });
+  return (
+    <Button
+      size="lg"
+      color="red"
+      variant="outline"
+      data-stopping={isPending || undefined}
+      title={`Zero velocity at once, every goal of ${robot} is canceled, and none is sent until the stop is released`}
+      onClick={() => mutate(undefined, { onSuccess: showStopped, onError: showFailed })}
+    >
+      Stop {robot}
+    </Button>
+  );
+}

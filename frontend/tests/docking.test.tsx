@@ -1,0 +1,87 @@
+import { act, screen, waitFor, within } from "@testing-library/react";
+import { beforeEach, describe, expect, it } from "vitest";
+import type { GatewayEvent } from "../src/api/types";
+import type { Robot } from "../src/fleet/types";
+import { at, simulator, undockServer } from "./events";
+import { fakeGateway, renderPage } from "./page";
+
+const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
+const asks = () => screen.getByRole<HTMLInputElement>("switch", { name: /Ask before it moves/ });
+
+beforeEach(() => localStorage.clear());
+
+describe("a robot that is about to move", () => {
+  it("is asked about, and stands still where the answer is no", async () => {
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway);
+    await user.click(button("Dock"));
+    const question = await screen.findByRole("dialog", { name: "Dock the robot?" });
+    expect(within(question).getByText(/nobody and nothing is in its way/)).toBeDefined();
+    expect(document.activeElement?.textContent).toBe("Leave it where it is");
+    await user.click(button("Leave it where it is"));
+    await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
+    expect(gateway.dock).not.toHaveBeenCalled();
+  });
+
+  it("moves after a yes, and without a question once that is switched off in this browser", async () => {
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway);
+    await user.click(button("Undock"));
+    await user.click(
+      within(await screen.findByRole("dialog", { name: "Undock the robot?" })).getByRole("button", {
+        name: "Undock",
+      }),
+    );
+    expect(gateway.undock).toHaveBeenCalledTimes(1);
+    await user.click(asks());
+    expect(localStorage.getItem("dock-gateway-ask-before-moving")).toBe("false");
+    await user.click(button("Cancel"));
+  });
+
+  it("is not asked about where it is simulated", async () => {
+    const gateway = fakeGateway();
+    const { store, user } = renderPage(gateway);
+    expect(asks().checked).toBe(true);
+    act(() => store.onEvent({ type: "simulator", time: at(1), robot: "/", simulator }));
+    await waitFor(() => expect([asks().checked, asks().disabled]).toEqual([false, true]));
+    await user.click(button("Dock"));
+    expect(gateway.dock).toHaveBeenCalledTimes(1);
+  });
+
+  it("cannot be sent any more where the question was open for too long, and that is said there", async () => {
+    const gateway = fakeGateway();
+    const { store, user } = renderPage(gateway);
+    await user.click(button("Undock"));
+    const question = await screen.findByRole("dialog");
+    const gone = { ...undockServer, available: false, answering: false };
+    act(() => store.onEvent({ type: "action_server", time: at(1), action_server: gone }));
+    await within(question).findByText(/nobody offers the action/);
+    expect(within(question).getByRole<HTMLButtonElement>("button", { name: "Undock" }).disabled).toBe(true);
+  });
+});
+
+describe("one robot of several", () => {
+  const robot = (name: string) => ({ name, default: name === "/" }) as Robot;
+  const several = {
+    type: "robots",
+    time: at(0),
+    robots: [robot("/"), robot("/robot1")],
+    gone: [],
+  } as unknown as GatewayEvent;
+
+  it("has a Stop of its own", async () => {
+    const gateway = fakeGateway();
+    const { store, user } = renderPage(gateway, {}, "/ui/robot?robot=/robot1");
+    expect(screen.queryByRole("button", { name: "Stop /robot1" })).toBeNull();
+    act(() => store.onEvent(several));
+    await user.click(await screen.findByRole("button", { name: "Stop /robot1" }));
+    expect(gateway.stop).toHaveBeenCalledTimes(1);
+    expect(await screen.findByText("Zero velocity was sent. One goal is being canceled.")).toBeDefined();
+  });
+
+  it("has none where the header's does just that", async () => {
+    const { store } = renderPage(fakeGateway(), {}, "/ui/robot");
+    act(() => store.onEvent(several));
+    expect(screen.queryByRole("button", { name: /Stop \// })).toBeNull();
+  });
+});
