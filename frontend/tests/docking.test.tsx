@@ -1,8 +1,7 @@
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it } from "vitest";
 import type { GatewayEvent } from "../src/api/types";
-import type { Robot } from "../src/fleet/types";
-import { at, simulator, undockServer } from "./events";
+import { at, robot, simulator, undockServer } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
@@ -61,11 +60,10 @@ describe("a robot that is about to move", () => {
 });
 
 describe("one robot of several", () => {
-  const robot = (name: string) => ({ name, default: name === "/" }) as Robot;
   const several = {
     type: "robots",
     time: at(0),
-    robots: [robot("/"), robot("/robot1")],
+    robots: [robot("/", { default: true }), robot("/robot1", { default: false })],
     gone: [],
   } as unknown as GatewayEvent;
 
