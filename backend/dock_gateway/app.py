@@ -25,6 +25,7 @@ from dock_gateway.api import (
     socket,
     stop,
     stream,
+    topics,
 )
 from dock_gateway.api.dashboard import install_dashboard
 from dock_gateway.api.openapi import install_openapi
@@ -79,6 +80,7 @@ def create_app(settings: Settings) -> FastAPI:
         simulator,
         health,
         socket,
+        topics,
     ):
         app.include_router(module.router)
     install_openapi(app)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from dock_gateway.actions import Action, ActionRegistry
 from dock_gateway.canceler import require_unfinished
+from dock_gateway.echoes import Echoes
 from dock_gateway.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
 from dock_gateway.fleet import Fleet
 from dock_gateway.goals import Goal, GoalError
@@ -53,6 +54,7 @@ class Gateway:
     simulators: Simulators
     fleet: Fleet
     lookout: Lookout
+    echoes: Echoes
     dock: Action
     undock: Action
 
@@ -170,6 +172,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         simulators = Simulators(settings, bridge, hub)
         scenes = Scenes(settings, bridge, hub)
         lookout = Lookout(bridge)
+        echoes = Echoes(bridge, lookout)
         await bridge.call(
             lambda: DiagnosticsPort(
                 bridge,
@@ -197,7 +200,19 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         watching = asyncio.create_task(_watch_graph(bridge, actions, robots, None if knows_all else history))
         try:
             yield Gateway(
-                settings, bridge, hub, history, actions, robots, stopper, simulators, fleet, lookout, dock, undock
+                settings,
+                bridge,
+                hub,
+                history,
+                actions,
+                robots,
+                stopper,
+                simulators,
+                fleet,
+                lookout,
+                echoes,
+                dock,
+                undock,
             )
         finally:
             hub.close()
@@ -207,6 +222,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             await fleet.close()
             await outcomes.close()
             await stopper.close()
+            await echoes.close()
             await lookout.close()
             await scenes.close()
             await simulators.close()

@@ -6,11 +6,19 @@ from pathlib import Path
 import pytest
 from jsonschema import Draft202012Validator
 from starlette.testclient import TestClient
+from std_msgs.msg import String
 from test_msgs.action import NestedMessage
 
 from action_tutorials_interfaces.action import Fibonacci
 from dock_gateway.app import create_app
-from dock_gateway.ros.interfaces import definition_text, install_hint, is_installed, known_actions, load_action
+from dock_gateway.ros.interfaces import (
+    definition_text,
+    install_hint,
+    is_installed,
+    known_actions,
+    load_action,
+    load_message,
+)
 from dock_gateway.settings import Settings
 
 HINT = "install the Python package of the ROS interfaces lift_msgs (such as ros-kilted-lift-msgs)"
@@ -48,6 +56,30 @@ def test_action_types_by_name() -> None:
 def test_names_that_are_no_action_type(type_name: str, message: str) -> None:
     with pytest.raises(ImportError, match=message):
         load_action(type_name)
+
+
+def test_message_types_by_name() -> None:
+    assert load_message("std_msgs/msg/String") is String
+    assert load_message("test_msgs/action/NestedMessage_FeedbackMessage") is NestedMessage.Impl.FeedbackMessage
+
+
+@pytest.mark.parametrize(
+    ("type_name", "message"),
+    [
+        ("std_msgs/msg/Nope", "have no message Nope"),
+        ("test_msgs/action/Nope_FeedbackMessage", "have no action Nope"),
+        ("lift_msgs/msg/LiftState", "install the Python package of the ROS interfaces lift_msgs"),
+        ("test_msgs/srv/Empty_Event", "is not a message type"),
+        ("test_msgs/action/NestedMessage_Feedback", "is not a message type"),
+        ("std_msgs::msg::dds_::String_", "is not a message type"),
+        ("os/msg/path", "is not a message type"),
+        ("os/msg/Path", "is not installed"),
+        ("", "is not a message type"),
+    ],
+)
+def test_names_that_are_no_message_type(type_name: str, message: str) -> None:
+    with pytest.raises(ImportError, match=message):
+        load_message(type_name)
 
 
 def test_nothing_is_imported_but_what_rosidl_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -106,13 +106,14 @@ def test_the_battery_comes_from_the_ros_definition(document: dict[str, Any]) -> 
         assert voltage["x-unit"] == "V"
 
 
-def test_events_are_told_apart_by_their_type(document: dict[str, Any]) -> None:
+@pytest.mark.parametrize(("union", "count"), [("Event", 17), ("EchoEvent", 6)])
+def test_events_are_told_apart_by_their_type(document: dict[str, Any], union: str, count: int) -> None:
     schemas = document["components"]["schemas"]
     kinds = [
-        schemas[option["$ref"].rpartition("/")[2]]["properties"]["type"]["const"]
-        for option in schemas["Event"]["oneOf"]
+        schemas[option["$ref"].rpartition("/")[2]]["properties"]["type"]["const"] for option in schemas[union]["oneOf"]
     ]
-    assert len(set(kinds)) == len(kinds) >= 16
+    assert len(set(kinds)) == len(kinds) == count
+    assert schemas[union]["discriminator"]["mapping"].keys() == set(kinds)
 
 
 def test_the_dashboards_copy_is_fresh(document: dict[str, Any]) -> None:

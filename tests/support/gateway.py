@@ -1,5 +1,6 @@
 """The real gateway as a process, and clients that speak to it as users do."""
 
+import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -58,9 +59,14 @@ class RunningGateway:
     http: httpx2.Client
 
     @contextmanager
-    def stream(self, query: str = "") -> Iterator[Stream]:
-        with connect(f"{self.url.replace('http', 'ws')}/ws/feedback{query}", max_size=None) as connection:
+    def stream(self, query: str = "", path: str = "/ws/feedback") -> Iterator[Stream]:
+        with connect(f"{self.url.replace('http', 'ws')}{path}{query}", max_size=None) as connection:
             yield Stream(connection)
+
+    @contextmanager
+    def echo(self, topic: str, query: str = "") -> Iterator[Stream]:
+        with self.stream(f"?topic={topic}{query}", "/ws/topics") as stream:
+            yield stream
 
     def goal(self, goal_id: str) -> dict[str, Any]:
         answer: dict[str, Any] = self.http.get(f"/dock/{goal_id}").raise_for_status().json()
@@ -118,4 +124,13 @@ def running_dock_server(domain: int, *ros_args: str) -> Iterator[Process]:
     arguments = ("--ros-args", *ros_args) if ros_args else ()
     command = (str(BIN / "connect_to_charging_dock_server"), *arguments)
     with Process(*command, env=ros_environment(domain)) as process:
+        yield process
+
+
+@contextmanager
+def running_talker(domain: int, *arguments: str) -> Iterator[Process]:
+    """Nodes that talk, see `tests/support/talker.py`."""
+    command = (sys.executable, "-m", "tests.support.talker", *arguments)
+    with Process(*command, env=ros_environment(domain)) as process:
+        process.wait_for("talking")
         yield process

@@ -23,7 +23,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--nodes", type=int, default=1)
     parser.add_argument("--topic", action="append", default=[], help="name:package/msg/Type:rate")
-    parser.add_argument("--long", type=int, default=0, help="items of a field called ranges or data")
+    parser.add_argument("--long", type=int, default=0, help="items of a field called ranges")
     arguments = parser.parse_args()
     rclpy.init()
     executor = SingleThreadedExecutor()
@@ -42,9 +42,8 @@ def main() -> None:
 def talk(node: Node, name: str, kind: str, rate: str, long: int) -> None:
     package, _, type_name = kind.split("/")
     message: Any = getattr(importlib.import_module(f"{package}.msg"), type_name)()
-    for field in ("ranges", "data"):
-        if long and hasattr(message, field):
-            setattr(message, field, [index % 100 for index in range(long)])
+    if hasattr(message, "ranges"):
+        message.ranges = [float(index) for index in range(long)]
     if rate == "latched":
         node.create_publisher(type(message), name, LATCHED).publish(message)
         return

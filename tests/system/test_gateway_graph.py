@@ -1,17 +1,14 @@
 """The ROS graph as the API shows it: real gateway, real nodes."""
 
-import sys
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from typing import Any
 
 import pytest
 
 from tests.support.domain import ros_domain
-from tests.support.gateway import RunningGateway, running_gateway, running_program
-from tests.support.processes import Process, ros_environment
+from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
 
 pytestmark = pytest.mark.ros
 
@@ -29,13 +26,6 @@ def domain() -> Iterator[int]:
 def gateway(domain: int) -> Iterator[RunningGateway]:
     with running_gateway(domain) as gateway:
         yield gateway
-
-
-@contextmanager
-def running_talker(domain: int, *arguments: str) -> Iterator[Process]:
-    with Process(sys.executable, "-m", "tests.support.talker", *arguments, env=ros_environment(domain)) as process:
-        process.wait_for("talking")
-        yield process
 
 
 def wait_for_graph(gateway: RunningGateway, matches: Callable[[Graph], bool], timeout: float = 20.0) -> Graph:

@@ -28,6 +28,12 @@ async def feed(
     """
     async for event in begin(gateway, subscriber, after):
         yield event
+    async for event in follow(gateway, subscriber, max_rate):
+        yield event
+
+
+async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | None = None) -> AsyncIterator[Event]:
+    """Every message of a `feed` but the first: what a reader is sent, and what a stream says of itself."""
     interval = gateway.settings.heartbeat_interval
     conflator = Conflator(max_rate)
     next_heartbeat = time.monotonic() + interval

@@ -1,5 +1,11 @@
 """The shapes of the graph; as in `schemas`, nothing is validated or encoded with them at run time."""
 
+from datetime import datetime
+from typing import Any, Literal
+
+from pydantic import BaseModel
+
+from dock_gateway.api.event_schemas import ClosingEvent, DroppedEvent, HeartbeatEvent
 from dock_gateway.api.schemas import Schema
 
 
@@ -71,3 +77,53 @@ class Graph(Schema):
     topics: list[GraphTopic]
     services: list[GraphService]
     actions: list[GraphAction]
+
+
+class TopicEvent(Schema):
+    """Who is at the topic: the first message of a stream, and again when that changes.
+
+    Where messages cannot be read, because their package is not `installed` for example, `hint` says what to do.
+    """
+
+    type: Literal["topic"]
+    time: datetime
+    topic: GraphTopic
+    message_type: str
+    installed: bool
+    hint: str | None
+
+
+class MessageEvent(Schema):
+    """A message of the topic; `time` is when it was published.
+
+    `abbreviated` ones have the first 100 items of long arrays and 10,000 characters of long texts; `lengths` says how
+    long they were, by the dotted path of the field.
+    """
+
+    type: Literal["message"]
+    time: datetime
+    topic: str
+    message: dict[str, Any]
+    abbreviated: bool
+    lengths: dict[str, int]
+
+
+class RateEvent(Schema):
+    """How much is sent: over the last 3 s, and `messages` in all since somebody looks."""
+
+    type: Literal["rate"]
+    time: datetime
+    topic: str
+    hz: float
+    bytes_per_s: int
+    messages: int
+
+
+ECHO_EVENTS: tuple[type[BaseModel], ...] = (
+    TopicEvent,
+    MessageEvent,
+    RateEvent,
+    HeartbeatEvent,
+    DroppedEvent,
+    ClosingEvent,
+)

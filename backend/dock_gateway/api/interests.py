@@ -27,7 +27,7 @@ def read_after(query: Mapping[str, str]) -> str | None:
     return after
 
 
-def read_max_rate(query: Mapping[str, str]) -> float | None:
+def read_max_rate(query: Mapping[str, str], lowest: float = MIN_RATE, highest: float = MAX_RATE) -> float | None:
     """Messages a second that the reader wants at most.
 
     Raises:
@@ -40,8 +40,8 @@ def read_max_rate(query: Mapping[str, str]) -> float | None:
         rate = float(text)
     except ValueError:
         rate = 0.0
-    if not MIN_RATE <= rate <= MAX_RATE:
-        expected = f"a number from {MIN_RATE:g} to {MAX_RATE:g}"
+    if not lowest <= rate <= highest:
+        expected = f"a number from {lowest:g} to {highest:g}"
         raise InvalidField([FieldError("query.max_rate", expected, f"got {text[:60]!r}")])
     return rate
 

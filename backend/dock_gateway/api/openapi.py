@@ -1,5 +1,6 @@
 """The OpenAPI document: FastAPI's own, with the schemas that come from ROS and those of the WebSocket events."""
 
+from collections.abc import Iterable
 from typing import Any
 
 from fastapi import FastAPI
@@ -9,6 +10,7 @@ from pydantic.json_schema import models_json_schema
 from sensor_msgs.msg import BatteryState
 
 from dock_gateway.api.event_schemas import EVENTS
+from dock_gateway.api.graph_schemas import ECHO_EVENTS
 from dock_gateway.api.schemas import Problem
 from dock_gateway.ros.messages import codec
 
@@ -35,20 +37,11 @@ def _build(app: FastAPI) -> dict[str, Any]:
         tags=app.openapi_tags,
     )
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
-    models: list[type[BaseModel]] = [*EVENTS, Problem]
+    models: list[type[BaseModel]] = [*EVENTS, *ECHO_EVENTS, Problem]
     _, ours = models_json_schema([(model, "serialization") for model in models], ref_template=REF)
     schemas.update(ours["$defs"])
-    schemas["Event"] = {
-        "description": "A message of /ws/feedback.",
-        "oneOf": [{"$ref": REF.format(model=event.__name__)} for event in EVENTS],
-        "discriminator": {
-            "propertyName": "type",
-            "mapping": {
-                schemas[event.__name__]["properties"]["type"]["const"]: REF.format(model=event.__name__)
-                for event in EVENTS
-            },
-        },
-    }
+    schemas["Event"] = _one_of(schemas, EVENTS, "A message of /ws/feedback.")
+    schemas["EchoEvent"] = _one_of(schemas, ECHO_EVENTS, "A message of /ws/topics.")
     _add_message(schemas, "BatteryState", "null is NaN: not measured.", complete=True)
     _add_message(
         schemas,
@@ -60,6 +53,18 @@ def _build(app: FastAPI) -> dict[str, Any]:
         schemas.pop(unused, None)
     document["components"]["schemas"] = dict(sorted(schemas.items()))
     return document
+
+
+def _one_of(schemas: dict[str, Any], events: Iterable[type[BaseModel]], description: str) -> dict[str, Any]:
+    """The schema of events that are told apart by their `type`."""
+    references = {
+        schemas[event.__name__]["properties"]["type"]["const"]: REF.format(model=event.__name__) for event in events
+    }
+    return {
+        "description": description,
+        "oneOf": [{"$ref": reference} for reference in references.values()],
+        "discriminator": {"propertyName": "type", "mapping": references},
+    }
 
 
 def _add_message(schemas: dict[str, Any], name: str, note: str, *, complete: bool) -> None:

@@ -52,7 +52,7 @@ async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
         if max_rate is None:
             subscriber.at_once = short_way(websocket)
         events = feed(gateway, subscriber, after=after, max_rate=max_rate)
-        await until_one_ends(_write(websocket, gateway, subscriber, events), _ignore_input(websocket))
+        await until_one_ends(write_events(websocket, gateway, subscriber, events), ignore_input(websocket))
     finally:
         gateway.hub.unsubscribe(subscriber)
 
@@ -72,12 +72,16 @@ async def until_one_ends(*sides: Coroutine[Any, Any, None]) -> None:
             log.error("a WebSocket broke", exc_info=error)
 
 
-async def _ignore_input(websocket: WebSocket) -> None:
+async def ignore_input(websocket: WebSocket) -> None:
+    """Read what a client says, which is nothing to us, until it leaves."""
     while (await websocket.receive())["type"] != "websocket.disconnect":
         pass
 
 
-async def _write(websocket: WebSocket, gateway: Gateway, subscriber: Subscriber, events: AsyncIterator[Event]) -> None:
+async def write_events(
+    websocket: WebSocket, gateway: Gateway, subscriber: Subscriber, events: AsyncIterator[Event]
+) -> None:
+    """Send what a reader gets, to the end, and say why it has ended."""
     async for event in events:
         await send_text(websocket, gateway, event.text)
     if subscriber.overrun:

@@ -16,6 +16,7 @@ from typing import Any
 PACKAGE_NAME = r"[a-z][a-z0-9_]{0,99}"
 TYPE_NAME = r"[A-Z][A-Za-z0-9]{0,99}"
 _ACTION_TYPE = re.compile(f"({PACKAGE_NAME})/action/({TYPE_NAME})")
+_MESSAGE_TYPE = re.compile(f"({PACKAGE_NAME})/(?:msg/({TYPE_NAME})|action/({TYPE_NAME})_FeedbackMessage)")
 _INDEX = Path("share/ament_index/resource_index/rosidl_interfaces")
 
 
@@ -29,15 +30,39 @@ def load_action(type_name: str) -> Any:
     if not match:
         raise ImportError(f"{type_name[:200]!r} is not an action type such as package/action/Name")
     package, name = match.groups()
-    if not is_installed(package):
-        raise ImportError(f"{package} is not installed: {install_hint(package)}")
-    try:
-        action = getattr(importlib.import_module(f"{package}.action"), name)
-    except (ModuleNotFoundError, AttributeError):
-        action = None
+    action = _load(package, "action", name)
     if not all(hasattr(action, part) for part in ("Goal", "Result", "Feedback", "Impl")):
         raise ImportError(f"the ROS interfaces {package} have no action {name}")
     return action
+
+
+def load_message(type_name: str) -> Any:
+    """The Python class of the messages on a topic of a type such as `sensor_msgs/msg/BatteryState`.
+
+    The feedback of actions has a type of its own, `package/action/Name_FeedbackMessage`.
+
+    Raises:
+        ImportError: It is no such name, the package is not installed, or it has no such message.
+    """
+    match = _MESSAGE_TYPE.fullmatch(type_name)
+    if not match:
+        raise ImportError(f"{type_name[:200]!r} is not a message type such as package/msg/Name")
+    package, name, action = match.groups()
+    if action:
+        return load_action(f"{package}/action/{action}").Impl.FeedbackMessage
+    message = _load(package, "msg", name)
+    if not hasattr(message, "get_fields_and_field_types"):
+        raise ImportError(f"the ROS interfaces {package} have no message {name}")
+    return message
+
+
+def _load(package: str, kind: str, name: str) -> Any:
+    if not is_installed(package):
+        raise ImportError(f"{package} is not installed: {install_hint(package)}")
+    try:
+        return getattr(importlib.import_module(f"{package}.{kind}"), name)
+    except (ModuleNotFoundError, AttributeError):
+        return None
 
 
 def is_installed(package: str) -> bool:

@@ -136,8 +136,17 @@ def _kind(slot: AbstractType) -> Kind:
     if isinstance(slot, AbstractNestedType):
         return _sequence(slot)
     if isinstance(slot, NamespacedType):
-        return Nested(getattr(importlib.import_module(".".join(slot.namespaces)), slot.name))
+        return Nested(_find_class(slot))
     raise TypeError(f"fields of type {slot} are not supported")
+
+
+def _find_class(slot: NamespacedType) -> MessageClass:
+    module = importlib.import_module(".".join(slot.namespaces))
+    found = getattr(module, slot.name, None)
+    if found is None:  # the parts of an action: `Fibonacci_Feedback` is at `Fibonacci.Feedback`
+        action, _, part = slot.name.rpartition("_")
+        found = getattr(getattr(module, action), part)
+    return found
 
 
 def _sequence(slot: AbstractNestedType) -> Sequence:

@@ -1292,6 +1292,8 @@ export interface components {
             /** Count */
             count: number;
         };
+        /** @description A message of /ws/topics. */
+        EchoEvent: components["schemas"]["TopicEvent"] | components["schemas"]["MessageEvent"] | components["schemas"]["RateEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ClosingEvent"];
         /** @description A message of /ws/feedback. */
         Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
@@ -1710,6 +1712,37 @@ export interface components {
             max: (number | null)[];
         };
         /**
+         * MessageEvent
+         * @description A message of the topic; `time` is when it was published.
+         *
+         *     `abbreviated` ones have the first 100 items of long arrays and 10,000 characters of long texts; `lengths` says how
+         *     long they were, by the dotted path of the field.
+         */
+        MessageEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "message";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Topic */
+            topic: string;
+            /** Message */
+            message: {
+                [key: string]: unknown;
+            };
+            /** Abbreviated */
+            abbreviated: boolean;
+            /** Lengths */
+            lengths: {
+                [key: string]: number;
+            };
+        };
+        /**
          * Pose
          * @description A pose in the plane, in m and rad, counter-clockwise.
          */
@@ -1787,6 +1820,30 @@ export interface components {
             /** Robot */
             robot: string;
             battery_publisher: components["schemas"]["Publisher"];
+        };
+        /**
+         * RateEvent
+         * @description How much is sent: over the last 3 s, and `messages` in all since somebody looks.
+         */
+        RateEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "rate";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Topic */
+            topic: string;
+            /** Hz */
+            hz: number;
+            /** Bytes Per S */
+            bytes_per_s: number;
+            /** Messages */
+            messages: number;
         };
         /**
          * Readiness
@@ -2148,6 +2205,31 @@ export interface components {
             /** Node */
             node: string | null;
             qos: components["schemas"]["TopicQuality"];
+        };
+        /**
+         * TopicEvent
+         * @description Who is at the topic: the first message of a stream, and again when that changes.
+         *
+         *     Where messages cannot be read, because their package is not `installed` for example, `hint` says what to do.
+         */
+        TopicEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "topic";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            topic: components["schemas"]["GraphTopic"];
+            /** Message Type */
+            message_type: string;
+            /** Installed */
+            installed: boolean;
+            /** Hint */
+            hint: string | null;
         };
         /**
          * TopicQuality
