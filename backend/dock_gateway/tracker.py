@@ -251,7 +251,7 @@ class GoalTracker:
         try:
             call = self.port.request_result(goal.goal_id)
         except Unavailable:
-            return  # asked again when the ROS thread is back
+            return  # asked again when the server is back
         self._forget_call(goal.goal_id)
         self._result_calls[goal.goal_id] = call
         self.spawn(self._await_result(goal, call))
@@ -259,13 +259,9 @@ class GoalTracker:
     async def _await_result(self, goal: Goal, call: PendingCall) -> None:
         try:
             response = await call.response
-        except Unavailable:
-            response = None  # asked again when the server is back
         finally:
             if self._result_calls.get(goal.goal_id) is call:
                 del self._result_calls[goal.goal_id]
-        if response is None:
-            return
         self.heard()
         status, result = self.port.read_result(response)
         if status is None:

@@ -10,9 +10,10 @@ import rclpy
 from rclpy.context import Context
 from rclpy.qos import QoSProfile
 from std_msgs.msg import Int32
+from std_srvs.srv import SetBool
 
 from dock_gateway.ros.bridge import guard
-from dock_gateway.ros.listener import Listener, ListeningNode
+from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener
 
 pytestmark = pytest.mark.ros
 
@@ -21,12 +22,14 @@ pytestmark = pytest.mark.ros
 def node(domain: int) -> Iterator[ListeningNode]:
     context = Context()
     rclpy.init(context=context, domain_id=domain)
-    listener = Listener(context)
-    node = ListeningNode("listening", None, context, listener)
-    listener.start()
+    messages, answers = MessageListener("messages", context), AnswerListener("answers", context)
+    node = ListeningNode("listening", None, context, messages, answers)
+    for listener in (messages, answers):
+        listener.start()
     yield node
-    assert listener.alive
-    assert listener.close()
+    for listener in (messages, answers):
+        assert listener.alive
+        assert listener.close()
     node.destroy_node()
     context.try_shutdown()
 
@@ -54,7 +57,7 @@ def test_every_message_is_heard_in_order_with_its_timestamp(node: ListeningNode)
     wait_for(lambda: len(heard) == 500)
     assert [number for number, _, _ in heard] == list(range(500))
     assert [stamp for _, stamp, _ in heard] == sorted(stamp for _, stamp, _ in heard)
-    assert {thread for _, _, thread in heard} == {"ros-listener"}
+    assert {thread for _, _, thread in heard} == {"messages"}
 
 
 def test_subscriptions_come_and_go_while_messages_do(node: ListeningNode) -> None:
@@ -94,3 +97,51 @@ def test_subscriptions_without_guard_are_left_to_the_executor(node: ListeningNod
     wait_for(lambda: executor.spin_once(0.1) is None and heard == [3])
     executor.shutdown()
     assert node.destroy_subscription(subscription)
+
+
+@pytest.fixture
+def server(node: ListeningNode) -> Iterator[Any]:
+    """A service on the same domain, spun by an executor of its own; it answers with the opposite."""
+
+    def answer(request: Any, response: Any) -> Any:
+        response.success, response.message = not request.data, "opposite"
+        return response
+
+    other = rclpy.create_node("server", context=node.context)
+    service = other.create_service(SetBool, "opposite", answer)
+    executor = rclpy.executors.SingleThreadedExecutor(context=node.context)
+    executor.add_node(other)
+    thread = threading.Thread(target=executor.spin, daemon=True)
+    thread.start()
+    yield service
+    executor.shutdown()
+    thread.join(5)
+    other.destroy_node()
+
+
+def test_answers_come_to_whom_they_are_for(node: ListeningNode, server: Any) -> None:
+    client = node.create_client(SetBool, "opposite")
+    wait_for(client.service_is_ready)
+    futures = [client.call_async(SetBool.Request(data=number % 2 == 0)) for number in range(8)]
+    wait_for(lambda: all(future.done() for future in futures))
+    assert [future.result().success for future in futures] == [number % 2 == 1 for number in range(8)]
+    assert node.destroy_client(client)
+
+
+def test_an_answer_that_nobody_waits_for_harms_nobody(node: ListeningNode, server: Any) -> None:
+    client = node.create_client(SetBool, "opposite")
+    wait_for(client.service_is_ready)
+    forgotten = client.call_async(SetBool.Request(data=True))
+    client.remove_pending_request(forgotten)
+    awaited = client.call_async(SetBool.Request(data=True))
+    wait_for(awaited.done)
+    assert not forgotten.done()
+
+
+def test_clients_come_and_go_while_answers_do(node: ListeningNode, server: Any) -> None:
+    for _ in range(20):
+        client = node.create_client(SetBool, "opposite")
+        wait_for(client.service_is_ready)
+        futures = [client.call_async(SetBool.Request(data=True)) for _ in range(3)]
+        wait_for(futures[0].done)
+        assert node.destroy_client(client)

@@ -8,6 +8,7 @@ import asyncio
 import uuid
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from action_msgs.srv import CancelGoal
@@ -23,6 +24,8 @@ from dock_gateway.ros.messages import codec
 
 # At 3,000 Hz a depth of 10 lost messages on a busy machine; 1,000 lost none.
 FEEDBACK_DEPTH = 1000
+# Many goals may be sent, and answered, at the same time; ROS's default of 10 would lose some.
+SERVICE_QOS = QoSProfile(depth=1000)
 
 
 @dataclass(frozen=True)
@@ -70,11 +73,11 @@ class ActionPort:
         self.goal_codec = codec(action.Goal)
         self._result_codec = codec(action.Result)
         self._feedback_codec = codec(action.Feedback)
-        node = bridge.node
-        self._send = node.create_client(self._impl.SendGoalService, f"{action_name}/_action/send_goal")
-        self._result = node.create_client(self._impl.GetResultService, f"{action_name}/_action/get_result")
+        make = partial(bridge.node.create_client, qos_profile=SERVICE_QOS)
+        self._send = make(self._impl.SendGoalService, f"{action_name}/_action/send_goal")
+        self._result = make(self._impl.GetResultService, f"{action_name}/_action/get_result")
         # Last: once the server has answered a ping, it has matched what was announced before, too.
-        self._cancel = node.create_client(CancelGoal, f"{action_name}/_action/cancel_goal")
+        self._cancel = make(CancelGoal, f"{action_name}/_action/cancel_goal")
 
     def listen(self, on_status: OnStatus, on_feedback: OnFeedback) -> None:
         """Hear of all goals from now on.

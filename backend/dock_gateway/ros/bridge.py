@@ -1,8 +1,9 @@
 """The only place where ROS's threads and the asyncio loop meet: one crossing each way.
 
-rclpy's clients, publishers and subscriptions are made, used and destroyed on the ROS thread alone; what subscriptions
-hear comes from a listener's thread. The loop is touched from there through `call_soon_threadsafe` alone. Nobody else
-needs to know that there are threads.
+rclpy's clients, publishers and subscriptions are made and destroyed on the ROS thread alone. Requests are sent from
+the loop, which costs less than to wake another thread; what subscriptions and clients hear comes from the listeners'
+threads. The loop is touched from there through `call_soon_threadsafe` alone. Nobody else needs to know that there are
+threads.
 """
 
 import asyncio
@@ -15,11 +16,12 @@ import rclpy
 from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future as RosFuture
 
 from dock_gateway.errors import Unavailable
-from dock_gateway.ros.listener import Listener, ListeningNode
+from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener
 from dock_gateway.ros.threads import RosThread
 
 log = logging.getLogger(__name__)
@@ -28,31 +30,30 @@ T = TypeVar("T")
 
 
 class PendingCall:
-    """A service request on its way; `response` is settled on the loop, whenever the answer comes."""
+    """A service request that was sent; `response` is settled on the loop, whenever the answer comes.
 
-    def __init__(self, bridge: "Bridge", client: Client, response: "asyncio.Future[Any]") -> None:
+    Raises:
+        InvalidHandle: The client was destroyed.
+    """
+
+    def __init__(self, bridge: "Bridge", client: Client, request: Any, response: "asyncio.Future[Any]") -> None:
         self.response = response
         self._bridge = bridge
         self._client = client
-        self._ros_future: RosFuture | None = None
-
-    def start(self, request: Any) -> None:
-        """Send the request; runs on the ROS thread."""
-        self._ros_future = self._client.call_async(request)
+        self._ros_future: RosFuture = client.call_async(request)
         self._ros_future.add_done_callback(self._answered)
 
     def _answered(self, ros_future: RosFuture) -> None:
-        error = ros_future.exception()
-        self._bridge.to_loop(_settle, self.response, None if error else ros_future.result(), error)
+        self._bridge.to_loop(_settle, self.response, ros_future.result(), None)
 
     def forget(self) -> None:
         """Stop waiting: an answer that comes later is dropped."""
         self.response.cancel()
-        self._bridge.to_ros(lambda: self._ros_future and self._client.remove_pending_request(self._ros_future))
+        self._client.remove_pending_request(self._ros_future)
 
 
 class Bridge:
-    """An rclpy context, node and executor, spun in a thread of their own, and a listener for the node's subscriptions.
+    """An rclpy context, node and executor, spun in a thread of their own, and listeners for what the node hears.
 
     Args:
         node_name: Name of the node.
@@ -63,27 +64,29 @@ class Bridge:
         self._loop = asyncio.get_running_loop()
         self._context = Context()
         rclpy.init(args=None, context=self._context, signal_handler_options=SignalHandlerOptions.NO)
-        self._listener = Listener(self._context)
-        self.node = ListeningNode(node_name, namespace or None, self._context, self._listener)
+        self._messages = MessageListener("ros-messages", self._context)
+        self._answers = AnswerListener("ros-answers", self._context)
+        self.node = ListeningNode(node_name, namespace or None, self._context, self._messages, self._answers)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._thread = RosThread("ros", self._executor.spin)
 
     @property
     def alive(self) -> bool:
-        """Whether both ROS threads run."""
-        return self._thread.alive and self._listener.alive
+        """Whether all ROS threads run."""
+        return self._thread.alive and self._messages.alive and self._answers.alive
 
     def start(self) -> None:
         """Spin from now on. Publishers, clients and subscriptions are best created before."""
-        self._thread.start()
-        self._listener.start()
+        for thread in (self._thread, self._messages, self._answers):
+            thread.start()
 
     def close(self) -> None:
         """Stop spinning and leave the ROS graph; blocks for a moment."""
         self._thread.stopping = True
         self._executor.shutdown(timeout_sec=0.5)
-        if not (self._listener.close() and self._thread.end()):
+        ended = [self._messages.close(), self._answers.close(), self._thread.end()]
+        if not all(ended):
             return
         self.node.destroy_node()
         self._context.try_shutdown()
@@ -125,24 +128,18 @@ class Bridge:
             raise Unavailable("the ROS thread does not answer", code="ros_unavailable") from None
 
     def request(self, client: Client, request: Any) -> PendingCall:
-        """Send a service request; the response fails with `Unavailable` where no server is there to hear it.
+        """Send a service request.
 
         Raises:
-            Unavailable: `ros_unavailable`, when the ROS thread is down.
+            Unavailable: Nobody serves it, or the ROS thread is down (`ros_unavailable`).
         """
         self._require_alive()
-        pending = PendingCall(self, client, self._loop.create_future())
-
-        def start() -> None:
-            try:
-                if not client.service_is_ready():
-                    raise Unavailable(f"nobody serves {client.service_name}")
-                pending.start(request)
-            except Exception as error:  # noqa: BLE001 - it is raised again where the response is awaited
-                self.to_loop(_settle, pending.response, None, error)
-
-        self.to_ros(start)
-        return pending
+        try:
+            if not client.service_is_ready():
+                raise Unavailable(f"nobody serves {client.service_name}")
+            return PendingCall(self, client, request, self._loop.create_future())
+        except _rclpy.InvalidHandle:
+            raise Unavailable("the action has left the ROS graph") from None
 
     def _require_alive(self) -> None:
         if not self.alive:

@@ -1,16 +1,18 @@
-"""Messages of subscriptions, taken without rclpy's executor.
+"""Messages of subscriptions and answers of services, taken without rclpy's executor.
 
 The executor looks at every entity of the node again for each message, in Python: 0.2 ms with one action, 5 ms with a
-hundred. Here a thread waits for subscriptions alone, looks at them again only when there are others, and takes all
-that has come before it waits again.
+hundred. Here a thread waits for entities of one kind alone, looks at them again only when there are others, and takes
+all that has come before it waits again.
 """
 
 import threading
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
-from contextlib import ExitStack
-from typing import Any
+from contextlib import ExitStack, suppress
+from typing import Any, Generic, TypeVar
 
 from rclpy.callback_groups import CallbackGroup
+from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.guard_condition import GuardCondition
@@ -20,12 +22,15 @@ from rclpy.subscription import Subscription
 
 from dock_gateway.ros.threads import RosThread
 
-# So many messages of one subscription in a row, then it is the turn of the others.
+# So many messages of one entity in a row, then it is the turn of the others.
 BURST = 100
 
 
+E = TypeVar("E", Subscription, Client)
+
+
 class NotForExecutors(CallbackGroup):  # type: ignore[misc]
-    """Keeps subscriptions away from the executor."""
+    """Keeps entities away from the executor."""
 
     def can_execute(self, _: object) -> bool:
         """Whether an executor may run something of this group."""
@@ -39,16 +44,21 @@ class NotForExecutors(CallbackGroup):  # type: ignore[misc]
         """Nothing to do."""
 
 
-class Listener:
-    """Calls the callbacks of subscriptions, `(message, info)`, on a thread of its own. They must not raise."""
+class Listener(ABC, Generic[E]):
+    """Takes what comes to the entities of one kind, on a thread of its own.
 
-    def __init__(self, context: Context) -> None:
+    Args:
+        name: Of the thread.
+        context: Of the entities.
+    """
+
+    def __init__(self, name: str, context: Context) -> None:
         self._context = context
         self._wake = GuardCondition(None, None, context=context)
         self._lock = threading.Lock()
-        self._subscriptions: list[Subscription] = []
+        self._entities: list[E] = []
         self._changed = True
-        self._thread = RosThread("ros-listener", self._listen)
+        self._thread = RosThread(name, self._listen)
 
     @property
     def alive(self) -> bool:
@@ -65,19 +75,19 @@ class Listener:
         self._wake.trigger()
         return self._thread.end()
 
-    def add(self, subscription: Subscription) -> None:
-        """Hear a subscription, too."""
+    def add(self, entity: E) -> None:
+        """Hear it, too."""
         with self._lock:
-            self._subscriptions.append(subscription)
+            self._entities.append(entity)
             self._changed = True
         self._wake.trigger()
 
-    def remove(self, subscription: Subscription) -> bool:
-        """No longer hear a subscription; False where it was not heard. It may be destroyed at once."""
+    def remove(self, entity: E) -> bool:
+        """No longer hear it; False where it was not heard. It may be destroyed at once."""
         with self._lock:
-            if subscription not in self._subscriptions:
+            if entity not in self._entities:
                 return False
-            self._subscriptions.remove(subscription)
+            self._entities.remove(entity)
             self._changed = True
         self._wake.trigger()
         return True
@@ -85,47 +95,101 @@ class Listener:
     def _listen(self) -> None:
         while not self._thread.stopping:
             with self._lock:
-                wanted, self._changed = list(self._subscriptions), False
+                wanted, self._changed = list(self._entities), False
             # What is held open is not destroyed while it is waited for.
             with ExitStack() as held:
                 held.enter_context(self._context.handle)
                 held.enter_context(self._wake.handle)
                 self._listen_to(dict(_hold(held, wanted)))
 
-    def _listen_to(self, subscriptions: dict[int, Subscription]) -> None:
-        wait_set = _rclpy.WaitSet(len(subscriptions), 1, 0, 0, 0, 0, self._context.handle)
+    def _listen_to(self, entities: dict[int, E]) -> None:
+        wait_set = self._wait_set(len(entities))
         while not (self._changed or self._thread.stopping):
             wait_set.clear_entities()
-            for subscription in subscriptions.values():
-                wait_set.add_subscription(subscription.handle)
+            for entity in entities.values():
+                self._await(wait_set, entity)
             wait_set.add_guard_condition(self._wake.handle)
             wait_set.wait(-1)
-            for pointer in wait_set.get_ready_entities("subscription"):
-                _take_all(subscriptions[pointer])
+            for pointer in self._ready(wait_set):
+                for _ in range(BURST):
+                    if not self._take(entities[pointer]):
+                        break
+
+    @abstractmethod
+    def _wait_set(self, size: int) -> Any:
+        """A wait set for so many entities and one guard condition."""
+
+    @abstractmethod
+    def _await(self, wait_set: Any, entity: E) -> None:
+        """Add it to the wait set."""
+
+    @abstractmethod
+    def _ready(self, wait_set: Any) -> list[int]:
+        """Pointers of the entities to which something has come."""
+
+    @abstractmethod
+    def _take(self, entity: E) -> bool:
+        """Take one message; False where there is none."""
 
 
-def _hold(held: ExitStack, wanted: Iterable[Subscription]) -> Iterable[tuple[int, Subscription]]:
-    for subscription in wanted:
+class MessageListener(Listener[Subscription]):
+    """Calls the callbacks of subscriptions, `(message, info)`. They must not raise."""
+
+    def _wait_set(self, size: int) -> Any:
+        return _rclpy.WaitSet(size, 1, 0, 0, 0, 0, self._context.handle)
+
+    def _await(self, wait_set: Any, entity: Subscription) -> None:
+        wait_set.add_subscription(entity.handle)
+
+    def _ready(self, wait_set: Any) -> list[int]:
+        return list(wait_set.get_ready_entities("subscription"))
+
+    def _take(self, entity: Subscription) -> bool:
+        taken = entity.handle.take_message(entity.msg_type, entity.raw)
+        if taken is None:
+            return False
+        entity.callback(*taken)
+        return True
+
+
+class AnswerListener(Listener[Client]):
+    """Settles the futures of a client's `call_async`; what is done then must not raise."""
+
+    def _wait_set(self, size: int) -> Any:
+        return _rclpy.WaitSet(0, 1, 0, size, 0, 0, self._context.handle)
+
+    def _await(self, wait_set: Any, entity: Client) -> None:
+        wait_set.add_client(entity.handle)
+
+    def _ready(self, wait_set: Any) -> list[int]:
+        return list(wait_set.get_ready_entities("client"))
+
+    def _take(self, entity: Client) -> bool:
+        header, response = entity.handle.take_response(entity.srv_type.Response)
+        if header is None:
+            return False
+        with suppress(KeyError):  # nobody waits for it any more
+            entity.get_pending_request(header.request_id.sequence_number).set_result(response)
+        return True
+
+
+def _hold(held: ExitStack, wanted: Iterable[E]) -> Iterable[tuple[int, E]]:
+    for entity in wanted:
         try:
-            held.enter_context(subscription.handle)
+            held.enter_context(entity.handle)
         except _rclpy.InvalidHandle:  # destroyed meanwhile
             continue
-        yield subscription.handle.pointer, subscription
-
-
-def _take_all(subscription: Subscription) -> None:
-    for _ in range(BURST):
-        taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
-        if taken is None:
-            return
-        subscription.callback(*taken)
+        yield entity.handle.pointer, entity
 
 
 class ListeningNode(Node):  # type: ignore[misc]
-    """A node whose guarded subscriptions are heard by a listener; the others, of rclpy's own, by the executor."""
+    """A node whose clients and guarded subscriptions are heard by listeners; rclpy's own things by the executor."""
 
-    def __init__(self, name: str, namespace: str | None, context: Context, listener: Listener) -> None:
-        self._listener = listener
+    def __init__(
+        self, name: str, namespace: str | None, context: Context, messages: MessageListener, answers: AnswerListener
+    ) -> None:
+        self._messages = messages
+        self._answers = answers
         super().__init__(name, namespace=namespace, context=context)
 
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, *args: Any, **options: Any) -> Subscription:
@@ -136,10 +200,22 @@ class ListeningNode(Node):  # type: ignore[misc]
         options["event_callbacks"] = SubscriptionEventCallbacks(use_default_callbacks=False)
         options["callback_group"] = NotForExecutors()
         subscription = super().create_subscription(msg_type, topic, callback, *args, **options)
-        self._listener.add(subscription)
+        self._messages.add(subscription)
         return subscription
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
         """As rclpy has it."""
-        self._listener.remove(subscription)
+        self._messages.remove(subscription)
         return bool(super().destroy_subscription(subscription))
+
+    def create_client(self, srv_type: Any, srv_name: str, **options: Any) -> Client:
+        """As rclpy has it."""
+        options["callback_group"] = NotForExecutors()
+        client = super().create_client(srv_type, srv_name, **options)
+        self._answers.add(client)
+        return client
+
+    def destroy_client(self, client: Client) -> bool:
+        """As rclpy has it."""
+        self._answers.remove(client)
+        return bool(super().destroy_client(client))
