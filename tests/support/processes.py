@@ -62,7 +62,7 @@ class Process:
         with self._changed:
             return "\n".join(self._lines)
 
-    def wait_for(self, text: str, timeout: float = 15.0) -> str:
+    def wait_for(self, text: str, timeout: float = 60.0) -> str:
         """Wait for a line that holds `text` and return it; fail with the whole output otherwise."""
         deadline = time.monotonic() + timeout
         seen = 0
