@@ -177,6 +177,8 @@ class Echo:
         return reading
 
     def _tell_rate(self) -> None:
+        if self._kind is None or not self._kind.installed:  # nothing is heard
+            return
         now, heard = time.monotonic(), self._heard
         self._past.append((now, heard._replace(newest=None)))
         then, before = self._past[0]

@@ -12,7 +12,6 @@ from dock_gateway.ros.abbreviate import abbreviate
 from dock_gateway.ros.bridge import Bridge, guard
 from dock_gateway.ros.interfaces import load_message
 from dock_gateway.ros.messages import codec
-from dock_gateway.ros.stand_in import stand_in
 from dock_gateway.ros.types import MessageClass
 
 # So many messages wait for the listener: at 3,000 a second it may be kept from them for 60 ms.
@@ -34,26 +33,23 @@ class EchoType:
     Attributes:
         name: The name.
         hint: What to do where its messages cannot be read; None where they can.
+        message_class: What to subscribe with; None where its package is missing.
     """
 
     def __init__(self, name: str) -> None:
         self.name = name
         self.hint: str | None = None
-        self._class: MessageClass | None = None
+        self.message_class: MessageClass | None = None
         try:
-            self._class = load_message(name)
-            codec(self._class)
+            self.message_class = load_message(name)
+            codec(self.message_class)
         except (ImportError, TypeError) as error:
-            self._class, self.hint = None, str(error)
+            self.message_class, self.hint = None, str(error)
 
     @property
     def installed(self) -> bool:
         """Whether messages can be read."""
-        return self._class is not None
-
-    def class_to_hear(self) -> MessageClass | None:
-        """What to subscribe with; None where messages cannot even be counted. For the ROS thread."""
-        return self._class or stand_in(self.name)
+        return self.message_class is not None
 
     def read(self, message: bytes) -> "Reading":
         """A message as JSON, cut down; for any thread.
@@ -62,9 +58,9 @@ class EchoType:
             Exception: Whatever comes of bytes that are no such message.
         """
         began = time.thread_time()
-        decoded = deserialize_message(message, self._class)
+        decoded = deserialize_message(message, self.message_class)
         lengths = abbreviate(decoded)
-        return Reading(codec(self._class).encode(decoded), lengths, time.thread_time() - began)
+        return Reading(codec(self.message_class).encode(decoded), lengths, time.thread_time() - began)
 
 
 class Reading(NamedTuple):
@@ -108,9 +104,8 @@ class EchoPort:
             reliability=ReliabilityPolicy.RELIABLE if reliable else ReliabilityPolicy.BEST_EFFORT,
             durability=DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE,
         )
-        message_class = kind.class_to_hear()
-        self._subscription = message_class and bridge.node.create_subscription(
-            message_class, topic, guard(self._hear), profile, raw=True
+        self._subscription = kind.message_class and bridge.node.create_subscription(
+            kind.message_class, topic, guard(self._hear), profile, raw=True
         )
 
     def close(self) -> None:
