@@ -1,8 +1,11 @@
 import { describe, expect, it } from "vitest";
+import type { BatteryHistory, BatteryState } from "../src/api/types";
 import { PRESETS, parseCells, sameForm, toMessage } from "../src/battery/form";
-import { evenly, voltageRange } from "../src/battery/plotOptions";
+import { fromHistory, gapLimit, join, noPoints } from "../src/battery/points";
+import { formatValue, marks, rangeOf } from "../src/battery/quantities";
 import { BatterySeries, WINDOW_S } from "../src/battery/series";
 import { formatCells, formatPercentage, formatQuantity, statusWords, summarize } from "../src/battery/words";
+import { at, battery } from "./events";
 
 const [low, charging] = PRESETS;
 
@@ -51,34 +54,89 @@ describe("the editor", () => {
   });
 });
 
+const state = (percentage: number | null, voltage: number | null): BatteryState => ({
+  ...battery,
+  percentage,
+  voltage,
+});
+
 describe("BatterySeries", () => {
-  it("holds percentages and voltages over time", () => {
+  it("holds what was measured over time, in the units of the plots", () => {
     const series = new BatterySeries();
-    series.push(1000, 0.24, 2.16);
-    series.push(2000, null, 2.2);
-    expect(series.data).toEqual([
-      [1, 2],
+    series.push(1000, state(0.24, 2.16));
+    series.push(2000, { ...state(null, 2.2), current: -1.5, temperature: 31 });
+    expect(series.points.times).toEqual([1, 2]);
+    const { percentage, voltage, current, temperature } = series.points.bands;
+    expect([percentage.mean, voltage.mean]).toEqual([
       [24, null],
       [2.16, 2.2],
+    ]);
+    expect([current.mean, temperature.mean]).toEqual([
+      [null, -1.5],
+      [null, 31],
     ]);
     expect(series.version).toBe(2);
   });
 
   it("is bounded, whatever the rate and however long it runs", () => {
     const series = new BatterySeries();
-    for (let time = 0; time < 2 * WINDOW_S * 1000; time += 10) series.push(time, 0.5, 12);
+    for (let time = 0; time < 2 * WINDOW_S * 1000; time += 10) series.push(time, state(0.5, 12));
     expect(series.length).toBeLessThanOrEqual(WINDOW_S * 10 * 1.1 + 64);
-    expect(series.data[0].at(-1)).toBeCloseTo(2 * WINDOW_S, 1);
-    expect(series.data[1]).toHaveLength(series.length);
-    expect(series.data[2]).toHaveLength(series.length);
+    expect(series.points.times.at(-1)).toBeCloseTo(2 * WINDOW_S, 1);
+    expect(series.points.bands.voltage.mean).toHaveLength(series.length);
+    expect(series.points.bands.current.max).toHaveLength(series.length);
   });
 
-  it("shows a pause as a gap, and leaves out what is older than the last", () => {
+  it("leaves out what is older than the last", () => {
     const series = new BatterySeries();
-    series.push(0, 0.5, 12);
-    series.push(60_000, 0.6, 12);
-    series.push(30_000, 0.1, 1);
-    expect(series.data[1]).toEqual([50, null, 60]);
+    series.push(60_000, state(0.6, 12));
+    series.push(30_000, state(0.1, 1));
+    expect(series.points.times).toEqual([60]);
+  });
+});
+
+const history = (times: number[], voltages: (number | null)[]): BatteryHistory => {
+  const column = (values: (number | null)[]) => ({ mean: values, min: values, max: values });
+  const nothing = column(times.map(() => null));
+  return {
+    robot: "/",
+    since: at(0),
+    until: at(300),
+    resolution_s: 0.5,
+    time: times.map((time) => new Date(time * 1000).toISOString()),
+    voltage: column(voltages),
+    percentage: column(times.map(() => 0.5)),
+    current: nothing,
+    temperature: nothing,
+    power_supply_status: times.map(() => 3),
+  };
+};
+
+describe("the past and what is heard live", () => {
+  it("become one, each moment once", () => {
+    const series = new BatterySeries();
+    for (const time of [4, 5, 8]) series.push(time * 1000, state(0.5, 12));
+    const past = fromHistory(history([1, 2, 3, 4, 5, 6, 7], [9, 9, 9, 9, 9, 9, 9]));
+    const joined = join(past, series.points, 0.5);
+    expect(joined.times).toEqual([1, 2, 3, 4, 5, 6, 7, 8]);
+    expect(joined.bands.voltage.mean).toEqual([9, 9, 9, 12, 12, 9, 9, 12]);
+    expect(joined.bands.percentage.mean[0]).toBe(50);
+    expect(joined.bands.voltage.min).toEqual([9, 9, 9, null, null, 9, 9, null]);
+  });
+
+  it("have a hole where nothing was measured, and where nothing came for long", () => {
+    const past = fromHistory(history([1, 2, 3, 4, 5, 6, 7, 27], [9, null, 9, 9, 9, 9, 9, 9]));
+    const { times, bands } = join(past, noPoints(), 0.5);
+    expect(times).toEqual([1, 2, 3, 4, 5, 6, 7, 17, 27]);
+    expect(bands.voltage.mean).toEqual([9, null, 9, 9, 9, 9, 9, null, 9]);
+    expect(bands.percentage.mean[7]).toBeNull();
+  });
+
+  it("know a pause from a battery that tells its state seldom", () => {
+    const every = (spacing: number) => Array.from({ length: 10 }, (_, index) => index * spacing);
+    expect(gapLimit(every(0.1))).toBe(5);
+    expect(gapLimit(every(60))).toBe(180);
+    expect(gapLimit([0, 60])).toBe(15);
   });
 });
 
@@ -102,15 +160,26 @@ describe("words", () => {
   });
 });
 
-describe("the plot's scales", () => {
-  it("give a steady voltage room, and share their marks", () => {
-    const [min, max] = voltageRange(2.16, 2.16);
+describe("the plots' scales", () => {
+  it("give a steady value room, on tidy marks", () => {
+    const [min, max] = rangeOf("voltage", 2.16, 2.16);
     expect(min).toBeLessThan(2.16);
     expect(max).toBeGreaterThan(2.16);
-    for (const mark of evenly(...voltageRange(11.37, 11.71), 4)) {
+    for (const mark of marks(...rangeOf("voltage", 11.37, 11.71))) {
       expect(mark * 20).toBeCloseTo(Math.round(mark * 20));
     }
-    expect(voltageRange(null, null)).toEqual([0, 1]);
-    expect(evenly(0, 100, 4)).toEqual([0, 25, 50, 75, 100]);
+    expect(rangeOf("temperature", null, null)).toEqual([0, 1]);
+    expect(marks(0, 100)).toEqual([0, 25, 50, 75, 100]);
+  });
+
+  it("show a percentage that counts to 100 for what it is", () => {
+    expect(rangeOf("percentage", 20, 30)).toEqual([0, 100]);
+    expect(rangeOf("percentage", 2400, 2500)).toEqual([0, 2500]);
+  });
+
+  it("have units, and say what was not measured", () => {
+    expect(formatValue("voltage", 8.764)).toBe("8.76 V");
+    expect(formatValue("percentage", 24)).toBe("24.0 %");
+    expect(formatValue("current", null)).toBe("–");
   });
 });

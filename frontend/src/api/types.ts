@@ -17,5 +17,6 @@ export type Scene = Schemas["Scene"];
 export type Infrared = Schemas["Infrared"];
 export type Simulator = Schemas["Simulator"];
 export type Fault = paths["/simulator/faults/{fault}"]["put"]["parameters"]["path"]["fault"];
+export type BatteryHistory = Schemas["BatteryHistory"];
 export type GatewayEvent = Schemas["Event"];
 export type EventOf<Type extends GatewayEvent["type"]> = Extract<GatewayEvent, { type: Type }>;

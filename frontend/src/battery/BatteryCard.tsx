@@ -6,7 +6,6 @@ import { Fact, FactList } from "../ui/Fact";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { formatDuration } from "../ui/time";
-import { BatteryPlot } from "./BatteryPlot";
 import {
   CHARGING,
   FULL,
@@ -52,7 +51,6 @@ export function BatteryCard() {
           <Measurements state={state} />
         </Stack>
       )}
-      <BatteryPlot />
     </Section>
   );
 }

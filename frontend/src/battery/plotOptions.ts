@@ -1,99 +1,90 @@
 import type uPlot from "uplot";
-import { WINDOW_S } from "./series";
+import { marks, type Quantity, rangeOf, SHAPES } from "./quantities";
+import { formatMark } from "./view";
 
 export interface PlotColors {
   text: string;
   grid: string;
-  percentage: string;
-  voltage: string;
 }
 
 export const PLOT_COLORS: Record<"light" | "dark", PlotColors> = {
-  light: { text: "#343a40", grid: "#dee2e6", percentage: "#1864ab", voltage: "#a61e4d" },
-  dark: { text: "#dee2e6", grid: "#424242", percentage: "#74c0fc", voltage: "#ffa8c5" },
+  light: { text: "#343a40", grid: "#dee2e6" },
+  dark: { text: "#dee2e6", grid: "#424242" },
 };
 
-const MINUTES = WINDOW_S / 60;
-const ROWS = 4;
-const TIDY_V = 0.05;
 const FONT = "12px system-ui, sans-serif";
-const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit" });
+/** Of the band between the least and the most. */
+const BAND_ALPHA = "40";
+/** Room for `23:59:59` and some more, in CSS pixels. */
+const MARK_SPACE = 90;
 
-/** Room above and below the voltages, so that a steady one is not a line on the edge; every mark on a multiple of 0.05. */
-export function voltageRange(min: number | null, max: number | null): [number, number] {
-  if (min === null || max === null) return [0, 1];
-  const room = Math.max((max - min) * 0.15, Math.abs(max) * 0.05, 0.1);
-  const low = Math.floor((min - room) / TIDY_V) * TIDY_V;
-  const step = Math.ceil((max + room - low) / ROWS / TIDY_V) * TIDY_V;
-  return [low, low + ROWS * step];
+export interface PlotEvents {
+  /** The span that is shown, s since 1970. */
+  span: () => [number, number];
+  /** Dragged across, s since 1970. */
+  onSelect: (from: number, to: number) => void;
+  /** The crosshair is on another point, or on none. */
+  onCursor: (index: number | null) => void;
 }
 
-/** `parts` + 1 marks from `min` to `max`, so that both scales share the grid's lines. */
-export function evenly(min: number, max: number, parts: number): number[] {
-  return Array.from({ length: parts + 1 }, (_, index) => min + ((max - min) * index) / parts);
-}
-
-/** @param now The right edge of the plot, s since 1970. */
+/** One quantity over time: its mean, and the band from the least to the most where a point is more than one measurement. */
 export function plotOptions(
-  width: number,
-  height: number,
-  colors: PlotColors,
-  now: () => number,
+  quantity: Quantity,
+  size: { width: number; height: number },
+  scheme: "light" | "dark",
+  syncKey: string,
+  { span, onSelect, onCursor }: PlotEvents,
 ): uPlot.Options {
-  const axis = { stroke: colors.text, font: FONT, ticks: { stroke: colors.grid } };
-  const series = { width: 2, spanGaps: false };
+  const { decimals, [scheme]: color } = SHAPES[quantity];
+  const { text, grid } = PLOT_COLORS[scheme];
+  const axis = { stroke: text, font: FONT, ticks: { stroke: grid }, grid: { stroke: grid, width: 1 } };
+  const edge = { width: 0, points: { show: false } };
   return {
-    width,
-    height,
-    legend: { live: true },
-    cursor: { drag: { x: false, y: false }, points: { size: 7 } },
+    ...size,
+    legend: { show: false },
+    padding: [8, 12, 0, 0],
+    cursor: {
+      drag: { x: true, y: false, setScale: false },
+      points: { size: 7 },
+      sync: { key: syncKey, setSeries: false },
+      // What a double click does is decided outside.
+      bind: { dblclick: () => null },
+    },
     scales: {
-      x: { time: true, range: () => [now() - WINDOW_S, now()] },
-      percent: { range: [0, 100] },
-      volt: { range: (_plot, min, max) => voltageRange(min, max) },
+      x: { time: true, range: () => span() },
+      y: { range: (_plot, min, max) => rangeOf(quantity, min, max) },
     },
     axes: [
       {
         ...axis,
-        grid: { stroke: colors.grid, width: 1 },
-        splits: (_plot, _axis, min, max) => evenly(min, max, MINUTES),
-        values: () => ["−5 min", "−4", "−3", "−2", "−1", "now"],
+        space: MARK_SPACE,
+        size: 30,
+        values: (_plot, splits, _axis, _space, step) => splits.map((split) => formatMark(split, step)),
       },
       {
         ...axis,
-        scale: "percent",
-        size: 56,
-        grid: { stroke: colors.grid, width: 1 },
-        splits: (_plot, _axis, min, max) => evenly(min, max, ROWS),
-        values: (_plot, splits) => splits.map((split) => `${split} %`),
-      },
-      {
-        ...axis,
-        scale: "volt",
-        side: 1,
-        size: 62,
-        grid: { show: false },
-        splits: (_plot, _axis, min, max) => evenly(min, max, ROWS),
-        values: (_plot, splits) => splits.map((split) => `${split.toFixed(2)} V`),
+        size: 52,
+        splits: (_plot, _axis, min, max) => marks(min, max),
+        values: (_plot, splits) => splits.map((split) => split.toFixed(decimals)),
       },
     ],
     series: [
-      { label: "Time", value: (_plot, value) => (value === null ? "–" : clock.format(value * 1000)) },
-      {
-        ...series,
-        label: "Percentage",
-        scale: "percent",
-        stroke: colors.percentage,
-        value: (_plot, value) => (value === null ? "–" : `${value.toFixed(1)} %`),
-      },
-      {
-        ...series,
-        label: "Voltage",
-        scale: "volt",
-        stroke: colors.voltage,
-        dash: [6, 4],
-        value: (_plot, value) => (value === null ? "–" : `${value.toFixed(2)} V`),
-      },
+      {},
+      { ...edge, label: "most" },
+      { ...edge, label: "least" },
+      { label: SHAPES[quantity].name, width: 2, stroke: color, spanGaps: false },
     ],
+    bands: [{ series: [1, 2], fill: `${color}${BAND_ALPHA}` }],
+    hooks: {
+      setCursor: [(plot) => onCursor((plot.cursor.left ?? -1) < 0 ? null : (plot.cursor.idx ?? null))],
+      setSelect: [
+        (plot) => {
+          const { left, width } = plot.select;
+          if (width <= 0) return;
+          plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+          onSelect(plot.posToVal(left, "x"), plot.posToVal(left + width, "x"));
+        },
+      ],
+    },
   };
 }

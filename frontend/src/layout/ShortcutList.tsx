@@ -34,6 +34,13 @@ const PICTURE: readonly Shortcut[] = [
   },
 ];
 
+const PLOTS: readonly Shortcut[] = [
+  { keys: ["←", "→"], what: "The crosshair; with Shift back and forth in time" },
+  { keys: ["PgUp", "PgDn"], what: "As far back, or forth, as is shown" },
+  { keys: ["+", "−", "0"], what: "Closer, farther, the last five minutes live" },
+  { keys: ["Space"], what: "Pause, and go on" },
+];
+
 /** Everything that keys do, and the name of who presses them. */
 export default function ShortcutList() {
   return (
@@ -42,6 +49,7 @@ export default function ShortcutList() {
       <Shortcuts title="One letter after the other" shortcuts={LETTERS} />
       <LettersSwitch />
       <Shortcuts title="In the picture of a robot" shortcuts={PICTURE} />
+      <Shortcuts title="In the plots of a battery" shortcuts={PLOTS} />
       <NameField />
     </Stack>
   );

@@ -1,4 +1,5 @@
 import { BatteryCard } from "../battery/BatteryCard";
+import { BatteryPlotsCard } from "../battery/BatteryPlotsCard";
 import { PublisherCard } from "../battery/PublisherCard";
 import { DockingCard } from "../docking/DockingCard";
 import { GoalsCard } from "../goals/GoalsCard";
@@ -18,10 +19,11 @@ export function RobotPanels() {
         <div className={classes.column}>
           <SceneCard />
           <SimulatorCard />
-          <PublisherCard />
         </div>
         <BatteryCard />
       </div>
+      <BatteryPlotsCard />
+      <PublisherCard />
       <GoalsCard />
       <CurlCard />
     </>

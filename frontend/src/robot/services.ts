@@ -16,7 +16,7 @@ export function openRobot(location: StreamLocation, http: Http, robot: string | 
   const store = new Store();
   const series = new BatterySeries();
   store.onBattery((event) => {
-    series.push(Date.parse(event.time), event.battery.percentage, event.battery.voltage);
+    series.push(Date.parse(event.time), event.battery);
   });
   const scene = new SceneBuffer();
   store.onScene((event) => scene.push(event.scene, performance.now()));

@@ -1,7 +1,8 @@
-import { ActionIcon, useComputedColorScheme } from "@mantine/core";
+import { useComputedColorScheme } from "@mantine/core";
 import { useElementSize, useReducedMotion } from "@mantine/hooks";
-import { type ReactNode, useEffect, useRef } from "react";
+import { useEffect, useRef } from "react";
 import { useServices } from "../store/context";
+import { Tool } from "../ui/Tool";
 import { SCENE_COLORS } from "./colors";
 import type { Pose } from "./geometry";
 import { Gestures } from "./gestures";
@@ -82,15 +83,5 @@ export function SceneCanvas({ placeable, describedBy, onPlace, onGhost }: SceneC
         </Tool>
       </div>
     </div>
-  );
-}
-
-function Tool({ name, onClick, children }: { name: string; onClick: () => void; children: ReactNode }) {
-  return (
-    <ActionIcon variant="default" size="lg" aria-label={name} title={name} onClick={onClick}>
-      <svg width="18" height="18" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
-        {children}
-      </svg>
-    </ActionIcon>
   );
 }

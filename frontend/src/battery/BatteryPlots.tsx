@@ -1,0 +1,197 @@
+import { Alert, Text, useComputedColorScheme, VisuallyHidden } from "@mantine/core";
+import { useReducedMotion } from "@mantine/hooks";
+import { type KeyboardEvent, useCallback, useEffect, useId, useRef, useState } from "react";
+import { useLive, useServices } from "../store/context";
+import classes from "./BatteryPlots.module.css";
+import { PlotBar } from "./PlotBar";
+import { type Places, PlotGroup } from "./plotGroup";
+import { join } from "./points";
+import { QUANTITIES, type Quantity, SHAPES } from "./quantities";
+import { usePast } from "./usePast";
+import { between, edges, formatMoment, LIVE, pan, pause, type View, zoom } from "./view";
+
+/** New messages are drawn so often; without any, time moves on once a second. */
+const REDRAW_MS = 200;
+const SCROLL_MS = 1000;
+const ZOOM_STEP = 2;
+const PAN_STEP = 0.25;
+
+/** What the battery was over time: live, paused, or any part of the past. */
+export default function BatteryPlots() {
+  const { store, series } = useServices();
+  const live = useLive();
+  const scheme = useComputedColorScheme("light");
+  const reducedMotion = useReducedMotion();
+  const [view, setView] = useState<View>(LIVE);
+  const past = usePast(view);
+  const latest = useRef({ view, past });
+  latest.current = { view, past };
+  const plots = useRef<Partial<Record<Quantity, HTMLDivElement | null>>>({});
+  const values = useRef<Partial<Record<Quantity, HTMLSpanElement | null>>>({});
+  const moment = useRef<HTMLSpanElement>(null);
+  const frame = useRef<HTMLDivElement>(null);
+  const group = useRef<PlotGroup | null>(null);
+  const [said, setSaid] = useState("");
+  const hintId = useId();
+
+  const now = useCallback(() => store.gatewayNow() / 1000, [store]);
+  const change = useCallback(
+    (next: (view: View, now: number) => View) => setView((before) => next(before, now())),
+    [now],
+  );
+  const zoomBy = useCallback(
+    (factor: number) => change((before, at) => zoom(before, factor, group.current?.anchor ?? 1, at)),
+    [change],
+  );
+
+  const draw = useCallback(() => {
+    const { view, past } = latest.current;
+    const { from, to } = edges(view, now());
+    group.current?.draw(join(past.points, series.points, past.resolutionS), [from, to]);
+  }, [series, now]);
+
+  useEffect(() => {
+    const places = {} as Places;
+    for (const quantity of QUANTITIES) {
+      const [plot, value] = [plots.current[quantity], values.current[quantity]];
+      // Without a width there is nothing to draw on, as in a test without a layout.
+      if (!plot || !value || plot.clientWidth === 0) return;
+      places[quantity] = { plot, value };
+    }
+    const made = new PlotGroup(places, scheme, {
+      onMoment: (timeS) => {
+        if (moment.current !== null)
+          moment.current.textContent = timeS === null ? "" : formatMoment(timeS, now());
+      },
+      onSelect: (from, to) => change((_, at) => between(from, to, at)),
+    });
+    group.current = made;
+    draw();
+    const resized = new ResizeObserver(() => made.resize());
+    resized.observe(places.voltage.plot);
+    return () => {
+      resized.disconnect();
+      made.destroy();
+      group.current = null;
+    };
+  }, [scheme, change, draw, now]);
+
+  // biome-ignore lint/correctness/useExhaustiveDependencies: what is drawn is read from `latest`
+  useEffect(draw, [draw, view, past]);
+
+  useEffect(() => {
+    if (view.endS !== null || !live) return;
+    let drawnVersion = series.version;
+    let drawnAt = Date.now();
+    const timer = setInterval(
+      () => {
+        const idle = series.version === drawnVersion && Date.now() - drawnAt < SCROLL_MS;
+        if (idle || document.hidden || !isInSight(frame.current)) return;
+        drawnVersion = series.version;
+        drawnAt = Date.now();
+        draw();
+      },
+      reducedMotion ? SCROLL_MS : REDRAW_MS,
+    );
+    return () => clearInterval(timer);
+  }, [view, live, series, draw, reducedMotion]);
+
+  useEffect(() => {
+    const element = frame.current;
+    if (element === null) return;
+    /** The wheel alone scrolls the page; with Ctrl, as a pinch on a trackpad sends it, it zooms, and sideways it goes back and forth. */
+    const turn = (event: WheelEvent) => {
+      const sideways = event.shiftKey ? event.deltaY || event.deltaX : event.deltaX;
+      if (event.ctrlKey || event.metaKey) zoomBy(Math.exp(-event.deltaY / 300));
+      else if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY))
+        change((before, at) => pan(before, sideways / element.clientWidth, at));
+      else return;
+      event.preventDefault();
+    };
+    element.addEventListener("wheel", turn, { passive: false });
+    return () => element.removeEventListener("wheel", turn);
+  }, [change, zoomBy]);
+
+  const step = (by: number) => {
+    const words = group.current?.step(by) ?? null;
+    setSaid(
+      words === null ? "Nothing was measured in this time." : `${moment.current?.textContent}: ${words}`,
+    );
+  };
+  const press = (event: KeyboardEvent) => {
+    if (event.altKey || event.ctrlKey || event.metaKey || event.target !== event.currentTarget) return;
+    const steps: Record<string, () => void> = {
+      ArrowLeft: () => (event.shiftKey ? change((before, at) => pan(before, -PAN_STEP, at)) : step(-1)),
+      ArrowRight: () => (event.shiftKey ? change((before, at) => pan(before, PAN_STEP, at)) : step(1)),
+      PageUp: () => change((before, at) => pan(before, -1, at)),
+      PageDown: () => change((before, at) => pan(before, 1, at)),
+      "+": () => zoomBy(ZOOM_STEP),
+      "=": () => zoomBy(ZOOM_STEP),
+      "-": () => zoomBy(1 / ZOOM_STEP),
+      "0": () => setView(LIVE),
+      " ": () =>
+        change((before, at) => (before.endS === null ? pause(before, at) : { ...before, endS: null })),
+    };
+    const act = steps[event.key];
+    if (act === undefined) return;
+    event.preventDefault();
+    act();
+  };
+
+  return (
+    <>
+      <PlotBar view={view} loading={past.loading} momentRef={moment} onChange={change} onZoom={zoomBy} />
+      <div
+        ref={frame}
+        className={classes.grid}
+        role="application"
+        aria-label="Battery over time: voltage, percentage, current and temperature"
+        aria-describedby={hintId}
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: an application takes keys
+        tabIndex={0}
+        onKeyDown={press}
+        onDoubleClick={() => zoomBy(1 / ZOOM_STEP)}
+        data-testid="battery-plots"
+      >
+        {QUANTITIES.map((quantity) => (
+          <figure key={quantity} className={classes.figure}>
+            <figcaption className={classes.caption}>
+              <span className={classes.mark} style={{ background: SHAPES[quantity][scheme] }} />
+              {SHAPES[quantity].name} ({SHAPES[quantity].unit}){" "}
+              <span
+                className={classes.value}
+                data-testid={`value-${quantity}`}
+                ref={(element) => {
+                  values.current[quantity] = element;
+                }}
+              />
+            </figcaption>
+            <div
+              className={classes.plot}
+              ref={(element) => {
+                plots.current[quantity] = element;
+              }}
+            />
+          </figure>
+        ))}
+      </div>
+      <VisuallyHidden role="status">{said}</VisuallyHidden>
+      <Text size="sm" c="dimmed" id={hintId}>
+        Drag across a plot to look closer, double-click to look at more. With the keyboard: ← → the crosshair,
+        with Shift back and forth in time, + − closer and farther, Space pause, 0 live.
+      </Text>
+      {past.error !== null && (
+        <Alert color="orange" title="The past cannot be read">
+          <Text size="sm">
+            {past.error.title} ({past.error.code}). What comes in now is drawn all the same.
+          </Text>
+        </Alert>
+      )}
+    </>
+  );
+}
+
+function isInSight(element: HTMLElement | null): boolean {
+  const box = element?.getBoundingClientRect();
+  return box !== undefined && box.bottom > 0 && box.top < window.innerHeight;
+}

@@ -1,0 +1,105 @@
+import type { BatteryHistory } from "../api/types";
+import { inUnit, QUANTITIES, type Quantity } from "./quantities";
+
+export type Column = (number | null)[];
+
+/** What one quantity was; `min` and `max` are null where a point is one measurement. */
+export interface Band {
+  mean: Column;
+  min: Column;
+  max: Column;
+}
+
+/** Measurements over time: times (s since 1970) in order, and a place for each of them in every column. */
+export interface Points {
+  times: number[];
+  bands: Record<Quantity, Band>;
+}
+
+export function noPoints(): Points {
+  const empty = (): Band => ({ mean: [], min: [], max: [] });
+  return {
+    times: [],
+    bands: { voltage: empty(), percentage: empty(), current: empty(), temperature: empty() },
+  };
+}
+
+/** The gateway's answer, in seconds and in the units that are plotted. */
+export function fromHistory(history: BatteryHistory): Points {
+  const points = noPoints();
+  points.times = history.time.map((time) => Date.parse(time) / 1000);
+  for (const quantity of QUANTITIES) {
+    const { mean, min, max } = history[quantity];
+    const convert = (column: Column) => column.map((value) => inUnit(quantity, value));
+    points.bands[quantity] = { mean: convert(mean), min: convert(min), max: convert(max) };
+  }
+  return points;
+}
+
+/**
+ * Both in one, and a row of nulls in every gap. Of the past only what was not heard live is taken: what lies within its
+ * resolution of a live point is that point.
+ *
+ * @param resolutionS How far apart the points of the past are at least.
+ */
+export function join(past: Points, live: Points, resolutionS: number): Points {
+  const rows = merged(past, live, resolutionS);
+  const limit = Math.max(gapLimit(rows.map(({ time }) => time)), 2.5 * resolutionS);
+  const joined = noPoints();
+  let last = Number.POSITIVE_INFINITY;
+  for (const { time, source, index } of rows) {
+    if (time - last > limit) append(joined, (last + time) / 2, null, 0);
+    append(joined, time, source, index);
+    last = time;
+  }
+  return joined;
+}
+
+interface Row {
+  time: number;
+  source: Points;
+  index: number;
+}
+
+function merged(past: Points, live: Points, resolutionS: number): Row[] {
+  const rows: Row[] = [];
+  let next = 0;
+  const takeLive = (before: number) => {
+    for (; next < live.times.length && (live.times[next] as number) < before; next += 1)
+      rows.push({ time: live.times[next] as number, source: live, index: next });
+  };
+  past.times.forEach((time, index) => {
+    takeLive(time - resolutionS);
+    const following = live.times[next];
+    if (following !== undefined && following <= time + resolutionS) return;
+    const previous = rows.at(-1);
+    if (previous?.source === live && previous.time >= time - resolutionS) return;
+    rows.push({ time, source: past, index });
+  });
+  takeLive(Number.POSITIVE_INFINITY);
+  return rows;
+}
+
+function append(points: Points, time: number, source: Points | null, index: number): void {
+  points.times.push(time);
+  for (const quantity of QUANTITIES) {
+    const { mean, min, max } = points.bands[quantity];
+    const from = source?.bands[quantity];
+    mean.push(from?.mean[index] ?? null);
+    min.push(from?.min[index] ?? null);
+    max.push(from?.max[index] ?? null);
+  }
+}
+
+/** Without knowing how often a battery tells its state, a pause longer than this is a gap (s). */
+const GAP_S = 15;
+const SHORTEST_GAP_S = 5;
+const ENOUGH = 5;
+
+/** A pause longer than this (s) is a gap in the line, not a line across: three times what is usual here. */
+export function gapLimit(times: readonly number[]): number {
+  const spacings = times.slice(1).map((time, index) => time - (times[index] as number));
+  if (spacings.length < ENOUGH) return GAP_S;
+  spacings.sort((a, b) => a - b);
+  return Math.max(SHORTEST_GAP_S, 3 * (spacings[spacings.length >> 1] as number));
+}

@@ -1,0 +1,91 @@
+import type { BatteryState } from "../api/types";
+
+/** What of a battery is plotted, in this order. */
+export const QUANTITIES = ["voltage", "percentage", "current", "temperature"] as const;
+export type Quantity = (typeof QUANTITIES)[number];
+
+interface Shape {
+  name: string;
+  unit: string;
+  /** Of the marks beside the plot. */
+  decimals: number;
+  /** Every mark is a multiple of this. */
+  tidy: number;
+  /** The least room above and below. */
+  room: number;
+  light: string;
+  dark: string;
+}
+
+export const SHAPES: Record<Quantity, Shape> = {
+  voltage: {
+    name: "Voltage",
+    unit: "V",
+    decimals: 2,
+    tidy: 0.05,
+    room: 0.1,
+    light: "#a61e4d",
+    dark: "#ffa8c5",
+  },
+  percentage: {
+    name: "Percentage",
+    unit: "%",
+    decimals: 0,
+    tidy: 25,
+    room: 0,
+    light: "#1864ab",
+    dark: "#74c0fc",
+  },
+  current: {
+    name: "Current",
+    unit: "A",
+    decimals: 2,
+    tidy: 0.05,
+    room: 0.1,
+    light: "#5f3dc4",
+    dark: "#b197fc",
+  },
+  temperature: {
+    name: "Temperature",
+    unit: "°C",
+    decimals: 1,
+    tidy: 0.5,
+    room: 1,
+    light: "#a33a00",
+    dark: "#ffc078",
+  },
+};
+
+/** A quantity in the unit that it is plotted in; `percentage` is 0 to 1 on the wire. */
+export function measured(state: BatteryState, quantity: Quantity): number | null {
+  return inUnit(quantity, state[quantity]);
+}
+
+export function inUnit(quantity: Quantity, value: number | null): number | null {
+  return value === null || quantity !== "percentage" ? value : value * 100;
+}
+
+/** `8.76 V`; `–` where it was not measured. */
+export function formatValue(quantity: Quantity, value: number | null | undefined): string {
+  if (value === null || value === undefined) return "–";
+  const { unit, decimals } = SHAPES[quantity];
+  return `${value.toFixed(Math.max(decimals, 1))} ${unit}`;
+}
+
+const ROWS = 4;
+
+/** Room around what is shown, so that a steady value is not a line on the edge; every mark on a tidy number. */
+export function rangeOf(quantity: Quantity, min: number | null, max: number | null): [number, number] {
+  if (quantity === "percentage") return [Math.min(0, min ?? 0), Math.max(100, max ?? 0)];
+  if (min === null || max === null) return [0, 1];
+  const { tidy, room: least } = SHAPES[quantity];
+  const room = Math.max((max - min) * 0.15, Math.abs(max) * 0.02, least);
+  const low = Math.floor((min - room) / tidy) * tidy;
+  const step = Math.ceil((max + room - low) / ROWS / tidy) * tidy;
+  return [low, low + ROWS * step];
+}
+
+/** The marks from `min` to `max`. */
+export function marks(min: number, max: number): number[] {
+  return Array.from({ length: ROWS + 1 }, (_, index) => min + ((max - min) * index) / ROWS);
+}

@@ -1,0 +1,131 @@
+"""The page of a robot: its battery over time, its goal stage by stage, its battery's publisher."""
+
+import re
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from tests.browser.axe import find_violations, load_axe
+from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.observer import wait_until
+
+NEAR = ("-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
+DRIVE_MS = 45_000
+CLOCK = re.compile(r"\d{1,2}:\d\d:\d\d")
+VOLTS = re.compile(r"^\d+\.\d\d V")
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    with ExitStack() as stack:
+        stack.enter_context(running_program(domain, "dock_simulator", *NEAR))
+        stack.enter_context(running_program(domain, "docking_server", "-p", "controller:=dock_pose"))
+        gateway = stack.enter_context(running_gateway(domain))
+        gateway.wait_until_ready()
+        wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")
+        wait_until(lambda: len(gateway.http.get("/battery/history").json()["time"]) > 3, "a battery with a past")
+        yield gateway
+
+
+@pytest.fixture
+def page(page: Page, gateway: RunningGateway) -> Page:
+    """The robot's page, live, with the robot at its start."""
+    gateway.http.post("/simulator/reset").raise_for_status()
+    page.goto(f"{gateway.url}/ui/robot")
+    expect(page.get_by_test_id("connection")).to_have_text("live")
+    expect(page.get_by_test_id("scene-words")).to_contain_text("Not docked")
+    return page
+
+
+def press(page: Page, name: str) -> None:
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def plots(page: Page) -> Locator:
+    """The plots, drawn."""
+    expect(page.get_by_test_id("value-voltage")).to_have_text(VOLTS)
+    plots = page.get_by_test_id("battery-plots")
+    plots.scroll_into_view_if_needed()
+    return plots
+
+
+def shown(page: Page) -> str:
+    return page.get_by_test_id("plot-range").inner_text()
+
+
+def test_the_plots_are_live_and_can_be_paused(page: Page, gateway: RunningGateway) -> None:
+    plots(page)
+    assert shown(page) == "Last 5 min"
+    press(page, "Pause")
+    expect(page.get_by_test_id("plot-range")).to_have_text(re.compile(f"{CLOCK.pattern}.* to {CLOCK.pattern}"))
+    paused, before = shown(page), page.get_by_test_id("value-temperature").inner_text()
+    assert before.endswith("°C")
+    wait_until(lambda: gateway.http.get("/battery").json()["age_s"] < 1, "a battery that goes on")
+    assert shown(page) == paused
+    press(page, "Go live")
+    expect(page.get_by_test_id("plot-range")).to_have_text("Last 5 min")
+
+
+def test_a_crosshair_over_all_plots(page: Page) -> None:
+    over = plots(page).locator(".u-over").nth(2)
+    box = over.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + box["width"] - 2, box["y"] + box["height"] / 2)
+    expect(page.get_by_test_id("plot-moment")).to_have_text(CLOCK)
+    for crosshair in plots(page).locator(".u-cursor-x").all():
+        expect(crosshair).to_be_visible()
+    page.mouse.move(box["x"], box["y"] - 60)
+    expect(page.get_by_test_id("plot-moment")).to_have_text("")
+
+
+def test_closer_with_the_mouse_and_back(page: Page) -> None:
+    box = plots(page).locator(".u-over").first.bounding_box()
+    assert box is not None
+    y = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + box["width"] * 0.9, y)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] * 0.95, y, steps=4)
+    page.mouse.up()
+    expect(page.get_by_test_id("plot-range")).to_contain_text(" to ")
+    close = shown(page)
+    page.mouse.dblclick(box["x"] + box["width"] / 2, y)
+    expect(page.get_by_test_id("plot-range")).not_to_have_text(close)
+    page.get_by_text("1 h", exact=True).click()
+    expect(page.get_by_test_id("plot-range")).to_have_text("Last 1 h")
+    expect(page.get_by_test_id("value-voltage")).to_have_text(VOLTS)
+
+
+def test_the_wheel_alone_scrolls_the_page(page: Page) -> None:
+    plots(page).hover()
+    page.mouse.wheel(0, 100)
+    wait_until(lambda: page.evaluate("window.scrollY") > 0, "a page that scrolled")
+    assert shown(page) == "Last 5 min"
+    page.keyboard.down("Control")
+    page.mouse.wheel(0, 300)
+    page.keyboard.up("Control")
+    expect(page.get_by_test_id("plot-range")).not_to_have_text("Last 5 min")
+
+
+def test_the_past_by_keyboard(page: Page) -> None:
+    plots(page).focus()
+    page.keyboard.press("ArrowLeft")
+    expect(page.get_by_test_id("plot-moment")).to_have_text(CLOCK)
+    expect(page.get_by_role("status").filter(has_text=re.compile(r"V, .* %, .* A, .* °C"))).to_be_attached()
+    page.keyboard.press("-")
+    expect(page.get_by_test_id("plot-range")).to_have_text("Last 10 min")
+    page.keyboard.press("Shift+ArrowLeft")
+    expect(page.get_by_test_id("plot-range")).to_contain_text(" to ")
+    page.keyboard.press("0")
+    expect(page.get_by_test_id("plot-range")).to_have_text("Last 5 min")
+    page.keyboard.press(" ")
+    expect(page.get_by_role("button", name="Go live")).to_be_visible()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_accessibility(page: Page, scheme: str) -> None:
+    load_axe(page, scheme)
+    plots(page)
+    press(page, "Pause")
+    assert find_violations(page) == []
