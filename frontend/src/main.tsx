@@ -20,7 +20,7 @@ import { openStream, streamUrl } from "./stream/stream";
 const { location } = window;
 const http = createHttp(location.origin);
 const store = new FleetStore();
-openStream(streamUrl(location, { include: "system", max_rate: "2" }), store);
+openStream(streamUrl(location, { include: "system,robots", feedback: "false" }), store);
 const fleet: FleetServices = {
   http,
   gateway: createGateway(http),

@@ -1,7 +1,7 @@
 import { screen } from "@testing-library/react";
 import axe from "axe-core";
 import { describe, expect, it } from "vitest";
-import { battery, goal, latched, sceneEvent, server, simulator } from "./events";
+import { alert, at, battery, goal, latched, robot, sceneEvent, server, simulator } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const TAGS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
@@ -18,6 +18,19 @@ async function violations(): Promise<string[]> {
 }
 
 describe("axe finds nothing", () => {
+  it("on the overview of several robots with alerts", async () => {
+    const { user } = renderPage(fakeGateway(), {
+      robots: [robot("/a"), robot("/b", { goals: [goal("g")], last_goal: goal("l", { status: "aborted" }) })],
+      alerts: [
+        alert("low"),
+        alert("lost", { severity: "critical", goal_id: "g" }),
+        alert("seen", { acknowledged: { by: "Ada", at: at(1) } }),
+      ],
+    });
+    await user.click(screen.getByRole("button", { name: "Show 1 more" }));
+    expect(await violations()).toEqual([]);
+  });
+
   it("on the empty page", async () => {
     renderPage(fakeGateway());
     expect(await violations()).toEqual([]);

@@ -104,7 +104,7 @@ const SHORT: Record<string, string> = {
 };
 
 /** A few words for a table; the details say more. */
-export function outcome(goal: Goal, verb: Verb): string {
+export function outcome(goal: Pick<Goal, "error" | "stalled" | "status">, verb: Verb): string {
   if (goal.error !== null) return SHORT[goal.error.code] ?? goal.error.detail;
   if (goal.status === "succeeded") return verb === "dock" ? "On the dock" : "Off the dock";
   return goal.stalled ? "Server is silent" : "–";

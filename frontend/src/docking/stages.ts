@@ -18,6 +18,13 @@ const LABELS: Record<string, string> = {
   UNDOCKING: "Backing out",
 };
 
+const SHORT: Record<string, string> = { RETRY: "Backing off", WAIT_FOR_BATTERY: "Waiting for the battery" };
+
+/** A stage in a word or two; null where it is none of the way. */
+export function stageLabel(stage: string | null): string | null {
+  return stage === null ? null : (LABELS[stage] ?? SHORT[stage] ?? null);
+}
+
 const DOCKING = ["INITIAL_PERCEPTION", "NAV_TO_STAGING_POSE", "CONTROLLING", "WAIT_FOR_CHARGE"];
 const UNDOCKING = ["UNDOCKING"];
 

@@ -10,7 +10,7 @@ import { ShortcutsButton } from "./ShortcutsButton";
 export function Header() {
   return (
     <header className={classes.header}>
-      <Container size="xl" w="100%">
+      <Container size="xl" w="100%" className={classes.container}>
         <div className={classes.bar}>
           <Link to="/" className={classes.name}>
             dock-gateway

@@ -1,4 +1,5 @@
 import { NavLink } from "react-router";
+import { AlertCount } from "../alerts/AlertCount";
 import classes from "./layout.module.css";
 import { PAGES } from "./pages";
 
@@ -15,6 +16,7 @@ export function Navigation() {
           title={`${name} (g, then ${letter})`}
         >
           {name}
+          {to === "/" && <AlertCount />}
         </NavLink>
       ))}
     </nav>

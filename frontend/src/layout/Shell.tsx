@@ -1,7 +1,10 @@
 import { Container, Skeleton, Stack } from "@mantine/core";
 import { type RefObject, Suspense, useEffect, useRef } from "react";
 import { Outlet, useLocation } from "react-router";
+import { openAlerts } from "../alerts/order";
+import { useFleetTopic } from "../fleet/context";
 import { StopBanner } from "../stop/StopBanner";
+import { TitlePrefixProvider } from "../ui/usePageTitle";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { Header } from "./Header";
 import classes from "./layout.module.css";
@@ -10,8 +13,9 @@ import classes from "./layout.module.css";
 export function Shell() {
   const main = useRef<HTMLDivElement>(null);
   useFocusOnNavigation(main);
+  const alerts = openAlerts(useFleetTopic("alerts")).length;
   return (
-    <>
+    <TitlePrefixProvider value={alerts === 0 ? "" : `(${alerts}) `}>
       <a className={classes.skip} href="#main">
         Skip to the page
       </a>
@@ -33,7 +37,7 @@ export function Shell() {
           </Suspense>
         </Stack>
       </Container>
-    </>
+    </TitlePrefixProvider>
   );
 }
 

@@ -1,19 +1,88 @@
-import { VisuallyHidden } from "@mantine/core";
+import { Button, Group, Paper, Skeleton, Stack, Text, VisuallyHidden } from "@mantine/core";
+import { useMemo, useState } from "react";
+import { AlertList } from "../alerts/AlertList";
+import { useFleetLive, useFleetTopic } from "../fleet/context";
+import type { Robot } from "../fleet/types";
+import { isThere } from "../fleet/words";
 import { RobotPanels } from "../robot/RobotPanels";
 import { RobotScope } from "../robot/RobotScope";
 import { usePageTitle } from "../ui/usePageTitle";
+import { NoRobot } from "./NoRobot";
+import { RobotCard } from "./RobotCard";
+import { RobotTable } from "./RobotTable";
 
 /** All robots; a single one with all that there is to see and do. */
 export default function OverviewPage() {
   usePageTitle("Overview");
+  const robots = useFleetTopic("robots");
+  const live = useFleetLive();
+  const [told, setTold] = useState(false);
+  if (!told && (live || robots.size > 0)) setTold(true);
   return (
     <>
       <VisuallyHidden>
         <h1>Overview</h1>
       </VisuallyHidden>
-      <RobotScope robot={null}>
+      {told ? <Known robots={robots} /> : <OverviewSkeleton />}
+    </>
+  );
+}
+
+function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
+  const there = useMemo(() => [...robots.values()].filter(isThere), [robots]);
+  const [view, setView] = useState<"one" | "all">(there.length > 1 ? "all" : "one");
+  const [one, setOne] = useState<string | null>(null);
+  const [touched, setTouched] = useState(false);
+  // With the first few a page may begin with one robot, and become that of all. It is not taken from under somebody's
+  // hands, and it does not go back: after a restart the gateway finds robots one by one.
+  if (view === "one" && there.length > 1 && !touched) setView("all");
+  const only = there.length > 1 ? one : (there[0]?.name ?? null);
+  if (only !== one) setOne(only);
+
+  if (view === "all") {
+    return (
+      <>
+        <AlertList />
+        <RobotTable robots={there} />
+      </>
+    );
+  }
+  const robot = only === null ? undefined : robots.get(only);
+  return (
+    <Stack gap="md" onPointerDownCapture={() => setTouched(true)} onKeyDownCapture={() => setTouched(true)}>
+      {there.length > 1 && <MoreRobots count={there.length} onShow={() => setView("all")} />}
+      <AlertList quiet />
+      {robot === undefined ? <NoRobot /> : <RobotCard robot={robot} />}
+      <RobotScope key={scopeOf(robot)} robot={scopeOf(robot)}>
         <RobotPanels />
       </RobotScope>
-    </>
+    </Stack>
+  );
+}
+
+/** The configured robot is asked for without a name. */
+function scopeOf(robot: Robot | undefined): string | null {
+  return robot === undefined || robot.default ? null : robot.name;
+}
+
+function MoreRobots({ count, onShow }: { count: number; onShow: () => void }) {
+  return (
+    <Paper withBorder radius="md" p="sm" role="status">
+      <Group justify="space-between" gap="sm">
+        <Text>There are {count} robots now.</Text>
+        <Button variant="default" size="compact-md" onClick={onShow}>
+          Show all
+        </Button>
+      </Group>
+    </Paper>
+  );
+}
+
+function OverviewSkeleton() {
+  return (
+    <Stack gap="md" aria-busy="true" aria-label="The robots are not known yet">
+      <Skeleton height={140} />
+      <Skeleton height={360} />
+    </Stack>
   );
 }

@@ -1,0 +1,91 @@
+import { Button, Group, Stack, Text, TextInput } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
+import { type FormEvent, useState } from "react";
+import { createAlerts } from "../api/alerts";
+import { useFleet, useFleetLive } from "../fleet/context";
+import { MAX_NAME, ownName, setOwnName } from "../stop/who";
+import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { Dialog } from "../ui/Dialog";
+import { useCommand } from "../ui/useCommand";
+import classes from "./alerts.module.css";
+
+/** Acknowledges an alert with the name that was given on this computer; asks for one where there is none. */
+export function AcknowledgeButton({ id, what }: { id: string; what: string }) {
+  const { http, store } = useFleet();
+  const live = useFleetLive();
+  const [asking, ask] = useDisclosure(false);
+  const acknowledge = useCommand(async (by: string) =>
+    store.setAlert(await createAlerts(http).acknowledge(id, by)),
+  );
+  const press = () => {
+    const name = ownName().trim();
+    if (name === "") ask.open();
+    else acknowledge.mutate(name);
+  };
+  return (
+    <>
+      <Button
+        variant="default"
+        size="compact-md"
+        className={classes.answer}
+        disabled={!live || acknowledge.isPending}
+        title={live ? "Says to everybody that you have seen it" : "The gateway is not connected."}
+        aria-label={`Acknowledge: ${what}`}
+        onClick={press}
+      >
+        Acknowledge
+      </Button>
+      {acknowledge.error !== null && (
+        <div className={classes.failed}>
+          <CommandErrorAlert command="Acknowledge" error={acknowledge.error} onClose={acknowledge.reset} />
+        </div>
+      )}
+      <Dialog opened={asking} onClose={ask.close} title="Who acknowledges?">
+        <NameForm
+          onName={(name) => {
+            setOwnName(name);
+            ask.close();
+            acknowledge.mutate(name);
+          }}
+        />
+      </Dialog>
+    </>
+  );
+}
+
+function NameForm({ onName }: { onName: (name: string) => void }) {
+  const [name, setName] = useState("");
+  const given = name.trim();
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    if (given !== "") onName(given);
+  };
+  return (
+    <form onSubmit={submit}>
+      <Stack gap="md">
+        <Text size="sm">
+          Everybody who has this dashboard open reads that you have seen the alert and look after it. It stays
+          in the list until what it is about is over.
+        </Text>
+        <TextInput
+          label="Your name"
+          description="It is kept in this browser, for the next time and for Stop."
+          autoComplete="name"
+          maxLength={MAX_NAME}
+          value={name}
+          onChange={(event) => setName(event.currentTarget.value)}
+          data-autofocus
+        />
+        <Group justify="flex-end">
+          <Button
+            type="submit"
+            disabled={given === ""}
+            title={given === "" ? "Type your name first." : undefined}
+          >
+            Acknowledge
+          </Button>
+        </Group>
+      </Stack>
+    </form>
+  );
+}

@@ -1,0 +1,90 @@
+import { Anchor, Button, Group, Text } from "@mantine/core";
+import { memo } from "react";
+import { Link } from "react-router";
+import { createAlerts } from "../api/alerts";
+import { useFleet, useFleetLive } from "../fleet/context";
+import type { Alert } from "../fleet/types";
+import { robotPath } from "../robot/path";
+import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { Time } from "../ui/Time";
+import { useCommand } from "../ui/useCommand";
+import { AcknowledgeButton } from "./AcknowledgeButton";
+import classes from "./alerts.module.css";
+import { SeverityMark } from "./SeverityMark";
+
+/** One alert: what it is, what to do, and who has seen it. */
+export const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
+  const { id, robot, severity, title, detail, since, goal_id, acknowledged } = alert;
+  const what = `${title}: ${robot}`;
+  return (
+    <li
+      className={classes.alert}
+      data-severity={severity}
+      data-acknowledged={acknowledged !== null || undefined}
+    >
+      <SeverityMark mark={acknowledged === null ? severity : "acknowledged"} />
+      <div className={classes.words}>
+        <Text fw={600}>
+          {title}
+          {": "}
+          <Anchor component={Link} to={robotPath(robot)} inherit>
+            {robot}
+          </Anchor>
+        </Text>
+        <Text size="sm">{detail}</Text>
+        <Text size="sm" c="dimmed">
+          {severity === "critical" ? "Critical" : "Warning"}, since <Time value={since} />
+          {goal_id !== null && (
+            <>
+              {". "}
+              <Anchor component={Link} to={`/ui/goals/${goal_id}`}>
+                See the goal
+              </Anchor>
+            </>
+          )}
+        </Text>
+      </div>
+      {acknowledged === null ? (
+        <AcknowledgeButton id={id} what={what} />
+      ) : (
+        <Acknowledged id={id} what={what} {...acknowledged} />
+      )}
+    </li>
+  );
+});
+
+interface AcknowledgedProps {
+  id: string;
+  what: string;
+  by: string;
+  at: string;
+}
+
+function Acknowledged({ id, what, by, at }: AcknowledgedProps) {
+  const { http, store } = useFleet();
+  const live = useFleetLive();
+  const withdraw = useCommand(async () => store.setAlert(await createAlerts(http).withdraw(id)));
+  return (
+    <>
+      <Group gap="xs" className={classes.answer}>
+        <Text size="sm" role="status">
+          Acknowledged by <strong>{by}</strong> at <Time value={at} />
+        </Text>
+        <Button
+          variant="subtle"
+          size="compact-sm"
+          disabled={!live || withdraw.isPending}
+          aria-label={`Withdraw: ${what}`}
+          onClick={() => withdraw.mutate()}
+        >
+          Withdraw
+        </Button>
+      </Group>
+      {withdraw.error !== null && (
+        <div className={classes.failed}>
+          <CommandErrorAlert command="Withdraw" error={withdraw.error} onClose={withdraw.reset} />
+        </div>
+      )}
+    </>
+  );
+}

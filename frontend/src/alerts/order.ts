@@ -1,0 +1,29 @@
+import type { Alert } from "../fleet/types";
+
+/** What needs eyes first: not acknowledged before acknowledged, critical before warning, new before old. */
+export function urgentFirst(alerts: readonly Alert[]): Alert[] {
+  return [...alerts].sort(
+    (a, b) =>
+      Number(a.acknowledged !== null) - Number(b.acknowledged !== null) ||
+      Number(b.severity === "critical") - Number(a.severity === "critical") ||
+      Date.parse(b.since) - Date.parse(a.since),
+  );
+}
+
+/** The alerts that nobody has acknowledged. */
+export function openAlerts(alerts: readonly Alert[]): Alert[] {
+  return alerts.filter((alert) => alert.acknowledged === null);
+}
+
+/** How much a robot needs somebody: the higher, the more. */
+export type Attention = 0 | 1 | 2 | 3;
+
+/** By robot: that of its most urgent alert. Robots without one are left out. */
+export function attentionOf(alerts: readonly Alert[]): ReadonlyMap<string, Attention> {
+  const attention = new Map<string, Attention>();
+  for (const { robot, severity, acknowledged } of alerts) {
+    const level: Attention = acknowledged !== null ? 1 : severity === "critical" ? 3 : 2;
+    if (level > (attention.get(robot) ?? 0)) attention.set(robot, level);
+  }
+  return attention;
+}

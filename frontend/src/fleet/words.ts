@@ -1,0 +1,78 @@
+import type { Verb } from "../api/client";
+import { outcome } from "../docking/goalWords";
+import { stageLabel } from "../docking/stages";
+import { sentence } from "../ui/sentence";
+import { formatDuration } from "../ui/time";
+import type { GoalSummary, Robot } from "./types";
+
+/** Whether anything of a robot was ever heard: the configured one is listed from the start. */
+export function isThere({ battery, battery_publisher, dock, undock, goals, last_goal }: Robot): boolean {
+  return (
+    battery.state !== null ||
+    battery_publisher.active ||
+    dock?.available === true ||
+    undock?.available === true ||
+    goals.length > 0 ||
+    last_goal !== null
+  );
+}
+
+export function placeWords(docked: boolean | null): string {
+  if (docked === null) return "Not known";
+  return docked ? "Docked" : "Not docked";
+}
+
+/** How a robot can be reached: its docking server, if it has one. */
+export type Link = "connected" | "silent" | "gone" | "battery";
+
+export function linkOf({ dock, undock }: Pick<Robot, "dock" | "undock">): Link {
+  const servers = [dock, undock].filter((server) => server !== null);
+  if (servers.length === 0) return "battery";
+  const available = servers.filter((server) => server.available);
+  if (available.length === 0) return "gone";
+  return available.every((server) => server.answering) ? "connected" : "silent";
+}
+
+export const LINK_WORDS: Record<Link, string> = {
+  connected: "Connected",
+  silent: "Silent",
+  gone: "Not there",
+  battery: "Battery only",
+};
+
+export const LINK_HINTS: Record<Link, string> = {
+  connected: "Its action servers answer.",
+  silent: "An action server is on the graph but does not answer: it may be frozen. Look at its log.",
+  gone: "Nobody offers its docking action: start its docking server.",
+  battery: "It has a battery topic and no docking action.",
+};
+
+/** What a robot's goal is called: Dock, Undock, or the action's own name. */
+export function goalName(robot: Robot, { action_name }: Pick<GoalSummary, "action_name">): string {
+  const verb = verbOf(robot, action_name);
+  return verb === null ? action_name.slice(action_name.lastIndexOf("/") + 1) : sentence(verb);
+}
+
+function verbOf({ dock, undock }: Robot, actionName: string): Verb | null {
+  if (actionName === dock?.action_name) return "dock";
+  return actionName === undock?.action_name ? "undock" : null;
+}
+
+/** `Dock: Controlling`, `Undock: canceling`, `fibonacci: executing` */
+export function runningWords(robot: Robot, goal: GoalSummary): string {
+  const stage = goal.status === "executing" ? stageLabel(goal.stage) : null;
+  return `${goalName(robot, goal)}: ${stage ?? goal.status}`;
+}
+
+/** How a goal ended, in a few words. */
+export function lastWords(robot: Robot, goal: GoalSummary): string {
+  const verb = verbOf(robot, goal.action_name);
+  const told = verb !== null && (goal.error !== null || goal.status === "succeeded");
+  return told ? sentence(outcome(goal, verb)) : `${goalName(robot, goal)} ${goal.status}`;
+}
+
+/** `now`, `12 s ago`, `3 min 05 s ago`; for ages that are looked at once a second. */
+export function ageWords(ms: number): string {
+  if (ms < 2000) return "now";
+  return ms < 10_000 ? `${Math.floor(ms / 1000)} s ago` : `${formatDuration(ms)} ago`;
+}

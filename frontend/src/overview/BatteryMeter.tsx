@@ -1,0 +1,82 @@
+import { VisuallyHidden } from "@mantine/core";
+import { memo } from "react";
+import { CHARGING, FULL, formatPercentage, formatQuantity, statusWords } from "../battery/words";
+import type { Robot } from "../fleet/types";
+import { ageWords } from "../fleet/words";
+import { useAtTime } from "../store/clock";
+import classes from "./overview.module.css";
+
+/** Below this a battery that is not charging is drawn as low. */
+const LOW = 0.2;
+
+/** A robot's battery: how full, whether it charges, and how old that is. */
+export function BatteryMeter({ battery }: { battery: Robot["battery"] }) {
+  const { state, received_at, stale_after_s } = battery;
+  if (state === null || received_at === null) return <span className={classes.quiet}>Not heard</span>;
+  const { percentage, voltage, power_supply_status: status } = state;
+  return (
+    <div className={classes.battery}>
+      <Level
+        text={percentage === null ? formatQuantity(voltage, "V") : formatPercentage(percentage)}
+        filled={percentage === null ? null : Math.round(Math.min(1, Math.max(0, percentage)) * 100)}
+        low={percentage !== null && percentage < LOW}
+        status={status}
+      />
+      <Age receivedAt={Date.parse(received_at)} staleAfterMs={stale_after_s * 1000} />
+    </div>
+  );
+}
+
+interface LevelProps {
+  text: string;
+  /** In percent; null where it is not measured. */
+  filled: number | null;
+  low: boolean;
+  status: number;
+}
+
+/** Changes only where what is shown does: messages come often. */
+const Level = memo(function Level({ text, filled, low, status }: LevelProps) {
+  const charging = status === CHARGING;
+  const level = charging || status === FULL ? "charging" : low ? "low" : "ok";
+  return (
+    <div className={classes.level}>
+      <span className={classes.bar} data-level={level} aria-hidden="true">
+        {filled !== null && <span style={{ inlineSize: `${filled}%` }} />}
+      </span>
+      <span className={classes.percentage}>{text}</span>
+      {charging && <Bolt />}
+      <span className={classes.status}>
+        {status === FULL && "full"}
+        <VisuallyHidden>{status === FULL ? "" : statusWords(status).toLowerCase()}</VisuallyHidden>
+        {low && !charging && "low"}
+      </span>
+    </div>
+  );
+});
+
+function Bolt() {
+  return (
+    <svg
+      className={classes.bolt}
+      width="14"
+      height="16"
+      viewBox="0 0 14 16"
+      aria-hidden="true"
+      fill="currentColor"
+    >
+      <title>Charging</title>
+      <path d="M8.5 0 1 9h4.5L4.5 16 13 6H8.2L8.5 0Z" />
+    </svg>
+  );
+}
+
+function Age({ receivedAt, staleAfterMs }: { receivedAt: number; staleAfterMs: number }) {
+  const words = useAtTime((now) => ageWords(now - receivedAt));
+  const stale = useAtTime((now) => now - receivedAt > staleAfterMs);
+  return (
+    <span className={classes.age} data-stale={stale || undefined}>
+      {stale ? `stale: ${words}` : words}
+    </span>
+  );
+}

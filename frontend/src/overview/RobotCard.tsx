@@ -1,0 +1,65 @@
+import { Badge, Group, Paper, Title } from "@mantine/core";
+import { type ReactNode, useId } from "react";
+import { useFleetLive } from "../fleet/context";
+import type { Robot } from "../fleet/types";
+import { linkOf, placeWords } from "../fleet/words";
+import { BatteryMeter } from "./BatteryMeter";
+import { LastCell, LinkCell, NowCell } from "./cells";
+import classes from "./overview.module.css";
+
+/** The only robot, to be read from the other end of the room. */
+export function RobotCard({ robot }: { robot: Robot }) {
+  const live = useFleetLive();
+  const id = useId();
+  return (
+    <Paper
+      component="section"
+      withBorder
+      radius="md"
+      p={{ base: "md", sm: "lg" }}
+      aria-labelledby={id}
+      data-testid="robot-card"
+    >
+      <Group gap="sm" mb="sm">
+        <Title order={2} size="h3" id={id}>
+          {robot.name === "/" ? "Robot" : robot.name}
+        </Title>
+        {robot.simulated && (
+          <Badge variant="outline" color="gray">
+            simulated
+          </Badge>
+        )}
+      </Group>
+      <dl className={classes.card}>
+        <CardFact name="Place">
+          <span className={classes.place} data-docked={String(robot.docked)}>
+            {placeWords(robot.docked)}
+          </span>
+        </CardFact>
+        <CardFact name="Battery">
+          <BatteryMeter battery={robot.battery} />
+        </CardFact>
+        <CardFact name="Now">
+          <div className={classes.now}>
+            <NowCell robot={robot} live={live} />
+          </div>
+        </CardFact>
+        <CardFact name="Last outcome">
+          <LastCell robot={robot} />
+        </CardFact>
+        <CardFact name="Connection">
+          <LinkCell link={linkOf(robot)} live={live} />
+        </CardFact>
+      </dl>
+    </Paper>
+  );
+}
+
+function CardFact({ name, children }: { name: string; children: ReactNode }) {
+  return (
+    <div>
+      <dt className={classes.quiet}>{name}</dt>
+      <dd>{children}</dd>
+    </div>
+  );
+}

@@ -1,0 +1,120 @@
+import type { Attention } from "../alerts/order";
+import type { Robot } from "../fleet/types";
+import { linkOf } from "../fleet/words";
+import { byName } from "../stop/held";
+
+/** What the list can be narrowed to. */
+export const SHOWS = ["all", "alerts", "running", "docked", "undocked", "stopped", "unreachable"] as const;
+export type Show = (typeof SHOWS)[number];
+
+export const SHOW_WORDS: Record<Show, string> = {
+  all: "All",
+  alerts: "With alerts",
+  running: "Running a goal",
+  docked: "Docked",
+  undocked: "Not docked",
+  stopped: "Stopped",
+  unreachable: "Unreachable",
+};
+
+/** A column that the list can be sorted by. `attention`, those with alerts first, is how it begins. */
+export const SORTS = ["attention", "name", "place", "battery", "goal", "last", "link"] as const;
+export type Sort = (typeof SORTS)[number];
+
+/** How the list is looked at; kept in the page's address. */
+export interface View {
+  show: Show;
+  /** A part of the name. */
+  text: string;
+  sort: Sort;
+  descending: boolean;
+}
+
+export function readView(query: URLSearchParams): View {
+  return {
+    show: oneOf(SHOWS, query.get("show"), "all"),
+    text: query.get("q") ?? "",
+    sort: oneOf(SORTS, query.get("sort"), "attention"),
+    descending: query.get("order") === "desc",
+  };
+}
+
+/** The address's query for a view: what is as it begins is left out. */
+export function writeView({ show, text, sort, descending }: View): URLSearchParams {
+  const query = new URLSearchParams();
+  if (text !== "") query.set("q", text);
+  if (show !== "all") query.set("show", show);
+  if (sort !== "attention") query.set("sort", sort);
+  if (sort !== "attention" && descending) query.set("order", "desc");
+  return query;
+}
+
+function oneOf<Value extends string>(values: readonly Value[], text: string | null, otherwise: Value): Value {
+  return values.find((value) => value === text) ?? otherwise;
+}
+
+/** By robot; those without an alert are not in it. */
+export type Attentions = ReadonlyMap<string, Attention>;
+
+export function matches(robot: Robot, show: Show, attentions: Attentions): boolean {
+  switch (show) {
+    case "all":
+      return true;
+    case "alerts":
+      return attentions.has(robot.name);
+    case "running":
+      return robot.goals.length > 0;
+    case "docked":
+      return robot.docked === true;
+    case "undocked":
+      return robot.docked === false;
+    case "stopped":
+      return robot.stop.latched;
+    case "unreachable":
+      return linkOf(robot) === "gone" || linkOf(robot) === "silent";
+  }
+}
+
+/** The robots of a view, in its order; where two are alike, by name. */
+export function listed(robots: readonly Robot[], view: View, attentions: Attentions): Robot[] {
+  const text = view.text.trim().toLowerCase();
+  const sign = view.descending ? -1 : 1;
+  const compare = COMPARE[view.sort];
+  return robots
+    .filter((robot) => robot.name.toLowerCase().includes(text) && matches(robot, view.show, attentions))
+    .sort((a, b) => sign * compare(a, b, attentions) || byName(a.name, b.name));
+}
+
+/** Ascending. */
+const COMPARE: Record<Sort, (a: Robot, b: Robot, attentions: Attentions) => number> = {
+  attention: (a, b, attentions) => (attentions.get(b.name) ?? 0) - (attentions.get(a.name) ?? 0),
+  name: (a, b) => byName(a.name, b.name),
+  place: (a, b) => placeRank(a) - placeRank(b),
+  battery: (a, b) => chargeOf(a) - chargeOf(b),
+  goal: (a, b) => goalRank(a) - goalRank(b),
+  last: (a, b) => endOf(a) - endOf(b),
+  link: (a, b) => LINK_RANK[linkOf(a)] - LINK_RANK[linkOf(b)],
+};
+
+function placeRank({ docked }: Robot): number {
+  return docked === null ? 2 : docked ? 0 : 1;
+}
+
+/** Whole percents, so that robots do not change places all the time; unmeasured ones come last. */
+function chargeOf({ battery: { state } }: Robot): number {
+  return state === null || state.percentage === null ? 1000 : Math.round(state.percentage * 100);
+}
+
+function goalRank({ goals: [goal], stop }: Robot): number {
+  if (stop.latched) return 0;
+  return goal === undefined ? 2 : 1;
+}
+
+/** The last that ended first. */
+function endOf({ last_goal }: Robot): number {
+  return last_goal === null
+    ? Number.MAX_SAFE_INTEGER
+    : -Date.parse(last_goal.finished_at ?? last_goal.updated_at);
+}
+
+const LINK_RANK = { gone: 0, silent: 1, battery: 2, connected: 3 } as const;

@@ -1,0 +1,233 @@
+import { act, screen, waitFor, within } from "@testing-library/react";
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import type { Robot } from "../src/fleet/types";
+import { listed, readView, writeView } from "../src/overview/list";
+import { alert, at, battery, goal, latched, robot } from "./events";
+import { fakeGateway, renderPage } from "./page";
+
+beforeEach(() => localStorage.clear());
+
+const one = robot("/robot1", {
+  docked: true,
+  last_goal: goal("l", { status: "succeeded", action_name: "/robot1/dock" }),
+});
+const two = robot("/robot2", {
+  goals: [goal("g", { action_name: "/robot2/dock", stage: "CONTROLLING" })],
+  battery: { ...one.battery, state: { ...battery, percentage: 0.81, power_supply_status: 1 } },
+});
+const ten = robot("/robot10", {
+  stop: latched("Ada"),
+  dock: { action_name: "/robot10/dock", available: true, answering: false },
+  battery: { state: { ...battery, percentage: null }, received_at: at(0), stale: true, stale_after_s: 2 },
+});
+const empty = robot("/", {
+  dock: { action_name: "/dock", available: false, answering: false },
+  undock: null,
+  battery: { state: null, received_at: null, stale: false, stale_after_s: 2 },
+});
+const robots = [empty, one, two, ten];
+
+const rows = () =>
+  within(screen.getByRole("table"))
+    .getAllByRole("rowheader")
+    .map((row) => row.textContent);
+const order = (...names: string[]) => names.map((name) => expect.stringMatching(`^${name}\\D`));
+const row = (name: string) => screen.getByTestId(`robot ${name}`);
+
+describe("the overview of several robots", () => {
+  it("has a row for each, but not for the configured one where that is not there", () => {
+    renderPage(fakeGateway(), { robots });
+    expect(rows().map((text) => text?.match(/^\/robot\d+/)?.[0])).toEqual(["/robot1", "/robot2", "/robot10"]);
+    expect(row("/robot1").textContent).toMatch(
+      /Docked.*24 %.*not charging.*now.*Idle.*On the dock.*Connected/,
+    );
+    expect(row("/robot2").textContent).toMatch(/Not docked.*81 %.*charging.*Dock: Controlling.*None yet/);
+    expect(row("/robot10").textContent).toMatch(/2.16 V.*stale: .* ago.*Stopped by Ada.*Silent/);
+  });
+
+  it("puts those with alerts first, and says so in words", () => {
+    const alerts = [
+      alert("a", { robot: "/robot10" }),
+      alert("b", { robot: "/robot2", severity: "critical" }),
+    ];
+    renderPage(fakeGateway(), { robots, alerts });
+    expect(rows()[0]).toMatch(/^Critical alert: \/robot2/);
+    expect(rows()[1]).toMatch(/^Warning: \/robot10/);
+  });
+
+  it("sorts by a column, the other way round, and no more", async () => {
+    const { user } = renderPage(fakeGateway(), { robots });
+    const header = () => screen.getByRole("columnheader", { name: "Battery" });
+    const press = () => user.click(screen.getByRole("button", { name: "Battery" }));
+    await press();
+    expect(header().getAttribute("aria-sort")).toBe("ascending");
+    expect(rows()).toEqual(order("/robot1", "/robot2", "/robot10"));
+    await press();
+    expect(header().getAttribute("aria-sort")).toBe("descending");
+    expect(rows()).toEqual(order("/robot10", "/robot2", "/robot1"));
+    await press();
+    expect(header().getAttribute("aria-sort")).toBe("none");
+  });
+
+  it("is narrowed by what robots are like, and by name; shows all again", async () => {
+    const { user } = renderPage(fakeGateway(), { robots });
+    await user.click(screen.getByRole("button", { name: "1 Stopped" }));
+    expect(rows()).toEqual([expect.stringMatching("/robot10")]);
+    await user.keyboard("/2");
+    expect(screen.getByText("No robot is like that now.")).toBeDefined();
+    await user.click(screen.getByRole("button", { name: "Show all 3" }));
+    expect(rows()).toHaveLength(3);
+  });
+
+  it("leads to each robot's page", async () => {
+    const { user } = renderPage(fakeGateway(), { robots });
+    await user.click(screen.getByRole("link", { name: "/robot2" }));
+    expect(await screen.findByRole("heading", { level: 1, name: "/robot2" })).toBeDefined();
+  });
+
+  it("renders those anew that changed, and no others", async () => {
+    let reads = 0;
+    const watched = {
+      ...one,
+      get simulated() {
+        reads += 1;
+        return false;
+      },
+    };
+    const many = Array.from({ length: 100 }, (_, index) => robot(`/other${index}`));
+    const { store } = renderPage(fakeGateway(), { robots: [watched, ...many] });
+    const before = reads;
+    expect(before).toBeGreaterThan(0);
+    for (const percentage of [0.5, 0.6]) {
+      const changed = many.map((each) => ({
+        ...each,
+        battery: { ...each.battery, state: { ...battery, percentage } },
+      }));
+      act(() => store.onEvent({ type: "robots", time: new Date().toISOString(), robots: changed, gone: [] }));
+      await waitFor(() => expect(row("/other99").textContent).toMatch(`${percentage * 100} %`));
+    }
+    expect(reads).toBe(before);
+  });
+});
+
+describe("the overview of one robot", () => {
+  it("is a big card on top of all that there is of it", () => {
+    renderPage(fakeGateway(), { robots: [robot("/", { goals: two.goals })] });
+    expect(screen.getByTestId("robot-card").textContent).toMatch(
+      /^RobotPlaceNot docked.*24 %.*dock: Controlling/,
+    );
+    expect(screen.getByRole("button", { name: "Dock" })).toBeDefined();
+    expect(screen.queryByRole("table", { name: /robots/ })).toBeNull();
+  });
+
+  it("becomes that of all when there are more, but not under somebody's hands", async () => {
+    const tell = (each: Robot) => ({ type: "robots" as const, time: at(1), robots: [each], gone: [] });
+    const first = renderPage(fakeGateway(), { robots: [empty, one] });
+    act(() => first.store.onEvent(tell(two)));
+    expect(await screen.findByTestId("robot /robot2")).toBeDefined();
+    document.body.replaceChildren();
+    const { store, user } = renderPage(fakeGateway(), { robots: [empty, two] });
+    await user.click(screen.getByText("Battery", { selector: "h2" }));
+    act(() => store.onEvent(tell(one)));
+    await user.click(await screen.findByRole("button", { name: "Show all" }));
+    expect(rows()).toHaveLength(2);
+  });
+
+  it("teaches what to do where there is none", () => {
+    renderPage(fakeGateway(), { robots: [empty] });
+    expect(screen.getByRole("heading", { name: "No robot yet" })).toBeDefined();
+    expect(screen.getByText("connect_to_charging_dock_server")).toBeDefined();
+  });
+
+  it("is not known before the gateway has told", () => {
+    renderPage(fakeGateway(), null);
+    expect(screen.getByLabelText("The robots are not known yet")).toBeDefined();
+  });
+});
+
+describe("alerts", () => {
+  const low = alert("low", { since: at(1) });
+  const lost = alert("lost", {
+    kind: "goal_lost",
+    severity: "critical",
+    title: "Goal lost",
+    detail: "Look at the robot.",
+    goal_id: "g1",
+  });
+  const seen = { by: "Grace", at: at(5) };
+
+  function answers(body: unknown, status = 200) {
+    const fetched = vi.fn(async (_request: Request) => Response.json(body, { status }));
+    vi.stubGlobal("fetch", fetched);
+    return fetched;
+  }
+  const items = () => within(screen.getByRole("region", { name: "Alerts" })).getAllByRole("listitem");
+
+  it("come first, the most urgent on top, and are counted on every page and in its title", () => {
+    renderPage(fakeGateway(), { robots, alerts: [low, lost, alert("old", { acknowledged: seen })] });
+    expect(items().map((item) => item.textContent)).toEqual([
+      expect.stringMatching(/^Goal lost: \/robot1Look at the robot.Critical, since .* See the goal/),
+      expect.stringMatching(/^Low battery: \/robot1/),
+    ]);
+    expect(screen.getByTestId("alert-count").textContent).toBe("2 alerts, critical");
+    expect(document.title).toBe("(2) Overview · dock-gateway");
+  });
+
+  it("are counted elsewhere, too", () => {
+    renderPage(fakeGateway(), { robots, alerts: [low] }, "/ui/robot");
+    expect(screen.getByTestId("alert-count").textContent).toBe("1 alert");
+    expect(document.title).toMatch(/^\(1\) Robot/);
+  });
+
+  it("are acknowledged with a name, which is asked for once", async () => {
+    const fetched = answers({ ...low, acknowledged: { by: "Ada", at: at(9) } });
+    const { user } = renderPage(fakeGateway(), { robots, alerts: [low, lost] });
+    await user.click(screen.getByRole("button", { name: "Acknowledge: Low battery: /robot1" }));
+    const dialog = await screen.findByRole("dialog", { name: "Who acknowledges?" });
+    await user.type(within(dialog).getByLabelText("Your name"), "Ada{Enter}");
+    await waitFor(() => expect(items()).toHaveLength(1));
+    const [request] = fetched.mock.calls[0] ?? [];
+    expect([request?.method, request?.url]).toEqual([
+      "PUT",
+      "http://gateway:8000/alerts/low/acknowledgement",
+    ]);
+    expect(await request?.json()).toEqual({ by: "Ada" });
+    await user.click(screen.getByRole("button", { name: "Show 1 more" }));
+    expect(items()[1]?.textContent).toMatch(/Acknowledged by Ada at/);
+    await user.click(screen.getByRole("button", { name: "Acknowledge: Goal lost: /robot1" }));
+    await waitFor(() => expect(fetched).toHaveBeenCalledTimes(2));
+  });
+
+  it("are withdrawn, and say what did not work", async () => {
+    const fetched = answers({ code: "alert_not_found", title: "Not found", detail: "it has ended" }, 404);
+    const { user } = renderPage(fakeGateway(), { robots, alerts: [{ ...low, acknowledged: seen }] });
+    await user.click(screen.getByRole("button", { name: "Show 1 more" }));
+    await user.click(screen.getByRole("button", { name: "Withdraw: Low battery: /robot1" }));
+    expect(await screen.findByText("It has ended")).toBeDefined();
+    expect(fetched.mock.calls[0]?.[0].method).toBe("DELETE");
+  });
+});
+
+describe("the list's view", () => {
+  it("is what the address says, and the other way round", () => {
+    const query = new URLSearchParams("q=robot&show=docked&sort=battery&order=desc");
+    const view = readView(query);
+    expect(view).toEqual({ text: "robot", show: "docked", sort: "battery", descending: true });
+    expect(writeView(view).toString()).toBe(query.toString());
+    expect(writeView(readView(new URLSearchParams("show=what&sort=ever&order=desc"))).toString()).toBe("");
+  });
+
+  it("sorts by each column", () => {
+    const orders = ["name", "place", "goal", "last", "link"].map((sort) => {
+      const view = readView(new URLSearchParams({ sort }));
+      return listed([ten, two, one], view, new Map()).map(({ name }) => name.slice(6));
+    });
+    expect(orders).toEqual([
+      ["1", "2", "10"],
+      ["1", "2", "10"],
+      ["10", "2", "1"],
+      ["1", "2", "10"],
+      ["10", "1", "2"],
+    ]);
+  });
+});
