@@ -11,6 +11,7 @@ from starlette.middleware.cors import CORSMiddleware
 from dock_gateway import __version__
 from dock_gateway.api import (
     actions,
+    alerts,
     all_goals,
     battery,
     battery_history,
@@ -77,6 +78,7 @@ def create_app(settings: Settings) -> FastAPI:
         battery,
         battery_history,
         robots,
+        alerts,
         simulator,
         health,
         socket,

@@ -4,7 +4,7 @@ import asyncio
 import logging
 import time
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from enum import IntEnum
 from typing import Any
 
@@ -76,6 +76,14 @@ class Battery:
         self._heard_at = time.monotonic()
         self._received_at = utc_now()
         self._hub.publish(message_event("battery", state, stamp_ns, robot=self._robot))
+
+    @property
+    def stale_since(self) -> datetime | None:
+        """When the state became stale; None where it is not, or where there never was one."""
+        age, received_at = self.age, self._received_at
+        if age is None or received_at is None or age <= self._stale_after:
+            return None
+        return received_at + timedelta(seconds=self._stale_after)
 
     @property
     def age(self) -> float | None:

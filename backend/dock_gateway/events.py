@@ -162,7 +162,7 @@ def system_event(
 
 
 def fleet_event(kind: str, now: datetime, **payload: Any) -> Event:
-    """A change of the fleet: `robots`, those of them that changed."""
+    """A change of the fleet: `robots`, those of them that changed; `alerts`, all of them."""
     return Event(encode({"type": kind, "time": now, **payload}), "robots")
 
 

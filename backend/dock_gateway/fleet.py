@@ -8,6 +8,7 @@ from typing import Any
 import orjson
 
 from dock_gateway.actions import ActionRegistry
+from dock_gateway.alarm import TOPIC, Alarm
 from dock_gateway.events import fleet_event, utc_now
 from dock_gateway.goals import Goal, encode
 from dock_gateway.hub import Hub
@@ -20,7 +21,6 @@ from dock_gateway.simulators import Simulators
 
 log = logging.getLogger(__name__)
 
-TOPIC = "robots"
 # Changes are looked for so often, in seconds.
 INTERVAL = 0.5
 
@@ -36,6 +36,7 @@ class Fleet:
         interlock: Which robots are held by a stop.
         simulators: The simulators.
         outcomes: How docking and undocking goals ended.
+        alarm: What looks whether something is wrong with them.
     """
 
     def __init__(
@@ -48,6 +49,7 @@ class Fleet:
         interlock: Interlock,
         simulators: Simulators,
         outcomes: Outcomes,
+        alarm: Alarm,
     ) -> None:
         self._settings = settings
         self._hub = hub
@@ -56,6 +58,7 @@ class Fleet:
         self._interlock = interlock
         self._simulators = simulators
         self._outcomes = outcomes
+        self._alarm = alarm
         self._told: dict[str, bytes] = {}
         self._task = asyncio.create_task(self._run())
 
@@ -64,8 +67,10 @@ class Fleet:
     def states(self) -> list[RobotState]:
         """Every robot as it is now, by name."""
         running, lost = self._by_robot(self._actions.running()), self._by_robot(self._actions.lost())
-        robots = self._robots.all()
-        return [self._state(robot, running[robot.namespace], lost[robot.namespace]) for robot in robots]
+        return [
+            self._state(robot, running.get(robot.namespace, []), lost.get(robot.namespace, []))
+            for robot in self._robots.all()
+        ]
 
     def _by_robot(self, goals: list[Goal]) -> dict[str, list[Goal]]:
         found: dict[str, list[Goal]] = defaultdict(list)
@@ -94,6 +99,7 @@ class Fleet:
             dock=None if dock is None else dock.watch.state,
             undock=None if undock is None else undock.watch.state,
             goals=running,
+            lost=lost,
             last_goal=latest([self._outcomes.last(dock_name, undock_name), *ended]),
             left_docked=None if succeeded is None else succeeded.action_name == dock_name,
         )
@@ -119,11 +125,15 @@ class Fleet:
                 log.exception("while looking at the robots")
 
     def look(self) -> None:
-        """Tell of the robots that have changed since this was done last, where somebody wants to hear of them."""
+        """See what is wrong; and tell of the robots that have changed, where somebody wants to hear of them."""
+        states = self.states()
+        self._alarm.look(
+            states, [goal for goal in self._actions.lost() if self._robots.owner(goal.action_name) is None]
+        )
         if not self._hub.wished(TOPIC):
             self._told = {}
             return
-        now = {state.name: encode(state.document()) for state in self.states()}
+        now = {state.name: encode(state.document()) for state in states}
         changed = [orjson.Fragment(document) for name, document in now.items() if self._told.get(name) != document]
         gone = sorted(self._told.keys() - now.keys())
         self._told = now

@@ -6,7 +6,9 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 
+from dock_gateway.acknowledgements import Acknowledgements
 from dock_gateway.actions import Action, ActionRegistry
+from dock_gateway.alarm import Alarm
 from dock_gateway.canceler import require_unfinished
 from dock_gateway.echoes import Echoes
 from dock_gateway.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
@@ -53,6 +55,7 @@ class Gateway:
     stopper: Stopper
     simulators: Simulators
     fleet: Fleet
+    alarm: Alarm
     lookout: Lookout
     echoes: Echoes
     dock: Action
@@ -188,6 +191,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             actions.expect(await history.unfinished())
         dock = await actions.open(settings.resolve(settings.dock_action), settings.dock_action_type, pinned=True)
         undock = await actions.open(settings.resolve(settings.undock_action), settings.undock_action_type, pinned=True)
+        alarm = Alarm(hub, Acknowledgements(history.acknowledgements), low_battery=settings.low_battery)
         fleet = Fleet(
             settings,
             hub,
@@ -196,6 +200,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             interlock=interlock,
             simulators=simulators,
             outcomes=outcomes,
+            alarm=alarm,
         )
         watching = asyncio.create_task(_watch_graph(bridge, actions, robots, None if knows_all else history))
         try:
@@ -209,6 +214,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
                 stopper,
                 simulators,
                 fleet,
+                alarm,
                 lookout,
                 echoes,
                 dock,
@@ -220,6 +226,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             with suppress(asyncio.CancelledError):
                 await watching
             await fleet.close()
+            await alarm.close()
             await outcomes.close()
             await stopper.close()
             await echoes.close()

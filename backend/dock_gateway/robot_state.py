@@ -25,6 +25,7 @@ class RobotState:
         dock: The server of its docking action; None where it has none.
         undock: The same of its undocking action.
         goals: The goals that run on its actions, newest first.
+        lost: Those that are lost, newest first.
         last_goal: The last docking or undocking goal that ended.
         left_docked: Where the last of them that succeeded left it; None where none did.
     """
@@ -39,6 +40,7 @@ class RobotState:
     dock: ServerState | None
     undock: ServerState | None
     goals: list[Goal]
+    lost: list[Goal]
     last_goal: Goal | None
     left_docked: bool | None
 
@@ -52,6 +54,16 @@ class RobotState:
         if said is not None:
             return bool(said)
         return True if self.battery.reading.power_supply in CHARGES else self.left_docked
+
+    @property
+    def on_dock(self) -> bool:
+        """Whether it is docked, or touches its dock at least, as a simulator can tell."""
+        return bool(self.docked or (self.simulator and self.simulator["contact"]))
+
+    def docking(self, *servers: ServerState | None) -> bool:
+        """Whether a goal runs on one of these actions, `dock` or `undock`."""
+        names = {server.action_name for server in servers if server is not None}
+        return any(goal.action_name in names for goal in self.goals)
 
     def document(self) -> dict[str, Any]:
         """As `GET /robots` shows it, ready for `orjson`. There are no ages in it, which change by themselves."""

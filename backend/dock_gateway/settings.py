@@ -81,6 +81,13 @@ class Settings(BaseSettings):
     battery_stale_after: Seconds = Field(
         2.0, description="Seconds without a message after which the battery state is stale."
     )
+    low_battery: float = Field(
+        0.2,
+        ge=0,
+        lt=1,
+        description="Share of the charge (0 to 1) below which the battery of a robot that is not being charged is an "
+        "alert; 0: never.",
+    )
 
     database_url: str = Field(
         "",

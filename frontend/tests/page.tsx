@@ -12,7 +12,6 @@ import type { EventOf, GatewayEvent } from "../src/api/types";
 import { BatterySeries } from "../src/battery/series";
 import { FleetProvider, type FleetServices } from "../src/fleet/context";
 import { FleetStore } from "../src/fleet/store";
-import type { FleetSnapshot } from "../src/fleet/types";
 import { App } from "../src/layout/App";
 import { theme } from "../src/layout/theme";
 import { SceneBuffer } from "../src/scene/buffer";
@@ -61,7 +60,7 @@ class BothStores {
 /** The page at a path, live with a snapshot that was just taken, or not live where `first` is null. */
 export function renderPage(
   gateway: Gateway,
-  first: Partial<EventOf<"snapshot"> & FleetSnapshot> | null = {},
+  first: Partial<EventOf<"snapshot">> | null = {},
   path = "/",
   gatewayOf: FleetServices["gatewayOf"] = () => gateway,
 ) {

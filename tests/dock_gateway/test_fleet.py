@@ -34,6 +34,7 @@ class Parts:
         self.goals: list[Goal] = []
         self.outcome: list[Goal | None] = [None, None]
         self.simulator: dict[str, Any] | None = None
+        self.looked: list[Any] = []
 
     def robot(self, name: str) -> Any:
         publisher = SimpleNamespace(document=lambda: {"active": False, "rate_hz": None, "published_count": 9})
@@ -72,6 +73,10 @@ class Parts:
     def succeeded(self, *_: str) -> Goal | None:
         return self.outcome[1]
 
+    # what looks after them
+    def look(self, states: list[Any], strays: list[Goal]) -> None:
+        self.looked.append(([state.name for state in states], [goal.goal_id for goal in strays]))
+
     def fleet(self) -> Fleet:
         parts: Any = self
         return Fleet(
@@ -82,6 +87,7 @@ class Parts:
             interlock=parts,
             simulators=parts,
             outcomes=parts,
+            alarm=parts,
         )
 
 
@@ -168,6 +174,16 @@ async def test_a_lost_docking_goal_is_the_last_one_until_it_returns() -> None:
     assert document(fleet)["last_goal"]["goal_id"] == "lost"
     parts.goals[0].advance(GoalStatus.EXECUTING, utc_now())
     assert document(fleet)["last_goal"]["goal_id"] == "old"
+    await fleet.close()
+
+
+async def test_the_alarm_sees_all_robots_and_the_goals_of_none() -> None:
+    parts = Parts("/robot1", "/robot2")
+    fleet = parts.fleet()
+    parts.goals = [goal("/fibonacci", "stray", GoalStatus.LOST), goal("/robot1/fibonacci", "own", GoalStatus.LOST)]
+    fleet.look()
+    assert parts.looked == [(["/robot1", "/robot2"], ["stray"])]
+    assert [[goal.goal_id for goal in state.lost] for state in fleet.states()] == [["own"], []]
     await fleet.close()
 
 

@@ -73,6 +73,9 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("get", "/actions/{name}/goals/{goal_id}/events"),
         ("get", "/dock/{goal_id}/events"),
         ("get", "/robots"),
+        ("get", "/alerts"),
+        ("put", "/alerts/{alert_id}/acknowledgement"),
+        ("delete", "/alerts/{alert_id}/acknowledgement"),
         ("get", "/interfaces"),
         ("get", "/interfaces/{package}/action/{name}"),
         ("get", "/graph"),
@@ -106,7 +109,7 @@ def test_the_battery_comes_from_the_ros_definition(document: dict[str, Any]) -> 
         assert voltage["x-unit"] == "V"
 
 
-@pytest.mark.parametrize(("union", "count"), [("Event", 17), ("EchoEvent", 6)])
+@pytest.mark.parametrize(("union", "count"), [("Event", 18), ("EchoEvent", 6)])
 def test_events_are_told_apart_by_their_type(document: dict[str, Any], union: str, count: int) -> None:
     schemas = document["components"]["schemas"]
     kinds = [

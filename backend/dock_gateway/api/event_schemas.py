@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from dock_gateway.api.schemas import (
     ActionServer,
+    Alert,
     Battery,
     BatteryState,
     DockFeedback,
@@ -71,7 +72,7 @@ class Scene(Schema):
 
 
 class SnapshotEvent(Schema):
-    """The first message of a stream; `robots` is there where `include=robots` asks for it."""
+    """The first message of a stream; `robots` and `alerts` are there where `include=robots` asks for them."""
 
     model_config = ConfigDict(json_schema_serialization_defaults_required=False)
 
@@ -84,6 +85,7 @@ class SnapshotEvent(Schema):
     action_server: ActionServer
     undock_server: ActionServer
     robots: list[Robot] = Field(default_factory=list)
+    alerts: list[Alert] = Field(default_factory=list)
 
 
 class StatusEvent(GoalSummary):
@@ -182,6 +184,14 @@ class RobotsEvent(Schema):
     gone: list[str]
 
 
+class AlertsEvent(Schema):
+    """The alerts changed: all of them, as they are now."""
+
+    type: Literal["alerts"]
+    time: datetime
+    alerts: list[Alert]
+
+
 class SceneEvent(Schema):
     """Where a robot and its dock are, up to 20 times a second."""
 
@@ -243,6 +253,7 @@ EVENTS: tuple[type[BaseModel], ...] = (
     StopEvent,
     SimulatorEvent,
     RobotsEvent,
+    AlertsEvent,
     SceneEvent,
     HeartbeatEvent,
     DroppedEvent,

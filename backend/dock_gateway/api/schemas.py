@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict
 
+from dock_gateway.alerts import AlertKind
 from dock_gateway.goals import GoalStatus
 
 
@@ -201,6 +202,36 @@ class RobotList(Schema):
     """The robots, by name."""
 
     robots: list[Robot]
+
+
+class Acknowledgement(Schema):
+    """Who has seen an alert, and when."""
+
+    by: str
+    at: datetime
+
+
+class Alert(Schema):
+    """Something that an operator has to know of.
+
+    `robot` is the robot, or the namespace of an action that belongs to none. `detail` says what to do.
+    """
+
+    id: str
+    kind: AlertKind
+    robot: str
+    severity: Literal["critical", "warning"]
+    since: datetime
+    title: str
+    detail: str
+    goal_id: str | None
+    acknowledged: Acknowledgement | None
+
+
+class AlertList(Schema):
+    """The alerts, critical ones first, then the oldest first."""
+
+    alerts: list[Alert]
 
 
 class ActionInfo(ActionServer):

@@ -6,11 +6,13 @@ from dock_gateway.interest import Interest
 
 
 async def snapshot(gateway: Gateway, interest: Interest) -> Event:
-    """Running and recent goals; the robot's battery, stop and servers; all robots if asked for."""
+    """Running and recent goals; the robot's battery, stop and servers; all robots and alerts if asked for."""
     goals = await gateway.recent_goals(interest)
     robot = gateway.robots.get(interest.robot)
     dock, undock = gateway.servers_of(interest.robot)
-    fleet = {"robots": gateway.fleet.documents()} if "robots" in interest.topics else {}
+    fleet = {}
+    if "robots" in interest.topics:
+        fleet = {"robots": gateway.fleet.documents(), "alerts": gateway.alarm.documents()}
     return notice(
         "snapshot",
         utc_now(),
@@ -40,4 +42,5 @@ def present(gateway: Gateway, interest: Interest) -> list[Event]:
     wanted = [event for event in events if interest.covers(event)]
     if "robots" in interest.topics:
         wanted.append(fleet_event("robots", now, robots=gateway.fleet.documents(), gone=[]))
+        wanted.append(fleet_event("alerts", now, alerts=gateway.alarm.documents()))
     return wanted

@@ -8,11 +8,20 @@ from contextlib import asynccontextmanager
 import platformdirs
 
 from dock_gateway.history.memory import MemoryHistory
-from dock_gateway.history.protocol import History, HistoryStats, fingerprint_of
+from dock_gateway.history.protocol import Acknowledgement, AcknowledgementStore, History, HistoryStats, fingerprint_of
 from dock_gateway.history.wanted import Wanted
 from dock_gateway.settings import Settings
 
-__all__ = ["History", "HistoryStats", "MemoryHistory", "Wanted", "fingerprint_of", "open_history"]
+__all__ = [
+    "Acknowledgement",
+    "AcknowledgementStore",
+    "History",
+    "HistoryStats",
+    "MemoryHistory",
+    "Wanted",
+    "fingerprint_of",
+    "open_history",
+]
 
 
 @asynccontextmanager

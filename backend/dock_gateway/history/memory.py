@@ -10,9 +10,27 @@ from dock_gateway.events import FEEDBACK, Event, kind_of
 from dock_gateway.goals import Goal
 from dock_gateway.history.buckets import BatterySpan, Bucket, add_events
 from dock_gateway.history.merge import merge
-from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, fingerprint_of, selects
+from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, Acknowledgement, HistoryStats, fingerprint_of, selects
 from dock_gateway.history.wanted import Wanted
 from dock_gateway.history.whole import is_whole
+
+
+class MemoryAcknowledgements:
+    """Acknowledgements of this process."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, Acknowledgement] = {}
+
+    async def read(self) -> dict[str, Acknowledgement]:
+        """All of them, by the id of the alert."""
+        return dict(self._known)
+
+    async def write(self, alert_id: str, acknowledgement: Acknowledgement | None) -> None:
+        """Keep one in place of what there was, or none."""
+        if acknowledgement is None:
+            self._known.pop(alert_id, None)
+        else:
+            self._known[alert_id] = acknowledgement
 
 
 class MemoryHistory:
@@ -23,6 +41,7 @@ class MemoryHistory:
     """
 
     def __init__(self, limit: int, event_limit: int = 10_000) -> None:
+        self.acknowledgements = MemoryAcknowledgements()
         self._limit = limit
         self._event_limit = event_limit
         self._goals: dict[str, Goal] = {}

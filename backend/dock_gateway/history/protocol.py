@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Collection
 from dataclasses import dataclass
-from datetime import timedelta
+from datetime import datetime, timedelta
 from typing import Protocol
 
 from dock_gateway.events import Event
@@ -35,12 +35,42 @@ class HistoryStats:
     last_error: str | None = None
 
 
+@dataclass(frozen=True)
+class Acknowledgement:
+    """Who has acknowledged an alert, and when."""
+
+    by: str
+    at: datetime
+
+
+class AcknowledgementStore(Protocol):
+    """Keeps who has acknowledged which alert."""
+
+    async def read(self) -> dict[str, Acknowledgement]:
+        """All of them, by the id of the alert.
+
+        Raises:
+            Unavailable: The database does not answer (`history_unavailable`).
+        """
+
+    async def write(self, alert_id: str, acknowledgement: Acknowledgement | None) -> None:
+        """Keep one in place of what there was, or none.
+
+        Raises:
+            Unavailable: The database does not answer (`history_unavailable`).
+        """
+
+
 class History(Protocol):
     """Keeps goals, their events and the idempotency keys they were sent with. Goals are handed out as copies.
 
     What reads from the database raises `Unavailable` (`history_unavailable`) when that does not answer in time and what
     is asked for is not in memory either; nothing is ever said to be missing merely because it cannot be looked up.
     """
+
+    @property
+    def acknowledgements(self) -> AcknowledgementStore:
+        """Who has acknowledged which alert."""
 
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
         """Keep a new goal; it is safe once this returns: committed, or on this machine's disk.

@@ -14,6 +14,7 @@ from dock_gateway.errors import Unavailable
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal
 from dock_gateway.history import store
+from dock_gateway.history.acknowledgement_store import SqlAcknowledgements
 from dock_gateway.history.buckets import BatterySpan, Bucket
 from dock_gateway.history.database import Database
 from dock_gateway.history.merge import merge
@@ -53,6 +54,7 @@ class SqlHistory:
         self._writer = Writer(self._database, self._spool, self._waiting)
         self._keys: dict[str, Key] = {}
         self._reader = Reader(self._database, self._writer)
+        self.acknowledgements = SqlAcknowledgements(self._database, self._reader, self._writer)
         self._past = Past(self._reader, self._waiting)
         self.retention = Retention(self._database, max_age, max_bytes)
         self._tasks: list[asyncio.Task[None]] = []

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 _FINAL = [status.value for status in GoalStatus if status.final]
 
 
-def _insert(connection: sa.Connection, table: sa.Table) -> "postgresql.Insert | sqlite.Insert":
+def insert_into(connection: sa.Connection, table: sa.Table) -> "postgresql.Insert | sqlite.Insert":
+    """An insert that can say what to do where there is such a row already."""
     # Only the dialect in use is loaded; the other one would cost a tenth of the start.
     dialect = importlib.import_module(f"sqlalchemy.dialects.{connection.dialect.name}")
     insert: postgresql.Insert | sqlite.Insert = dialect.insert(table)
@@ -41,13 +42,13 @@ def write(connection: sa.Connection, batch: Batch) -> None:
         _write_goals(connection, {goal.goal_id: goal for goal in batch.goals})
     if batch.events:
         rows = sorted(map(event_row, batch.events), key=lambda row: str(row["id"]))
-        connection.execute(_insert(connection, events).on_conflict_do_nothing(), rows)
+        connection.execute(insert_into(connection, events).on_conflict_do_nothing(), rows)
     if batch.gaps:
         raise_horizons(connection, batch.gaps)
 
 
 def _write_goals(connection: sa.Connection, news: dict[str, Goal]) -> None:
-    insert = _insert(connection, goals).on_conflict_do_nothing().returning(goals.c.goal_id)
+    insert = insert_into(connection, goals).on_conflict_do_nothing().returning(goals.c.goal_id)
     inserted = set(connection.execute(insert, [goal_row(goal) for _, goal in sorted(news.items())]).scalars())
     if len(inserted) == len(news):
         return
@@ -64,7 +65,7 @@ def _write_goals(connection: sa.Connection, news: dict[str, Goal]) -> None:
 
 def claim(connection: sa.Connection, key: Key) -> Key:
     """Give the key to the goal, unless another goal has it; whose it is."""
-    insert = _insert(connection, idempotency_keys)
+    insert = insert_into(connection, idempotency_keys)
     row = key_row(key)
     statement = insert.on_conflict_do_update(
         index_elements=["key"], set_=row, where=idempotency_keys.c.expires_at <= datetime.now(UTC)
@@ -75,7 +76,7 @@ def claim(connection: sa.Connection, key: Key) -> Key:
 
 def raise_horizons(connection: sa.Connection, gaps: dict[str, str]) -> None:
     """Note the newest events that are missing."""
-    insert = _insert(connection, horizons)
+    insert = insert_into(connection, horizons)
     statement = insert.on_conflict_do_update(
         index_elements=["topic"],
         set_={"event_id": insert.excluded.event_id},

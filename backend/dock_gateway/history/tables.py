@@ -112,6 +112,14 @@ idempotency_keys = sa.Table(
     sa.Index("keys_by_expiry", "expires_at"),
 )
 
+acknowledgements = sa.Table(
+    "acknowledgements",
+    metadata,
+    sa.Column("alert_id", sa.Text, primary_key=True),
+    sa.Column("name", sa.Text, nullable=False),
+    sa.Column("acknowledged_at", UtcTime, nullable=False),
+)
+
 # Of each topic, the newest event that is missing: given up by retention, or for want of memory.
 horizons = sa.Table(
     "horizons",

@@ -3,12 +3,10 @@ import { defaultRobot, isUnder } from "../stop/held";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "../store/goals";
 import { remember } from "../store/reducer";
 import { type FleetState, NO_STOP } from "./state";
-import type { AlertsEvent, FleetSnapshot, Robot, RobotsEvent } from "./types";
-
-export type FleetEvent = GatewayEvent | RobotsEvent | AlertsEvent;
+import type { Robot } from "./types";
 
 /** The state after an event. Pure; the same object where the event changes nothing. */
-export function reduceFleet(state: FleetState, event: FleetEvent, now: number): FleetState {
+export function reduceFleet(state: FleetState, event: GatewayEvent, now: number): FleetState {
   if ("id" in event) {
     if (state.seen.has(event.id)) return state;
     return apply({ ...state, seen: remember(state.seen, event.id) }, event, now);
@@ -16,7 +14,7 @@ export function reduceFleet(state: FleetState, event: FleetEvent, now: number): 
   return apply(state, event, now);
 }
 
-function apply(state: FleetState, event: FleetEvent, now: number): FleetState {
+function apply(state: FleetState, event: GatewayEvent, now: number): FleetState {
   switch (event.type) {
     case "snapshot":
       return applySnapshot(state, event, now);
@@ -40,11 +38,7 @@ function apply(state: FleetState, event: FleetEvent, now: number): FleetState {
   }
 }
 
-function applySnapshot(
-  state: FleetState,
-  event: EventOf<"snapshot"> & FleetSnapshot,
-  now: number,
-): FleetState {
+function applySnapshot(state: FleetState, event: EventOf<"snapshot">, now: number): FleetState {
   const { robots = [], alerts = [] } = event;
   return snapshotGoals(
     {

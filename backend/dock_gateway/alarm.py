@@ -1,0 +1,123 @@
+"""The alerts of now: told to whoever asks, as they come, end and are acknowledged."""
+
+import asyncio
+import logging
+import time
+from typing import Any
+
+from dock_gateway.acknowledgements import Acknowledgements
+from dock_gateway.alerts import Alert, AlertWatch
+from dock_gateway.errors import NotFound
+from dock_gateway.events import fleet_event, utc_now
+from dock_gateway.goals import Goal, encode
+from dock_gateway.history import Acknowledgement
+from dock_gateway.hub import Hub
+from dock_gateway.robot_state import RobotState
+
+log = logging.getLogger(__name__)
+
+TOPIC = "robots"
+# What other gateways have been told of the alerts is looked up so often, in seconds, while there are any.
+SYNC_INTERVAL = 2.0
+# An alert that has not shown up again so many seconds after the start has ended while we were away.
+SETTLED_AFTER = 60.0
+
+
+class Alarm:
+    """Keeps the alerts and who has acknowledged them.
+
+    Args:
+        hub: Where events go, and who wants them.
+        acknowledgements: Who has acknowledged what.
+        low_battery: Percentage (0 to 1) below which a battery is low.
+    """
+
+    def __init__(self, hub: Hub, acknowledgements: Acknowledgements, *, low_battery: float) -> None:
+        self._hub = hub
+        self._acknowledgements = acknowledgements
+        self._watch = AlertWatch(low_battery)
+        self._alerts: dict[str, Alert] = {}
+        self._told: bytes | None = None
+        self._task = asyncio.create_task(self._sync())
+
+    def look(self, states: list[RobotState], strays: list[Goal]) -> None:
+        """Find out what is wrong now, and tell whoever wants to hear of it where that is something else than before.
+
+        Args:
+            states: The robots.
+            strays: Lost goals on actions that belong to no robot.
+        """
+        alerts = {alert.id: alert for alert in self._watch.look(states, strays, utc_now(), time.monotonic())}
+        for ended in self._alerts.keys() - alerts.keys():
+            log.info("alert over: %s of %s", self._alerts[ended].kind, self._alerts[ended].robot)
+            self._acknowledgements.put(ended, None)
+        for came in alerts.keys() - self._alerts.keys():
+            log.warning("alert: %s of %s. %s", alerts[came].kind, alerts[came].robot, alerts[came].detail)
+        self._alerts = alerts
+        self._tell()
+
+    def documents(self) -> list[dict[str, Any]]:
+        """The alerts as `GET /alerts` shows them: critical ones first, then the oldest first."""
+        return [self._document(alert) for alert in self._alerts.values()]
+
+    def _document(self, alert: Alert) -> dict[str, Any]:
+        return alert.document(self._acknowledgements.get(alert.id))
+
+    def _tell(self) -> None:
+        if not self._hub.wished(TOPIC):
+            self._told = None
+            return
+        now = encode(documents := self.documents())
+        if now != self._told:
+            self._told = now
+            self._hub.publish(fleet_event("alerts", utc_now(), alerts=documents))
+
+    # ------------------------------------------------------------------ acknowledgements
+
+    async def acknowledge(self, alert_id: str, by: str) -> dict[str, Any]:
+        """Somebody has seen an alert; returns it.
+
+        Raises:
+            NotFound: `alert_not_found`.
+        """
+        return await self._change(alert_id, Acknowledgement(by, utc_now()))
+
+    async def withdraw(self, alert_id: str) -> dict[str, Any]:
+        """Nobody has seen it after all; returns the alert.
+
+        Raises:
+            NotFound: `alert_not_found`.
+        """
+        return await self._change(alert_id, None)
+
+    async def _change(self, alert_id: str, acknowledgement: Acknowledgement | None) -> dict[str, Any]:
+        alert = self._alerts.get(alert_id)
+        if alert is None:
+            raise NotFound(f"there is no alert {alert_id}; it may be over", code="alert_not_found")
+        self._acknowledgements.put(alert_id, acknowledgement)
+        self._tell()
+        await self._acknowledgements.save()
+        return self._document(alert)
+
+    async def _sync(self) -> None:
+        settled_at = time.monotonic() + SETTLED_AFTER
+        settled = False
+        while True:
+            try:
+                if not settled or self._alerts or self._acknowledgements.unsaved:
+                    answered = await self._acknowledgements.sync()
+                    if answered and not settled and time.monotonic() >= settled_at:
+                        settled = True
+                        self._forget_others()
+            except Exception:
+                log.exception("while the acknowledgements were looked up")
+            await asyncio.sleep(SYNC_INTERVAL)
+
+    def _forget_others(self) -> None:
+        for alert_id in self._acknowledgements.ids() - self._alerts.keys():
+            self._acknowledgements.put(alert_id, None)
+
+    async def close(self) -> None:
+        """Look no more."""
+        self._task.cancel()
+        await asyncio.gather(self._task, return_exceptions=True)
