@@ -250,11 +250,10 @@ class ActionList(Schema):
 
 
 class Health(Schema):
-    """Whether the gateway itself works; `node` is its name on the graph."""
+    """Whether the gateway itself works."""
 
     status: Literal["ok", "ros_unavailable"]
     version: str
-    node: str
     ros: dict[str, str]
     subscribers: int
 

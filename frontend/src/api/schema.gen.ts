@@ -1732,7 +1732,7 @@ export interface components {
         };
         /**
          * Health
-         * @description Whether the gateway itself works; `node` is its name on the graph.
+         * @description Whether the gateway itself works.
          */
         Health: {
             /**
@@ -1742,8 +1742,6 @@ export interface components {
             status: "ok" | "ros_unavailable";
             /** Version */
             version: string;
-            /** Node */
-            node: string;
             /** Ros */
             ros: {
                 [key: string]: string;

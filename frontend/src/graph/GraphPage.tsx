@@ -1,11 +1,109 @@
-import { Title } from "@mantine/core";
+import { Group, SegmentedControl, Skeleton, Stack, Text, Title } from "@mantine/core";
+import { useMediaQuery } from "@mantine/hooks";
+import { lazy, Suspense, useDeferredValue, useMemo } from "react";
+import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { usePageTitle } from "../ui/usePageTitle";
+import { DetailsPane } from "./DetailsPane";
+import { EmptyGraph } from "./EmptyGraph";
+import { filterGraph, searchGraph } from "./filter";
+import { GraphFilters } from "./GraphFilters";
+import { GraphList } from "./GraphList";
+import classes from "./graph.module.css";
+import { baseName } from "./things";
+import type { Graph } from "./types";
+import { useGraph } from "./useGraph";
+import { type ChangeView, useView } from "./useView";
+import type { Form, GraphView } from "./view";
+import { describeShown } from "./words";
 
+const GraphPicture = lazy(() => import("./GraphPicture"));
+
+const FORMS: { value: Form; label: string }[] = [
+  { value: "picture", label: "Picture" },
+  { value: "list", label: "List" },
+];
+
+/** Nodes, topics and actions on the ROS graph, in a picture or in a list, and what there is to know of each. */
 export default function GraphPage() {
-  usePageTitle("Graph");
+  const [view, change] = useView();
+  const narrow = useMediaQuery("(max-width: 48em)", false, { getInitialValueInEffect: false });
+  const { data: graph, error, refetch } = useGraph();
+  const form = view.form ?? (narrow ? "list" : "picture");
+  usePageTitle(view.selected === null ? "Graph" : `${baseName(view.selected.name)} · Graph`);
+
   return (
-    <Title order={1} size="h3">
-      Graph
-    </Title>
+    <Stack gap="sm" className={classes.wide}>
+      <Group justify="space-between" gap="xs">
+        <Title order={1} size="h3">
+          Graph
+        </Title>
+        <SegmentedControl
+          aria-label="Show the graph as"
+          data={FORMS}
+          value={form}
+          onChange={(value) => change({ form: value === "list" ? "list" : "picture" })}
+        />
+      </Group>
+      {graph === undefined && error !== null && (
+        <CommandErrorAlert command="Reading the graph" error={error} onClose={() => void refetch()} />
+      )}
+      <GraphFilters graph={graph} form={form} view={view} change={change} />
+      {graph === undefined ? (
+        <div className={classes.columns} aria-busy="true">
+          <Skeleton className={classes.picture} />
+          <Skeleton className={classes.picture} visibleFrom="lg" />
+        </div>
+      ) : (
+        <Shown graph={graph} form={form} view={view} change={change} />
+      )}
+    </Stack>
+  );
+}
+
+interface ShownProps {
+  graph: Graph;
+  form: Form;
+  view: GraphView;
+  change: ChangeView;
+}
+
+function Shown({ graph, form, view, change }: ShownProps) {
+  // What is pressed shows that it is before all of the picture is drawn anew.
+  const { namespace, hidden, services, gateway, search, shown } = useDeferredValue(view);
+  const filtered = useMemo(
+    () => filterGraph(graph, { namespace, hidden, services, gateway }),
+    [graph, namespace, hidden, services, gateway],
+  );
+  const found = useMemo(() => searchGraph(filtered, search), [filtered, search]);
+  const matching = found.nodes.length + found.topics.length + found.services.length + found.actions.length;
+  const empty = filtered.nodes.length + filtered.topics.length + filtered.actions.length === 0;
+
+  return (
+    <>
+      <Text size="sm" c="dimmed" role="status" className="tabular" data-testid="graph-count">
+        {describeShown(filtered, graph)}
+        {search.trim() !== "" &&
+          `; ${matching === 0 ? "nothing matches" : `${matching} match`} “${search.trim()}”`}
+      </Text>
+      <div className={classes.columns}>
+        {empty ? (
+          <EmptyGraph filtered={namespace !== "/"} />
+        ) : form === "list" ? (
+          <GraphList graph={found} nodes={graph.nodes} selected={view.selected} change={change} />
+        ) : (
+          <Suspense fallback={<Skeleton className={classes.picture} />}>
+            <GraphPicture
+              graph={filtered}
+              found={found}
+              shown={shown}
+              arrangement={[shown, namespace, hidden, services, gateway].join(" ")}
+              selected={view.selected}
+              change={change}
+            />
+          </Suspense>
+        )}
+        <DetailsPane graph={graph} view={view} change={change} />
+      </div>
+    </>
   );
 }

@@ -41,6 +41,12 @@ const PLOTS: readonly Shortcut[] = [
   { keys: ["Space"], what: "Pause, and go on" },
 ];
 
+const GRAPH: readonly Shortcut[] = [
+  { keys: ["←", "↑", "→", "↓"], what: "To the next node, topic or action in that direction" },
+  { keys: ["Enter"], what: "Show its details" },
+  { keys: ["+", "−", "0"], what: "Closer, farther, everything" },
+];
+
 /** Everything that keys do, and the name of who presses them. */
 export default function ShortcutList() {
   return (
@@ -50,6 +56,7 @@ export default function ShortcutList() {
       <LettersSwitch />
       <Shortcuts title="In the picture of a robot" shortcuts={PICTURE} />
       <Shortcuts title="In the plots of a battery" shortcuts={PLOTS} />
+      <Shortcuts title="In the picture of the graph" shortcuts={GRAPH} />
       <NameField />
     </Stack>
   );

@@ -11,13 +11,13 @@ export interface StreamHandlers {
 
 export type StreamLocation = Pick<Location, "protocol" | "host">;
 
-/** What a stream is about: the query of `/ws/feedback`. */
+/** What a stream is about: the query of its path. */
 export type StreamQuery = Record<string, string | null>;
 
 /** Where the events are, for a page at `location`; what is null is not asked for. */
-export function streamUrl(location: StreamLocation, query: StreamQuery): string {
+export function streamUrl(location: StreamLocation, query: StreamQuery, path = "/ws/feedback"): string {
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-  const url = new URL(`${scheme}//${location.host}/ws/feedback`);
+  const url = new URL(`${scheme}//${location.host}${path}`);
   for (const [name, value] of Object.entries(query)) if (value !== null) url.searchParams.set(name, value);
   return url.href;
 }

@@ -1,0 +1,130 @@
+import { CloseButton, Drawer, Group, Kbd, Paper, Stack, Text, Title } from "@mantine/core";
+import { useMediaQuery } from "@mantine/hooks";
+import type { ReactNode } from "react";
+import { Command } from "../ui/Command";
+import { CopyButton } from "../ui/CopyButton";
+import { ActionDetails } from "./ActionDetails";
+import classes from "./graph.module.css";
+import { NodeDetails } from "./NodeDetails";
+import { ServiceDetails } from "./ServiceDetails";
+import { TopicDetails } from "./TopicDetails";
+import type { Thing } from "./things";
+import type { Graph } from "./types";
+import type { ChangeView } from "./useView";
+import type { GraphView } from "./view";
+
+interface DetailsPaneProps {
+  graph: Graph;
+  view: GraphView;
+  change: ChangeView;
+}
+
+/** All about the selected thing: beside the graph, and over it where there is no room. */
+export function DetailsPane({ graph, view, change }: DetailsPaneProps) {
+  const { selected, echo } = view;
+  const beside = useMediaQuery("(min-width: 75em)", true, { getInitialValueInEffect: false });
+  const close = () => change({ selected: null });
+  const details = selected !== null && <Details graph={graph} thing={selected} echo={echo} change={change} />;
+
+  if (beside) {
+    return (
+      <Paper component="aside" withBorder radius="md" p="md" className={classes.pane} aria-label="Details">
+        {selected === null ? (
+          <Hint />
+        ) : (
+          <>
+            <Head thing={selected} onClose={close} />
+            {details}
+          </>
+        )}
+      </Paper>
+    );
+  }
+  return (
+    <Drawer.Root opened={selected !== null} onClose={close} position="right" size="lg">
+      <Drawer.Overlay className={classes.belowHeader} />
+      <Drawer.Content
+        aria-label="Details"
+        classNames={{ inner: classes.belowHeader, content: classes.drawer }}
+      >
+        <Drawer.Body pt="md">
+          {selected !== null && <Head thing={selected} onClose={close} />}
+          {details}
+        </Drawer.Body>
+      </Drawer.Content>
+    </Drawer.Root>
+  );
+}
+
+function Hint() {
+  return (
+    <Stack gap="sm" c="dimmed">
+      <Text size="sm">
+        Choose a node, a topic or an action to see its types, its quality of service and who is at it; of a
+        topic also the messages, as they come.
+      </Text>
+      <Text size="sm" component="div">
+        In the picture: <Kbd>←</Kbd> <Kbd>↑</Kbd> <Kbd>→</Kbd> <Kbd>↓</Kbd> go to the next thing,{" "}
+        <Kbd>Enter</Kbd> chooses it, <Kbd>+</Kbd> <Kbd>−</Kbd> <Kbd>0</Kbd> bring it closer, farther, and all
+        of it into sight. The mouse drags things, and the wheel zooms with <Kbd>Ctrl</Kbd>.
+      </Text>
+      <Command line={`curl ${window.location.origin}/graph`} what="the command that reads the graph" />
+    </Stack>
+  );
+}
+
+function Head({ thing: { kind, name }, onClose }: { thing: Thing; onClose: () => void }) {
+  return (
+    <Stack gap={4} mb="md">
+      <Group justify="space-between" wrap="nowrap">
+        <Text size="sm" c="dimmed" tt="capitalize">
+          {kind}
+        </Text>
+        <Group gap="xs" wrap="nowrap">
+          <CopyButton value={name} what="the name" />
+          <CloseButton aria-label="Close the details" onClick={onClose} />
+        </Group>
+      </Group>
+      <Title order={2} size="h4" className={classes.wrap} data-testid="selected">
+        {name}
+      </Title>
+    </Stack>
+  );
+}
+
+interface DetailsProps {
+  graph: Graph;
+  thing: Thing;
+  echo: boolean;
+  change: ChangeView;
+}
+
+function Details({ graph, thing: { kind, name }, echo, change }: DetailsProps): ReactNode {
+  const named = (thing: { name: string }) => thing.name === name;
+  switch (kind) {
+    case "node": {
+      const node = graph.nodes.find(named);
+      return node ? <NodeDetails node={node} change={change} /> : <Gone />;
+    }
+    case "topic": {
+      const topic = graph.topics.find(named);
+      return topic ? <TopicDetails key={name} topic={topic} echo={echo} change={change} /> : <Gone />;
+    }
+    case "action": {
+      const action = graph.actions.find(named);
+      return action ? <ActionDetails action={action} change={change} /> : <Gone />;
+    }
+    case "service": {
+      const service = graph.services.find(named);
+      return service ? <ServiceDetails service={service} nodes={graph.nodes} change={change} /> : <Gone />;
+    }
+  }
+}
+
+function Gone() {
+  return (
+    <Text size="sm" role="status">
+      It is not on the graph now. It shows up here by itself when it is back.
+    </Text>
+  );
+}

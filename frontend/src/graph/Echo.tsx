@@ -1,0 +1,113 @@
+import { Button, Group, Skeleton, Stack, Switch, Text, Title } from "@mantine/core";
+import { useFleetLive } from "../fleet/context";
+import { CopyButton } from "../ui/CopyButton";
+import { Fact, FactList } from "../ui/Fact";
+import { Time } from "../ui/Time";
+import { type EchoState, formatBytes, formatRate } from "./echo";
+import { MessageView } from "./MessageView";
+import { useEcho } from "./useEcho";
+
+interface EchoProps {
+  topic: string;
+  on: boolean;
+  onSwitch: (on: boolean) => void;
+}
+
+/** A topic's messages as they come, once somebody asks for them: cameras and lidars load the robot's network. */
+export function Echo({ topic, on, onSwitch }: EchoProps) {
+  return (
+    <Stack gap="xs" component="section" aria-label="Live messages">
+      <Group justify="space-between">
+        <Title order={3} size="h5">
+          Messages
+        </Title>
+        <Switch
+          label="Live"
+          labelPosition="left"
+          checked={on}
+          onChange={(event) => onSwitch(event.currentTarget.checked)}
+        />
+      </Group>
+      {on ? (
+        <LiveEcho topic={topic} />
+      ) : (
+        <Text size="sm" c="dimmed">
+          Switch it on to read along. The gateway then subscribes to the topic, whose messages go over the
+          robot's network.
+        </Text>
+      )}
+    </Stack>
+  );
+}
+
+function LiveEcho({ topic }: { topic: string }) {
+  const [echo, tell] = useEcho(topic);
+  const { rate, latest, held } = echo;
+  const shown = held ?? latest;
+  return (
+    <>
+      <FactList>
+        <Fact name="Rate">{rate === null ? "–" : formatRate(rate.hz)}</Fact>
+        <Fact name="Size">{rate === null ? "–" : formatBytes(rate.bytes_per_s)}</Fact>
+        <Fact name="Messages">{rate === null ? "–" : rate.messages}</Fact>
+        <Fact name={held === null ? "Latest at" : "Paused at"}>
+          {shown === null ? "–" : <Time value={shown.time} />}
+        </Fact>
+      </FactList>
+      <EchoStatus echo={echo} />
+      {shown !== null && (
+        <>
+          <Group gap="xs">
+            <Button
+              variant="default"
+              size="compact-sm"
+              miw={92}
+              aria-pressed={held !== null}
+              onClick={() => tell(held === null ? "pause" : "go on")}
+            >
+              {held === null ? "Pause" : "Go on"}
+            </Button>
+            <CopyButton value={JSON.stringify(shown.message, null, 2)} what="the message as JSON" />
+          </Group>
+          <MessageView message={shown.message} />
+          {shown.abbreviated && (
+            <Text size="sm" c="dimmed">
+              Long arrays are cut, with their length said.
+            </Text>
+          )}
+        </>
+      )}
+    </>
+  );
+}
+
+/** Why there is no message, where there is none. */
+function EchoStatus({ echo: { connection, hint, latest, rate } }: { echo: EchoState }) {
+  const live = useFleetLive();
+  if (connection.phase === "gone" && live)
+    return (
+      <Text size="sm" role="status">
+        The gateway does not let this topic be read: it has gone, or too many topics are read already (20 at
+        most).
+      </Text>
+    );
+  if (connection.phase !== "live" && latest !== null)
+    return (
+      <Text size="sm" role="status">
+        Not live: the connection is down. It comes back by itself.
+      </Text>
+    );
+  if (hint !== null)
+    return (
+      <Text size="sm" role="status">
+        {hint}
+      </Text>
+    );
+  if (latest !== null) return null;
+  if (connection.phase !== "live" || rate === null) return <Skeleton height={120} aria-busy="true" />;
+  return (
+    <Text size="sm" role="status" c="dimmed">
+      Nothing yet. A message shows up as soon as one is published; latched ones come at once.
+    </Text>
+  );
+}

@@ -1,0 +1,21 @@
+import { useEffect, useReducer } from "react";
+import { openStream, streamUrl } from "../stream/stream";
+import { type EchoEvent, type EchoInput, type EchoState, initialEcho, reduceEcho } from "./echo";
+
+/** Messages a second that are shown; the rate counts all of them. */
+const MAX_RATE = "5";
+
+/** The messages of a topic as they come, for as long as this is mounted. */
+export function useEcho(topic: string): [EchoState, (kind: "pause" | "go on") => void] {
+  const [state, dispatch] = useReducer(reduceEcho, null, () => initialEcho(Date.now()));
+  useEffect(() => {
+    const tell = (input: EchoInput) => dispatch(input);
+    const url = streamUrl(window.location, { topic, max_rate: MAX_RATE }, "/ws/topics");
+    return openStream(url, {
+      // This path has events of its own.
+      onEvent: (event) => tell({ kind: "event", event: event as unknown as EchoEvent, now: Date.now() }),
+      onConnection: (input) => tell({ kind: "connection", input, now: Date.now() }),
+    });
+  }, [topic]);
+  return [state, (kind) => dispatch({ kind, now: Date.now() })];
+}

@@ -1,0 +1,27 @@
+import { type UseQueryResult, useQuery, useQueryClient } from "@tanstack/react-query";
+import { type CommandError, toCommandError } from "../api/errors";
+import { readGraph, type TaggedGraph } from "../api/graph";
+import { useFleet } from "../fleet/context";
+import type { Graph } from "./types";
+
+const INTERVAL_MS = 2000;
+const KEY = ["graph"];
+
+/** The ROS graph, asked for every two seconds while the page is looked at; the same object until it changes. */
+export function useGraph(): UseQueryResult<Graph, CommandError> {
+  const { http } = useFleet();
+  const client = useQueryClient();
+  return useQuery<TaggedGraph, CommandError, Graph>({
+    queryKey: KEY,
+    queryFn: () =>
+      readGraph(http, client.getQueryData<TaggedGraph>(KEY)).catch((error: unknown) => {
+        throw toCommandError(error);
+      }),
+    select: graphOf,
+    refetchInterval: INTERVAL_MS,
+  });
+}
+
+function graphOf({ graph }: TaggedGraph): Graph {
+  return graph;
+}

@@ -1,0 +1,43 @@
+import { type FitViewOptions, useReactFlow } from "@xyflow/react";
+import { type RefObject, useCallback } from "react";
+import type { VertexNode } from "./flow";
+
+/** From the edge of the frame (px). */
+const MARGIN = 16;
+
+export interface Sight {
+  /** Brings things into the frame: all of them for null. */
+  show: (ids: ReadonlySet<string> | null) => void;
+  /** Moves the picture if a thing is out of the frame. */
+  ensureInSight: (id: string) => void;
+}
+
+/** What of the picture is seen. */
+export function useSight(frame: RefObject<HTMLElement | null>, fit: FitViewOptions<VertexNode>): Sight {
+  const flow = useReactFlow<VertexNode>();
+  const show = useCallback(
+    (ids: ReadonlySet<string> | null) => {
+      void flow.fitView(ids === null ? fit : { ...fit, nodes: [...ids].map((id) => ({ id })) });
+    },
+    [flow, fit],
+  );
+  const ensureInSight = useCallback(
+    (id: string) => {
+      const node = flow.getNode(id);
+      const box = frame.current?.getBoundingClientRect();
+      if (node === undefined || box === undefined) return;
+      const { width = 0, height = 0, position } = node;
+      const first = flow.flowToScreenPosition(position);
+      const last = flow.flowToScreenPosition({ x: position.x + width, y: position.y + height });
+      const inside =
+        first.x >= box.left + MARGIN &&
+        first.y >= box.top + MARGIN &&
+        last.x <= box.right - MARGIN &&
+        last.y <= box.bottom - MARGIN;
+      if (inside) return;
+      void flow.setCenter(position.x + width / 2, position.y + height / 2, { zoom: flow.getZoom() });
+    },
+    [flow, frame],
+  );
+  return { show, ensureInSight };
+}
