@@ -11,6 +11,7 @@ import {
   feedback,
   goal,
   idlePublisher,
+  robot,
   server,
   status,
   stopReport,
@@ -277,22 +278,50 @@ describe("publishing", () => {
     expect(gateway.stopPublishing).toHaveBeenCalledTimes(1);
   });
 
-  it("warns where someone else publishes, and not of its own last message", async () => {
-    const { store } = renderPage(fakeGateway(), { battery_publisher: idlePublisher });
-    const event = (ms: number) => new Date(Date.now() + ms).toISOString();
-    act(() => store.onEvent({ type: "battery", id: "own", time: event(200), robot: "/", battery }));
-    expect(screen.getByTestId("publisher-status").textContent).toMatch(/publishes nothing by itself/);
-    act(() => store.onEvent({ type: "battery", id: "other", time: event(2000), robot: "/", battery }));
-    await waitFor(() =>
-      expect(screen.getByTestId("publisher-status").textContent).toMatch(/Someone else publishes/),
+  it("warns where someone else publishes, by name, and not of the gateway itself", async () => {
+    const topic = (...nodes: string[]) => ({
+      name: "/battery_status",
+      types: [],
+      publishers: nodes.map((node) => ({ node })),
+      subscribers: [],
+      hidden: false,
+    });
+    const fetch = vi.fn(async (request: Request) =>
+      Response.json(
+        request.url.endsWith("/healthz")
+          ? { node: "/dock_gateway" }
+          : request.url.endsWith("/graph/topics/battery_status")
+            ? topic("/dock_gateway", "/driver")
+            : {},
+      ),
     );
+    vi.stubGlobal("fetch", fetch);
+    const { store } = renderPage(fakeGateway(), { battery_publisher: idlePublisher });
+    act(() =>
+      store.onEvent({
+        type: "robots",
+        time: now(),
+        robots: [robot("/")],
+        gone: [],
+      } as unknown as GatewayEvent),
+    );
+    const warning = await screen.findByTestId("other-publishers");
+    expect(warning.textContent).toMatch(/^\/driver publishes this battery/);
   });
 
-  it("says what is wrong with a field, and does not publish it", async () => {
-    const { user } = renderPage(fakeGateway());
+  it("takes a value for each cell, of which some are not measured, and refuses what is no number", async () => {
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway);
     await user.click(button("More fields"));
-    await user.type(screen.getByLabelText("Cell voltages (V)"), "full");
-    expect(screen.getByText(/Numbers between commas/)).toBeDefined();
+    const cells = within(await screen.findByRole("group", { name: "Cell voltages (V)" }));
+    await user.click(cells.getByRole("button", { name: "Add a cell" }));
+    await user.type(cells.getByLabelText("Cell voltages (V), cell 1"), "3.9");
+    await user.click(cells.getByRole("button", { name: "Add a cell" }));
+    await user.clear(cells.getByLabelText("Cell voltages (V), cell 2"));
+    await user.click(button("Publish once"));
+    expect(gateway.publishOnce).toHaveBeenCalledWith(expect.objectContaining({ cell_voltage: [3.9, null] }));
+    await user.type(cells.getByLabelText("Cell voltages (V), cell 2"), "-");
+    expect(screen.getByText("Not a number")).toBeDefined();
     expect(button("Publish once").disabled).toBe(true);
   });
 });

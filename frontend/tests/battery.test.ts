@@ -1,7 +1,9 @@
 import { describe, expect, it } from "vitest";
+import type { GraphTopic } from "../src/api/topics";
 import type { BatteryHistory, BatteryState } from "../src/api/types";
-import { PRESETS, parseCells, sameForm, toMessage } from "../src/battery/form";
+import { PRESETS, sameForm, toMessage } from "../src/battery/form";
 import { fromHistory, gapLimit, join, noPoints } from "../src/battery/points";
+import { whoPublishes } from "../src/battery/publishers";
 import { formatValue, marks, rangeOf } from "../src/battery/quantities";
 import { BatterySeries, WINDOW_S } from "../src/battery/series";
 import { formatCells, formatPercentage, formatQuantity, statusWords, summarize } from "../src/battery/words";
@@ -27,7 +29,7 @@ describe("the editor", () => {
         power_supply_health: 1,
         power_supply_technology: 2,
         present: true,
-        cell_voltage: "3.9, -, 3.8",
+        cell_voltage: [3.9, "", "3.8"],
         location: "slot 1",
         frame_id: "base_link",
       }),
@@ -45,12 +47,40 @@ describe("the editor", () => {
     });
   });
 
-  it("refuses cells that are no numbers", () => {
-    expect(parseCells("")).toEqual([]);
-    expect(parseCells("3.9,,4")).toEqual([3.9, null, 4]);
-    expect(parseCells("3.9 V")).toBeNull();
-    expect(parseCells("Infinity")).toBeNull();
-    expect(toMessage({ ...low.form, cell_temperature: "warm" })).toBeNull();
+  it("refuses what is no number", () => {
+    expect(toMessage({ ...low.form, cell_temperature: ["-"] })).toBeNull();
+    expect(toMessage({ ...low.form, voltage: "-." })).toBeNull();
+    expect(toMessage({ ...low.form, percent: "1e999" })).toBeNull();
+  });
+});
+
+describe("who publishes a battery", () => {
+  const qos = {} as GraphTopic["publishers"][number]["qos"];
+  const topic = (...nodes: (string | null)[]): GraphTopic => ({
+    name: "/battery_status",
+    types: [],
+    publishers: nodes.map((node) => ({ node, qos })),
+    subscribers: [],
+    hidden: false,
+  });
+
+  it("is told by name, this gateway and the simulator apart", () => {
+    const seen = topic("/dock_gateway", "/dock_simulator", "/driver", "/driver", "/_ros2cli_4711", null);
+    expect(whoPublishes(seen, "/dock_gateway", true)).toEqual({
+      topic: "/battery_status",
+      others: ["/driver", "a DDS program that is no ROS node", "ros2 topic pub"],
+      simulators: ["/dock_simulator"],
+    });
+  });
+
+  it("is nobody else where the gateway is alone", () => {
+    expect(whoPublishes(topic("/dock_gateway"), "/dock_gateway", false).others).toEqual([]);
+  });
+
+  it("takes no simulator's word where the robot is not simulated", () => {
+    expect(whoPublishes(topic("/dock_simulator"), "/dock_gateway", false).others).toEqual([
+      "/dock_simulator",
+    ]);
   });
 });
 

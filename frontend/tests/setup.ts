@@ -19,6 +19,7 @@ window.ResizeObserver ??= class {
   unobserve() {}
   disconnect() {}
 };
+Element.prototype.scrollIntoView ??= () => {};
 
 // React reports mistakes, such as a <div> in a <p>, on the console only. That updates come from timers and not from
 // act() is how the page works.

@@ -8,8 +8,9 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.axe import find_violations, load_axe
+from tests.support.docking import battery_state
 from tests.support.gateway import RunningGateway, running_gateway, running_program
-from tests.support.observer import wait_until
+from tests.support.observer import ros_observer, wait_until
 
 NEAR = ("-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
 DRIVE_MS = 45_000
@@ -123,9 +124,45 @@ def test_the_past_by_keyboard(page: Page) -> None:
     expect(page.get_by_role("button", name="Go live")).to_be_visible()
 
 
+def test_publish_every_field_by_hand(page: Page, gateway: RunningGateway) -> None:
+    press(page, "More fields")
+    cells = page.get_by_role("group", name="Cell voltages (V)")
+    for cell, voltage in ((1, "3.9"), (2, "")):
+        cells.get_by_role("button", name="Add a cell").click()
+        cells.get_by_label(f"cell {cell}").fill(voltage)
+    page.get_by_label("Temperature (°C)", exact=True).fill("31.5")
+    page.get_by_label("Location").fill("slot 1")
+    press(page, "Publish once")
+    expect(page.get_by_text("Published once: 24 %, 2.16 V, not charging.")).to_be_visible()
+
+    def state() -> dict[str, object]:
+        answer: dict[str, object] = gateway.http.get("/battery").json()["state"]
+        return answer
+
+    wait_until(lambda: state()["location"] == "slot 1", "the state that was published")
+    published = state()
+    assert (published["cell_voltage"], published["temperature"], published["current"]) == ([3.9, None], 31.5, None)
+    expect(page.get_by_text("slot 1")).to_be_visible()
+
+
+def test_who_else_publishes(page: Page, domain: int) -> None:
+    status, warning = page.get_by_test_id("publisher-status"), page.get_by_test_id("other-publishers")
+    expect(status).to_contain_text("The simulator (/dock_simulator) publishes its battery.")
+    press(page, "Publish repeatedly")
+    expect(status).to_contain_text("This gateway publishes 24 %, 2.16 V, not charging at 1 Hz")
+    expect(warning).to_be_hidden()
+    with ros_observer(domain, "battery_driver") as driver, driver.publishing(battery_state(2), "/battery_status"):
+        expect(warning).to_contain_text("/battery_driver publishes too")
+        press(page, "Stop publishing")
+        expect(warning).to_contain_text("/battery_driver publishes this battery")
+    expect(warning).to_be_hidden(timeout=30_000)
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_accessibility(page: Page, scheme: str) -> None:
     load_axe(page, scheme)
     plots(page)
     press(page, "Pause")
+    press(page, "More fields")
+    page.get_by_role("button", name="Add a cell").first.click()
     assert find_violations(page) == []

@@ -42,7 +42,8 @@ def post_timed(gateway: RunningGateway) -> tuple[int, str, float]:
 
 
 def test_without_a_server_a_goal_is_refused_and_works_once_it_is_there(gateway: RunningGateway, domain: int) -> None:
-    assert gateway.http.get("/healthz").status_code == 200
+    health = gateway.http.get("/healthz")
+    assert (health.status_code, health.json()["node"]) == (200, "/dock_gateway")
     assert gateway.http.get("/readyz").status_code == 503
     stop = gateway.stop_once()
     assert (stop["canceling"], stop["failed"], stop["unconfirmed"]) == ([], [], [])

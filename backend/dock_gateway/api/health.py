@@ -23,6 +23,7 @@ async def healthz(gateway: TheGateway) -> Response:
     health = {
         "status": "ok" if alive else "ros_unavailable",
         "version": __version__,
+        "node": gateway.settings.resolve(gateway.settings.node_name),
         "ros": ros_environment(),
         "subscribers": len(gateway.hub),
     }

@@ -250,10 +250,11 @@ class ActionList(Schema):
 
 
 class Health(Schema):
-    """Whether the gateway itself works."""
+    """Whether the gateway itself works; `node` is its name on the graph."""
 
     status: Literal["ok", "ros_unavailable"]
     version: str
+    node: str
     ros: dict[str, str]
     subscribers: int
 

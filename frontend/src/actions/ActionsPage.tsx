@@ -1,11 +1,88 @@
-import { Title } from "@mantine/core";
+import { Group, Skeleton, Stack, Text, TextInput, Title } from "@mantine/core";
+import { useSearchParams } from "react-router";
+import type { ActionInfo } from "../api/types";
+import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { Section } from "../ui/Section";
 import { usePageTitle } from "../ui/usePageTitle";
+import { ActionsTable } from "./ActionsTable";
+import { TryFibonacci } from "./TryFibonacci";
+import { useActions } from "./useActions";
 
+/** With fewer than this nobody has to search. */
+const MANY = 6;
+
+/** Every action on the graph; `?q=` is what is searched for. */
 export default function ActionsPage() {
   usePageTitle("Actions");
+  const [query, setQuery] = useSearchParams();
+  const wanted = query.get("q") ?? "";
+  const { data, error, refetch } = useActions();
+  const shown = data?.filter((action) => matches(action, wanted));
+
   return (
-    <Title order={1} size="h3">
-      Actions
-    </Title>
+    <Stack gap="md">
+      <Title order={1} size="h3">
+        Actions
+      </Title>
+      <CommandErrorAlert command="Looking for actions" error={error} onClose={() => void refetch()} />
+      <Section
+        title="On the graph"
+        aside={
+          data !== undefined &&
+          (data.length >= MANY || wanted !== "") && (
+            <Group gap="sm">
+              <TextInput
+                aria-label="Search for a name or a type"
+                placeholder="Search name or type"
+                type="search"
+                value={wanted}
+                onChange={(event) => setQuery(searchFor(event.currentTarget.value), { replace: true })}
+              />
+              <Text size="sm" c="dimmed" role="status">
+                {shown?.length} of {data.length}
+              </Text>
+            </Group>
+          )
+        }
+      >
+        {shown === undefined ? (
+          <Skeletons />
+        ) : shown.length === 0 ? (
+          <Text size="sm" c="dimmed">
+            {data?.length === 0 ? "There is no action on the graph." : `No action is like “${wanted}”.`}
+          </Text>
+        ) : (
+          <ActionsTable actions={shown} />
+        )}
+      </Section>
+      {data !== undefined && !data.some(isOther) && <TryFibonacci />}
+    </Stack>
+  );
+}
+
+function matches({ action_name, action_type }: ActionInfo, wanted: string): boolean {
+  const text = `${action_name} ${action_type}`.toLowerCase();
+  return wanted
+    .toLowerCase()
+    .split(/\s+/)
+    .every((word) => text.includes(word));
+}
+
+function searchFor(text: string): Record<string, string> {
+  return text === "" ? {} : { q: text };
+}
+
+/** An action that is there besides docking and undocking, which are listed always. */
+function isOther({ available, action_type }: ActionInfo): boolean {
+  return available && !/\/(ConnectTo|DisconnectFrom)ChargingDock$/.test(action_type);
+}
+
+function Skeletons() {
+  return (
+    <Stack gap="sm" role="status" aria-busy="true" aria-label="The actions are loading">
+      <Skeleton height={36} />
+      <Skeleton height={36} />
+      <Skeleton height={36} />
+    </Stack>
   );
 }

@@ -8,7 +8,7 @@ export class CommandError extends Error {
     readonly code: string,
     readonly title: string,
     readonly detail: string,
-    readonly fields: readonly { path: string; detail: string }[] = [],
+    readonly fields: readonly FieldProblem[] = [],
   ) {
     super(`${title}: ${detail}`);
   }
@@ -16,6 +16,13 @@ export class CommandError extends Error {
   get advice(): string | null {
     return adviceFor(this.code);
   }
+}
+
+/** What is wrong with a field of what was sent. */
+export interface FieldProblem {
+  path: string;
+  expected?: string;
+  detail: string;
 }
 
 interface Words {

@@ -1732,7 +1732,7 @@ export interface components {
         };
         /**
          * Health
-         * @description Whether the gateway itself works.
+         * @description Whether the gateway itself works; `node` is its name on the graph.
          */
         Health: {
             /**
@@ -1742,6 +1742,8 @@ export interface components {
             status: "ok" | "ros_unavailable";
             /** Version */
             version: string;
+            /** Node */
+            node: string;
             /** Ros */
             ros: {
                 [key: string]: string;

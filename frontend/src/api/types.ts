@@ -3,6 +3,10 @@ import type { components, paths } from "./schema.gen";
 type Schemas = components["schemas"];
 
 export type Goal = Schemas["Goal"];
+/** A goal on any action: its messages have whatever fields the action's type has. */
+export type AnyGoal = Schemas["ActionGoal"];
+export type AnyGoalPage = Schemas["ActionGoalPage"];
+export type ActionInfo = Schemas["ActionInfo"];
 export type GoalPage = Schemas["GoalPage"];
 export type GoalStatus = Schemas["GoalStatus"];
 export type BatteryState = Schemas["BatteryState"];

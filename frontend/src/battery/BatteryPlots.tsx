@@ -1,4 +1,4 @@
-import { Alert, Text, useComputedColorScheme, VisuallyHidden } from "@mantine/core";
+import { Text, useComputedColorScheme, VisuallyHidden } from "@mantine/core";
 import { useReducedMotion } from "@mantine/hooks";
 import { type KeyboardEvent, useCallback, useEffect, useId, useRef, useState } from "react";
 import { useLive, useServices } from "../store/context";
@@ -181,11 +181,10 @@ export default function BatteryPlots() {
         with Shift back and forth in time, + − closer and farther, Space pause, 0 live.
       </Text>
       {past.error !== null && (
-        <Alert color="orange" title="The past cannot be read">
-          <Text size="sm">
-            {past.error.title} ({past.error.code}). What comes in now is drawn all the same.
-          </Text>
-        </Alert>
+        <Text size="sm" role="status">
+          <strong>The past cannot be read:</strong> {past.error.title} ({past.error.code}). What comes in now
+          is drawn all the same.
+        </Text>
       )}
     </>
   );

@@ -1,15 +1,18 @@
-import { Button, Collapse, Group, NumberInput, SimpleGrid, Stack, Text } from "@mantine/core";
+import { Button, Group, NumberInput, SimpleGrid, Skeleton, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
-import { useId, useState } from "react";
+import { lazy, Suspense, useId, useState } from "react";
 import { useLive, useServices, useTopic } from "../store/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";
-import { MainFields, MoreFields } from "./BatteryFields";
+import { MainFields } from "./BatteryFields";
 import { type BatteryForm, type NumberInputValue, PRESETS, sameForm, toMessage, toNumber } from "./form";
 import { PublisherStatus } from "./PublisherStatus";
 import { summarize } from "./words";
+
+/** Comes when it is asked for. */
+const MoreFields = lazy(() => import("./MoreFields"));
 
 const MIN_RATE_HZ = 0.1;
 const MAX_RATE_HZ = 100;
@@ -21,7 +24,7 @@ export function PublisherCard() {
   const active = useTopic("publisher")?.active === true;
   const [form, setForm] = useState<BatteryForm>(PRESETS[0].form);
   const [rateInput, setRateInput] = useState<NumberInputValue>(1);
-  const [done, setDone] = useState<{ at: number; text: string; once: boolean } | null>(null);
+  const [done, setDone] = useState<{ at: number; text: string } | null>(null);
   const [moreOpen, more] = useDisclosure(false);
   const reasonId = useId();
   const moreId = useId();
@@ -29,10 +32,10 @@ export function PublisherCard() {
   const change = (part: Partial<BatteryForm>) => setForm((before) => ({ ...before, ...part }));
   const message = toMessage(form);
   const rate = toNumber(rateInput);
-  const finish = (text: string, once = false) => setDone({ at: store.gatewayNow(), text, once });
+  const finish = (text: string) => setDone({ at: store.gatewayNow(), text });
   const once = useCommand(async (state: NonNullable<typeof message>) => {
     await gateway.publishOnce(state);
-    finish(`Published once: ${summarize(state)}.`, true);
+    finish(`Published once: ${summarize(state)}.`);
   });
   const repeatedly = useCommand(async (input: { state: NonNullable<typeof message>; rate: number }) => {
     await gateway.publishRepeatedly(input.state, input.rate);
@@ -62,7 +65,7 @@ export function PublisherCard() {
 
   return (
     <Section title="Publish a battery state">
-      <PublisherStatus publishedOnceAt={done?.once ? done.at : null} />
+      <PublisherStatus />
       <Group gap="xs" role="group" aria-label="Presets">
         {PRESETS.map((preset) => {
           const chosen = sameForm(form, preset.form);
@@ -88,7 +91,7 @@ export function PublisherCard() {
           onChange={setRateInput}
         />
       </SimpleGrid>
-      <div>
+      <Group gap="sm">
         <Button
           variant="default"
           size="compact-md"
@@ -98,10 +101,17 @@ export function PublisherCard() {
         >
           {moreOpen ? "Fewer fields" : "More fields"}
         </Button>
+        <Text size="sm" c="dimmed">
+          An empty number is not measured: NaN in the message.
+        </Text>
+      </Group>
+      <div id={moreId} hidden={!moreOpen}>
+        {moreOpen && (
+          <Suspense fallback={<Skeleton height={340} aria-label="More fields are loading" />}>
+            <MoreFields form={form} onChange={change} />
+          </Suspense>
+        )}
       </div>
-      <Collapse expanded={moreOpen} id={moreId}>
-        <MoreFields form={form} onChange={change} />
-      </Collapse>
       <Stack gap="xs">
         <Group gap="sm">
           <Button

@@ -1,61 +1,71 @@
-import { Badge, Group, Text } from "@mantine/core";
+import { Alert, Badge, Group, Text } from "@mantine/core";
 import type { Publisher } from "../api/types";
-import { useGatewayNow } from "../store/clock";
 import { useLive, useTopic } from "../store/context";
 import { Time } from "../ui/Time";
+import { type Publishers, usePublishers } from "./publishers";
 import { summarize } from "./words";
 
-/** A battery message this fresh means that someone publishes now. */
-const FRESH_MS = 3000;
-/** A message that comes within this time of the gateway's own publishing is its own. */
-const OURS_MS = 1500;
-
-/** What the gateway publishes now, or who else does. */
-export function PublisherStatus({ publishedOnceAt }: { publishedOnceAt: number | null }) {
+/** What the gateway publishes now, and who else does. */
+export function PublisherStatus() {
   const publisher = useTopic("publisher");
+  const publishers = usePublishers();
   const live = useLive();
   if (!live) return <Text size="sm">What is being published is not known while disconnected.</Text>;
-  if (publisher?.active) return <Active publisher={publisher} />;
-  return <Inactive publishedOnceAt={publishedOnceAt} />;
+  const active = publisher?.active === true;
+  return (
+    <>
+      <Group gap="xs" data-testid="publisher-status">
+        <Badge color={active ? "green" : "gray.7"}>{active ? "publishing" : "not publishing"}</Badge>
+        <Text size="sm" className="tabular">
+          {active ? <Active publisher={publisher} /> : "This gateway publishes nothing by itself now."}{" "}
+          {publishers !== null && <Simulated publishers={publishers} active={active} />}
+        </Text>
+      </Group>
+      {publishers !== null && <Others publishers={publishers} active={active} />}
+    </>
+  );
 }
 
 function Active({ publisher }: { publisher: Publisher }) {
   return (
-    <Group gap="xs" data-testid="publisher-status">
-      <Badge color="green">publishing</Badge>
-      <Text size="sm" className="tabular">
-        This gateway publishes {publisher.state === null ? "a state" : summarize(publisher.state)} at{" "}
-        {publisher.rate_hz} Hz: {publisher.published_count}{" "}
-        {publisher.published_count === 1 ? "message" : "messages"}
-        {publisher.started_at !== null && (
-          <>
-            {" "}
-            since <Time value={publisher.started_at} />
-          </>
-        )}
-        .
-      </Text>
-    </Group>
+    <>
+      This gateway publishes {publisher.state === null ? "a state" : summarize(publisher.state)} at{" "}
+      {publisher.rate_hz} Hz: {publisher.published_count}{" "}
+      {publisher.published_count === 1 ? "message" : "messages"}
+      {publisher.started_at !== null && (
+        <>
+          {" "}
+          since <Time value={publisher.started_at} />
+        </>
+      )}
+      .
+    </>
   );
 }
 
-function Inactive({ publishedOnceAt }: { publishedOnceAt: number | null }) {
-  const { receivedAt } = useTopic("battery");
-  const toldAt = useTopic("publisherToldAt");
-  const simulated = useTopic("simulator")?.battery_publisher === "self";
-  const now = useGatewayNow(500);
-  const oursUntil = Math.max(toldAt, publishedOnceAt ?? 0) + OURS_MS;
-  const someoneElse = receivedAt !== null && now - receivedAt < FRESH_MS && receivedAt > oursUntil;
+function Simulated({ publishers: { simulators }, active }: { publishers: Publishers; active: boolean }) {
+  if (simulators.length === 0) return null;
+  const name = simulators.join(", ");
+  return active
+    ? `The simulator (${name}) keeps silent until you stop.`
+    : `The simulator (${name}) publishes its battery. What you publish here takes its place, until you stop.`;
+}
+
+/** A warning where what is published here is not all that the robot hears. */
+function Others({ publishers: { topic, others }, active }: { publishers: Publishers; active: boolean }) {
+  if (others.length === 0) return null;
+  const name = others.join(", ");
   return (
-    <Group gap="xs" data-testid="publisher-status">
-      <Badge color="gray.7">not publishing</Badge>
+    <Alert
+      color="orange"
+      title={active ? `${name} publishes too` : `${name} publishes this battery`}
+      data-testid="other-publishers"
+    >
       <Text size="sm">
-        {simulated
-          ? "The simulator publishes its battery. What you publish here takes its place, until you stop."
-          : someoneElse
-            ? "Someone else publishes battery states: a robot, or ros2 topic pub. What you publish here mixes with theirs."
-            : "This gateway publishes nothing by itself now."}
+        On {topic}. {active ? "What you publish mixes" : "What you publish here would mix"} with its messages,
+        and whoever listens, as the docking server does, hears both by turns: the robot may move, or stand
+        still, on a state that is not its own.
       </Text>
-    </Group>
+    </Alert>
   );
 }

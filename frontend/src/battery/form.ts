@@ -18,8 +18,8 @@ export interface BatteryForm {
   power_supply_health: number;
   power_supply_technology: number;
   present: boolean;
-  cell_voltage: string;
-  cell_temperature: string;
+  cell_voltage: readonly NumberInputValue[];
+  cell_temperature: readonly NumberInputValue[];
   location: string;
   serial_number: string;
   frame_id: string;
@@ -37,8 +37,8 @@ const EMPTY: BatteryForm = {
   power_supply_health: 0,
   power_supply_technology: 0,
   present: false,
-  cell_voltage: "",
-  cell_temperature: "",
+  cell_voltage: [],
+  cell_temperature: [],
   location: "",
   serial_number: "",
   frame_id: "",
@@ -56,16 +56,6 @@ export const PRESETS = [
   },
 ] as const satisfies readonly { name: string; form: BatteryForm }[];
 
-/** The form of a list field: numbers between commas; a dash, or nothing, for a cell that is not measured. */
-export function parseCells(text: string): (number | null)[] | null {
-  if (text.trim() === "") return [];
-  const cells = text.split(",").map((part) => {
-    const trimmed = part.trim();
-    return trimmed === "" || trimmed === "-" || trimmed === "–" ? null : Number(trimmed);
-  });
-  return cells.every((cell) => cell === null || Number.isFinite(cell)) ? cells : null;
-}
-
 const FLOATS = ["voltage", "current", "temperature", "charge", "capacity", "design_capacity"] as const;
 const CHOICES = ["power_supply_health", "power_supply_technology"] as const;
 const CELLS = ["cell_voltage", "cell_temperature"] as const;
@@ -73,6 +63,12 @@ const TEXTS = ["location", "serial_number"] as const;
 
 /** The message to publish, or null where a field is not valid. */
 export function toMessage(form: BatteryForm): BatteryStateInput | null {
+  const numbers = [
+    form.percent,
+    ...FLOATS.map((field) => form[field]),
+    ...CELLS.flatMap((field) => form[field]),
+  ];
+  if (!numbers.every(isNumber)) return null;
   const message: BatteryStateInput = {};
   for (const field of FLOATS) {
     const value = toNumber(form[field]);
@@ -83,14 +79,15 @@ export function toMessage(form: BatteryForm): BatteryStateInput | null {
   message.power_supply_status = form.power_supply_status;
   for (const field of CHOICES) if (form[field] > 0) message[field] = form[field];
   if (form.present) message.present = true;
-  for (const field of CELLS) {
-    const cells = parseCells(form[field]);
-    if (cells === null) return null;
-    if (cells.length > 0) message[field] = cells;
-  }
+  for (const field of CELLS) if (form[field].length > 0) message[field] = form[field].map(toNumber);
   for (const field of TEXTS) if (form[field] !== "") message[field] = form[field];
   if (form.frame_id !== "") message.header = { frame_id: form.frame_id };
   return message;
+}
+
+/** Whether it is a number, or nothing. */
+export function isNumber(value: NumberInputValue): boolean {
+  return value === "" || Number.isFinite(Number(value));
 }
 
 export function toNumber(value: NumberInputValue): number | null {

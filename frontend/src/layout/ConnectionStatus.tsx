@@ -17,12 +17,15 @@ const PHASES: Record<ConnectionPhase, { label: string; color: string; hint: stri
   },
 };
 
+/** On a phone, of the longest words the first are enough: the banner below says them all. */
+const SHRINKS = { root: { minWidth: "3rem" } };
+
 export function ConnectionStatus() {
   const { phase } = useFleetTopic("connection");
   const { label, color, hint } = PHASES[phase];
   return (
     <Tooltip label={hint} multiline maw={280}>
-      <Badge color={color} data-testid="connection" role="status">
+      <Badge color={color} data-testid="connection" role="status" styles={SHRINKS}>
         {label}
       </Badge>
     </Tooltip>

@@ -35,16 +35,18 @@ const orange: MantineColorsTuple = [
   "#a33a00",
 ];
 
-/** The quiet text's colours and, in the dark, those of outlines, which are too faint by default. */
+/** The colours of quiet text and of errors and, in the dark, those of outlines, which are too faint by default. */
 export const cssVariables: CSSVariablesResolver = (base) => ({
   variables: {},
   light: {
     "--mantine-color-dimmed": base.colors.gray[7],
     "--mantine-color-placeholder": base.colors.gray[6],
+    "--mantine-color-error": base.colors.red[9],
   },
   dark: {
     "--mantine-color-dimmed": base.colors.dark[1],
     "--mantine-color-placeholder": base.colors.dark[2],
+    "--mantine-color-error": base.colors.red[4],
     "--mantine-color-blue-outline": base.colors.blue[3],
     "--mantine-color-grape-outline": base.colors.grape[3],
   },

@@ -50,7 +50,7 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
     case "cmd_vel":
       return { ...state, cmdVel: { twist: event.cmd_vel, receivedAt: Date.parse(event.time) } };
     case "battery_publisher":
-      return { ...state, publisher: event.battery_publisher, publisherToldAt: Date.parse(event.time) };
+      return { ...state, publisher: event.battery_publisher };
     case "action_server":
       return event.action_server.action_name === state.undockServer?.action_name
         ? { ...state, undockServer: event.action_server }
@@ -82,7 +82,6 @@ function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): S
       },
       cmdVel: { twist: null, receivedAt: null },
       publisher: event.battery_publisher,
-      publisherToldAt: Date.parse(event.time),
       ...servers,
       stop: event.stop,
       simulator: null,

@@ -45,8 +45,6 @@ export interface State extends GoalsState {
   battery: Battery;
   cmdVel: CmdVel;
   publisher: Publisher | null;
-  /** When that was told, in the gateway's time (ms): while it runs, about once a second. */
-  publisherToldAt: number;
   actionServer: ActionServer | null;
   undockServer: ActionServer | null;
   stop: StopState;
@@ -66,7 +64,6 @@ export const initialState: State = {
   battery: { state: null, receivedAt: null, staleAfterS: Number.POSITIVE_INFINITY },
   cmdVel: { twist: null, receivedAt: null },
   publisher: null,
-  publisherToldAt: 0,
   actionServer: null,
   undockServer: null,
   stop: { latched: false, since: null, by: null, robots: [] },
