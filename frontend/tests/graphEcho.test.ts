@@ -1,6 +1,8 @@
 import { expect, test } from "vitest";
 import {
+  describeCuts,
   type EchoEvent,
+  type EchoMessage,
   type EchoState,
   formatBytes,
   formatRate,
@@ -11,6 +13,7 @@ import { topic } from "./graph";
 
 const INSTALLED: EchoEvent = {
   type: "topic",
+  time: "2026-01-01T00:00:00Z",
   topic: topic("/chatter"),
   message_type: "std_msgs/msg/String",
   installed: true,
@@ -18,7 +21,12 @@ const INSTALLED: EchoEvent = {
 };
 
 function message(data: string): EchoEvent {
-  return { type: "message", time: "2026-01-01T00:00:00Z", message: { data }, abbreviated: false };
+  const time = "2026-01-01T00:00:00Z";
+  return { type: "message", time, topic: "/chatter", message: { data }, abbreviated: false, lengths: {} };
+}
+
+function rate(hz: number, messages = 1): EchoEvent {
+  return { type: "rate", time: "2026-01-01T00:00:00Z", topic: "/chatter", hz, bytes_per_s: 40, messages };
 }
 
 function after(state: EchoState, ...events: EchoEvent[]): EchoState {
@@ -33,7 +41,7 @@ test("it is live once the topic has been told, and shows the newest message", ()
 
 test("a pause holds the message while the rate goes on", () => {
   let state = reduceEcho(after(initialEcho(0), INSTALLED, message("a")), { kind: "pause", now: 1 });
-  state = after(state, message("b"), { type: "rate", hz: 2, bytes_per_s: 40, messages: 7 });
+  state = after(state, message("b"), rate(2, 7));
   expect(state.held).toMatchObject({ message: { data: "a" } });
   expect(state.rate?.messages).toBe(7);
   state = reduceEcho(state, { kind: "go on", now: 2 });
@@ -41,20 +49,25 @@ test("a pause holds the message while the rate goes on", () => {
 });
 
 test("a package that is missing is said; a rate there is all the same", () => {
-  const state = after(
-    initialEcho(0),
-    { ...INSTALLED, installed: false, hint: "Install my_msgs." },
-    { type: "rate", hz: 1, bytes_per_s: 1, messages: 1 },
-  );
+  const state = after(initialEcho(0), { ...INSTALLED, installed: false, hint: "Install my_msgs." }, rate(1));
   expect(state.hint).toBe("Install my_msgs.");
   expect(state.rate?.hz).toBe(1);
 });
 
 test("a rate from before the connection was lost is not shown", () => {
-  const live = after(initialEcho(0), INSTALLED, { type: "rate", hz: 9, bytes_per_s: 1, messages: 1 });
+  const live = after(initialEcho(0), INSTALLED, rate(9));
   const lost = reduceEcho(live, { kind: "connection", input: { kind: "closed" }, now: 1 });
   expect(lost.rate).toBeNull();
   expect(lost.connection.phase).toBe("reconnecting");
+});
+
+test("what is cut is said", () => {
+  const cut = {
+    ...(message("a") as EchoMessage),
+    abbreviated: true,
+    lengths: { ranges: 720, "points.x": 101 },
+  };
+  expect(describeCuts(cut)).toBe("ranges has 720 items, points.x has 101 items");
 });
 
 test("rates and sizes are short", () => {

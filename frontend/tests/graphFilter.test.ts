@@ -4,7 +4,13 @@ import { isWithin, matches, parseThing, thingId } from "../src/graph/things";
 import { DEFAULT_VIEW, type GraphView, readView, writeView } from "../src/graph/view";
 import { fleetGraph } from "./graph";
 
-const USUAL: Filters = { namespace: "/", hidden: false, services: false, gateway: false };
+const USUAL: Filters = {
+  namespace: "/",
+  hidden: false,
+  services: false,
+  gateway: false,
+  gatewayNode: "/dock_gateway",
+};
 
 function names(change: Partial<Filters>) {
   const { nodes, topics, services, actions } = filterGraph(fleetGraph(), { ...USUAL, ...change });

@@ -124,6 +124,34 @@ def test_quality_of_service_that_does_not_fit_is_named(page: Page, open_graph: C
     expect(details(page)).to_contain_text("asks for reliable, where best effort is offered")
 
 
+def test_a_topic_is_read_along_paused_and_copied(page: Page, open_graph: Callable[..., None]) -> None:
+    open_graph(f"?selected=topic:{CHATTER}")
+    echo = details(page).get_by_role("region", name="Live messages")
+    echo.get_by_role("switch", name="Live").check()
+    expect(echo.get_by_test_id("message-tree")).to_contain_text("power_supply_status")
+    expect(echo).to_contain_text(re.compile(r"(9\.\d+|1[01](\.\d+)?) Hz"), timeout=20_000)
+    assert "echo=true" in page.url
+    echo.get_by_role("button", name="Pause").click()
+    paused = echo.locator("time").get_attribute("datetime")
+    messages = messages_of(echo)
+    wait_until(lambda: messages_of(echo) > messages, "more messages")
+    assert echo.locator("time").get_attribute("datetime") == paused
+    echo.get_by_role("button", name="Go on").click()
+    expect(echo.locator("time")).not_to_have_attribute("datetime", paused or "")
+    page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    echo.get_by_role("button", name="Copy the message as JSON").click()
+    expect(echo.get_by_role("button", name="Copied the message as JSON")).to_be_visible()
+    assert "power_supply_status" in json.loads(page.evaluate("navigator.clipboard.readText()"))
+    # Another topic is read along at once, and one that is silent says so.
+    thing(page, f"topic:{CONFLICT}").click()
+    expect(echo).to_contain_text("Nothing yet")
+
+
+def messages_of(echo: Locator) -> int:
+    text = echo.locator("dt", has_text="Messages").locator("xpath=following-sibling::dd").inner_text()
+    return int(text) if text.isdecimal() else 0
+
+
 def test_the_keyboard_goes_everywhere(page: Page, open_graph: Callable[..., None]) -> None:
     open_graph()
     thing(page, "node:/dock_simulator").focus()
@@ -225,6 +253,7 @@ def test_the_picture_is_loaded_when_it_is_asked_for(page: Page, gateway: Running
     [
         "?services=true&gateway=true",
         f"?selected=topic:{CONFLICT}",
+        f"?selected=topic:{CHATTER}&echo=true",
         "?show=nodes&gateway=true",
         f"?view=list&services=true&selected=action:{ACTION}",
         "?search=odom",

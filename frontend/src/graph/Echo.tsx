@@ -3,7 +3,7 @@ import { useFleetLive } from "../fleet/context";
 import { CopyButton } from "../ui/CopyButton";
 import { Fact, FactList } from "../ui/Fact";
 import { Time } from "../ui/Time";
-import { type EchoState, formatBytes, formatRate } from "./echo";
+import { describeCuts, type EchoState, formatBytes, formatRate } from "./echo";
 import { MessageView } from "./MessageView";
 import { useEcho } from "./useEcho";
 
@@ -72,7 +72,7 @@ function LiveEcho({ topic }: { topic: string }) {
           <MessageView message={shown.message} />
           {shown.abbreviated && (
             <Text size="sm" c="dimmed">
-              Long arrays are cut, with their length said.
+              Not all of it is shown: {describeCuts(shown)}.
             </Text>
           )}
         </>

@@ -11,7 +11,7 @@ import { GraphList } from "./GraphList";
 import classes from "./graph.module.css";
 import { baseName } from "./things";
 import type { Graph } from "./types";
-import { useGraph } from "./useGraph";
+import { useGatewayNode, useGraph } from "./useGraph";
 import { type ChangeView, useView } from "./useView";
 import type { Form, GraphView } from "./view";
 import { describeShown } from "./words";
@@ -70,9 +70,10 @@ interface ShownProps {
 function Shown({ graph, form, view, change }: ShownProps) {
   // What is pressed shows that it is before all of the picture is drawn anew.
   const { namespace, hidden, services, gateway, search, shown } = useDeferredValue(view);
+  const gatewayNode = useGatewayNode();
   const filtered = useMemo(
-    () => filterGraph(graph, { namespace, hidden, services, gateway }),
-    [graph, namespace, hidden, services, gateway],
+    () => filterGraph(graph, { namespace, hidden, services, gateway, gatewayNode }),
+    [graph, namespace, hidden, services, gateway, gatewayNode],
   );
   const found = useMemo(() => searchGraph(filtered, search), [filtered, search]);
   const matching = found.nodes.length + found.topics.length + found.services.length + found.actions.length;

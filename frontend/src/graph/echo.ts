@@ -1,19 +1,15 @@
+import type { components } from "../api/schema.gen";
 import {
   type Connection,
   type ConnectionInput,
   initialConnection,
   nextConnection,
 } from "../stream/connection";
-import type { GraphTopic } from "./types";
 
 /** What `/ws/topics` sends. */
-export type EchoEvent =
-  | { type: "topic"; topic: GraphTopic; message_type: string; installed: boolean; hint: string | null }
-  | { type: "message"; time: string; message: unknown; abbreviated: boolean }
-  | { type: "rate"; hz: number; bytes_per_s: number; messages: number };
-
-export type EchoMessage = Extract<EchoEvent, { type: "message" }>;
-export type EchoRate = Extract<EchoEvent, { type: "rate" }>;
+export type EchoEvent = components["schemas"]["EchoEvent"];
+export type EchoMessage = components["schemas"]["MessageEvent"];
+export type EchoRate = components["schemas"]["RateEvent"];
 
 export interface EchoState {
   connection: Connection;
@@ -71,6 +67,13 @@ function take(state: EchoState, event: EchoEvent, now: number): EchoState {
     default:
       return state;
   }
+}
+
+/** What was left out of a message: `ranges has 720 items`. */
+export function describeCuts({ lengths }: EchoMessage): string {
+  return Object.entries(lengths)
+    .map(([path, length]) => `${path} has ${length} items`)
+    .join(", ");
 }
 
 /** `12.5 Hz`, `0.5 Hz`. */

@@ -1,14 +1,10 @@
-import { baseName, isWithin, matches, namespaceOf } from "./things";
+import { isWithin, matches, namespaceOf } from "./things";
 import type { Graph, GraphNode, GraphTopic } from "./types";
 import type { GraphView } from "./view";
 
-export type Filters = Pick<GraphView, "namespace" | "hidden" | "services" | "gateway">;
-
-const GATEWAY = "dock_gateway";
-
-/** Whether a node is a gateway like the one that shows this page; it is at nearly every topic. */
-export function isGateway(node: string): boolean {
-  return baseName(node) === GATEWAY;
+export interface Filters extends Pick<GraphView, "namespace" | "hidden" | "services" | "gateway"> {
+  /** The node of the gateway, which is at nearly every topic; other gateways mostly have the same name. */
+  gatewayNode: string;
 }
 
 /** What of the graph is shown. Things that only left-out nodes have are left out too. */
@@ -41,8 +37,10 @@ export function namespacesOf(graph: Graph): string[] {
   return [...found].sort();
 }
 
-function withoutNoise(graph: Graph, { hidden, services, gateway }: Filters): Graph {
-  const nodes = graph.nodes.filter((node) => (hidden || !node.hidden) && (gateway || !isGateway(node.name)));
+function withoutNoise(graph: Graph, { hidden, services, gateway, gatewayNode }: Filters): Graph {
+  const nodes = graph.nodes.filter(
+    (node) => (hidden || !node.hidden) && (gateway || node.name !== gatewayNode),
+  );
   const shown = new Set(nodes.map(({ name }) => name));
   const known = new Set(graph.nodes.map(({ name }) => name));
   // Endpoints without a node on the graph count: they are not the gateway's.

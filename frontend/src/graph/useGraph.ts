@@ -1,6 +1,7 @@
 import { type UseQueryResult, useQuery, useQueryClient } from "@tanstack/react-query";
 import { type CommandError, toCommandError } from "../api/errors";
 import { readGraph, type TaggedGraph } from "../api/graph";
+import { gatewayNode } from "../api/topics";
 import { useFleet } from "../fleet/context";
 import type { Graph } from "./types";
 
@@ -24,4 +25,15 @@ export function useGraph(): UseQueryResult<Graph, CommandError> {
 
 function graphOf({ graph }: TaggedGraph): Graph {
   return graph;
+}
+
+/** The gateway's node: the name that it has by default until it has told. */
+export function useGatewayNode(): string {
+  const { http } = useFleet();
+  const { data } = useQuery({
+    queryKey: ["gateway-node"],
+    queryFn: () => gatewayNode(http),
+    staleTime: Number.POSITIVE_INFINITY,
+  });
+  return data ?? "/dock_gateway";
 }
