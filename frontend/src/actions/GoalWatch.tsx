@@ -59,6 +59,12 @@ export function GoalWatch({ goalId, schemas }: { goalId: string | null; schemas:
         </Fact>
         <Elapsed goal={goal} />
         <Feedback goal={goal} arrivals={arrivals} />
+        {goal.stage !== null && (
+          <Fact name="Stage">
+            {goal.stage}
+            {goal.retries !== null && goal.retries > 0 && `, retry ${goal.retries}`}
+          </Fact>
+        )}
         <Fact name="Goal">
           <Anchor component={Link} to={`/ui/goals/${goal.goal_id}`}>
             {goal.goal_id.slice(0, 8)}

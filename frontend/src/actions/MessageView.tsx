@@ -26,7 +26,7 @@ export function MessageView({ title, message, schema, growing }: MessageViewProp
           <Text size="sm" mb={4}>
             {title}
           </Text>
-          <MessageTree value={rest} schema={schema} label={title} open={2} />
+          <MessageTree value={rest} schema={schema} label={title} />
         </div>
       )}
     </>

@@ -3,7 +3,7 @@ import { convertBytes, countBytes } from "../form/bytes";
 import type { BytesShape } from "../form/shapes";
 import type { Bytes } from "../form/values";
 import { lengthWords } from "../form/write";
-import type { InputProps } from "./context";
+import { type InputProps, ORDER } from "./context";
 import classes from "./fields.module.css";
 import { rowsFor } from "./simple";
 import { useField } from "./useField";
@@ -34,6 +34,7 @@ export function BytesField({ path, label, description, value, shape, optional }:
         autoComplete="off"
         spellCheck={false}
         placeholder={optional ? "as in the definition" : undefined}
+        inputWrapperOrder={ORDER}
         classNames={{ input: classes.numbers, description: classes.description }}
         value={value.text}
         onChange={(event) => set({ ...value, text: event.currentTarget.value })}

@@ -1,6 +1,6 @@
 import { NativeSelect, TextInput } from "@mantine/core";
 import type { IntegerShape } from "../form/shapes";
-import type { InputProps } from "./context";
+import { type InputProps, ORDER } from "./context";
 import classes from "./fields.module.css";
 import { unitSection } from "./simple";
 import { useField } from "./useField";
@@ -23,6 +23,7 @@ export function ChoiceField({ path, label, description, unit, value, shape }: Ch
         label={label}
         description={chosen?.description ?? description}
         error={other ? undefined : error}
+        inputWrapperOrder={ORDER}
         classNames={{ description: classes.description }}
         value={other ? OTHER : String(chosen.value)}
         onChange={(event) => set(event.currentTarget.value === OTHER ? "" : event.currentTarget.value)}

@@ -21,6 +21,14 @@ export function useForm(): FormContextValue {
   return form;
 }
 
+/** Descriptions are of all lengths: below the inputs they leave those of a row beside each other. */
+export const ORDER: ("label" | "input" | "error" | "description")[] = [
+  "label",
+  "input",
+  "error",
+  "description",
+];
+
 /** What the inputs of a form have in common. */
 export interface InputProps<V extends Value> {
   path: Path;

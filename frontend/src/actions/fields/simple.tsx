@@ -2,7 +2,7 @@ import { Switch, Text, Textarea, TextInput } from "@mantine/core";
 import { splitNumbers } from "../form/numbers";
 import type { FloatShape, IntegerShape, NumbersShape, TextShape } from "../form/shapes";
 import { lengthWords } from "../form/write";
-import type { InputProps } from "./context";
+import { type InputProps, ORDER } from "./context";
 import classes from "./fields.module.css";
 import { Label } from "./Label";
 import { useField } from "./useField";
@@ -37,6 +37,7 @@ export function NumberField({ path, label, description, unit, value, shape }: Nu
       inputMode={shape.kind === "integer" ? "numeric" : "decimal"}
       autoComplete="off"
       placeholder={shape.kind === "float" && shape.unset ? "not measured" : undefined}
+      inputWrapperOrder={ORDER}
       classNames={{ input: "tabular", description: classes.description }}
       value={value}
       onChange={(event) => set(event.currentTarget.value)}
@@ -75,6 +76,7 @@ export function TextField({ path, label, description, value }: TextFieldProps) {
       rows={Math.min(8, value.split("\n").length)}
       autoComplete="off"
       spellCheck={false}
+      inputWrapperOrder={ORDER}
       classNames={{ input: classes.text, description: classes.description }}
       value={value}
       onChange={(event) => set(event.currentTarget.value)}
@@ -107,6 +109,7 @@ export function NumbersField({ path, label, description, unit, value, shape, opt
       autoComplete="off"
       spellCheck={false}
       placeholder={optional ? "as in the definition" : undefined}
+      inputWrapperOrder={ORDER}
       classNames={{ root: classes.wide, input: classes.numbers, description: classes.description }}
       value={value}
       onChange={(event) => set(event.currentTarget.value)}

@@ -69,7 +69,7 @@ class Reader {
       if (!names.has(name)) {
         this.errors.push({
           path: dotted([...path, name]),
-          detail: `expected one of ${[...names].join(", ")}`,
+          detail: `there is no such field: expected one of ${[...names].join(", ")}`,
         });
       }
     }
