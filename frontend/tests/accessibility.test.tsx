@@ -54,7 +54,7 @@ describe("axe finds nothing", () => {
     expect(await violations()).toEqual([]);
   });
 
-  it("on a page that is full of things, nor in a goal's details", async () => {
+  it("on a page that is full of things", async () => {
     const error = { code: "action_server_lost", detail: "it left" };
     const received_at = new Date().toISOString();
     const { user } = renderPage(fakeGateway(), {
@@ -77,11 +77,6 @@ describe("axe finds nothing", () => {
     });
     await user.click(screen.getByRole("button", { name: "More fields" }));
     await user.click(screen.getByRole("button", { name: "Stop" }));
-    expect(await violations()).toEqual([]);
-    const [opener] = screen.getAllByRole("button", { name: /:\d\d:/ });
-    if (!opener) throw new Error("no goal to open");
-    await user.click(opener);
-    await screen.findByRole("dialog", { name: "Goal" });
     expect(await violations()).toEqual([]);
   });
 });

@@ -327,34 +327,29 @@ describe("publishing", () => {
 });
 
 describe("recent goals", () => {
-  it("show where a goal came from and open its details", async () => {
+  it("show where a goal came from and lead to its page", async () => {
     const ended = goal("b", {
       origin: "external",
       status: "aborted",
       error: { code: "battery_lost", detail: "no battery for 60 s" },
       finished_at: now(),
     });
-    const gateway = fakeGateway({ goal: vi.fn(async () => ended) });
-    const { user } = renderPage(gateway, { goals: [ended] });
+    renderPage(fakeGateway(), { goals: [ended] });
     const row = within(screen.getByRole("table")).getAllByRole("row")[1];
     if (!row) throw new Error("no row");
     expect(row.textContent).toMatch(/aborted.*external.*Battery fell silent/);
-    await user.click(within(row).getByRole("button"));
-    const dialog = await screen.findByRole("dialog", { name: "Goal" });
-    expect(dialog.textContent).toMatch(/ROS does not tell what others asked for/);
-    expect(gateway.goal).toHaveBeenCalledWith("dock", "b");
-    await user.click(button("Close the details"));
-    await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
+    expect(within(row).getByRole("link").getAttribute("href")).toBe("/ui/goals/b");
   });
 
-  it("load older ones", async () => {
+  it("are ten at first; the list of all goals is elsewhere", async () => {
     const many = Array.from({ length: 12 }, (_, index) => goal(`g${index}`, { status: "succeeded" }));
-    const older = [goal("older", { status: "canceled" })];
-    const gateway = fakeGateway({ goals: vi.fn(async () => ({ goals: older, next_cursor: null })) });
-    const { user } = renderPage(gateway, { goals: many });
+    const { user } = renderPage(fakeGateway(), { goals: many });
+    const rows = () => within(screen.getByRole("table")).getAllByRole("row").length - 1;
+    expect(rows()).toBe(10);
     await user.click(button("Show 2 more"));
-    await user.click(button("Load older goals"));
-    expect(await screen.findByText("canceled", { selector: "td *" })).toBeDefined();
-    expect(screen.queryByRole("button", { name: "Load older goals" })).toBeNull();
+    expect(rows()).toBe(12);
+    expect(screen.getByRole("link", { name: "All goals" }).getAttribute("href")).toBe(
+      "/ui/goals?action=%2Fdock&action=%2Fdisconnect_from_charging_dock",
+    );
   });
 });

@@ -51,13 +51,9 @@ describe("commands", () => {
     const fetch = answer(202, goal("a"));
     await gateway.undock();
     await gateway.cancel("undock", "a");
-    await gateway.goal("dock", "a");
-    await gateway.goals("undock", "next");
     expect(fetch.mock.calls.map(([request]) => request.url.replace("http://gateway:8000", ""))).toEqual([
       "/undock",
       "/undock/a/cancel",
-      "/dock/a",
-      "/undock?limit=50&cursor=next",
     ]);
   });
 

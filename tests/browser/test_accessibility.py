@@ -31,13 +31,6 @@ def test_a_running_goal(page: Page, gateway: RunningGateway) -> None:
     assert find_violations(page) == []
 
 
-def test_the_details_of_a_goal(page: Page, gateway: RunningGateway) -> None:
-    dock(page, gateway)
-    page.get_by_role("table").filter(has_text="Origin").get_by_role("button").first.click()
-    expect(page.get_by_role("dialog", name="Goal")).to_be_visible()
-    assert find_violations(page) == []
-
-
 @pytest.mark.parametrize("width", [320, 820])
 def test_a_narrow_window(page: Page, gateway: RunningGateway, width: int) -> None:
     """At 320 CSS pixels nothing is cut off or scrolled sideways (WCAG 1.4.10)."""

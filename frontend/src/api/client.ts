@@ -1,16 +1,7 @@
 import type { Pose } from "../scene/geometry";
 import { CommandError } from "./errors";
 import { deadline, type Http, settle } from "./http";
-import type {
-  BatteryStateInput,
-  Fault,
-  Goal,
-  GoalPage,
-  Publisher,
-  Simulator,
-  StopReport,
-  StopState,
-} from "./types";
+import type { BatteryStateInput, Fault, Goal, Publisher, Simulator, StopReport, StopState } from "./types";
 
 /**
  * What can be asked of a robot. Each call is one HTTP request: nothing is sent again by itself, because a command
@@ -20,8 +11,6 @@ export interface Gateway {
   dock(desiredStatus: number): Promise<Goal>;
   undock(): Promise<Goal>;
   cancel(verb: Verb, goalId: string): Promise<Goal>;
-  goal(verb: Verb, goalId: string): Promise<Goal>;
-  goals(verb: Verb, cursor: string | null): Promise<GoalPage>;
   /** Stops, and lets nobody go on until `release`. */
   stop(by: string): Promise<StopReport>;
   release(): Promise<StopState>;
@@ -56,15 +45,6 @@ export function createGateway(http: Http, robot: string | null = null): Gateway 
       settle(
         http.POST(`/${verb}/{goal_id}/cancel`, {
           params: { path: { goal_id: goalId } },
-          signal: deadline(),
-        }),
-      ),
-    goal: (verb, goalId) =>
-      settle(http.GET(`/${verb}/{goal_id}`, { params: { path: { goal_id: goalId } }, signal: deadline() })),
-    goals: (verb, cursor) =>
-      settle(
-        http.GET(`/${verb}`, {
-          params: { query: { ...query, limit: 50, ...(cursor === null ? {} : { cursor }) } },
           signal: deadline(),
         }),
       ),

@@ -7,8 +7,11 @@ export type Goal = Schemas["Goal"];
 export type AnyGoal = Schemas["ActionGoal"];
 export type AnyGoalPage = Schemas["ActionGoalPage"];
 export type ActionInfo = Schemas["ActionInfo"];
-export type GoalPage = Schemas["GoalPage"];
+export type GoalHistory = Schemas["GoalHistory"];
+/** What a goal's history is made of. */
+export type GoalEvent = GoalHistory["events"][number];
 export type GoalStatus = Schemas["GoalStatus"];
+export type GoalError = Schemas["GoalError"];
 export type BatteryState = Schemas["BatteryState"];
 export type BatteryStateInput = Schemas["BatteryStateInput"];
 export type Publisher = Schemas["Publisher"];

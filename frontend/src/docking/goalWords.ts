@@ -1,7 +1,7 @@
 import type { Verb } from "../api/client";
-import type { Goal, GoalStatus } from "../api/types";
+import type { AnyGoal, Goal, GoalStatus } from "../api/types";
 import { isTerminal } from "../store/goals";
-import { stageWords } from "./stages";
+import { stageName, stageWords } from "./stages";
 
 export const STATUS_COLORS: Record<GoalStatus, string> = {
   pending: "gray.7",
@@ -18,30 +18,42 @@ export const STATUS_COLORS: Record<GoalStatus, string> = {
 const MEANINGS: Record<Exclude<GoalStatus, "executing" | "succeeded">, string> = {
   pending: "Sent; the action server has not answered yet.",
   accepted: "The action server accepted the goal and will start it.",
-  canceling: "The cancellation was accepted; the robot is being stopped.",
+  canceling: "The cancellation was accepted; the action server is stopping what it does.",
   canceled: "Canceled as asked.",
   aborted: "The action server gave up on the goal.",
   rejected: "The action server did not accept the goal.",
   lost: "The action server went away while the goal ran.",
 };
 
-const EXECUTING: Record<Verb, string> = {
+const EXECUTING: Record<Verb | "other", string> = {
+  other: "The action server is working on the goal.",
   dock: "The action server is working on the goal until the battery says that it is charging.",
   undock: "The action server backs the robot out of the dock.",
 };
 
-const SUCCEEDED: Record<Verb, string> = {
+const SUCCEEDED: Record<Verb | "other", string> = {
+  other: "The action server did what was asked.",
   dock: "The robot is on the dock.",
   undock: "The robot is off the dock.",
 };
 
-/** What status and stage mean, in a sentence. */
-export function meaning(goal: Goal, verb: Verb): string {
+const VERBS: Record<string, Verb> = {
+  "action_tutorials_interfaces/action/ConnectToChargingDock": "dock",
+  "action_tutorials_interfaces/action/DisconnectFromChargingDock": "undock",
+};
+
+/** Which of the docking actions a goal is on; null where it is on any other. */
+export function dockingVerb(goal: Pick<AnyGoal, "action_type">): Verb | null {
+  return VERBS[goal.action_type] ?? null;
+}
+
+/** What status and stage mean, in a sentence; `verb` is null for a goal on any other action. */
+export function meaning(goal: Pick<AnyGoal, "status" | "stage" | "stalled">, verb: Verb | null): string {
   if (goal.stalled && !isTerminal(goal.status)) {
     return "Stalled: the action server is silent and does not answer.";
   }
-  if (goal.status === "succeeded") return SUCCEEDED[verb];
-  if (goal.status === "executing") return stageWords(goal.stage) ?? EXECUTING[verb];
+  if (goal.status === "succeeded") return SUCCEEDED[verb ?? "other"];
+  if (goal.status === "executing") return stageWords(goal.stage) ?? EXECUTING[verb ?? "other"];
   return MEANINGS[goal.status];
 }
 
@@ -67,7 +79,7 @@ const ADVICE: Record<string, string> = {
     "See that nothing stands before the dock's beacon and the robot's receivers, then dock again.",
   lost_marker: "See that nothing stands before the marker and that it is well lit, then dock again.",
   odometry_lost: "Check the robot's base driver: nothing comes on odom.",
-  preempted: "A newer goal took its place: see Recent goals.",
+  preempted: "A newer goal took its place: see the list of goals.",
   pushed_off: "Somebody or something moved the robot off its dock: dock again.",
   shutting_down: "Start the action server again, then dock again.",
   stop_latched: "Release the stop, then send the goal again.",
@@ -75,7 +87,7 @@ const ADVICE: Record<string, string> = {
 };
 
 /** What can be done about a goal that does not go as it should. */
-export function advice(goal: Goal): string | null {
+export function advice(goal: AnyGoal): string | null {
   if (goal.status === "lost") return LOST;
   if (goal.error !== null) return ADVICE[goal.error.code] ?? null;
   return goal.stalled ? STALLED : null;
@@ -103,11 +115,17 @@ const SHORT: Record<string, string> = {
   timeout: "Took too long",
 };
 
-/** A few words for a table; the details say more. */
-export function outcome(goal: Pick<Goal, "error" | "stalled" | "status">, verb: Verb): string {
+const REACHED: Record<Verb, string> = { dock: "On the dock", undock: "Off the dock" };
+
+/** A few words for a table; the goal's page says more. */
+export function outcome(
+  goal: Pick<AnyGoal, "error" | "stalled" | "status" | "stage">,
+  verb: Verb | null,
+): string {
   if (goal.error !== null) return SHORT[goal.error.code] ?? goal.error.detail;
-  if (goal.status === "succeeded") return verb === "dock" ? "On the dock" : "Off the dock";
-  return goal.stalled ? "Server is silent" : "–";
+  if (goal.status === "succeeded" && verb !== null) return REACHED[verb];
+  if (goal.stalled) return "Server is silent";
+  return goal.stage === null || isTerminal(goal.status) ? "–" : stageName(goal.stage);
 }
 
 /** The goal to show: the newest that runs, else the one that ended last. */

@@ -1,6 +1,7 @@
 import type { Verb } from "../api/client";
 import type { Goal } from "../api/types";
 import { isTerminal } from "../store/goals";
+import { sentence } from "../ui/sentence";
 
 export type StepState = "done" | "current" | "failed" | "waiting";
 
@@ -54,6 +55,11 @@ function stateOf(goal: Goal, ahead: number, retrying: boolean): StepState {
   if (goal.status === "succeeded" || ahead < 0) return "done";
   if (ahead > 0) return "waiting";
   return retrying || isTerminal(goal.status) ? "failed" : "current";
+}
+
+/** A stage as people write it, also one that is not ours: `Wait for charge`. */
+export function stageName(stage: string): string {
+  return stageLabel(stage) ?? sentence(stage.replaceAll("_", " ").toLowerCase());
 }
 
 const WORDS: Record<string, string> = {

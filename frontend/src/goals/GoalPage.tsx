@@ -1,11 +1,78 @@
-import { Title } from "@mantine/core";
+import { Skeleton, Stack, Text, Title } from "@mantine/core";
+import { useParams } from "react-router";
+import { Command } from "../ui/Command";
 import { usePageTitle } from "../ui/usePageTitle";
+import { FeedbackSection } from "./FeedbackSection";
+import { GoalHead } from "./GoalHead";
+import { GoalMessages } from "./GoalMessages";
+import { GoalTimeline } from "./GoalTimeline";
+import classes from "./goalPage.module.css";
+import { Trouble } from "./Trouble";
+import { useGoalWatch, useWatched, useWatchTopic, WatchedContext } from "./useGoalWatch";
 
+/** One goal, whatever its action: what was asked, what happened and how it ended, as it happens. */
 export default function GoalPage() {
-  usePageTitle("Goal");
+  const { goalId = "" } = useParams();
+  const watched = useGoalWatch(goalId);
+  if (watched === null) return <GoalSkeleton />;
+  return (
+    <WatchedContext.Provider value={watched}>
+      <WatchedGoal />
+    </WatchedContext.Provider>
+  );
+}
+
+function WatchedGoal() {
+  const { watch } = useWatched();
+  const goal = useWatchTopic("goal");
+  const error = useWatchTopic("error");
+  usePageTitle(goal === null ? "Goal" : `${goal.status}: goal on ${goal.action_name}`);
+  if (goal === null) {
+    if (error === null) return <GoalSkeleton />;
+    return (
+      <>
+        <GoalTitle />
+        <Trouble what="The goal could not be loaded" error={error} onRetry={() => void watch.open()} />
+        <Stack gap="xs">
+          <Text size="sm" c="dimmed">
+            The goals that the gateway knows:
+          </Text>
+          <Command line={`curl '${window.location.origin}/goals'`} what="the command that lists goals" />
+        </Stack>
+      </>
+    );
+  }
+  return (
+    <>
+      <GoalHead goal={goal} />
+      <div className={classes.grid}>
+        <GoalTimeline goal={goal} />
+        <FeedbackSection goal={goal} />
+      </div>
+      <GoalMessages goal={goal} />
+    </>
+  );
+}
+
+function GoalTitle() {
   return (
     <Title order={1} size="h3">
       Goal
     </Title>
+  );
+}
+
+/** About as large as what comes. */
+function GoalSkeleton() {
+  return (
+    <Stack gap="md" aria-busy="true">
+      <GoalTitle />
+      <Skeleton height={190} />
+      <div className={classes.grid}>
+        <Skeleton height={420} />
+        <Skeleton height={420} />
+      </div>
+      <Skeleton height={300} />
+    </Stack>
   );
 }

@@ -1,11 +1,119 @@
-import { Title } from "@mantine/core";
+import { Button, Group, Skeleton, Stack, Table, Text, Title } from "@mantine/core";
+import { useMemo } from "react";
+import { useSearchParams } from "react-router";
+import { goalsExportUrl } from "../api/goals";
+import { dockingVerb } from "../docking/goalWords";
+import { useFleet, useFleetLive } from "../fleet/context";
+import { Command } from "../ui/Command";
 import { usePageTitle } from "../ui/usePageTitle";
+import { Downloads } from "./Downloads";
+import { type GoalFilter, isFiltered, NO_FILTER, readFilter, toQuery, writeFilter } from "./filter";
+import { GoalFilters } from "./GoalFilters";
+import { GoalsHead, GoalsTable } from "./GoalsTable";
+import { Trouble } from "./Trouble";
+import { type GoalList, useGoalList } from "./useGoalList";
 
+/** The goals on all actions, whoever sent them, as they come; narrowed by what the address says. */
 export default function GoalsPage() {
   usePageTitle("Goals");
+  const { store } = useFleet();
+  const [parameters, setParameters] = useSearchParams();
+  const filter = useMemo(() => readFilter(parameters), [parameters]);
+  const setFilter = (next: GoalFilter) => setParameters(writeFilter(next), { replace: true });
+  const list = useGoalList(filter);
   return (
-    <Title order={1} size="h3">
-      Goals
-    </Title>
+    <>
+      <Group justify="space-between" gap="xs">
+        <Title order={1} size="h3">
+          Goals
+        </Title>
+        <Downloads
+          what="these goals"
+          url={(format) => goalsExportUrl(toQuery(filter, store.gatewayNow()), format)}
+        />
+      </Group>
+      <GoalFilters filter={filter} onChange={setFilter} />
+      <Trouble what="The list of goals could not be loaded" error={list.error} onRetry={list.retry} />
+      <Listed list={list} filter={filter} onClear={() => setFilter(NO_FILTER)} />
+    </>
+  );
+}
+
+interface ListedProps {
+  list: GoalList;
+  filter: GoalFilter;
+  onClear: () => void;
+}
+
+function Listed({ list, filter, onClear }: ListedProps) {
+  const live = useFleetLive();
+  const { goals } = list;
+  if (goals === null) return list.error === null ? <ListSkeleton /> : null;
+  if (goals.length === 0 && !list.loading) return <NoGoals filtered={isFiltered(filter)} onClear={onClear} />;
+  return (
+    <Stack gap="sm">
+      <Text size="sm" c="dimmed" role="status">
+        {list.more
+          ? `The newest ${goals.length} goals`
+          : goals.length === 1
+            ? "One goal"
+            : `${goals.length} goals`}
+        {live ? ", live" : ", not live"}
+      </Text>
+      <GoalsTable goals={goals} verbOf={dockingVerb} />
+      {list.more && (
+        <Button variant="default" disabled={list.loading} onClick={list.loadMore}>
+          Load older goals
+        </Button>
+      )}
+    </Stack>
+  );
+}
+
+function NoGoals({ filtered, onClear }: { filtered: boolean; onClear: () => void }) {
+  if (filtered) {
+    return (
+      <Stack gap="xs" align="flex-start">
+        <Text fw={600}>No goal fits</Text>
+        <Text size="sm" c="dimmed">
+          Goals that do appear here as they come.
+        </Text>
+        <Button variant="default" onClick={onClear}>
+          Show all goals
+        </Button>
+      </Stack>
+    );
+  }
+  return (
+    <Stack gap="xs">
+      <Text fw={600}>No goals yet</Text>
+      <Text size="sm" c="dimmed">
+        Every goal on every action of the ROS graph is listed here: those sent from these pages, over HTTP,
+        and by other ROS nodes. Send the first one from a robot's page or an action's, or from a terminal:
+      </Text>
+      <Command line={`curl -X POST ${window.location.origin}/dock`} what="the command that docks" />
+    </Stack>
+  );
+}
+
+const ROWS = Array.from({ length: 8 }, (_, index) => index);
+
+function ListSkeleton() {
+  return (
+    <Stack gap="sm" aria-busy="true" aria-label="The goals are loading">
+      <Skeleton height={18} width={120} />
+      <Table verticalSpacing="xs" horizontalSpacing={8}>
+        <GoalsHead oneRobot={false} />
+        <Table.Tbody>
+          {ROWS.map((row) => (
+            <Table.Tr key={row}>
+              <Table.Td colSpan={6}>
+                <Skeleton height={30} />
+              </Table.Td>
+            </Table.Tr>
+          ))}
+        </Table.Tbody>
+      </Table>
+    </Stack>
   );
 }

@@ -4,10 +4,17 @@ import { copyText } from "./copyText";
 
 type Outcome = "idle" | "copied" | "failed";
 
-const LABELS: Record<Outcome, string> = { idle: "Copy", copied: "Copied", failed: "Not copied" };
+const OUTCOMES: Record<Exclude<Outcome, "idle">, string> = { copied: "Copied", failed: "Not copied" };
 
-/** Copies `value`; `what` says to a screen reader what that is. */
-export function CopyButton({ value, what }: { value: string; what: string }) {
+interface CopyButtonProps {
+  value: string;
+  /** What that is, to a screen reader. */
+  what: string;
+  label?: string;
+}
+
+/** Copies `value`. */
+export function CopyButton({ value, what, label = "Copy" }: CopyButtonProps) {
   const [outcome, setOutcome] = useState<Outcome>("idle");
 
   useEffect(() => {
@@ -19,7 +26,7 @@ export function CopyButton({ value, what }: { value: string; what: string }) {
   const copy = async () => setOutcome((await copyText(value)) ? "copied" : "failed");
   return (
     <Button variant="default" size="compact-sm" miw={92} onClick={copy}>
-      <span aria-live="polite">{LABELS[outcome]}</span>
+      <span aria-live="polite">{outcome === "idle" ? label : OUTCOMES[outcome]}</span>
       <VisuallyHidden> {what}</VisuallyHidden>
     </Button>
   );

@@ -1,3 +1,4 @@
+import { Breakable } from "./Breakable";
 import {
   descriptionOf,
   fieldNode,
@@ -112,7 +113,7 @@ function Part({
 function Name({ name, node }: { name: string; node: SchemaNode | undefined }) {
   return (
     <span className={classes.name} title={descriptionOf(node) ?? undefined}>
-      {name}
+      <Breakable text={name} />
     </span>
   );
 }

@@ -2,16 +2,15 @@
 export interface JsonSchema {
   $ref?: string;
   $defs?: Record<string, JsonSchema>;
-  type?: string | string[];
+  type?: string | readonly string[];
   title?: string;
   description?: string;
   properties?: Record<string, JsonSchema>;
   items?: JsonSchema;
-  anyOf?: JsonSchema[];
+  anyOf?: readonly JsonSchema[];
   "x-ros-type"?: string;
   "x-unit"?: string;
   "x-constants"?: Record<string, number | string>;
-  [keyword: string]: unknown;
 }
 
 /** A place in a schema; undefined where nothing is known of it. */

@@ -33,3 +33,26 @@ export function formatDuration(ms: number): string {
   if (whole < 86_400) return `${Math.floor(whole / 3600)} h ${two(Math.floor((whole % 3600) / 60))} min`;
   return `${Math.floor(whole / 86_400)} d ${Math.floor((whole % 86_400) / 3600)} h`;
 }
+
+/** Since the beginning of something: `0.25 s`, `1:05`, `1:02:05`. */
+export function formatElapsed(seconds: number): string {
+  if (Math.abs(seconds) < 60) return `${Number(seconds.toFixed(2))} s`;
+  const whole = Math.round(seconds);
+  const two = (value: number) => String(value).padStart(2, "0");
+  const minutes = Math.floor(whole / 60);
+  if (minutes < 60) return `${minutes}:${two(whole % 60)}`;
+  return `${Math.floor(minutes / 60)}:${two(minutes % 60)}:${two(whole % 60)}`;
+}
+
+/** A time for an `<input type="datetime-local">`, in the reader's zone. */
+export function toLocalInput(time: string | null): string {
+  if (time === null) return "";
+  const date = new Date(time);
+  return new Date(date.getTime() - date.getTimezoneOffset() * 60_000).toISOString().slice(0, 16);
+}
+
+/** The time (RFC 3339) in such an input; null where it is empty or not whole yet. */
+export function fromLocalInput(text: string): string | null {
+  const ms = Date.parse(text);
+  return Number.isNaN(ms) ? null : new Date(ms).toISOString();
+}

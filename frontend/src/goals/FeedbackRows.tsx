@@ -1,0 +1,161 @@
+import { Button, Group, Stack, Table, Text } from "@mantine/core";
+import { useState } from "react";
+import { constantName, type JsonSchema, type SchemaNode, unitOf } from "../ui/jsonSchema";
+import { NOT_MEASURED } from "../ui/messageWords";
+import { Time } from "../ui/Time";
+import { formatElapsed } from "../ui/time";
+import type { FeedbackLog, FeedbackRow } from "./feedbackLog";
+import { type FoundField, nodeOf, numberAt, shortNames } from "./fields";
+import { NamedMessage } from "./GoalMessages";
+import classes from "./goalPage.module.css";
+import { useWatched } from "./useGoalWatch";
+
+/** Rows of the table at once; more fields than these are in the message beside it. */
+const ROWS = 12;
+const COLUMNS = 10;
+
+interface FeedbackRowsProps {
+  /** When the goal began (ms). */
+  start: number;
+  schema: JsonSchema | undefined;
+}
+
+/** The messages of a goal's feedback, the newest first and as they come; and one of them in full. */
+export function FeedbackRows({ start, schema }: FeedbackRowsProps) {
+  const { log } = useWatched().watch;
+  /** The row at the top while it stays; null follows the newest. */
+  const [held, setHeld] = useState<string | null>(null);
+  const [chosen, setChosen] = useState<string | null>(null);
+  const top = held === null ? log.rows.length - 1 : Math.min(log.indexOf(held), log.rows.length - 1);
+  const rows = log.rows.slice(Math.max(0, top + 1 - ROWS), top + 1).reverse();
+  const shown = log.rows.find(({ id }) => id === chosen) ?? log.rows.at(-1);
+  const goTo = (index: number) =>
+    setHeld(index >= log.rows.length - 1 ? null : (log.rows[index]?.id ?? null));
+  return (
+    <Stack gap="lg">
+      <Stack gap="xs">
+        <FeedbackTable rows={rows} start={start} schema={schema} chosen={chosen} onChoose={setChosen} />
+        <Group gap="xs">
+          <Button
+            variant="default"
+            size="compact-sm"
+            aria-pressed={held !== null}
+            onClick={() => setHeld(held === null ? (log.rows.at(-1)?.id ?? null) : null)}
+          >
+            {held === null ? "Hold the table" : "Follow the newest"}
+          </Button>
+          <Button variant="default" size="compact-sm" disabled={top < ROWS} onClick={() => goTo(top - ROWS)}>
+            Older
+          </Button>
+          <Button
+            variant="default"
+            size="compact-sm"
+            disabled={held === null}
+            onClick={() => goTo(top + ROWS)}
+          >
+            Newer
+          </Button>
+        </Group>
+      </Stack>
+      <Stack gap="xs">
+        {shown !== undefined && (
+          <NamedMessage
+            title={chosen === shown.id ? `Message at ${sinceStart(shown, start)}` : "Latest message"}
+            value={shown.message}
+            schema={schema}
+            absent={NOT_MEASURED}
+          />
+        )}
+        {chosen !== null && (
+          <Group>
+            <Button variant="default" size="compact-sm" onClick={() => setChosen(null)}>
+              Show the latest
+            </Button>
+          </Group>
+        )}
+      </Stack>
+    </Stack>
+  );
+}
+
+interface FeedbackTableProps extends FeedbackRowsProps {
+  rows: readonly FeedbackRow[];
+  chosen: string | null;
+  onChoose: (id: string) => void;
+}
+
+function FeedbackTable({ rows, start, schema, chosen, onChoose }: FeedbackTableProps) {
+  const { log } = useWatched().watch;
+  const fields = columnsOf(log);
+  const names = shortNames(fields);
+  const nodes = fields.map((field) => nodeOf(schema, field));
+  return (
+    <Table.ScrollContainer minWidth={300} scrollAreaProps={{ tabIndex: 0 }}>
+      <Table
+        verticalSpacing={4}
+        horizontalSpacing={8}
+        className={classes.rows ?? ""}
+        data-testid="feedback-table"
+      >
+        <Table.Thead>
+          <Table.Tr>
+            <Table.Th>Since the start</Table.Th>
+            <Table.Th>Time</Table.Th>
+            {fields.map(({ name }, index) => (
+              <Table.Th key={name} title={name}>
+                {names[index]}
+              </Table.Th>
+            ))}
+          </Table.Tr>
+        </Table.Thead>
+        <Table.Tbody>
+          {rows.map((row) => (
+            <Table.Tr key={row.id} data-chosen={row.id === chosen || undefined}>
+              <Table.Td>
+                <button
+                  type="button"
+                  className={classes.choose}
+                  aria-pressed={row.id === chosen}
+                  onClick={() => onChoose(row.id)}
+                >
+                  {sinceStart(row, start)}
+                </button>
+              </Table.Td>
+              <Table.Td>
+                <Time value={row.time} />
+              </Table.Td>
+              {fields.map((field, index) => (
+                <Table.Td key={field.name}>
+                  <Cell value={numberAt(row.message, field)} node={nodes[index]} />
+                </Table.Td>
+              ))}
+            </Table.Tr>
+          ))}
+        </Table.Tbody>
+      </Table>
+    </Table.ScrollContainer>
+  );
+}
+
+function Cell({ value, node }: { value: number | null; node: SchemaNode | undefined }) {
+  if (value === null) {
+    return (
+      <Text span size="sm" c="dimmed" fs="italic">
+        {NOT_MEASURED}
+      </Text>
+    );
+  }
+  const unit = unitOf(node);
+  return constantName(node, value) ?? (unit === null ? value : `${value} ${unit}`);
+}
+
+/** Those of a message's own fields before those of the items of arrays. */
+function columnsOf(log: FeedbackLog): FoundField[] {
+  const isItem = ({ path }: FoundField) => path.some((step) => typeof step === "number");
+  const fields = log.fields.all;
+  return [...fields.filter((field) => !isItem(field)), ...fields.filter(isItem)].slice(0, COLUMNS);
+}
+
+function sinceStart(row: FeedbackRow, start: number): string {
+  return formatElapsed((row.time - start) / 1000);
+}

@@ -1,0 +1,155 @@
+import { Alert, Anchor, Button, Group, Stack, Text } from "@mantine/core";
+import { useId, useState } from "react";
+import { Link } from "react-router";
+import { useActionsApi, useSchemas } from "../actions/useActions";
+import { goalExportUrl } from "../api/goals";
+import type { AnyGoal, StopState } from "../api/types";
+import { useFleetLive, useFleetTopic } from "../fleet/context";
+import { isTerminal } from "../store/goals";
+import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { CopyButton } from "../ui/CopyButton";
+import { Dialog } from "../ui/Dialog";
+import { NOT_MEASURED } from "../ui/messageWords";
+import { useCommand } from "../ui/useCommand";
+import { Downloads } from "./Downloads";
+import { NamedMessage } from "./GoalMessages";
+import { GoalStatusBadge } from "./GoalStatusBadge";
+import { goalPath } from "./GoalsTable";
+import classes from "./goalPage.module.css";
+import { useWatched } from "./useGoalWatch";
+
+/** Cancel, send again, share and download. Each says what came of it. */
+export function GoalCommands({ goal }: { goal: AnyGoal }) {
+  const { watch, api } = useWatched();
+  const actions = useActionsApi();
+  const live = useFleetLive();
+  const stop = useFleetTopic("stop");
+  const [asking, setAsking] = useState(false);
+  const reasonId = useId();
+  const cancel = useCommand(async () => watch.take(await api.cancel(goal.goal_id)));
+  const again = useCommand(() => actions.send(goal.action_name, JSON.stringify(goal.goal)));
+  const cancelReason = whyNotCancel(goal, live, cancel.isPending);
+  const againReason = whyNotAgain(goal, live, stop, again.isPending);
+  const send = () => {
+    setAsking(false);
+    again.mutate();
+  };
+  return (
+    <Stack gap="xs">
+      <div className={classes.commands}>
+        <Button
+          variant="default"
+          disabled={cancelReason !== null}
+          aria-describedby={reasonId}
+          onClick={() => cancel.mutate()}
+        >
+          Cancel
+        </Button>
+        <Button
+          variant="default"
+          disabled={againReason !== null}
+          aria-describedby={reasonId}
+          onClick={() => setAsking(true)}
+        >
+          Send again …
+        </Button>
+        <CopyButton value={window.location.href} what="to this goal" label="Copy link" />
+        <Downloads what="this goal" url={(format) => goalExportUrl(goal.goal_id, format)} />
+      </div>
+      <Text size="sm" c="dimmed" id={reasonId} role="status">
+        {[cancelReason, againReason].filter((reason) => reason !== null).join(" ")}
+      </Text>
+      <CommandErrorAlert command="Cancel" error={cancel.error} onClose={cancel.reset} />
+      <CommandErrorAlert command="Sending it again" error={again.error} onClose={again.reset} />
+      {again.data !== undefined && <SentAgain goal={again.data} onClose={again.reset} />}
+      <AskAgain
+        goal={goal}
+        opened={asking}
+        reason={againReason}
+        onClose={() => setAsking(false)}
+        onSend={send}
+      />
+    </Stack>
+  );
+}
+
+function SentAgain({ goal, onClose }: { goal: AnyGoal; onClose: () => void }) {
+  return (
+    <Alert
+      color="green"
+      title="Sent again"
+      withCloseButton
+      closeButtonLabel="Dismiss"
+      onClose={onClose}
+      role="status"
+    >
+      <Text component="div" size="sm">
+        The answer of the action server: <GoalStatusBadge status={goal.status} />.{" "}
+        <Anchor component={Link} to={goalPath(goal.goal_id)} size="sm">
+          Watch the new goal
+        </Anchor>
+      </Text>
+    </Alert>
+  );
+}
+
+interface AskAgainProps {
+  goal: AnyGoal;
+  opened: boolean;
+  /** Why it cannot be sent any more; null where it can. */
+  reason: string | null;
+  onClose: () => void;
+  onSend: () => void;
+}
+
+function AskAgain({ goal, opened, reason, onClose, onSend }: AskAgainProps) {
+  const schemas = useSchemas(goal.action_type).data;
+  const reasonId = useId();
+  return (
+    <Dialog title="Send this goal again?" opened={opened} onClose={onClose}>
+      <Stack gap="md">
+        <Text size="sm">
+          A robot may move as soon as {goal.action_name} accepts it. See that nobody is in its way.
+        </Text>
+        <NamedMessage title="Goal" value={goal.goal} schema={schemas?.goal} absent={NOT_MEASURED} />
+        <Text size="sm" c="dimmed" id={reasonId} role="status">
+          {reason}
+        </Text>
+        <Group justify="flex-end" gap="sm">
+          <Button variant="default" onClick={onClose} data-autofocus>
+            Do not send
+          </Button>
+          <Button disabled={reason !== null} aria-describedby={reasonId} onClick={onSend}>
+            Send again
+          </Button>
+        </Group>
+      </Stack>
+    </Dialog>
+  );
+}
+
+const NOT_CONNECTED = "Commands need the gateway, which is not connected.";
+
+function whyNotCancel(goal: AnyGoal, live: boolean, pending: boolean): string | null {
+  if (goal.status !== "lost" && isTerminal(goal.status)) return "Cancel: the goal has ended.";
+  if (!live) return NOT_CONNECTED;
+  if (pending || goal.status === "canceling") return "Cancel: the goal is being canceled.";
+  if (goal.status === "pending") return "Cancel: the action server has not answered yet.";
+  return null;
+}
+
+function whyNotAgain(goal: AnyGoal, live: boolean, stop: StopState, pending: boolean): string | null {
+  if (goal.goal === null) {
+    const reason = goal.origin === "external" ? "ROS does not tell what others asked for" : "it is not known";
+    return `Send again: the goal's message is missing, ${reason}.`;
+  }
+  if (!live) return NOT_CONNECTED;
+  if (stop.latched && stop.robots.some((robot) => isOn(goal.action_name, robot))) {
+    return "Send again: the robot is stopped; release the stop first.";
+  }
+  return pending ? "Sending the goal; waiting for the action server's answer." : null;
+}
+
+function isOn(actionName: string, robot: string): boolean {
+  return actionName.startsWith(robot === "/" ? "/" : `${robot}/`);
+}

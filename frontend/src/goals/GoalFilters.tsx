@@ -1,0 +1,166 @@
+import { Button, Chip, Group, NativeSelect, TextInput } from "@mantine/core";
+import { useMemo } from "react";
+import { useActions } from "../actions/useActions";
+import { useFleetTopic } from "../fleet/context";
+import { sentence } from "../ui/sentence";
+import { fromLocalInput, toLocalInput } from "../ui/time";
+import {
+  type GoalFilter,
+  type GoalState,
+  isFiltered,
+  NO_FILTER,
+  type Origin,
+  type Span,
+  STATES,
+} from "./filter";
+import classes from "./goals.module.css";
+
+interface GoalFiltersProps {
+  filter: GoalFilter;
+  onChange: (filter: GoalFilter) => void;
+}
+
+/** What to narrow the list by. */
+export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
+  const change = (part: Partial<GoalFilter>) => onChange({ ...filter, ...part });
+  const robots = useRobotNames(filter.robot);
+  const actions = useActionNames(filter.actions);
+  return (
+    <section aria-label="Filter the goals">
+      <div className={classes.filters}>
+        <NativeSelect
+          label="Robot"
+          value={filter.robot ?? ""}
+          onChange={(event) => change({ robot: event.currentTarget.value || null })}
+          data={[{ value: "", label: "All robots" }, ...robots]}
+        />
+        <NativeSelect
+          label="Action"
+          value={filter.actions.join(" ")}
+          onChange={(event) => change({ actions: event.currentTarget.value.split(" ").filter(Boolean) })}
+          data={[{ value: "", label: "All actions" }, ...actions]}
+        />
+        <NativeSelect
+          label="Origin"
+          value={filter.origin ?? ""}
+          onChange={(event) => change({ origin: (event.currentTarget.value || null) as Origin | null })}
+          data={[
+            { value: "", label: "Anyone" },
+            { value: "gateway", label: "This gateway" },
+            { value: "external", label: "Someone else (external)" },
+          ]}
+        />
+        <TimeFilter filter={filter} change={change} />
+      </div>
+      <Group gap="xs" mt="sm">
+        <Chip.Group
+          multiple
+          value={[...filter.states]}
+          onChange={(states) => change({ states: STATES.filter((state) => states.includes(state)) })}
+        >
+          <Group gap={6} role="group" aria-label="Status">
+            {STATES.map((state: GoalState) => (
+              <Chip key={state} value={state} size="sm" variant="outline">
+                {sentence(state)}
+              </Chip>
+            ))}
+          </Group>
+        </Chip.Group>
+        <Button
+          variant="subtle"
+          size="compact-sm"
+          disabled={!isFiltered(filter)}
+          title={isFiltered(filter) ? undefined : "Nothing is filtered"}
+          onClick={() => onChange(NO_FILTER)}
+        >
+          Clear filters
+        </Button>
+      </Group>
+    </section>
+  );
+}
+
+const BETWEEN = "between";
+
+interface TimeFilterProps {
+  filter: GoalFilter;
+  change: (part: Partial<GoalFilter>) => void;
+}
+
+function TimeFilter({ filter: { last, since, until }, change }: TimeFilterProps) {
+  const between = last === null && (since !== null || until !== null);
+  const choose = (choice: string) => {
+    const none = { last: null, since: null, until: null };
+    if (choice === BETWEEN) change({ ...none, since: startOfToday() });
+    else change({ ...none, last: (choice || null) as Span | null });
+  };
+  return (
+    <>
+      <NativeSelect
+        label="Started"
+        value={between ? BETWEEN : (last ?? "")}
+        onChange={(event) => choose(event.currentTarget.value)}
+        data={[
+          { value: "", label: "At any time" },
+          { value: "1h", label: "Within the last hour" },
+          { value: "24h", label: "Within the last 24 hours" },
+          { value: "7d", label: "Within the last 7 days" },
+          { value: BETWEEN, label: "Between …" },
+        ]}
+      />
+      {between && (
+        <>
+          <TimeInput label="From" time={since} onTime={(time) => change({ since: time })} />
+          <TimeInput label="Until" time={until} onTime={(time) => change({ until: time })} />
+        </>
+      )}
+    </>
+  );
+}
+
+interface TimeInputProps {
+  label: string;
+  time: string | null;
+  onTime: (time: string | null) => void;
+}
+
+/** Keeps what is typed to itself until it is a time: half of one reads as nothing. */
+function TimeInput({ label, time, onTime }: TimeInputProps) {
+  return (
+    <TextInput
+      type="datetime-local"
+      label={label}
+      defaultValue={toLocalInput(time)}
+      onChange={(event) => event.currentTarget.value && onTime(fromLocalInput(event.currentTarget.value))}
+      onBlur={(event) => !event.currentTarget.value && onTime(null)}
+    />
+  );
+}
+
+function startOfToday(): string {
+  const today = new Date();
+  today.setHours(0, 0, 0, 0);
+  return today.toISOString();
+}
+
+function useRobotNames(chosen: string | null): string[] {
+  const robots = useFleetTopic("robots");
+  return useMemo(
+    () => [...new Set([...robots.keys(), ...(chosen === null ? [] : [chosen])])].sort(),
+    [robots, chosen],
+  );
+}
+
+/** The actions on the graph, and those of the goals that are known. */
+function useActionNames(chosen: readonly string[]): { value: string; label: string }[] {
+  const goals = useFleetTopic("goals");
+  const { data: actions = [] } = useActions();
+  const names = new Set([
+    ...actions.map((action) => action.action_name),
+    ...[...goals.values()].map((goal) => goal.action_name),
+    ...chosen,
+  ]);
+  const options = [...names].sort().map((name) => ({ value: name, label: name }));
+  const several = { value: chosen.join(" "), label: chosen.join(" and ") };
+  return chosen.length > 1 ? [several, ...options] : options;
+}

@@ -1,0 +1,94 @@
+import { Alert, Anchor, Badge, Code, Group, Stack, Text, Title } from "@mantine/core";
+import { Link } from "react-router";
+import { adviceFor } from "../api/errors";
+import type { AnyGoal } from "../api/types";
+import { advice, dockingVerb, meaning } from "../docking/goalWords";
+import { isTerminal } from "../store/goals";
+import { Breakable } from "../ui/Breakable";
+import { CopyButton } from "../ui/CopyButton";
+import { Fact, FactList } from "../ui/Fact";
+import { sentence } from "../ui/sentence";
+import { Time } from "../ui/Time";
+import { NO_FILTER, writeFilter } from "./filter";
+import { GoalCommands } from "./GoalCommands";
+import { GoalDuration } from "./GoalDuration";
+import { GoalStatusBadge } from "./GoalStatusBadge";
+import classes from "./goalPage.module.css";
+import { OriginBadge } from "./OriginBadge";
+import { useWatchTopic } from "./useGoalWatch";
+
+/** What a goal is and how it stands, with what can be done about it. */
+export function GoalHead({ goal }: { goal: AnyGoal }) {
+  const connection = useWatchTopic("connection");
+  const ended = isTerminal(goal.status);
+  const away = connection !== null && connection.phase !== "live" && connection.phase !== "connecting";
+  return (
+    <Stack gap="sm">
+      <Group gap="xs">
+        <Title order={1} size="h3">
+          Goal on <Breakable text={goal.action_name} />
+        </Title>
+        <span aria-live="polite">
+          <GoalStatusBadge status={goal.status} testId="goal-status" />
+        </span>
+        {goal.stalled && !ended && <Badge color="orange">stalled</Badge>}
+        {away && <Badge color="gray.7">Not live</Badge>}
+      </Group>
+      <div className={classes.id}>
+        <Code>{goal.goal_id}</Code>
+        <CopyButton value={goal.goal_id} what="the goal id" />
+      </div>
+      <Explanation goal={goal} />
+      <GoalCommands goal={goal} />
+      <FactList wide>
+        <Fact name="Started">
+          <Time value={goal.created_at} />
+        </Fact>
+        <Fact name={goal.finished_at === null ? "Elapsed" : "Took"}>
+          <GoalDuration goal={goal} />
+        </Fact>
+        {goal.finished_at !== null && (
+          <Fact name="Ended">
+            <Time value={goal.finished_at} />
+          </Fact>
+        )}
+        {goal.retries !== null && <Fact name="Retries">{goal.retries}</Fact>}
+        <Fact name="Origin">
+          <OriginBadge origin={goal.origin} />
+        </Fact>
+        <Fact name="Action">
+          <Anchor
+            component={Link}
+            to={`/ui/goals?${writeFilter({ ...NO_FILTER, actions: [goal.action_name] })}`}
+          >
+            <Breakable text={goal.action_name} />
+          </Anchor>
+        </Fact>
+        <Fact name="Type">
+          <Breakable text={goal.action_type} />
+        </Fact>
+      </FactList>
+    </Stack>
+  );
+}
+
+/** Why it stands as it does: an alert where something is wrong, a quiet line otherwise. */
+function Explanation({ goal }: { goal: AnyGoal }) {
+  const { error, stalled, status } = goal;
+  const words = meaning(goal, dockingVerb(goal));
+  if (error === null && !stalled && status !== "lost") {
+    return (
+      <Text size="sm" c="dimmed">
+        {words}
+      </Text>
+    );
+  }
+  const hint = advice(goal) ?? (error === null ? null : adviceFor(error.code));
+  return (
+    <Alert color={status === "canceled" || stalled ? "orange" : "red"} title={words}>
+      {error !== null && <Text size="sm">{sentence(error.detail)}</Text>}
+      {hint !== null && <Text size="sm">{hint}</Text>}
+      {error !== null && <Text size="sm">Code: {error.code}</Text>}
+    </Alert>
+  );
+}

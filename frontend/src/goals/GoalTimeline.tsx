@@ -1,0 +1,127 @@
+import { Skeleton, Stack, Text } from "@mantine/core";
+import type { Verb } from "../api/client";
+import type { AnyGoal } from "../api/types";
+import { dockingVerb, meaning } from "../docking/goalWords";
+import { stageName, stageWords } from "../docking/stages";
+import { useFleetLive } from "../fleet/context";
+import { useGatewayNow } from "../store/clock";
+import { isFinal, isTerminal } from "../store/goals";
+import { Section } from "../ui/Section";
+import { sentence } from "../ui/sentence";
+import { Time } from "../ui/Time";
+import { formatDuration } from "../ui/time";
+import { GoalStatusBadge } from "./GoalStatusBadge";
+import classes from "./goalPage.module.css";
+import { Trouble } from "./Trouble";
+import { type Entry, timelineOf } from "./timeline";
+import { useWatched, useWatchTopic } from "./useGoalWatch";
+
+/** What a goal went through: its statuses and stages, when they began and how long they lasted. */
+export function GoalTimeline({ goal }: { goal: AnyGoal }) {
+  const { watch } = useWatched();
+  const statuses = useWatchTopic("statuses");
+  const past = useWatchTopic("past");
+  const waiting = past.loading && past.complete === null;
+  const entries = timelineOf(goal, statuses);
+  return (
+    <Section title="Timeline">
+      <Trouble
+        what="What came before could not be loaded"
+        error={past.error}
+        onRetry={() => void watch.readPast()}
+      />
+      {past.complete === false && (
+        <Text size="sm" c="dimmed">
+          The history keeps no longer all of what happened to this goal.
+        </Text>
+      )}
+      {waiting ? (
+        <TimelineSkeleton />
+      ) : (
+        <ol className={classes.timeline} data-testid="timeline">
+          {entries.map((entry, index) => (
+            <TimelineEntry key={entry.key} entry={entry} goal={goal} last={index === entries.length - 1} />
+          ))}
+        </ol>
+      )}
+    </Section>
+  );
+}
+
+interface TimelineEntryProps {
+  entry: Entry;
+  goal: AnyGoal;
+  last: boolean;
+}
+
+function TimelineEntry({ entry, goal, last }: TimelineEntryProps) {
+  const { change, time, lasted } = entry;
+  const goesOn = last && !isFinal(goal.status);
+  return (
+    <li
+      className={classes.entry}
+      data-tone={toneOf(change, goesOn)}
+      aria-current={goesOn ? "step" : undefined}
+    >
+      <div className={classes.entryHead}>
+        <Text component="div" size="sm" fw={600}>
+          {change.kind === "status" ? <GoalStatusBadge status={change.status} /> : titleOf(change)}
+        </Text>
+        <span className={classes.when}>
+          <Time value={time} />
+          {lasted !== null && `, for ${lastedWords(lasted)}`}
+          {goesOn && <SoFar since={time} />}
+        </span>
+      </div>
+      <Text size="sm" c="dimmed">
+        {wordsOf(change, dockingVerb(goal))}
+      </Text>
+    </li>
+  );
+}
+
+function lastedWords(ms: number): string {
+  return ms < 100 ? `${Math.round(ms)} ms` : formatDuration(ms);
+}
+
+function SoFar({ since }: { since: number }) {
+  const now = useGatewayNow();
+  return useFleetLive() ? `, for ${formatDuration(now - since)} so far` : ", not live";
+}
+
+type Change = Entry["change"];
+
+function titleOf(change: Exclude<Change, { kind: "status" }>): string {
+  if (change.kind === "silence") return change.silent ? "Stalled" : "Answers again";
+  return change.stage === "RETRY" ? `Retry ${change.retries || ""}` : stageName(change.stage);
+}
+
+function wordsOf(change: Change, verb: Verb | null): string {
+  if (change.kind === "silence") {
+    return change.silent
+      ? "The action server is silent and does not answer."
+      : "The action server is heard again.";
+  }
+  if (change.kind === "stage") return stageWords(change.stage) ?? "";
+  if (change.error !== null) return `${sentence(change.error.detail)} (${change.error.code})`;
+  return meaning({ status: change.status, stalled: false, stage: null }, verb);
+}
+
+function toneOf(change: Change, goesOn: boolean): string | undefined {
+  if (change.kind === "silence") return change.silent ? "warn" : undefined;
+  if (change.kind === "stage") return change.stage === "RETRY" ? "warn" : goesOn ? "now" : undefined;
+  if (change.status === "succeeded") return "good";
+  if (change.status === "canceled" || change.status === "canceling") return "warn";
+  if (isTerminal(change.status)) return "bad";
+  return goesOn ? "now" : undefined;
+}
+
+function TimelineSkeleton() {
+  return (
+    <Stack gap="md">
+      <Skeleton height={44} />
+      <Skeleton height={44} />
+      <Skeleton height={44} />
+    </Stack>
+  );
+}

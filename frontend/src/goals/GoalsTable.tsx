@@ -1,0 +1,100 @@
+import { Table, Text } from "@mantine/core";
+import { type MouseEvent, memo } from "react";
+import { Link, useNavigate } from "react-router";
+import type { Verb } from "../api/client";
+import type { AnyGoal } from "../api/types";
+import { outcome } from "../docking/goalWords";
+import { Breakable } from "../ui/Breakable";
+import { sentence } from "../ui/sentence";
+import { Time } from "../ui/Time";
+import { GoalDuration } from "./GoalDuration";
+import { GoalStatusBadge } from "./GoalStatusBadge";
+import classes from "./goals.module.css";
+import { OriginBadge } from "./OriginBadge";
+
+interface GoalsTableProps {
+  goals: readonly AnyGoal[];
+  /** What a goal is on: for the words of its outcome. */
+  verbOf: (goal: AnyGoal) => Verb | null;
+  /** Whether it is about one robot, whose actions need no names. */
+  oneRobot?: boolean;
+}
+
+/** Goals, a row each, which leads to the goal's page. */
+export function GoalsTable({ goals, verbOf, oneRobot = false }: GoalsTableProps) {
+  return (
+    <Table verticalSpacing="xs" horizontalSpacing={8} highlightOnHover className={classes.table ?? ""}>
+      <GoalsHead oneRobot={oneRobot} />
+      <Table.Tbody>
+        {goals.map((goal) => (
+          <GoalRow key={goal.goal_id} goal={goal} verb={verbOf(goal)} oneRobot={oneRobot} />
+        ))}
+      </Table.Tbody>
+    </Table>
+  );
+}
+
+export function GoalsHead({ oneRobot }: { oneRobot: boolean }) {
+  return (
+    <Table.Thead>
+      <Table.Tr>
+        <Table.Th className={classes.started}>Started</Table.Th>
+        {oneRobot ? <Table.Th visibleFrom="xs">Goal</Table.Th> : <Table.Th>Action</Table.Th>}
+        <Table.Th>Status</Table.Th>
+        <Table.Th visibleFrom="sm">Origin</Table.Th>
+        <Table.Th visibleFrom="sm">Duration</Table.Th>
+        <Table.Th {...(oneRobot ? {} : { visibleFrom: "sm" })}>Outcome</Table.Th>
+      </Table.Tr>
+    </Table.Thead>
+  );
+}
+
+interface GoalRowProps {
+  goal: AnyGoal;
+  verb: Verb | null;
+  oneRobot: boolean;
+}
+
+const GoalRow = memo(function GoalRow({ goal, verb, oneRobot }: GoalRowProps) {
+  const navigate = useNavigate();
+  const path = goalPath(goal.goal_id);
+  const open = ({ target }: MouseEvent) => {
+    const meant = !(target instanceof Element && target.closest("a")) && !window.getSelection()?.toString();
+    if (meant) navigate(path);
+  };
+  return (
+    <Table.Tr className={classes.row} onClick={open}>
+      <Table.Td className={classes.started}>
+        <Link to={path} className={classes.open}>
+          <Time value={goal.created_at} />
+        </Link>
+      </Table.Td>
+      {oneRobot ? (
+        <Table.Td visibleFrom="xs">{verb === null ? goal.action_name : sentence(verb)}</Table.Td>
+      ) : (
+        <Table.Td className={classes.action}>
+          <Breakable text={goal.action_name} />
+        </Table.Td>
+      )}
+      <Table.Td>
+        <GoalStatusBadge status={goal.status} />
+      </Table.Td>
+      <Table.Td visibleFrom="sm">
+        <OriginBadge origin={goal.origin} />
+      </Table.Td>
+      <Table.Td visibleFrom="sm" className={`tabular ${classes.duration}`}>
+        <GoalDuration goal={goal} />
+      </Table.Td>
+      <Table.Td {...(oneRobot ? {} : { visibleFrom: "sm" })}>
+        <Text size="sm" lineClamp={2} title={goal.error?.detail}>
+          {sentence(outcome(goal, verb))}
+        </Text>
+      </Table.Td>
+    </Table.Tr>
+  );
+});
+
+/** Where the page of a goal is. */
+export function goalPath(goalId: string): string {
+  return `/ui/goals/${encodeURIComponent(goalId)}`;
+}

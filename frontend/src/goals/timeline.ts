@@ -1,0 +1,60 @@
+import type { AnyGoal, GoalError, GoalEvent, GoalStatus } from "../api/types";
+import { isTerminal } from "../store/goals";
+
+export type StatusEvent = Extract<GoalEvent, { type: "status" }>;
+
+/** Something that changed in the life of a goal. */
+export interface Entry {
+  key: string;
+  /** In the gateway's time (ms). */
+  time: number;
+  change:
+    | { kind: "status"; status: GoalStatus; error: GoalError | null }
+    | { kind: "stage"; stage: string; retries: number }
+    | { kind: "silence"; silent: boolean };
+  /** Until the next change, or the end of it (ms); null for the last one of a goal that goes on, and for an end. */
+  lasted: number | null;
+}
+
+/** Stages that say no more than the status beside them. */
+const SAID_BY_STATUS = new Set(["IDLE", "SUCCEEDED", "CANCELED", "ABORTED", "REJECTED"]);
+
+/**
+ * What changed with a goal, and when, oldest first.
+ *
+ * @param events Its status events in the order of their ids; where they do not reach back to its beginning (they were
+ *   kept no longer, or are on their way), what the goal itself tells stands in.
+ */
+export function timelineOf(goal: AnyGoal, events: readonly StatusEvent[]): Entry[] {
+  const entries: Omit<Entry, "lasted">[] = [];
+  let [status, stage, retries, silent] = [null as GoalStatus | null, null as string | null, 0, false];
+
+  const tell = (state: StatusEvent | AnyGoal, time: number, key: string) => {
+    const add = (change: Entry["change"]) => entries.push({ key: `${key} ${change.kind}`, time, change });
+    if (state.stalled !== silent && !isTerminal(state.status))
+      add({ kind: "silence", silent: state.stalled });
+    if (state.status !== status) add({ kind: "status", status: state.status, error: state.error });
+    const told = state.stage !== null && !SAID_BY_STATUS.has(state.stage) && !isTerminal(state.status);
+    const count = Math.max(retries, state.retries ?? 0);
+    const again = state.stage !== stage || (state.stage === "RETRY" && count > retries);
+    if (told && again) add({ kind: "stage", stage: state.stage ?? "", retries: count });
+    [status, stage, retries, silent] = [state.status, state.stage, count, state.stalled];
+  };
+
+  for (const event of events) tell(event, Date.parse(event.time), event.id);
+  tell(goal, Date.parse(goal.finished_at ?? goal.updated_at), "now");
+  return entries.map((entry, index) => ({ ...entry, lasted: lastedOf(entry, entries[index + 1]) }));
+}
+
+function lastedOf(
+  { time, change }: Omit<Entry, "lasted">,
+  next: Omit<Entry, "lasted"> | undefined,
+): number | null {
+  if (
+    next === undefined ||
+    (change.kind === "status" && isTerminal(change.status) && change.status !== "lost")
+  ) {
+    return null;
+  }
+  return Math.max(0, next.time - time);
+}

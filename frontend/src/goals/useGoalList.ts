@@ -1,0 +1,68 @@
+import { keepPreviousData, useInfiniteQuery } from "@tanstack/react-query";
+import { useEffect, useMemo, useRef } from "react";
+import { type CommandError, toCommandError } from "../api/errors";
+import { createGoalsApi } from "../api/goals";
+import type { AnyGoal, AnyGoalPage } from "../api/types";
+import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
+import { type GoalFilter, matches, toQuery, writeFilter } from "./filter";
+import { mergeGoalList } from "./list";
+
+export interface GoalList {
+  /** Newest first; null until the first page has come. */
+  goals: readonly AnyGoal[] | null;
+  error: CommandError | null;
+  /** Whether there are older ones. */
+  more: boolean;
+  loading: boolean;
+  loadMore(): void;
+  retry(): void;
+}
+
+/** The goals that fit: what the gateway lists, kept up to date by the stream of all robots. */
+export function useGoalList(filter: GoalFilter): GoalList {
+  const { http, store } = useFleet();
+  const api = useMemo(() => createGoalsApi(http), [http]);
+  const query = useInfiniteQuery<
+    AnyGoalPage,
+    CommandError,
+    { pages: AnyGoalPage[] },
+    string[],
+    string | null
+  >({
+    queryKey: ["goals", writeFilter(filter).toString()],
+    queryFn: ({ pageParam }) =>
+      api.list(toQuery(filter, store.gatewayNow()), pageParam).catch((error: unknown) => {
+        throw toCommandError(error);
+      }),
+    initialPageParam: null,
+    getNextPageParam: (page) => page.next_cursor,
+    placeholderData: keepPreviousData,
+  });
+  const { data, refetch } = query;
+  useAgainWhenBack(refetch);
+  const known = useFleetTopic("goals");
+  const goals = useMemo(() => {
+    if (data === undefined) return null;
+    const now = store.gatewayNow();
+    return mergeGoalList(data.pages, known.values(), (goal) => matches(goal, filter, now));
+  }, [data, known, filter, store]);
+
+  return {
+    goals,
+    error: query.error,
+    more: query.hasNextPage && !query.isPlaceholderData,
+    loading: query.isFetching,
+    loadMore: () => void query.fetchNextPage(),
+    retry: () => void refetch(),
+  };
+}
+
+/** What was missed while the gateway was away is not all told by the stream. */
+function useAgainWhenBack(refetch: () => void): void {
+  const live = useFleetLive();
+  const wasLive = useRef(live);
+  useEffect(() => {
+    if (live && !wasLive.current) refetch();
+    wasLive.current = live;
+  }, [live, refetch]);
+}

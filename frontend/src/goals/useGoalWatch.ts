@@ -1,0 +1,49 @@
+import { createContext, useCallback, useContext, useEffect, useState, useSyncExternalStore } from "react";
+import { createGoalsApi, type GoalsApi } from "../api/goals";
+import type { Http } from "../api/http";
+import { useFleet } from "../fleet/context";
+import { openStream, streamUrl } from "../stream/stream";
+import { GoalWatch, type WatchTopics } from "./watch";
+
+/** The goal of a page, and what can be asked of goals. */
+export interface Watched {
+  watch: GoalWatch;
+  api: GoalsApi;
+}
+
+export const WatchedContext = createContext<Watched | null>(null);
+
+/** Follows a goal for as long as the page is shown. */
+export function useGoalWatch(goalId: string): Watched | null {
+  const { http } = useFleet();
+  const [watched, setWatched] = useState<Watched | null>(null);
+  useEffect(() => {
+    const opened = watchGoal(http, goalId);
+    setWatched(opened);
+    return () => opened.watch.close();
+  }, [http, goalId]);
+  // For one render after the address has changed it is still the goal before.
+  return watched?.watch.goalId === goalId ? watched : null;
+}
+
+function watchGoal(http: Http, goalId: string): Watched {
+  const api = createGoalsApi(http);
+  const watch = new GoalWatch(goalId, api, (handlers) =>
+    openStream(streamUrl(window.location, { goal_id: goalId }), handlers),
+  );
+  void watch.open();
+  return { watch, api };
+}
+
+export function useWatched(): Watched {
+  const watched = useContext(WatchedContext);
+  if (watched === null) throw new Error("WatchedContext is missing");
+  return watched;
+}
+
+/** A topic of the goal of this page; renders anew when it changes, at most ten times a second. */
+export function useWatchTopic<T extends keyof WatchTopics>(topic: T): WatchTopics[T] {
+  const { watch } = useWatched();
+  const subscribe = useCallback((listener: () => void) => watch.subscribe(topic, listener), [watch, topic]);
+  return useSyncExternalStore(subscribe, () => watch.get(topic));
+}

@@ -1,0 +1,150 @@
+import { Button, useComputedColorScheme } from "@mantine/core";
+import { useElementSize, useReducedMotion } from "@mantine/hooks";
+import { useEffect, useRef, useState } from "react";
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import classes from "./LinePlot.module.css";
+import { lineWords, type PlotLine, type PlotSource, plotNumber, roomyRange } from "./plotData";
+
+/** A plot with its legend is this much higher than what it draws in. */
+export const LEGEND_HEIGHT = 34;
+
+const REDRAW_MS = 100;
+const SLOW_REDRAW_MS = 1000;
+const FONT = "12px system-ui, sans-serif";
+const COLORS = {
+  light: { text: "#343a40", grid: "#dee2e6", lines: ["#1864ab", "#a61e4d", "#2b8a3e", "#862e9c"] },
+  dark: { text: "#dee2e6", grid: "#424242", lines: ["#74c0fc", "#ffa8c5", "#8ce99a", "#e599f7"] },
+} as const;
+const DASHES = [[], [6, 4], [2, 3], [10, 3, 2, 3]];
+
+interface LinePlotProps {
+  source: PlotSource;
+  /** At most four; the same array while they are the same. */
+  lines: readonly PlotLine[];
+  /** What an x value says in the legend, and beside the axis; functions that stay the same. */
+  xLabel: string;
+  formatX: (x: number) => string;
+  /** What is drawn, to a screen reader. */
+  label: string;
+  height?: number;
+}
+
+/** Lines over something that ascends, renewed ten times a second at most. Dragging across zooms in. */
+export default function LinePlot({ source, lines, xLabel, formatX, label, height = 240 }: LinePlotProps) {
+  const scheme = useComputedColorScheme("light");
+  const reducedMotion = useReducedMotion();
+  const { ref: frameRef, width } = useElementSize<HTMLDivElement>();
+  const boxRef = useRef<HTMLDivElement>(null);
+  const plotRef = useRef<uPlot | null>(null);
+  const [zoomed, setZoomed] = useState(false);
+  const zoomedRef = useRef(false);
+
+  useEffect(() => {
+    if (boxRef.current === null || width === 0) return;
+    const zoom = (yes: boolean) => {
+      zoomedRef.current = yes;
+      setZoomed(yes);
+    };
+    const options = plotOptions({ width, height, lines, xLabel, formatX, colors: COLORS[scheme], zoom });
+    const plot = new uPlot(options, undefined, boxRef.current);
+    plotRef.current = plot;
+    zoom(false);
+    let drawn = -1;
+    const draw = () => {
+      if (source.version === drawn) return;
+      drawn = source.version;
+      const { min, max } = plot.scales.x ?? {};
+      plot.setData(source.read(), !zoomedRef.current);
+      if (zoomedRef.current && min != null && max != null) plot.setScale("x", { min, max });
+    };
+    draw();
+    const timer = setInterval(() => !document.hidden && draw(), reducedMotion ? SLOW_REDRAW_MS : REDRAW_MS);
+    return () => {
+      clearInterval(timer);
+      plot.destroy();
+      plotRef.current = null;
+    };
+  }, [source, lines, xLabel, formatX, height, scheme, width, reducedMotion]);
+
+  const showAll = () => {
+    zoomedRef.current = false;
+    setZoomed(false);
+    plotRef.current?.setData(source.read(), true);
+  };
+  return (
+    <div ref={frameRef} className={classes.frame}>
+      {zoomed && (
+        <Button variant="default" size="compact-sm" className={classes.whole} onClick={showAll}>
+          Show all
+        </Button>
+      )}
+      <div
+        ref={boxRef}
+        className={classes.plot}
+        style={{ minHeight: height + LEGEND_HEIGHT }}
+        role="img"
+        aria-label={label}
+        data-testid="plot"
+      />
+    </div>
+  );
+}
+
+/** Without a pointer on the plot, its legend tells the latest values. */
+function tellLatest(plot: uPlot): void {
+  const last = plot.data[0].length - 1;
+  if ((plot.cursor.left ?? -1) < 0 && last >= 0) plot.setLegend({ idx: last });
+}
+
+interface Look {
+  width: number;
+  height: number;
+  lines: readonly PlotLine[];
+  xLabel: string;
+  formatX: (x: number) => string;
+  colors: (typeof COLORS)["light" | "dark"];
+  zoom: (yes: boolean) => void;
+}
+
+function plotOptions({ width, height, lines, xLabel, formatX, colors, zoom }: Look): uPlot.Options {
+  const axis = {
+    stroke: colors.text,
+    font: FONT,
+    ticks: { stroke: colors.grid },
+    grid: { stroke: colors.grid, width: 1 },
+  };
+  const [first] = lines;
+  const unit = first?.unit == null ? "" : ` ${first.unit}`;
+  return {
+    width,
+    height,
+    cursor: {
+      drag: { x: true, y: false },
+      points: { size: 7 },
+      bind: {
+        dblclick: (_plot, _target, handle) => (event) => {
+          zoom(false);
+          return handle(event);
+        },
+      },
+    },
+    hooks: { setSelect: [(plot) => plot.select.width > 0 && zoom(true)], setCursor: [tellLatest] },
+    scales: { x: { time: false }, y: { range: (_plot, min, max) => roomyRange(min, max) } },
+    axes: [
+      { ...axis, values: (_plot, splits) => splits.map(formatX) },
+      { ...axis, size: 74, values: (_plot, splits) => splits.map((split) => `${plotNumber(split)}${unit}`) },
+    ],
+    series: [
+      { label: xLabel, value: (_plot, value) => (value === null ? "–" : formatX(value)) },
+      ...lines.map((line, index) => ({
+        label: line.label,
+        stroke: colors.lines[index % colors.lines.length] ?? colors.text,
+        dash: DASHES[index % DASHES.length] ?? [],
+        width: 2,
+        spanGaps: false,
+        value: (_plot: uPlot, value: number | null) => (value === null ? "–" : lineWords(line, value)),
+      })),
+    ],
+  };
+}

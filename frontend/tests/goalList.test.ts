@@ -1,0 +1,102 @@
+import { describe, expect, it } from "vitest";
+import { goalExportUrl, goalsExportUrl } from "../src/api/goals";
+import type { AnyGoal, AnyGoalPage } from "../src/api/types";
+import { isFiltered, matches, NO_FILTER, readFilter, toQuery, writeFilter } from "../src/goals/filter";
+import { mergeGoalList } from "../src/goals/list";
+import { at, goal, START } from "./events";
+
+const read = (text: string) => readFilter(new URLSearchParams(text));
+
+describe("the filter", () => {
+  it("is read from the address and written to it", () => {
+    const text =
+      "robot=%2Frobot1&action=%2Fdock&action=%2Fundock&status=running&status=lost&origin=external&last=24h";
+    expect(writeFilter(read(text)).toString()).toBe(text);
+    expect(read(text).actions).toEqual(["/dock", "/undock"]);
+    expect(isFiltered(read(text))).toBe(true);
+    expect(isFiltered(read(""))).toBe(false);
+  });
+
+  it("leaves out what it does not understand", () => {
+    expect(read("status=failed&origin=me&last=2y&since=yesterday&robot=&action=&page=3")).toEqual(NO_FILTER);
+  });
+
+  it("takes every state before the end as running", () => {
+    expect(read("status=executing&status=pending").states).toEqual(["running"]);
+    expect(toQuery(read("status=executing&status=aborted"), START).status).toEqual([
+      "pending",
+      "accepted",
+      "executing",
+      "canceling",
+      "aborted",
+    ]);
+  });
+
+  it("asks the gateway for times in its own", () => {
+    expect(toQuery(read("last=1h"), START)).toEqual({ since: "2026-11-21T02:32:40.000Z" });
+    const query = toQuery(read("since=2026-11-21T04:00:00%2B01:00&until=2026-11-21T05:00:00Z"), START);
+    expect(query).toEqual({ since: "2026-11-21T03:00:00.000Z", until: "2026-11-21T05:00:00.000Z" });
+  });
+
+  it("says of a goal what the gateway would", () => {
+    const one = goal("a", { action_name: "/robot1/dock", status: "canceling", created_at: at(0) });
+    const fits = (text: string) => matches(one, read(text), START + 60_000);
+    expect(
+      ["robot=/robot1", "robot=/", "action=/robot1/dock", "status=running", "last=1h"].map(fits),
+    ).toEqual(Array(5).fill(true));
+    expect(["robot=/robot", "action=/dock", "status=lost", "origin=external"].map(fits)).toEqual(
+      Array(4).fill(false),
+    );
+    expect(fits(`since=${at(0)}&until=${at(1)}`)).toBe(true);
+    expect(fits(`since=${at(1)}`)).toBe(false);
+    expect(fits(`until=${at(0)}`)).toBe(false);
+  });
+
+  it("goes into the addresses of exports", () => {
+    expect(goalsExportUrl(toQuery(read("robot=/r&status=lost&action=/a&action=/b"), START), "csv")).toBe(
+      "/goals/export?format=csv&robot=%2Fr&action=%2Fa&action=%2Fb&status=lost",
+    );
+    expect(goalExportUrl("3f0c", "json")).toBe("/goals/3f0c/export?format=json");
+  });
+});
+
+describe("the list", () => {
+  const all = () => true;
+  const page = (goals: AnyGoal[], next_cursor: string | null = null): AnyGoalPage => ({ goals, next_cursor });
+  const created = (id: string, seconds: number, change = {}) =>
+    goal(id, { created_at: at(seconds), updated_at: at(seconds), ...change });
+  const ids = (goals: AnyGoal[]) => goals.map(({ goal_id }) => goal_id);
+
+  it("has what is loaded and what came since, newest first, each once", () => {
+    const known = [created("new", 9), created("b", 2)];
+    expect(ids(mergeGoalList([page([created("b", 2), created("a", 1)])], known, all))).toEqual([
+      "new",
+      "b",
+      "a",
+    ]);
+  });
+
+  it("shows a goal as the newer of both tells it", () => {
+    const ended = created("a", 1, { status: "succeeded", updated_at: at(5) });
+    expect(mergeGoalList([page([created("a", 1)])], [ended], all)[0]?.status).toBe("succeeded");
+    expect(mergeGoalList([page([ended])], [created("a", 1)], all)[0]?.status).toBe("succeeded");
+  });
+
+  it("keeps what is known of a goal that the stream knows of one event alone", () => {
+    const one = created("a", 7, { action_type: "", status: "aborted" });
+    const [shown] = mergeGoalList([page([created("a", 1)])], [one], all);
+    expect([shown?.status, shown?.created_at, shown?.action_type]).toEqual(["aborted", at(1), "t"]);
+  });
+
+  it("leaves no hole between what is loaded and older goals that the stream knows", () => {
+    const known = [created("older", 1)];
+    expect(ids(mergeGoalList([page([created("b", 5)], "more")], known, all))).toEqual(["b"]);
+    expect(ids(mergeGoalList([page([created("b", 5)])], known, all))).toEqual(["b", "older"]);
+  });
+
+  it("drops a goal that no longer fits", () => {
+    const ended = created("a", 1, { status: "succeeded", updated_at: at(5) });
+    const running = (each: AnyGoal) => matches(each, read("status=running"), START);
+    expect(mergeGoalList([page([created("a", 1)])], [ended], running)).toEqual([]);
+  });
+});

@@ -1,0 +1,267 @@
+import { act, screen, waitFor, within } from "@testing-library/react";
+import axe from "axe-core";
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import type { AnyGoal, GatewayEvent } from "../src/api/types";
+import type { StreamHandlers } from "../src/stream/stream";
+import { battery, feedback, goal, latched, result, snapshot, status } from "./events";
+import { fakeGateway, renderPage } from "./page";
+
+const streams = vi.hoisted(() => [] as { url: string; handlers: StreamHandlers }[]);
+vi.mock("../src/stream/stream", async (original) => ({
+  ...(await original<typeof import("../src/stream/stream")>()),
+  openStream: (url: string, handlers: StreamHandlers) => {
+    streams.push({ url, handlers });
+    return () => {};
+  },
+}));
+// A canvas is nothing that jsdom has.
+vi.mock("../src/ui/LinePlot", () => ({ default: ({ label }: { label: string }) => <div>{label}</div> }));
+
+type Answer = (request: Request, path: string) => unknown;
+
+/** A gateway that answers over HTTP with what a test gives for the beginning of a path; else 404. */
+function answering(answers: Record<string, Answer>) {
+  const fetch = vi.fn(async (request: Request) => {
+    const path = request.url.replace("http://gateway:8000", "");
+    const found = Object.keys(answers).find((start) => `${request.method} ${path}`.startsWith(start));
+    if (found !== undefined) return Response.json(answers[found]?.(request, path) ?? null);
+    return Response.json(
+      { title: "t", status: 404, code: "goal_not_found", detail: `no ${path}` },
+      { status: 404 },
+    );
+  });
+  vi.stubGlobal("fetch", fetch);
+  const asked = () => fetch.mock.calls.map(([request]) => `${request.method} ${request.url.slice(19)}`);
+  return { fetch, asked };
+}
+
+const at = (seconds: number) => new Date(Date.now() + seconds * 1000).toISOString();
+const button = (name: string | RegExp) => screen.getByRole<HTMLButtonElement>("button", { name });
+const rows = () => within(screen.getByRole("table")).getAllByRole("row").slice(1);
+const ended = (id: string, seconds: number, change: Partial<AnyGoal> = {}) =>
+  goal(id, {
+    status: "succeeded",
+    created_at: at(seconds),
+    updated_at: at(seconds + 3),
+    finished_at: at(seconds + 3),
+    ...(change as object),
+  });
+
+async function violations(): Promise<string[]> {
+  const { violations } = await axe.run(document.body, { rules: { "color-contrast": { enabled: false } } });
+  return violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" ")}`);
+}
+
+beforeEach(() => {
+  streams.length = 0;
+});
+
+describe("the list of goals", () => {
+  const actions = () => ({ actions: [{ action_name: "/fibonacci" }] });
+
+  it("has the gateway's pages and what comes live, each leading to its page", async () => {
+    const { asked } = answering({
+      "GET /goals?limit=50&cursor=c1": () => ({ goals: [ended("c", -90)], next_cursor: null }),
+      "GET /goals": () => ({ goals: [ended("b", -60)], next_cursor: "c1" }),
+      "GET /actions": actions,
+    });
+    const { store, user } = renderPage(fakeGateway(), {}, "/ui/goals");
+    await waitFor(() => expect(rows()).toHaveLength(1));
+    act(() => store.onEvent(status("a", { action_name: "/fibonacci", created_at: at(0) })));
+    await waitFor(() => expect(rows()[0]?.textContent).toMatch(/\/fibonacci.*executing/));
+    await user.click(button("Load older goals"));
+    await waitFor(() => expect(rows()).toHaveLength(3));
+    expect(
+      within(rows()[2] as HTMLElement)
+        .getByRole("link")
+        .getAttribute("href"),
+    ).toBe("/ui/goals/c");
+    expect(screen.queryByRole("button", { name: "Load older goals" })).toBeNull();
+    expect(screen.getByText("3 goals, live")).toBeDefined();
+    expect(asked()).toContain("GET /goals?limit=50&cursor=c1");
+    expect(await violations()).toEqual([]);
+  });
+
+  it("is narrowed by the address, and the files are, too", async () => {
+    const { asked } = answering({
+      "GET /goals": () => ({ goals: [ended("b", -60, { status: "aborted" })], next_cursor: null }),
+      "GET /actions": actions,
+    });
+    const { user } = renderPage(fakeGateway(), {}, "/ui/goals?action=%2Fdock&status=aborted");
+    await waitFor(() => expect(rows()).toHaveLength(1));
+    expect(asked()).toContain("GET /goals?action=%2Fdock&status=aborted&limit=50");
+    expect(screen.getByRole("link", { name: /Export CSV/ }).getAttribute("href")).toBe(
+      "/goals/export?format=csv&action=%2Fdock&status=aborted",
+    );
+    expect(screen.getByRole<HTMLInputElement>("checkbox", { name: "Aborted" }).checked).toBe(true);
+    await user.selectOptions(screen.getByLabelText("Origin"), "external");
+    await waitFor(() =>
+      expect(asked()).toContain("GET /goals?action=%2Fdock&status=aborted&origin=external&limit=50"),
+    );
+    expect(await screen.findByText("No goal fits")).toBeDefined();
+    await user.click(button("Show all goals"));
+    await waitFor(() => expect(asked().at(-1)).toBe("GET /goals?limit=50"));
+  });
+
+  it("teaches how to send the first goal", async () => {
+    answering({ "GET /goals": () => ({ goals: [], next_cursor: null }), "GET /actions": actions });
+    renderPage(fakeGateway(), {}, "/ui/goals");
+    expect(await screen.findByText("No goals yet")).toBeDefined();
+    expect(screen.getByText(/^curl -X POST .*\/dock$/)).toBeDefined();
+  });
+
+  it("says why it is not there, and tries again when asked", async () => {
+    let works = false;
+    const { fetch } = answering({ "GET /actions": actions });
+    renderPage(fakeGateway(), {}, "/ui/goals");
+    expect(await screen.findByText(/The list of goals could not be loaded/)).toBeDefined();
+    works = true;
+    fetch.mockImplementation(async () =>
+      Response.json(works ? { goals: [ended("a", -9)], next_cursor: null } : null),
+    );
+    await act(async () => button("Try again").click());
+    await waitFor(() => expect(rows()).toHaveLength(1));
+  });
+});
+
+describe("the page of a goal", () => {
+  const schemas = () => ({ type: "t", goal: {}, result: {}, feedback: {} });
+  const tell = (...events: GatewayEvent[]) =>
+    act(() => {
+      for (const event of events) streams[0]?.handlers.onEvent(event);
+    });
+  const connect = (goals: AnyGoal[]) => {
+    tell(snapshot({ goals: goals as never }));
+    act(() => streams[0]?.handlers.onConnection({ kind: "snapshot" }));
+  };
+
+  it("shows a running goal as it goes on, to its end", async () => {
+    const running = goal("a", {
+      created_at: at(-5),
+      updated_at: at(-5),
+      goal: { desired_battery_state: battery },
+    });
+    const before = [status("a", { stage: "CONTROLLING" }), feedback("a")];
+    const { asked } = answering({
+      "GET /goals/a/history": () => ({ events: before, next_after: null, complete: true }),
+      "GET /goals/a": () => running,
+      "GET /interfaces": schemas,
+    });
+    renderPage(fakeGateway(), {}, "/ui/goals/a");
+    expect((await screen.findByTestId("goal-status")).textContent).toBe("executing");
+    expect(streams.map(({ url }) => url)).toEqual([expect.stringMatching(/\/ws\/feedback\?goal_id=a$/)]);
+    expect(asked()).not.toContain("GET /goals/a/history?limit=2000");
+    connect([running]);
+    expect(await screen.findByText("Controlling")).toBeDefined();
+    expect(screen.getByText("The goal has not ended.")).toBeDefined();
+    await waitFor(() => expect(screen.getByTestId("feedback-count").textContent).toBe("1 message"));
+    tell(feedback("a"));
+    await waitFor(() => expect(screen.getByTestId("feedback-count").textContent).toBe("2 messages"));
+    expect(
+      await screen.findByText(/current_battery_state.voltage over time, between 2.16 and 2.16/),
+    ).toBeDefined();
+    tell(result("a"));
+    await waitFor(() => expect(screen.getByTestId("goal-status").textContent).toBe("succeeded"));
+    expect(within(screen.getByTestId("timeline")).getByText("succeeded")).toBeDefined();
+    expect(screen.getByText("final_battery_state")).toBeDefined();
+    expect(document.title).toBe("succeeded: goal on /dock · dock-gateway");
+    expect(await violations()).toEqual([]);
+  });
+
+  it("says what to do about an error, and names what is not known of an external goal", async () => {
+    const error = { code: "failed_to_charge", detail: "contact without charge" };
+    answering({
+      "GET /goals/a/history": () => ({ events: [], next_after: null, complete: false }),
+      "GET /goals/a": () => ended("a", -60, { status: "aborted", origin: "external", error }),
+    });
+    renderPage(fakeGateway(), {}, "/ui/goals/a");
+    expect(await screen.findByText(/look at the dock's power/)).toBeDefined();
+    expect(screen.getByText("Code: failed_to_charge")).toBeDefined();
+    expect(await screen.findByText(/The history keeps no longer all/)).toBeDefined();
+    expect(button(/Send again/).disabled).toBe(true);
+    expect(screen.getByText(/Send again: the goal's message is missing, ROS does not tell/)).toBeDefined();
+    expect(screen.getByRole("link", { name: /Export JSON/ }).getAttribute("href")).toBe(
+      "/goals/a/export?format=json",
+    );
+  });
+
+  it("sends the same goal again once that is confirmed, and leads to the new one", async () => {
+    const sent: Promise<unknown>[] = [];
+    answering({
+      "GET /goals/a/history": () => ({ events: [], next_after: null, complete: true }),
+      "GET /goals/a": () => ended("a", -60, { action_name: "/robot1/fibonacci", goal: { order: 7 } }),
+      "GET /interfaces": schemas,
+      "POST /actions/robot1/fibonacci/goals": (request) => {
+        sent.push(request.json());
+        return goal("new", { status: "accepted" });
+      },
+    });
+    const { user } = renderPage(fakeGateway(), {}, "/ui/goals/a");
+    await user.click(await screen.findByRole("button", { name: /Send again/ }));
+    const dialog = await screen.findByRole("dialog", { name: "Send this goal again?" });
+    expect(dialog.textContent).toMatch(/A robot may move.*order 7/);
+    expect(sent).toEqual([]);
+    await user.click(within(dialog).getByRole("button", { name: "Send again" }));
+    const link = await screen.findByRole("link", { name: "Watch the new goal" });
+    expect(link.getAttribute("href")).toBe("/ui/goals/new");
+    expect(await Promise.all(sent)).toEqual([{ order: 7 }]);
+  });
+
+  it("does not send while a stop is latched, and says so", async () => {
+    answering({
+      "GET /goals/a/history": () => ({ events: [], next_after: null, complete: true }),
+      "GET /goals/a": () => ended("a", -60, { goal: {} }),
+    });
+    renderPage(fakeGateway(), { stop: latched("Ada") }, "/ui/goals/a");
+    expect(await screen.findByText(/Send again: the robot is stopped; release the stop first/)).toBeDefined();
+    expect(button(/Send again/).disabled).toBe(true);
+  });
+
+  it("cancels a goal on any action, and says why where that did not work", async () => {
+    const running = goal("a", { action_name: "/fibonacci" });
+    answering({
+      "GET /goals/a/history": () => ({ events: [], next_after: null, complete: true }),
+      "GET /goals/a": () => running,
+      "POST /goals/a/cancel": () => ({ ...running, status: "canceling", updated_at: at(1) }),
+    });
+    const { user } = renderPage(fakeGateway(), {}, "/ui/goals/a");
+    await user.click(await screen.findByRole("button", { name: "Cancel" }));
+    await waitFor(() => expect(screen.getByTestId("goal-status").textContent).toBe("canceling"));
+    expect(screen.getByText(/Cancel: the goal is being canceled/)).toBeDefined();
+  });
+
+  it("says that there is no such goal", async () => {
+    answering({});
+    renderPage(fakeGateway(), {}, "/ui/goals/gone");
+    expect(await screen.findByText(/the gateway does not know this goal/)).toBeDefined();
+    expect(screen.getByText("Code: goal_not_found")).toBeDefined();
+    expect(await violations()).toEqual([]);
+  });
+
+  it("tells its feedback row by row, held where somebody reads", async () => {
+    const events = Array.from({ length: 30 }, () => feedback("a"));
+    answering({
+      "GET /goals/a/history": () => ({ events, next_after: null, complete: true }),
+      "GET /goals/a": () => goal("a", { feedback_count: 30 }),
+    });
+    const { user } = renderPage(fakeGateway(), {}, "/ui/goals/a");
+    await screen.findByTestId("goal-status");
+    connect([goal("a", { feedback_count: 30 })]);
+    const table = await screen.findByTestId("feedback-table");
+    const times = () => within(table).getAllByRole("row").length - 1;
+    expect(times()).toBe(12);
+    await user.click(button("Older"));
+    await user.click(button("Older"));
+    expect(times()).toBe(6);
+    expect(button("Older").disabled).toBe(true);
+    await user.click(button("Follow the newest"));
+    expect(times()).toBe(12);
+    const [first] = within(table).getAllByRole("button");
+    if (first === undefined) throw new Error("no row");
+    await user.click(first);
+    expect(first.getAttribute("aria-pressed")).toBe("true");
+    expect(screen.getByRole("heading", { name: /^Message at/ })).toBeDefined();
+    await user.click(button("Show the latest"));
+    expect(screen.getByRole("heading", { name: "Latest message" })).toBeDefined();
+  });
+});

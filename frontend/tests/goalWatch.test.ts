@@ -1,0 +1,217 @@
+import { describe, expect, it, type Mock, vi } from "vitest";
+import { CommandError } from "../src/api/errors";
+import type { GoalsApi } from "../src/api/goals";
+import type { AnyGoal, GatewayEvent, GoalEvent, GoalHistory } from "../src/api/types";
+import { FeedbackLog } from "../src/goals/feedbackLog";
+import { FieldsFound, mostTelling, numberAt } from "../src/goals/fields";
+import { timelineOf } from "../src/goals/timeline";
+import { GoalWatch } from "../src/goals/watch";
+import type { StreamHandlers } from "../src/stream/stream";
+import { at, battery, feedback, goal, result, START, snapshot, status } from "./events";
+
+const history = (events: GatewayEvent[], next_after: string | null = null, complete = true): GoalHistory => ({
+  events: events as GoalEvent[],
+  next_after,
+  complete,
+});
+
+interface Asked {
+  goal: Mock<GoalsApi["goal"]>;
+  history: Mock<GoalsApi["history"]>;
+}
+
+/** A goal that is watched: what the gateway answers, and the stream to tell events by. */
+async function watching(change: Partial<Asked> = {}, first: AnyGoal = goal("a")) {
+  const api: Asked = {
+    goal: vi.fn<GoalsApi["goal"]>(async () => first),
+    history: vi.fn<GoalsApi["history"]>(async () => history([])),
+    ...change,
+  };
+  const stream = { handlers: null as StreamHandlers | null, close: vi.fn() };
+  const open = vi.fn((handlers: StreamHandlers) => {
+    stream.handlers = handlers;
+    return stream.close;
+  });
+  const watch = new GoalWatch("a", api as unknown as GoalsApi, open, () => START);
+  await watch.open();
+  const tell = (...events: GatewayEvent[]) => {
+    for (const event of events) stream.handlers?.onEvent(event);
+  };
+  return { watch, api, open, stream, tell };
+}
+
+const ids = (watch: GoalWatch) => watch.log.rows.map(({ id }) => id);
+
+describe("a goal that is watched", () => {
+  it("has what came before and what comes, without a gap or a double", async () => {
+    const past = [status("a"), feedback("a"), feedback("a")];
+    const both = feedback("a");
+    const later = feedback("a");
+    let answer: (page: GoalHistory) => void = () => {};
+    const asked = new Promise<GoalHistory>((resolve) => {
+      answer = resolve;
+    });
+    const { watch, tell, api } = await watching({ history: vi.fn(() => asked) });
+    expect(api.history).not.toHaveBeenCalled();
+    tell(snapshot({ goals: [goal("a")] }), both, later);
+    answer(history([...past, both]));
+    await vi.waitFor(() => expect(watch.get("past").loading).toBe(false));
+    expect(ids(watch)).toEqual([past[1], past[2], both, later].map((event) => (event as { id: string }).id));
+    expect(watch.get("statuses")).toHaveLength(1);
+  });
+
+  it("reads the history page by page", async () => {
+    const [one, two] = [feedback("a"), feedback("a")];
+    const pages = vi
+      .fn<GoalsApi["history"]>()
+      .mockResolvedValueOnce(history([one], one.id, false))
+      .mockResolvedValueOnce(history([two], null, false));
+    const { watch } = await watching({ history: pages }, goal("a", { status: "succeeded" }));
+    await vi.waitFor(() =>
+      expect(watch.get("past")).toEqual({ loading: false, complete: false, error: null }),
+    );
+    expect(pages.mock.calls).toEqual([
+      ["a", null],
+      ["a", one.id],
+    ]);
+    expect(ids(watch)).toEqual([one.id, two.id]);
+  });
+
+  it("needs no stream once it has ended", async () => {
+    const { open } = await watching({}, goal("a", { status: "aborted" }));
+    expect(open).not.toHaveBeenCalled();
+  });
+
+  it("asks for what a slow page was not sent, and for what a gap has swallowed", async () => {
+    const { watch, tell, api } = await watching();
+    const [first, missed, next] = [feedback("a"), feedback("a"), feedback("a")];
+    api.history.mockResolvedValueOnce(history([first]));
+    tell(snapshot({ goals: [goal("a")] }));
+    await vi.waitFor(() => expect(ids(watch)).toEqual([first.id]));
+    api.history.mockResolvedValueOnce(history([missed, next]));
+    tell({ type: "dropped", time: at(3), count: 1 }, next);
+    await vi.waitFor(() => expect(ids(watch)).toEqual([first.id, missed.id, next.id]));
+    expect(api.history).toHaveBeenLastCalledWith("a", first.id);
+    tell({ type: "gap", time: at(4), after: next.id }, snapshot({ goals: [goal("a")] }));
+    await vi.waitFor(() => expect(api.history).toHaveBeenLastCalledWith("a", next.id));
+  });
+
+  it("closes its stream when the goal has ended, and asks once more for the whole", async () => {
+    const { watch, tell, api, stream } = await watching();
+    tell(snapshot({ goals: [goal("a")] }));
+    const whole = goal("a", { status: "succeeded", finished_at: at(9), feedback_count: 7 });
+    api.goal.mockResolvedValueOnce(whole);
+    tell(result("a"), status("a", { status: "succeeded" }, 3));
+    await vi.waitFor(() => expect(watch.get("goal")).toEqual(whole));
+    expect(stream.close).toHaveBeenCalledTimes(1);
+    expect(watch.get("connection")).toBeNull();
+  });
+
+  it("leaves out events of other goals", async () => {
+    const { watch, tell } = await watching();
+    tell(snapshot({ goals: [goal("b"), goal("a")] }), feedback("b"), status("b"));
+    await vi.waitFor(() => expect(watch.get("past").loading).toBe(false));
+    expect(ids(watch)).toEqual([]);
+    expect(watch.get("goal")?.goal_id).toBe("a");
+  });
+
+  it("says why there is none, and tries once more when asked", async () => {
+    const missing = new CommandError("goal_not_found", "The gateway does not know this goal", "no goal a");
+    const { watch, api } = await watching({ goal: vi.fn<GoalsApi["goal"]>().mockRejectedValueOnce(missing) });
+    expect(watch.get("error")).toBe(missing);
+    api.goal.mockResolvedValueOnce(goal("a"));
+    await watch.open();
+    expect([watch.get("error"), watch.get("goal")?.goal_id]).toEqual([null, "a"]);
+  });
+
+  it("keeps what it has where the history fails, and says so", async () => {
+    const failure = new CommandError("history_unavailable", "The history does not answer", "no");
+    const { watch, tell } = await watching({ history: vi.fn().mockRejectedValue(failure) });
+    tell(snapshot({ goals: [goal("a")] }), feedback("a"));
+    await vi.waitFor(() => expect(watch.get("past").error).toBe(failure));
+    expect(ids(watch)).toHaveLength(1);
+  });
+});
+
+describe("the log of feedback", () => {
+  const row = (index: number) => ({ id: `e${index}`.padStart(3, "0"), time: index, message: { n: index } });
+
+  it("thins out its older half beyond its limit, and says so", () => {
+    const log = new FeedbackLog(8);
+    log.add(Array.from({ length: 8 }, (_, index) => row(index)));
+    expect([log.thinned, log.generation]).toEqual([false, 0]);
+    log.add([row(8)]);
+    expect(log.rows.map(({ time }) => time)).toEqual([0, 2, 4, 5, 6, 7, 8]);
+    expect([log.thinned, log.generation]).toEqual([true, 1]);
+  });
+});
+
+describe("fields to plot", () => {
+  const found = (...messages: Record<string, unknown>[]) => {
+    const fields = new FieldsFound();
+    for (const message of messages) fields.look(message);
+    return fields.all;
+  };
+
+  it("are the numbers that were measured", () => {
+    const names = found({ current_battery_state: { ...battery, cell_voltage: [3.9, null] } }).map(
+      ({ name }) => name,
+    );
+    expect(names).toEqual([
+      "current_battery_state.voltage",
+      "current_battery_state.percentage",
+      "current_battery_state.power_supply_status",
+      "current_battery_state.power_supply_health",
+      "current_battery_state.power_supply_technology",
+      "current_battery_state.cell_voltage.0",
+    ]);
+  });
+
+  it("of a sequence that grows are its last item and its length, too", () => {
+    const message = { partial_sequence: [0, 1, 1, 2] };
+    const fields = found({ partial_sequence: [0, 1] }, message);
+    expect(fields.slice(0, 2).map((field) => [field.name, numberAt(message, field)])).toEqual([
+      ["partial_sequence (last)", 2],
+      ["partial_sequence (length)", 4],
+    ]);
+    expect(mostTelling(fields)?.name).toBe("partial_sequence (last)");
+  });
+
+  it("of a duration are its seconds", () => {
+    const message = { left: { sec: 2, nanosec: 500_000_000 } };
+    const [field] = found(message);
+    expect(field?.name).toBe("left");
+    expect(field && numberAt(message, field)).toBe(2.5);
+    expect(field && numberAt({}, field)).toBeNull();
+  });
+});
+
+describe("the timeline", () => {
+  it("tells each status and stage with its time and how long it lasted", () => {
+    const goalNow = goal("a", { status: "aborted", stage: "ABORTED", retries: 1, finished_at: at(9) });
+    const error = { code: "failed_to_charge", detail: "no current" };
+    const entries = timelineOf(goalNow, [
+      status("a", { status: "accepted" }, 1),
+      status("a", { status: "executing", stage: "CONTROLLING", retries: 0 }, 2),
+      status("a", { status: "executing", stage: "CONTROLLING", retries: 0 }, 3),
+      status("a", { status: "executing", stage: "CONTROLLING", retries: 0, stalled: true }, 4),
+      status("a", { status: "executing", stage: "RETRY", retries: 1 }, 5),
+      status("a", { status: "aborted", stage: "ABORTED", retries: 1, error }, 9),
+    ]);
+    expect(entries.map(({ change, time, lasted }) => [change, (time - START) / 1000, lasted])).toEqual([
+      [{ kind: "status", status: "accepted", error: null }, 1, 1000],
+      [{ kind: "status", status: "executing", error: null }, 2, 0],
+      [{ kind: "stage", stage: "CONTROLLING", retries: 0 }, 2, 2000],
+      [{ kind: "silence", silent: true }, 4, 1000],
+      [{ kind: "silence", silent: false }, 5, 0],
+      [{ kind: "stage", stage: "RETRY", retries: 1 }, 5, 4000],
+      [{ kind: "status", status: "aborted", error }, 9, null],
+    ]);
+    expect(new Set(entries.map(({ key }) => key)).size).toBe(entries.length);
+  });
+
+  it("takes what the goal itself tells where events are missing", () => {
+    const [only] = timelineOf(goal("a", { status: "succeeded", finished_at: at(4) }), []);
+    expect(only).toMatchObject({ time: START + 4000, change: { status: "succeeded" }, lasted: null });
+  });
+});

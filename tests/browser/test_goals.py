@@ -1,0 +1,243 @@
+"""The list of goals and the page of a goal by clicking: two browsers on one goal, files, sending again, no stream."""
+
+import csv
+import io
+import json
+import re
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Download, Page, expect
+
+from tests.browser.axe import find_violations, load_axe
+from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway, running_program
+from tests.support.observer import wait_until
+
+DOCK = "/connect_to_charging_dock"
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    with ExitStack() as stack:
+        stack.enter_context(running_dock_server(domain))
+        stack.enter_context(running_program(domain, "fibonacci_action_server"))
+        gateway = stack.enter_context(running_gateway(domain))
+        gateway.wait_until_ready()
+        wait_until(lambda: gateway.http.get("/actions/fibonacci").status_code == 200, "the Fibonacci action")
+        yield gateway
+
+
+def press(page: Page, name: str) -> None:
+    page.get_by_role("button", name=name, exact=True).click()
+
+
+def expect_status(page: Page, status: str) -> None:
+    expect(page.get_by_test_id("goal-status")).to_have_text(status)
+
+
+def count_of(order: int, gateway: RunningGateway) -> str:
+    """Send a Fibonacci goal and wait for its end."""
+    answer = gateway.http.post("/actions/fibonacci/goals", json={"order": order}, headers={"Prefer": "wait=30"})
+    goal: dict[str, Any] = answer.raise_for_status().json()
+    assert goal["status"] == "succeeded"
+    return str(goal["goal_id"])
+
+
+def docking(gateway: RunningGateway, rate_hz: float = 10.0) -> str:
+    """Send a docking goal that runs until the battery charges."""
+    gateway.publish(LOW, rate_hz)
+    return str(gateway.http.post("/dock").raise_for_status().json()["goal_id"])
+
+
+def open_goal(page: Page, gateway: RunningGateway, goal_id: str) -> None:
+    page.goto(f"{gateway.url}/ui/goals/{goal_id}")
+    expect(page.get_by_test_id("goal-status")).to_be_visible()
+
+
+def feedback_count(page: Page) -> int:
+    match = re.search(r"(\d+) messages?", page.get_by_test_id("feedback-count").inner_text())
+    assert match
+    return int(match.group(1))
+
+
+def saved(page: Page, link: str, download: Callable[[], None]) -> str:
+    """What a click on a link downloads."""
+    with page.expect_download() as waiting:
+        download()
+    file: Download = waiting.value
+    path: Path = file.path()
+    assert file.failure() is None, link
+    return path.read_text(encoding="utf-8")
+
+
+def export(page: Page, name: str) -> str:
+    link = page.get_by_role("link", name=re.compile(f"^Export {name}"))
+    return saved(page, name, link.click)
+
+
+def test_two_browsers_watch_one_goal(page: Page, browser: Browser, gateway: RunningGateway) -> None:
+    goal_id = docking(gateway)
+    open_goal(page, gateway, goal_id)
+    other = browser.new_page(reduced_motion="reduce", viewport={"width": 820, "height": 1000})
+    # The second one comes later, by the link that the first one shares: it has what it missed.
+    wait_until(lambda: feedback_count(page) >= 10, "some feedback in the first browser")
+    other.goto(page.url)
+    for each in (page, other):
+        expect_status(each, "executing")
+    wait_until(lambda: feedback_count(other) >= 10, "the same feedback in the second browser")
+    press(other, "Cancel")
+    for each in (page, other):
+        expect_status(each, "canceled")
+    told = gateway.goal(goal_id)["feedback_count"]
+    for each in (page, other):
+        expect(each.get_by_test_id("feedback-count")).to_have_text(f"{told} messages")
+        expect(each.get_by_test_id("timeline").get_by_role("listitem").last).to_contain_text("canceled")
+    other.close()
+
+
+@pytest.mark.expect_page_errors
+def test_the_feedback_has_no_gap_and_no_double(page: Page, gateway: RunningGateway) -> None:
+    goal_id = docking(gateway, rate_hz=50.0)
+    wait_until(lambda: gateway.goal(goal_id)["feedback_count"] > 50, "feedback before the page is open")
+    open_goal(page, gateway, goal_id)
+    wait_until(lambda: feedback_count(page) > 100, "feedback while the page is open")
+    page.context.set_offline(True)
+    expect(page.get_by_test_id("connection")).not_to_have_text("live")
+    seen = gateway.goal(goal_id)["feedback_count"]
+    wait_until(lambda: gateway.goal(goal_id)["feedback_count"] > seen + 25, "feedback while the page is cut off")
+    page.context.set_offline(False)
+    expect(page.get_by_test_id("connection")).to_have_text("live")
+    gateway.publish(CHARGING)
+    gateway.wait_for_goal(goal_id, "succeeded")
+    expect_status(page, "succeeded")
+    events = gateway.http.get(f"/goals/{goal_id}/history?type=feedback&limit=5000").json()["events"]
+    expect(page.get_by_test_id("feedback-count")).to_have_text(f"{len(events)} messages")
+    assert len({event["id"] for event in events}) == len(events) == gateway.goal(goal_id)["feedback_count"]
+
+
+def test_a_goal_is_read_and_its_files_are_had(page: Page, gateway: RunningGateway) -> None:
+    goal_id = count_of(6, gateway)
+    open_goal(page, gateway, goal_id)
+    expect(page.get_by_role("list", name="Goal").get_by_text("order")).to_be_visible()
+    expect(page.get_by_role("list", name="Result").get_by_text("0, 1, 1, 2, 3, 5, 8")).to_be_visible()
+    expect(page.get_by_label("Plot")).to_have_value("partial_sequence (last)")
+    expect(page.get_by_role("img", name="partial_sequence (last) over time, between 1 and 8")).to_be_visible()
+    expect(page.get_by_test_id("plot").get_by_text("8", exact=True)).to_be_visible()
+    page.get_by_label("Plot").select_option("partial_sequence (length)")
+    expect(page).to_have_url(re.compile(r"plot=partial_sequence"))
+    page.reload()
+    expect(page.get_by_label("Plot")).to_have_value("partial_sequence (length)")
+    whole = json.loads(export(page, "JSON"))
+    assert whole["goal_id"] == goal_id
+    rows = list(csv.DictReader(io.StringIO(export(page, "CSV"))))
+    assert [row["partial_sequence.2"] for row in rows][-1] == "1"
+    assert len(rows) == whole["feedback_count"]
+
+
+def test_send_again(page: Page, gateway: RunningGateway) -> None:
+    open_goal(page, gateway, count_of(3, gateway))
+    press(page, "Send again …")
+    dialog = page.get_by_role("dialog", name="Send this goal again?")
+    expect(dialog).to_contain_text("A robot may move")
+    dialog.get_by_role("button", name="Do not send").click()
+    expect(dialog).to_be_hidden()
+    press(page, "Send again …")
+    dialog.get_by_role("button", name="Send again").click()
+    page.get_by_role("link", name="Watch the new goal").click()
+    expect_status(page, "succeeded")
+    expect(page.get_by_role("list", name="Result").get_by_text("0, 1, 1, 2")).to_be_visible()
+
+
+def test_the_list_is_live_and_its_filters_are_in_the_address(page: Page, gateway: RunningGateway) -> None:
+    count_of(2, gateway)
+    page.goto(f"{gateway.url}/ui/goals")
+    rows = page.get_by_role("table").locator("tbody tr")
+    expect(rows.first).to_contain_text("/fibonacci")
+    goal_id = docking(gateway)
+    expect(rows.first).to_contain_text(re.compile(f"{DOCK}.*executing"))
+    page.get_by_text("Running", exact=True).click()
+    expect(page).to_have_url(re.compile(r"\?status=running$"))
+    expect(rows).to_have_count(1)
+    page.get_by_label("Action").select_option(DOCK)
+    page.reload()
+    expect(rows).to_have_count(1)
+    expect(page.get_by_label("Action")).to_have_value(DOCK)
+    gateway.http.post(f"/goals/{goal_id}/cancel").raise_for_status()
+    expect(page.get_by_text("No goal fits")).to_be_visible()
+    press(page, "Show all goals")
+    expect(rows.first).to_contain_text("canceled")
+    page.get_by_text("Canceled", exact=True).click()
+    expect(rows.first).to_contain_text("canceled")
+    exported = json.loads(export(page, "JSON"))
+    assert exported
+    assert {goal["status"] for goal in exported} == {"canceled"}
+    rows.first.get_by_role("link").click()
+    expect_status(page, "canceled")
+    expect(page).to_have_url(re.compile(goal_id))
+
+
+def test_older_goals_are_loaded(page: Page, gateway: RunningGateway) -> None:
+    for _ in range(55):
+        gateway.http.post("/actions/fibonacci/goals", json={"order": 1}).raise_for_status()
+    page.goto(f"{gateway.url}/ui/goals?action=/fibonacci")
+    rows = page.get_by_role("table").locator("tbody tr")
+    expect(rows).to_have_count(50)
+    total = len(json.loads(export(page, "JSON")))
+    assert total >= 55
+    press(page, "Load older goals")
+    expect(rows).to_have_count(min(total, 100))
+
+
+@pytest.mark.expect_page_errors
+def test_a_goal_that_nobody_knows(page: Page, gateway: RunningGateway) -> None:
+    page.goto(f"{gateway.url}/ui/goals/00000000-0000-4000-8000-000000000000")
+    expect(page.get_by_text("goal_not_found")).to_be_visible()
+    expect(page.get_by_role("button", name="Try again")).to_be_visible()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None:
+    goal_id = docking(gateway)
+    page.goto(f"{gateway.url}/ui/goals")
+    load_axe(page, scheme)
+    expect(page.get_by_role("table").locator("tbody tr").first).to_be_visible()
+    assert find_violations(page) == []
+    open_goal(page, gateway, goal_id)
+    load_axe(page, scheme)
+    expect(page.get_by_test_id("feedback-table")).to_be_visible()
+    assert find_violations(page) == []
+    press(page, "Cancel")
+    expect_status(page, "canceled")
+    press(page, "Send again …")
+    expect(page.get_by_role("dialog", name="Send this goal again?")).to_be_visible()
+    assert find_violations(page) == []
+
+
+@pytest.mark.parametrize("width", [320, 820])
+def test_a_narrow_window(page: Page, gateway: RunningGateway, width: int) -> None:
+    """At 320 CSS pixels nothing is cut off or scrolled sideways (WCAG 1.4.10)."""
+    goal_id = docking(gateway)
+    page.set_viewport_size({"width": width, "height": 1000})
+    page.goto(f"{gateway.url}/ui/goals")
+    expect(page.get_by_role("table").locator("tbody tr").first).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    open_goal(page, gateway, goal_id)
+    expect(page.get_by_test_id("feedback-table")).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+
+
+def test_by_keyboard_alone(page: Page, gateway: RunningGateway) -> None:
+    goal_id = docking(gateway)
+    page.goto(f"{gateway.url}/ui/goals?status=running")
+    link = page.get_by_role("table").get_by_role("link")
+    expect(link).to_have_count(1)
+    link.focus()
+    page.keyboard.press("Enter")
+    expect(page).to_have_url(re.compile(goal_id))
+    expect_status(page, "executing")
+    page.get_by_role("button", name="Cancel", exact=True).focus()
+    page.keyboard.press("Enter")
+    expect_status(page, "canceled")
