@@ -1,9 +1,12 @@
 import { fireEvent, screen, waitFor } from "@testing-library/react";
-import { beforeEach, describe, expect, it } from "vitest";
+import { beforeEach, describe, expect, it, vi } from "vitest";
 import { Letters, SECOND_WITHIN_MS } from "../src/layout/letters";
 import { fakeGateway, renderPage } from "./page";
 
-beforeEach(() => localStorage.clear());
+beforeEach(() => {
+  localStorage.clear();
+  vi.stubGlobal("fetch", () => new Promise(() => {}));
+});
 
 describe("letters", () => {
   function press(letters: Letters, key: string, at: number, change: KeyboardEventInit = {}) {
@@ -40,8 +43,8 @@ describe("letters", () => {
 describe("the keyboard", () => {
   it("goes to the pages", async () => {
     const { user } = renderPage(fakeGateway());
-    await user.keyboard("gr");
-    expect(await screen.findByRole("heading", { level: 1, name: "Graph" })).toBeDefined();
+    await user.keyboard("ga");
+    expect(await screen.findByRole("heading", { level: 1, name: "Actions" })).toBeDefined();
     await user.keyboard("go");
     expect(await screen.findByRole("heading", { level: 1, name: "Overview" })).toBeDefined();
   });

@@ -27,7 +27,7 @@ export const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
         <Text fw={600}>
           {title}
           {": "}
-          <Anchor component={Link} to={robotPath(robot)} inherit>
+          <Anchor component={Link} to={robotPath(robot)} inherit underline="always">
             {robot}
           </Anchor>
         </Text>
@@ -37,7 +37,7 @@ export const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
           {goal_id !== null && (
             <>
               {". "}
-              <Anchor component={Link} to={`/ui/goals/${goal_id}`}>
+              <Anchor component={Link} to={`/ui/goals/${goal_id}`} underline="always">
                 See the goal
               </Anchor>
             </>

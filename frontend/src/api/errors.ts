@@ -40,6 +40,10 @@ const WORDS: Record<string, Words> = {
     advice:
       "It may be frozen or overloaded: look at its log and restart it. A late acceptance is canceled at once.",
   },
+  alert_not_found: {
+    title: "The alert is over",
+    advice: "What it was about has ended meanwhile; the list shows what is left.",
+  },
   body_too_large: { title: "The request is too large", advice: null },
   cancel_rejected: {
     title: "The action server refused to cancel",

@@ -26,8 +26,13 @@ function apply(state: FleetState, event: GatewayEvent, now: number): FleetState 
       return applyResult(state, event);
     case "stop":
       return withStop(state, event.robot, event.stop);
-    case "robots":
-      return { ...state, robots: withRobots(state.robots, event.robots, event.gone) };
+    case "resumed":
+      return { ...state, resumed: true };
+    case "robots": {
+      // The first after a resume is all of them.
+      const known: FleetState["robots"] = state.resumed ? new Map() : state.robots;
+      return { ...state, resumed: false, robots: withRobots(known, event.robots, event.gone) };
+    }
     case "alerts":
       return { ...state, alerts: event.alerts };
     case "heartbeat":
@@ -43,6 +48,7 @@ function applySnapshot(state: FleetState, event: EventOf<"snapshot">, now: numbe
   return snapshotGoals(
     {
       ...state,
+      resumed: false,
       robots: new Map(robots.map((robot) => [robot.name, robot])),
       alerts,
       stop: event.stop,

@@ -13,9 +13,11 @@ export interface FleetState extends GoalsState {
   /** This computer's clock minus the gateway's (ms), as well as is known. */
   clockSkew: number;
   seen: ReadonlySet<string>;
+  /** The stream goes on after an event, and what is not replayed has still to come. */
+  resumed: boolean;
 }
 
-export interface FleetTopics extends Omit<FleetState, "seen"> {
+export interface FleetTopics extends Omit<FleetState, "seen" | "resumed"> {
   connection: Connection;
 }
 
@@ -32,4 +34,5 @@ export const initialFleet: FleetState = {
   stop: NO_STOP,
   clockSkew: 0,
   seen: new Set(),
+  resumed: false,
 };

@@ -70,7 +70,7 @@ export class FleetStore {
   }
 
   #topics(): FleetTopics {
-    const { seen: _seen, ...state } = this.#state;
+    const { seen: _seen, resumed: _resumed, ...state } = this.#state;
     return { ...state, connection: this.#connection };
   }
 }

@@ -1,6 +1,7 @@
 import { Badge, Tooltip } from "@mantine/core";
 import { useFleetTopic } from "../fleet/context";
 import type { ConnectionPhase } from "../stream/connection";
+import classes from "./layout.module.css";
 
 const PHASES: Record<ConnectionPhase, { label: string; color: string; hint: string }> = {
   connecting: { label: "connecting", color: "gray.7", hint: "Waiting for the gateway's first message." },
@@ -17,15 +18,12 @@ const PHASES: Record<ConnectionPhase, { label: string; color: string; hint: stri
   },
 };
 
-/** On a phone, of the longest words the first are enough: the banner below says them all. */
-const SHRINKS = { root: { minWidth: "3rem" } };
-
 export function ConnectionStatus() {
   const { phase } = useFleetTopic("connection");
   const { label, color, hint } = PHASES[phase];
   return (
     <Tooltip label={hint} multiline maw={280}>
-      <Badge color={color} data-testid="connection" role="status" styles={SHRINKS}>
+      <Badge color={color} className={classes.status} data-testid="connection" role="status">
         {label}
       </Badge>
     </Tooltip>

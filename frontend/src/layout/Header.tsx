@@ -16,8 +16,8 @@ export function Header() {
             dock-gateway
           </Link>
           <Navigation />
+          <ConnectionStatus />
           <Group gap="sm" wrap="nowrap" className={classes.actions}>
-            <ConnectionStatus />
             <Anchor href="/docs" size="sm" visibleFrom="md">
               API
             </Anchor>

@@ -55,7 +55,7 @@ function useFocusOnNavigation(main: RefObject<HTMLDivElement | null>): void {
 
 function PageSkeleton() {
   return (
-    <Stack gap="md" aria-busy="true" aria-label="The page is loading">
+    <Stack gap="md" role="group" aria-busy="true" aria-label="The page is loading">
       <Skeleton height={28} width={180} />
       <Skeleton height={320} />
     </Stack>

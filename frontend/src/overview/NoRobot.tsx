@@ -12,7 +12,7 @@ export function NoRobot() {
       <Text size="sm">
         A robot appears here by itself, as soon as its docking action or its battery topic is on the ROS
         graph. The{" "}
-        <Anchor component={Link} to="/ui/graph" inherit>
+        <Anchor component={Link} to="/ui/graph" inherit underline="always">
           graph
         </Anchor>{" "}
         shows what this gateway sees; where that is nothing, look at ROS_DOMAIN_ID here and there.

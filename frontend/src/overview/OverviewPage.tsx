@@ -80,7 +80,7 @@ function MoreRobots({ count, onShow }: { count: number; onShow: () => void }) {
 
 function OverviewSkeleton() {
   return (
-    <Stack gap="md" aria-busy="true" aria-label="The robots are not known yet">
+    <Stack gap="md" role="group" aria-busy="true" aria-label="The robots are not known yet">
       <Skeleton height={140} />
       <Skeleton height={360} />
     </Stack>

@@ -35,7 +35,7 @@ export function NowCell({ robot, live }: { robot: Robot; live: boolean }) {
       {others.length > 0 && (
         <span className={classes.quiet}>and {others.map((each) => goalName(robot, each)).join(", ")}</span>
       )}
-      {goal === undefined && !latched && <span className={classes.quiet}>Idle</span>}
+      {goal === undefined && !latched && <span className={classes.empty}>Idle</span>}
     </>
   );
 }
@@ -70,7 +70,7 @@ function Elapsed({ since }: { since: number }) {
 /** How the last docking or undocking ended, and when. */
 export function LastCell({ robot }: { robot: Robot }) {
   const goal = robot.last_goal;
-  if (goal === null) return <span className={classes.quiet}>None yet</span>;
+  if (goal === null) return <span className={classes.empty}>None yet</span>;
   return <Last goalId={goal.goal_id} words={lastWords(robot, goal)} {...outcomeOf(goal)} />;
 }
 

@@ -1,0 +1,202 @@
+"""The overview of several robots: their rows, alerts and stops, the keyboard, and a gateway that is silent."""
+
+import re
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page, expect
+
+from tests.browser.axe import find_violations, load_axe
+from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
+from tests.support.observer import wait_until
+
+ROBOTS = ("/robot1", "/robot2")
+LOW = {"voltage": 20.1, "percentage": 0.12, "power_supply_status": 2}
+CHARGING = {"voltage": 24.1, "percentage": 0.81, "power_supply_status": 1}
+SOON_MS = 10_000
+IN_A_SECOND_MS = 1_000
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    """One gateway, two robots in namespaces of their own: one low, one on its dock."""
+    with ExitStack() as stack:
+        for robot in ROBOTS:
+            stack.enter_context(running_dock_server(domain, "-r", f"__ns:={robot}"))
+        gateway = stack.enter_context(running_gateway(domain))
+        for robot, state in zip(ROBOTS, (LOW, CHARGING), strict=True):
+            at = {"robot": robot}
+            wait_until(lambda at=at: gateway.http.get("/dock", params=at).status_code == 200, robot)
+            publish(gateway, robot, state)
+        yield gateway
+
+
+@pytest.fixture
+def page(page: Page, gateway: RunningGateway) -> Iterator[Page]:
+    """The overview, live, with a row for each robot."""
+    for robot in ROBOTS:
+        expect(row(page, robot)).to_be_visible()
+    yield page
+    gateway.http.delete("/stop")
+    for robot in ROBOTS:
+        gateway.http.delete("/stop", params={"robot": robot})
+        gateway.stop_once(f"?robot={robot}")
+    publish(gateway, ROBOTS[0], LOW)
+
+
+def publish(gateway: RunningGateway, robot: str, state: dict[str, object]) -> None:
+    body = {"state": state, "rate_hz": 5}
+    gateway.http.put("/battery/publisher", params={"robot": robot}, json=body).raise_for_status()
+
+
+def row(page: Page, robot: str) -> Locator:
+    return page.get_by_test_id(f"robot {robot}")
+
+
+def names(page: Page) -> list[str]:
+    return [text.split()[0] for text in page.get_by_role("rowheader").get_by_role("link").all_inner_texts()]
+
+
+def test_each_robot_at_a_glance(page: Page, gateway: RunningGateway) -> None:
+    expect(row(page, "/robot1")).to_contain_text(re.compile("12 %.*low.*now.*Idle.*Connected"))
+    expect(row(page, "/robot2")).to_contain_text(re.compile("Docked.*81 %.*charging.*now"))
+    goal = gateway.http.post("/dock", params={"robot": "/robot1"}).json()["goal_id"]
+    expect(row(page, "/robot1")).to_contain_text("Dock: ")
+    gateway.http.post(f"/dock/{goal}/cancel")
+    expect(row(page, "/robot1")).to_contain_text("Dock canceled")
+    row(page, "/robot1").get_by_role("link", name="/robot1").click()
+    expect(page.get_by_role("heading", level=1, name="/robot1")).to_be_visible()
+
+
+def test_sort_and_filter_stay_in_the_address(page: Page) -> None:
+    page.get_by_role("button", name="Battery", exact=True).click()
+    assert names(page) == ["/robot1", "/robot2"]
+    page.get_by_role("button", name="Battery", exact=True).click()
+    assert names(page) == ["/robot2", "/robot1"]
+    page.get_by_role("button", name=re.compile(r"^1 Docked")).click()
+    expect(row(page, "/robot1")).to_be_hidden()
+    page.reload()
+    expect(row(page, "/robot2")).to_be_visible()
+    expect(row(page, "/robot1")).to_be_hidden()
+    page.keyboard.press("/")
+    page.keyboard.type("nobody")
+    page.get_by_role("button", name="Show all 2").click()
+    assert names(page) == ["/robot2", "/robot1"]
+
+
+def test_an_alert_is_acknowledged_with_a_name_for_all_to_see(page: Page, browser: Browser) -> None:
+    alerts = page.get_by_role("region", name="Alerts")
+    expect(alerts).to_contain_text(re.compile("Low battery.*: /robot1", re.IGNORECASE))
+    expect(page).to_have_title(re.compile(r"^\(1\) Overview"))
+    page.get_by_role("link", name=re.compile("^Graph")).click()
+    expect(page.get_by_test_id("alert-count")).to_have_text("1 alert")
+    page.get_by_role("link", name=re.compile("^Overview")).click()
+    alerts.get_by_role("button", name=re.compile("^Acknowledge")).click()
+    dialog = page.get_by_role("dialog", name="Who acknowledges?")
+    dialog.get_by_label("Your name").fill("Ada")
+    dialog.get_by_role("button", name="Acknowledge").click()
+    expect(page.get_by_test_id("alert-count")).to_be_hidden()
+    other = browser.new_page()
+    other.goto(page.url)
+    other.get_by_role("button", name="Show 1 more").click()
+    expect(other.get_by_role("region", name="Alerts")).to_contain_text("Acknowledged by Ada")
+    other.get_by_role("button", name=re.compile("^Withdraw")).click()
+    expect(page.get_by_test_id("alert-count")).to_have_text("1 alert")
+    other.close()
+
+
+def test_each_stop_is_released_by_itself(page: Page, gateway: RunningGateway) -> None:
+    for robot, by in zip(ROBOTS, ("Ada", "Grace"), strict=True):
+        gateway.http.post("/stop", params={"robot": robot}, json={"by": by}).raise_for_status()
+    banner = page.get_by_test_id("stop-banner")
+    expect(banner).to_contain_text("2 robots are stopped")
+    expect(row(page, "/robot2")).to_contain_text("Stopped by Grace")
+    banner.get_by_role("button", name="Release /robot2 …").click()
+    page.get_by_role("dialog").get_by_role("button", name="Release").click()
+    expect(banner).to_contain_text("/robot1: Stopped by Ada")
+    assert gateway.http.get("/stop", params={"robot": "/robot1"}).json()["latched"] is True
+    assert gateway.http.get("/stop", params={"robot": "/robot2"}).json()["latched"] is False
+
+
+def test_stop_holds_all_robots_and_their_release_is_one(page: Page, gateway: RunningGateway) -> None:
+    page.keyboard.press("Escape")
+    page.keyboard.press("Escape")
+    banner = page.get_by_test_id("stop-banner")
+    expect(banner).to_contain_text("/robot1, /robot2: ")
+    for robot in ROBOTS:
+        assert gateway.http.get("/stop", params={"robot": robot}).json()["latched"] is True
+    page.get_by_role("button", name="Release …").click()
+    page.get_by_role("dialog").get_by_role("button", name="Release").click()
+    expect(banner).to_be_hidden()
+    for robot in ROBOTS:
+        assert gateway.http.get("/stop", params={"robot": robot}).json()["latched"] is False
+
+
+def test_the_keyboard_alone(page: Page) -> None:
+    page.keyboard.press("?")
+    expect(page.get_by_role("dialog", name="Keyboard and name")).to_contain_text("Go to Graph")
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("dialog")).to_be_hidden()
+    for letter, name in (("g", "Goals"), ("a", "Actions"), ("r", "Graph"), ("o", "Overview")):
+        page.keyboard.press("g")
+        page.keyboard.press(letter)
+        expect(page.get_by_role("heading", level=1, name=name)).to_be_attached()
+    row(page, "/robot2").get_by_role("link", name="/robot2").focus()
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("heading", level=1, name="/robot2")).to_be_visible()
+
+
+@pytest.mark.expect_page_errors
+def test_a_lost_network_is_said_within_a_second(page: Page) -> None:
+    page.context.set_offline(True)
+    expect(page.get_by_text("Reconnecting to the gateway")).to_be_visible(timeout=IN_A_SECOND_MS)
+    expect(row(page, "/robot1")).to_contain_text("Not live")
+    page.context.set_offline(False)
+    expect(page.get_by_test_id("connection")).to_have_text("live", timeout=SOON_MS)
+    expect(row(page, "/robot1")).to_contain_text("Connected")
+
+
+@pytest.mark.expect_page_errors
+def test_a_frozen_gateway_is_said_within_seconds(page: Page, gateway: RunningGateway) -> None:
+    gateway.process.send_signal(signal.SIGSTOP)
+    try:
+        begun = time.monotonic()
+        expect(page.get_by_text("Reconnecting to the gateway")).to_be_visible(timeout=SOON_MS)
+        assert time.monotonic() - begun < 9
+    finally:
+        gateway.process.send_signal(signal.SIGCONT)
+    expect(page.get_by_test_id("connection")).to_have_text("live", timeout=30_000)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None:
+    load_axe(page, scheme)
+    expect(page.get_by_role("region", name="Alerts").get_by_role("listitem")).to_have_count(1)
+    assert find_violations(page) == []
+    gateway.http.post("/dock", params={"robot": "/robot2"})
+    gateway.http.post("/stop", params={"robot": "/robot1"}, json={"by": "Ada"}).raise_for_status()
+    expect(page.get_by_test_id("stop-banner")).to_be_visible()
+    assert find_violations(page) == []
+    page.get_by_role("button", name=re.compile("^Acknowledge: ")).first.click()
+    expect(page.get_by_role("dialog", name="Who acknowledges?")).to_be_visible()
+    assert find_violations(page) == []
+
+
+@pytest.mark.parametrize("width", [320, 820, 1920])
+def test_a_width(page: Page, width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 900})
+    expect(row(page, "/robot2")).to_contain_text("81 %")
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    assert find_wide_cells(page) == []
+
+
+def find_wide_cells(page: Page) -> list[str]:
+    """Cells of the table whose words are cut off."""
+    cut: list[str] = page.evaluate(
+        "[...document.querySelectorAll('td, th')].filter((cell) => cell.scrollWidth > cell.clientWidth + 1)"
+        ".map((cell) => cell.textContent)"
+    )
+    return cut
