@@ -1,7 +1,7 @@
 import { act, screen, waitFor, within } from "@testing-library/react";
-import { beforeEach, describe, expect, it } from "vitest";
+import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { GatewayEvent } from "../src/api/types";
-import { at, robot, simulator, undockServer } from "./events";
+import { at, goal, robot, simulator, undockServer } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
@@ -56,6 +56,35 @@ describe("a robot that is about to move", () => {
     act(() => store.onEvent({ type: "action_server", time: at(1), action_server: gone }));
     await within(question).findByText(/nobody offers the action/);
     expect(within(question).getByRole<HTMLButtonElement>("button", { name: "Undock" }).disabled).toBe(true);
+  });
+});
+
+describe("a goal that ran when the page was opened", () => {
+  it("has the stages that it was in before, out of its history", async () => {
+    const ago = (seconds: number) => new Date(Date.now() - seconds * 1000).toISOString();
+    const statuses = [
+      { type: "status", time: ago(65), stage: "INITIAL_PERCEPTION" },
+      { type: "status", time: ago(63), stage: "NAV_TO_STAGING_POSE" },
+      { type: "status", time: ago(13), stage: "CONTROLLING" },
+    ];
+    const fetch = vi.fn(async (_: Request) =>
+      Response.json({ events: statuses, next_after: null, complete: true, node: "/dock_gateway" }),
+    );
+    vi.stubGlobal("fetch", fetch);
+    renderPage(fakeGateway(), {
+      goals: [goal("a", { stage: "CONTROLLING", created_at: ago(65), updated_at: ago(13) })],
+    });
+    const steps = within(await screen.findByTestId("stages")).getAllByRole("listitem");
+    await waitFor(() =>
+      expect(steps.map((step) => step.textContent)).toEqual([
+        expect.stringMatching(/^✓Perception: done2\.0 s$/),
+        expect.stringMatching(/^✓Staging: done50 s$/),
+        expect.stringMatching(/^3Controlling: now1\d s$/),
+        expect.stringMatching(/^4Wait for charge: not yet$/),
+      ]),
+    );
+    const urls = fetch.mock.calls.map(([request]) => request.url);
+    expect(urls.filter((url) => url.endsWith("/goals/a/history?type=status&limit=1000"))).toHaveLength(1);
   });
 });
 

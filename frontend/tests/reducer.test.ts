@@ -2,7 +2,14 @@ import { describe, expect, it } from "vitest";
 import type { GatewayEvent, Goal } from "../src/api/types";
 import { mergeGoals, newestFirst } from "../src/store/goals";
 import { reduce } from "../src/store/reducer";
-import { initialState, MAX_ARRIVALS, MAX_GOALS, MAX_SEEN, type State } from "../src/store/state";
+import {
+  initialState,
+  MAX_ARRIVALS,
+  MAX_FEEDBACK,
+  MAX_GOALS,
+  MAX_SEEN,
+  type State,
+} from "../src/store/state";
 import {
   at,
   battery,
@@ -231,16 +238,28 @@ describe("the undocking action", () => {
   });
 });
 
+const way = (state: State) => state.stages.get("a")?.map(({ stage }) => stage);
+
+describe("feedback", () => {
+  it("is remembered as it comes, the newest first, and not for ever", () => {
+    const events = Array.from({ length: 30 }, (_, index) => feedback("a", index));
+    const state = stateAfter([snapshot(), ...events]);
+    expect(state.feedback).toHaveLength(MAX_FEEDBACK);
+    expect(state.feedback[0]).toEqual(events.at(-1));
+  });
+});
+
 describe("the stages of a goal", () => {
   it("are remembered in order, each once, without those of the end", () => {
     const stages = ["INITIAL_PERCEPTION", "CONTROLLING", "CONTROLLING", "RETRY", "CONTROLLING", "ABORTED"];
     const state = stateAfter([snapshot(), ...stages.map((stage) => status("a", { stage }))]);
-    expect(state.stages.get("a")).toEqual(["INITIAL_PERCEPTION", "CONTROLLING", "RETRY", "CONTROLLING"]);
+    expect(way(state)).toEqual(["INITIAL_PERCEPTION", "CONTROLLING", "RETRY", "CONTROLLING"]);
+    expect(state.stages.get("a")?.[0]?.since).toBe(START + 1000);
   });
 
   it("begin with that of the snapshot", () => {
     const state = stateAfter([snapshot({ goals: [goal("a", { stage: "CONTROLLING" })] })]);
-    expect(state.stages.get("a")).toEqual(["CONTROLLING"]);
+    expect(state.stages.get("a")).toEqual([{ stage: "CONTROLLING", since: null }]);
   });
 });
 

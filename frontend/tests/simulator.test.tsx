@@ -32,7 +32,7 @@ describe("the view from above", () => {
   it("is said in words, and who reads the picture is told where they are", async () => {
     simulatedPage();
     await waitFor(() => expect(words()).toMatch(/^Robot at x −1.50 m, y 0.40 m, heading −17°. Not docked/));
-    const picture = screen.getByRole("application");
+    const picture = screen.getByRole("application", { name: /Picture of the robot/ });
     expect(picture.getAttribute("aria-describedby")).toBe(screen.getByTestId("scene-words").id);
     expect(picture.tabIndex).toBe(0);
   });
@@ -129,7 +129,7 @@ describe("the simulator", () => {
   it("places the robot by keyboard in the picture, and says where", async () => {
     const { gateway, user } = simulatedPage();
     await screen.findByText(/Drag the robot/);
-    screen.getByRole("application").focus();
+    screen.getByRole("application", { name: /Picture of the robot/ }).focus();
     await user.keyboard("{ArrowRight}");
     expect(await screen.findByText(/To be placed at x −1.45 m, y 0.40 m/)).toBeDefined();
     await user.keyboard("{Enter}");

@@ -1,6 +1,9 @@
 import { describe, expect, it } from "vitest";
+import type { Goal } from "../src/api/types";
 import { stageWords, stepsOf } from "../src/docking/stages";
-import { goal, undockGoal } from "./events";
+import { spansOf, timeIn } from "../src/docking/timeline";
+import { type Stages, withPast } from "../src/store/stages";
+import { at, goal, START, undockGoal } from "./events";
 
 const PERCEPTION = "INITIAL_PERCEPTION";
 const STAGING = "NAV_TO_STAGING_POSE";
@@ -41,6 +44,54 @@ describe("the stages of an undocking goal", () => {
   it("are one", () => {
     expect(states(undockGoal("a"), ["UNDOCKING"], "undock")).toEqual(["current"]);
     expect(states(undockGoal("a", { status: "succeeded" }), ["UNDOCKING"], "undock")).toEqual(["done"]);
+  });
+});
+
+describe("the way of a goal", () => {
+  const visits = [
+    { stage: PERCEPTION, since: START },
+    { stage: "CONTROLLING", since: START + 2000 },
+    { stage: "RETRY", since: START + 5000 },
+    { stage: "CONTROLLING", since: START + 6000 },
+  ];
+
+  it("takes its time, stage by stage, up to now or to its end", () => {
+    const times = (goalNow: Goal) => spansOf(goalNow, visits, START + 10_000).map(({ ms }) => ms);
+    expect(times(goal("a"))).toEqual([2000, 3000, 1000, 4000]);
+    expect(times(goal("a", { status: "aborted", finished_at: at(7) }))).toEqual([2000, 3000, 1000, 1000]);
+  });
+
+  it("adds up its tries, and does not guess", () => {
+    const spans = spansOf(goal("a"), visits, START + 10_000);
+    expect(timeIn("CONTROLLING", spans)).toBe(7000);
+    expect(timeIn("WAIT_FOR_CHARGE", spans)).toBeNull();
+    const [, ...met] = visits;
+    const unknown = spansOf(goal("a"), [{ stage: PERCEPTION, since: null }, ...met], START + 10_000);
+    expect([timeIn(PERCEPTION, unknown), timeIn("CONTROLLING", unknown)]).toEqual([null, 7000]);
+  });
+
+  it("is completed out of the history, and keeps what came after that", () => {
+    const met: Stages = new Map([
+      [
+        "a",
+        [
+          { stage: "CONTROLLING", since: null },
+          { stage: "WAIT_FOR_CHARGE", since: START + 9000 },
+        ],
+      ],
+    ]);
+    const past = [
+      { time: at(0), stage: null },
+      { time: at(1), stage: PERCEPTION },
+      { time: at(3), stage: "CONTROLLING" },
+      { time: at(4), stage: "CONTROLLING" },
+    ];
+    expect(withPast(met, "a", past).get("a")).toEqual([
+      { stage: PERCEPTION, since: START + 1000 },
+      { stage: "CONTROLLING", since: START + 3000 },
+      { stage: "WAIT_FOR_CHARGE", since: START + 9000 },
+    ]);
+    expect(withPast(met, "a", [])).toBe(met);
   });
 });
 

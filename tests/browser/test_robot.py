@@ -166,3 +166,21 @@ def test_accessibility(page: Page, scheme: str) -> None:
     press(page, "More fields")
     page.get_by_role("button", name="Add a cell").first.click()
     assert find_violations(page) == []
+
+
+def test_a_goal_stage_by_stage(page: Page, gateway: RunningGateway) -> None:
+    """Nobody is asked about a simulated robot; who opens the page later sees what was before, too."""
+    press(page, "Dock")
+    expect(page.get_by_role("dialog")).to_be_hidden()
+    steps = page.get_by_test_id("stages").get_by_role("listitem")
+    expect(steps.filter(has_text="Staging: now")).to_be_visible()
+    page.reload()
+    expect(steps.first).to_have_text(re.compile(r"Perception: done\d+(\.\d)? s$"))
+    page.get_by_text("Feedback as it comes").click()
+    expect(page.get_by_test_id("feedback-log").get_by_role("listitem").first).to_contain_text("discharging")
+    expect(page.get_by_test_id("goal-status")).to_have_text("succeeded", timeout=DRIVE_MS)
+    expect(steps.filter(has_text=re.compile(r"Controlling: done\d+(\.\d)? s$"))).to_be_visible()
+    expect(page.get_by_test_id("stage-bar")).to_be_visible()
+    page.get_by_role("link", name="All of this goal").click()
+    goal_id = gateway.http.get("/dock").json()["goals"][0]["goal_id"]
+    expect(page).to_have_url(f"{gateway.url}/ui/goals/{goal_id}")

@@ -1,7 +1,7 @@
 import { Badge, Code, Group, RingProgress, Stack, Text, VisuallyHidden } from "@mantine/core";
 import type { BatteryState } from "../api/types";
 import { useGatewayNow } from "../store/clock";
-import { useLive, useTopic } from "../store/context";
+import { useLive, useServices, useTopic } from "../store/context";
 import { Fact, FactList } from "../ui/Fact";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
@@ -62,6 +62,8 @@ function Freshness({ live, known, stale }: { live: boolean; known: boolean; stal
 }
 
 function NoBattery({ live }: { live: boolean }) {
+  const { robot } = useServices();
+  const topic = `${robot === null || robot === "/" ? "" : robot}/battery_status`;
   return (
     <Stack gap={4} data-testid="battery-status">
       <Text fw={600}>No battery state yet</Text>
@@ -72,7 +74,7 @@ function NoBattery({ live }: { live: boolean }) {
         {live && (
           <>
             choose a preset under <em>Publish a battery state</em> and press <em>Publish repeatedly</em>. In a
-            terminal: <Code>ros2 topic pub /battery_status sensor_msgs/BatteryState …</Code>
+            terminal: <Code>ros2 topic pub {topic} sensor_msgs/BatteryState …</Code>
           </>
         )}
       </Text>

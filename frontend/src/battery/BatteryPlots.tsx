@@ -10,7 +10,7 @@ import { QUANTITIES, type Quantity, SHAPES } from "./quantities";
 import { usePast } from "./usePast";
 import { between, edges, formatMoment, LIVE, pan, pause, type View, zoom } from "./view";
 
-/** New messages are drawn so often; without any, time moves on once a second. */
+/** New messages are drawn so often; without any, and where nobody looks, time moves on once a second. */
 const REDRAW_MS = 200;
 const SCROLL_MS = 1000;
 const ZOOM_STEP = 2;
@@ -85,8 +85,8 @@ export default function BatteryPlots() {
     let drawnAt = Date.now();
     const timer = setInterval(
       () => {
-        const idle = series.version === drawnVersion && Date.now() - drawnAt < SCROLL_MS;
-        if (idle || document.hidden || !isInSight(frame.current)) return;
+        const dull = series.version === drawnVersion || !isInSight(frame.current);
+        if (document.hidden || (dull && Date.now() - drawnAt < SCROLL_MS)) return;
         drawnVersion = series.version;
         drawnAt = Date.now();
         draw();

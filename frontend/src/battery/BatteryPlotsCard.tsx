@@ -9,7 +9,7 @@ const BatteryPlots = lazy(() => import("./BatteryPlots"));
 export function BatteryPlotsCard() {
   return (
     <Section title="Battery over time">
-      <Suspense fallback={<Skeleton className={classes.waiting} aria-label="The plots are loading" />}>
+      <Suspense fallback={<Skeleton className={classes.waiting} />}>
         <BatteryPlots />
       </Suspense>
     </Section>

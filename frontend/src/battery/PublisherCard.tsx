@@ -107,7 +107,7 @@ export function PublisherCard() {
       </Group>
       <div id={moreId} hidden={!moreOpen}>
         {moreOpen && (
-          <Suspense fallback={<Skeleton height={340} aria-label="More fields are loading" />}>
+          <Suspense fallback={<Skeleton height={340} />}>
             <MoreFields form={form} onChange={change} />
           </Suspense>
         )}

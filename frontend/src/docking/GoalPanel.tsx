@@ -1,4 +1,5 @@
-import { Alert, Badge, Group, Stack, Text } from "@mantine/core";
+import { Alert, Anchor, Badge, Group, Stack, Text } from "@mantine/core";
+import { Link } from "react-router";
 import type { Verb } from "../api/client";
 import type { Goal } from "../api/types";
 import { summarize } from "../battery/words";
@@ -11,10 +12,10 @@ import { Fact, FactList } from "../ui/Fact";
 import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
 import { formatDuration } from "../ui/time";
+import { FeedbackLog } from "./FeedbackLog";
 import { advice, meaning } from "./goalWords";
 import { rate } from "./rate";
-import { StageSteps } from "./StageSteps";
-import { VelocityFact } from "./VelocityFact";
+import { StageTimeline } from "./StageTimeline";
 
 /** The goal that runs, or how the last one ended. */
 export function GoalPanel({ goal }: { goal: Goal }) {
@@ -44,7 +45,7 @@ export function GoalPanel({ goal }: { goal: Goal }) {
         )}
         {!live && <Badge color="gray.7">Not live</Badge>}
       </Group>
-      <StageSteps goal={goal} />
+      <StageTimeline goal={goal} />
       <Explanation goal={goal} verb={verb} />
       <FactList wide>
         <Fact name="Started">
@@ -53,8 +54,11 @@ export function GoalPanel({ goal }: { goal: Goal }) {
         <Elapsed goal={goal} />
         <FeedbackFact goal={goal} />
         <BatteryFact goal={goal} />
-        {!ended && <VelocityFact />}
       </FactList>
+      <FeedbackLog goal={goal} />
+      <Anchor component={Link} to={`/ui/goals/${goal.goal_id}`} size="sm" underline="always">
+        All of this goal
+      </Anchor>
     </Stack>
   );
 }

@@ -1,5 +1,6 @@
 import type { EventOf, Goal, GoalStatus } from "../api/types";
-import { type GoalsState, MAX_ARRIVALS, MAX_GOALS, MAX_STAGES, type Stages } from "./state";
+import { withStage } from "./stages";
+import { type GoalsState, MAX_ARRIVALS, MAX_GOALS } from "./state";
 
 const FINAL: ReadonlySet<GoalStatus> = new Set(["succeeded", "canceled", "aborted", "rejected"]);
 
@@ -27,16 +28,7 @@ export function applyStatus<S extends GoalsState>(state: S, event: EventOf<"stat
     feedback: known?.feedback ?? null,
     result: known?.result ?? null,
   });
-  return { ...next, stages: withStage(next.stages, event) };
-}
-
-/** Stages of the end and of no goal are not stages of the way. */
-const NOT_ON_THE_WAY = new Set(["IDLE", "SUCCEEDED", "CANCELED", "ABORTED", "REJECTED"]);
-
-function withStage(stages: Stages, { goal_id, stage }: Pick<Goal, "goal_id" | "stage">): Stages {
-  const seen = stages.get(goal_id) ?? [];
-  if (stage === null || NOT_ON_THE_WAY.has(stage) || seen.at(-1) === stage) return stages;
-  return new Map(stages).set(goal_id, [...seen, stage].slice(-MAX_STAGES));
+  return { ...next, stages: withStage(next.stages, event, Date.parse(event.time)) };
 }
 
 export function applyFeedback<S extends GoalsState>(state: S, event: EventOf<"feedback">): S {
@@ -94,7 +86,7 @@ export function snapshotGoals<S extends GoalsState>(
   const ours = [...ended, ...goals].filter((goal) => actionNames?.includes(goal.action_name) ?? true);
   const map = new Map(ours.map((goal) => [goal.goal_id, goal]));
   const next = prune({ ...state, goals: map, arrivals: new Map() });
-  return { ...next, stages: ours.reduce(withStage, next.stages) };
+  return { ...next, stages: ours.reduce((stages, goal) => withStage(stages, goal, null), next.stages) };
 }
 
 function withGoal<S extends GoalsState>(state: S, goal: Goal): S {

@@ -1,6 +1,6 @@
 import type { EventOf, GatewayEvent } from "../api/types";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "./goals";
-import { MAX_SEEN, type State } from "./state";
+import { MAX_FEEDBACK, MAX_SEEN, type State } from "./state";
 
 /**
  * The state after an event. Pure; returns the same object where the event changes nothing, and keeps every part that it
@@ -39,7 +39,10 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
     case "status":
       return applyStatus(state, event);
     case "feedback":
-      return applyFeedback(state, event);
+      return applyFeedback(
+        { ...state, feedback: [event, ...state.feedback.slice(0, MAX_FEEDBACK - 1)] },
+        event,
+      );
     case "result":
       return applyResult(state, event);
     case "battery":

@@ -1,4 +1,14 @@
-import type { ActionServer, BatteryState, Goal, Publisher, Simulator, StopState, Twist } from "../api/types";
+import type {
+  ActionServer,
+  BatteryState,
+  EventOf,
+  Goal,
+  Publisher,
+  Simulator,
+  StopState,
+  Twist,
+} from "../api/types";
+import type { Stages } from "./stages";
 
 /** Ended goals beyond this number are forgotten, the oldest first; running ones never are. */
 export const MAX_GOALS = 200;
@@ -9,8 +19,8 @@ export const MAX_SEEN = 512;
 /** Arrival times that a feedback rate is made of. */
 export const MAX_ARRIVALS = 32;
 
-/** Stages of one goal that are remembered. */
-export const MAX_STAGES = 40;
+/** Feedback messages that are remembered, to be read. */
+export const MAX_FEEDBACK = 12;
 
 export interface Battery {
   /** Null until a first message has come. */
@@ -30,9 +40,6 @@ export interface CmdVel {
 /** The goal's id → when its latest feedback messages came, in the gateway's time (ms), oldest first. */
 export type Arrivals = ReadonlyMap<string, readonly number[]>;
 
-/** The goal's id → the stages that it was seen in, in order, without those of its end. */
-export type Stages = ReadonlyMap<string, readonly string[]>;
-
 /** What is known of goals. */
 export interface GoalsState {
   goals: ReadonlyMap<string, Goal>;
@@ -44,6 +51,8 @@ export interface GoalsState {
 export interface State extends GoalsState {
   battery: Battery;
   cmdVel: CmdVel;
+  /** The latest feedback, newest first. */
+  feedback: readonly EventOf<"feedback">[];
   publisher: Publisher | null;
   actionServer: ActionServer | null;
   undockServer: ActionServer | null;
@@ -63,6 +72,7 @@ export const initialState: State = {
   stages: new Map(),
   battery: { state: null, receivedAt: null, staleAfterS: Number.POSITIVE_INFINITY },
   cmdVel: { twist: null, receivedAt: null },
+  feedback: [],
   publisher: null,
   actionServer: null,
   undockServer: null,

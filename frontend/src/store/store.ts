@@ -8,6 +8,7 @@ import {
 import { mergeGoals } from "./goals";
 import { reduce } from "./reducer";
 import { Shown } from "./shown";
+import { withPast } from "./stages";
 import { initialState, type State } from "./state";
 
 /** What is shown of a robot, each part with subscribers of its own. */
@@ -54,6 +55,12 @@ export class Store {
   /** Takes up goals from an answer over HTTP. */
   addGoals(goals: readonly Goal[]): void {
     this.#state = mergeGoals(this.#state, goals);
+    this.#shown.schedule();
+  }
+
+  /** Takes up what a goal's history tells of its way. */
+  setWay(goalId: string, statuses: readonly { time: string; stage: string | null }[]): void {
+    this.#state = { ...this.#state, stages: withPast(this.#state.stages, goalId, statuses) };
     this.#shown.schedule();
   }
 
