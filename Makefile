@@ -26,7 +26,7 @@ INTERFACES := backend/action_tutorials_interfaces
 INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check bench bench-docking format lock interfaces-wheel clean
+.PHONY: help run setup test check bench bench-docking bench-dashboard format lock interfaces-wheel clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-18s %s\n", $$1, $$2}'
@@ -47,6 +47,9 @@ bench: setup $(BENCH)/installed ## measure (BENCH_ARGS='--short --cases ab'); se
 
 bench-docking: setup ## dock from 1,000 random starts with each controller, in simulation; see docs/docking.md
 	@$(BIN)/python -m benchmarks.docking $(BENCH_ARGS)
+
+bench-dashboard: setup ## what the dashboard costs a browser (BENCH_ARGS='--minutes 30' watches its memory); see docs/performance.md
+	@$(BIN)/python -m benchmarks.dashboard $(BENCH_ARGS)
 
 $(BENCH)/installed: benchmarks/install benchmarks/requirements.txt benchmarks/peers.txt | setup
 	@benchmarks/install $(BENCH)
