@@ -4,7 +4,7 @@ import type { BatteryHistory, BatteryState } from "../src/api/types";
 import { PRESETS, sameForm, toMessage } from "../src/battery/form";
 import { fromHistory, gapLimit, join, noPoints } from "../src/battery/points";
 import { whoPublishes } from "../src/battery/publishers";
-import { formatValue, marks, rangeOf } from "../src/battery/quantities";
+import { formatSpread, formatValue, marks, rangeOf } from "../src/battery/quantities";
 import { BatterySeries, WINDOW_S } from "../src/battery/series";
 import { formatCells, formatPercentage, formatQuantity, statusWords, summarize } from "../src/battery/words";
 import { at, battery } from "./events";
@@ -199,6 +199,8 @@ describe("the plots' scales", () => {
       expect(mark * 20).toBeCloseTo(Math.round(mark * 20));
     }
     expect(rangeOf("temperature", null, null)).toEqual([0, 1]);
+    expect(marks(...rangeOf("current", -0.9, 6.5))).toEqual([-2.5, 0, 2.5, 5, 7.5]);
+    expect(marks(...rangeOf("temperature", 24.9, 25.1))).toEqual([23, 24, 25, 26, 27]);
     expect(marks(0, 100)).toEqual([0, 25, 50, 75, 100]);
   });
 
@@ -211,5 +213,7 @@ describe("the plots' scales", () => {
     expect(formatValue("voltage", 8.764)).toBe("8.76 V");
     expect(formatValue("percentage", 24)).toBe("24.0 %");
     expect(formatValue("current", null)).toBe("–");
+    expect(formatSpread("voltage", 8.704, 8.81)).toBe(" (8.70 to 8.81)");
+    expect(formatSpread("voltage", 8.761, 8.764)).toBe("");
   });
 });

@@ -184,3 +184,35 @@ def test_a_goal_stage_by_stage(page: Page, gateway: RunningGateway) -> None:
     page.get_by_role("link", name="All of this goal").click()
     goal_id = gateway.http.get("/dock").json()["goals"][0]["goal_id"]
     expect(page).to_have_url(f"{gateway.url}/ui/goals/{goal_id}")
+
+
+def test_one_robot_of_several(page: Page, gateway: RunningGateway, domain: int) -> None:
+    """Its page is about it alone: its servers, its battery, its goals, its Stop."""
+    with ExitStack() as stack:
+        namespace = ("-r", "__ns:=/robot1")
+        stack.enter_context(running_program(domain, "dock_simulator", *NEAR, *namespace))
+        stack.enter_context(running_program(domain, "docking_server", "-p", "controller:=dock_pose", *namespace))
+        wait_until(lambda: gateway.http.get("/simulator?robot=/robot1").status_code == 200, "its simulator")
+        page.goto(f"{gateway.url}/ui/robot?robot=/robot1")
+        expect(page.get_by_role("heading", name="/robot1", level=1)).to_be_visible()
+        expect(page.get_by_test_id("action-server")).to_have_text("action server answering")
+        expect(page.get_by_test_id("publisher-status")).to_contain_text("/robot1/dock_simulator")
+        plots(page)
+        expect(page.get_by_text(f"curl -sX POST '{gateway.url}/dock?robot=/robot1'", exact=True)).to_be_visible()
+        page.get_by_role("switch", name="never for a simulated robot").scroll_into_view_if_needed()
+        press(page, "Dock")
+        expect(page.get_by_test_id("stages").get_by_role("listitem").filter(has_text="now")).to_be_visible()
+        goal = gateway.http.get("/dock?robot=/robot1").json()["goals"][0]
+        press(page, "Stop /robot1")
+        expect(page.get_by_test_id("goal-status")).to_have_text("canceled")
+        assert gateway.goal(goal["goal_id"])["status"] == "canceled"
+        assert gateway.http.get("/stop").json() | {"robots": None} == {
+            "latched": False,
+            "since": None,
+            "by": None,
+            "robots": None,
+        }
+        expect(page.get_by_text("Dock and Undock: the robot is stopped")).to_be_visible()
+        expect(page.get_by_test_id("stop-banner")).to_contain_text("/robot1")
+        gateway.http.delete("/stop?robot=/robot1").raise_for_status()
+        expect(page.get_by_role("button", name="Dock", exact=True)).to_be_enabled()

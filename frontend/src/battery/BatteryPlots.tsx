@@ -157,7 +157,7 @@ export default function BatteryPlots() {
           <figure key={quantity} className={classes.figure}>
             <figcaption className={classes.caption}>
               <span className={classes.mark} style={{ background: SHAPES[quantity][scheme] }} />
-              {SHAPES[quantity].name} ({SHAPES[quantity].unit}){" "}
+              {SHAPES[quantity].name}{" "}
               <span
                 className={classes.value}
                 data-testid={`value-${quantity}`}

@@ -3,7 +3,7 @@ import "uplot/dist/uPlot.min.css";
 import { plotOptions } from "./plotOptions";
 import type { Points } from "./points";
 import { noPoints } from "./points";
-import { formatValue, QUANTITIES, type Quantity } from "./quantities";
+import { formatSpread, formatValue, QUANTITIES, type Quantity } from "./quantities";
 
 export const PLOT_HEIGHT = 160;
 /** Narrower drags are clicks. */
@@ -126,10 +126,7 @@ export class PlotGroup {
     const { mean, min, max } = bands[quantity];
     const value = at === null ? null : mean[at];
     const [least, most] = at === null ? [null, null] : [min[at], max[at]];
-    const spread =
-      typeof least === "number" && typeof most === "number" && least !== most
-        ? ` (${least.toFixed(2)} to ${most.toFixed(2)})`
-        : "";
+    const spread = formatSpread(quantity, least, most);
     const text =
       times.length > 0 && at === null ? "not measured" : `${formatValue(quantity, value)}${spread}`;
     const place = this.#places[quantity].value;

@@ -16,7 +16,7 @@ const FONT = "12px system-ui, sans-serif";
 /** Of the band between the least and the most. */
 const BAND_ALPHA = "40";
 /** Room for `23:59:59` and some more, in CSS pixels. */
-const MARK_SPACE = 90;
+const MARK_SPACE = 80;
 
 export interface PlotEvents {
   /** The span that is shown, s since 1970. */

@@ -67,22 +67,41 @@ export function inUnit(quantity: Quantity, value: number | null): number | null 
 
 /** `8.76 V`; `–` where it was not measured. */
 export function formatValue(quantity: Quantity, value: number | null | undefined): string {
-  if (value === null || value === undefined) return "–";
-  const { unit, decimals } = SHAPES[quantity];
-  return `${value.toFixed(Math.max(decimals, 1))} ${unit}`;
+  return value === null || value === undefined ? "–" : `${digits(quantity, value)} ${SHAPES[quantity].unit}`;
+}
+
+/** ` (8.70 to 8.81)` where a point is more than one measurement, and they differ. */
+export function formatSpread(
+  quantity: Quantity,
+  least: number | null | undefined,
+  most: number | null | undefined,
+): string {
+  if (typeof least !== "number" || typeof most !== "number") return "";
+  const [low, high] = [digits(quantity, least), digits(quantity, most)];
+  return low === high ? "" : ` (${low} to ${high})`;
+}
+
+function digits(quantity: Quantity, value: number): string {
+  return value.toFixed(Math.max(SHAPES[quantity].decimals, 1));
 }
 
 const ROWS = 4;
+const TIDY_MULTIPLES = [1, 2, 3, 4, 5, 6, 8];
 
 /** Room around what is shown, so that a steady value is not a line on the edge; every mark on a tidy number. */
 export function rangeOf(quantity: Quantity, min: number | null, max: number | null): [number, number] {
   if (quantity === "percentage") return [Math.min(0, min ?? 0), Math.max(100, max ?? 0)];
   if (min === null || max === null) return [0, 1];
   const { tidy, room: least } = SHAPES[quantity];
-  const room = Math.max((max - min) * 0.15, Math.abs(max) * 0.02, least);
-  const low = Math.floor((min - room) / tidy) * tidy;
-  const step = Math.ceil((max + room - low) / ROWS / tidy) * tidy;
-  return [low, low + ROWS * step];
+  const room = Math.max((max - min) * 0.1, Math.abs(max) * 0.02, least);
+  for (let decade = tidy; Number.isFinite(decade); decade *= 10) {
+    for (const multiple of TIDY_MULTIPLES) {
+      const step = multiple * decade;
+      const low = Math.floor((min - room) / step) * step;
+      if (low + ROWS * step >= max + room) return [low, low + ROWS * step];
+    }
+  }
+  return [min, max];
 }
 
 /** The marks from `min` to `max`. */

@@ -100,7 +100,9 @@ export function DockingControls({ running }: { running: Goal | null }) {
           />
         </Group>
         <Switch
-          label={asking.simulated ? "Ask before it moves (not a simulated robot)" : "Ask before it moves"}
+          label={
+            asking.simulated ? "Ask before it moves: never for a simulated robot" : "Ask before it moves"
+          }
           checked={asking.asks}
           disabled={asking.simulated}
           onChange={(event) => asking.change(event.currentTarget.checked)}

@@ -1,10 +1,9 @@
 import { Badge, Code, Stack, Text, useComputedColorScheme } from "@mantine/core";
 import { useId, useState } from "react";
 import type { Scene } from "../api/types";
-import { VelocityFact } from "../docking/VelocityFact";
+import { VelocityLine } from "../docking/VelocityLine";
 import { useLive, useServices, useTopic } from "../store/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
-import { FactList } from "../ui/Fact";
 import { Section } from "../ui/Section";
 import { useCommand } from "../ui/useCommand";
 import { SCENE_COLORS } from "./colors";
@@ -52,9 +51,7 @@ export function SceneCard() {
           <CommandErrorAlert command="Placing the robot" error={place.error} onClose={place.reset} />
         </Stack>
       )}
-      <FactList wide>
-        <VelocityFact />
-      </FactList>
+      <VelocityLine />
     </Section>
   );
 }

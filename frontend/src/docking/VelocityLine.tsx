@@ -1,6 +1,6 @@
+import { Text } from "@mantine/core";
 import { useGatewayNow } from "../store/clock";
 import { useLive, useTopic } from "../store/context";
-import { Fact } from "../ui/Fact";
 import { formatDuration } from "../ui/time";
 import { describeVelocity } from "./velocity";
 
@@ -8,11 +8,18 @@ import { describeVelocity } from "./velocity";
 const RECENT_MS = 1000;
 
 /** The velocity command that the robot is given. */
-export function VelocityFact() {
+export function VelocityLine() {
   const { twist, receivedAt } = useTopic("cmdVel");
   const live = useLive();
   const now = useGatewayNow(500);
-  return <Fact name="Velocity command">{text()}</Fact>;
+  return (
+    <Text size="sm" className="tabular" data-testid="velocity">
+      <Text span size="sm" c="dimmed">
+        Velocity command:
+      </Text>{" "}
+      {text()}
+    </Text>
+  );
 
   function text(): string {
     if (!live) return "not live";
