@@ -26,7 +26,7 @@ export function AcknowledgeButton({ id, what }: { id: string; what: string }) {
     <>
       <Button
         variant="default"
-        size="compact-md"
+        size="compact-sm"
         className={classes.answer}
         disabled={!live || acknowledge.isPending}
         title={live ? "Says to everybody that you have seen it" : "The gateway is not connected."}

@@ -1,6 +1,6 @@
 import { VisuallyHidden } from "@mantine/core";
 import { memo } from "react";
-import { CHARGING, FULL, formatPercentage, formatQuantity, statusWords } from "../battery/words";
+import { CHARGING, FULL, formatQuantity, statusWords } from "../battery/words";
 import type { Robot } from "../fleet/types";
 import { ageWords } from "../fleet/words";
 import { useAtTime } from "../store/clock";
@@ -14,11 +14,12 @@ export function BatteryMeter({ battery }: { battery: Robot["battery"] }) {
   const { state, received_at, stale_after_s } = battery;
   if (state === null || received_at === null) return <span className={classes.empty}>Not heard</span>;
   const { percentage, voltage, power_supply_status: status } = state;
+  const filled = percentage === null ? null : Math.round(percentage * 100);
   return (
     <div className={classes.battery}>
       <Level
-        text={percentage === null ? formatQuantity(voltage, "V") : formatPercentage(percentage)}
-        filled={percentage === null ? null : Math.round(Math.min(1, Math.max(0, percentage)) * 100)}
+        text={filled === null ? formatQuantity(voltage, "V") : `${filled} %`}
+        filled={filled === null ? null : Math.min(100, Math.max(0, filled))}
         low={percentage !== null && percentage < LOW}
         status={status}
       />
