@@ -179,6 +179,20 @@ def test_the_list_is_live_and_its_filters_are_in_the_address(page: Page, gateway
     expect(page).to_have_url(re.compile(goal_id))
 
 
+def test_a_goal_of_somebody_else(page: Page, gateway: RunningGateway, domain: int) -> None:
+    page.goto(f"{gateway.url}/ui/goals?origin=external")
+    with running_program(domain, "fibonacci_action_client"):
+        row = page.get_by_role("table").locator("tbody tr").first
+        expect(row).to_contain_text(re.compile("/fibonacci.*executing.*external"))
+        row.click()
+        expect_status(page, "executing")
+        expect(page.get_by_text("ROS does not tell what others asked for.").first).to_be_visible()
+        expect(page.get_by_role("button", name="Send again …")).to_be_disabled()
+        expect(page.get_by_test_id("feedback-table").locator("tbody tr").nth(2)).to_be_visible()
+        press(page, "Cancel")
+        expect_status(page, "canceled")
+
+
 def test_older_goals_are_loaded(page: Page, gateway: RunningGateway) -> None:
     for _ in range(55):
         gateway.http.post("/actions/fibonacci/goals", json={"order": 1}).raise_for_status()

@@ -1,10 +1,10 @@
 import { Button, Group, Stack, Table, Text } from "@mantine/core";
-import { useState } from "react";
+import { memo, useMemo, useState } from "react";
 import { constantName, type JsonSchema, type SchemaNode, unitOf } from "../ui/jsonSchema";
 import { NOT_MEASURED } from "../ui/messageWords";
 import { Time } from "../ui/Time";
 import { formatElapsed } from "../ui/time";
-import type { FeedbackLog, FeedbackRow } from "./feedbackLog";
+import type { FeedbackRow } from "./feedbackLog";
 import { type FoundField, nodeOf, numberAt, shortNames } from "./fields";
 import { NamedMessage } from "./GoalMessages";
 import classes from "./goalPage.module.css";
@@ -85,10 +85,7 @@ interface FeedbackTableProps extends FeedbackRowsProps {
 }
 
 function FeedbackTable({ rows, start, schema, chosen, onChoose }: FeedbackTableProps) {
-  const { log } = useWatched().watch;
-  const fields = columnsOf(log);
-  const names = shortNames(fields);
-  const nodes = fields.map((field) => nodeOf(schema, field));
+  const columns = useColumns(schema);
   return (
     <Table.ScrollContainer minWidth={300} scrollAreaProps={{ tabIndex: 0 }}>
       <Table
@@ -101,41 +98,62 @@ function FeedbackTable({ rows, start, schema, chosen, onChoose }: FeedbackTableP
           <Table.Tr>
             <Table.Th>Since the start</Table.Th>
             <Table.Th>Time</Table.Th>
-            {fields.map(({ name }, index) => (
-              <Table.Th key={name} title={name}>
-                {names[index]}
+            {columns.map(({ field, name }) => (
+              <Table.Th key={field.name} title={field.name}>
+                {name}
               </Table.Th>
             ))}
           </Table.Tr>
         </Table.Thead>
         <Table.Tbody>
           {rows.map((row) => (
-            <Table.Tr key={row.id} data-chosen={row.id === chosen || undefined}>
-              <Table.Td>
-                <button
-                  type="button"
-                  className={classes.choose}
-                  aria-pressed={row.id === chosen}
-                  onClick={() => onChoose(row.id)}
-                >
-                  {sinceStart(row, start)}
-                </button>
-              </Table.Td>
-              <Table.Td>
-                <Time value={row.time} />
-              </Table.Td>
-              {fields.map((field, index) => (
-                <Table.Td key={field.name}>
-                  <Cell value={numberAt(row.message, field)} node={nodes[index]} />
-                </Table.Td>
-              ))}
-            </Table.Tr>
+            <Row
+              key={row.id}
+              row={row}
+              start={start}
+              columns={columns}
+              chosen={row.id === chosen}
+              onChoose={onChoose}
+            />
           ))}
         </Table.Tbody>
       </Table>
     </Table.ScrollContainer>
   );
 }
+
+interface RowProps {
+  row: FeedbackRow;
+  start: number;
+  columns: readonly Column[];
+  chosen: boolean;
+  onChoose: (id: string) => void;
+}
+
+const Row = memo(function Row({ row, start, columns, chosen, onChoose }: RowProps) {
+  return (
+    <Table.Tr data-chosen={chosen || undefined}>
+      <Table.Td>
+        <button
+          type="button"
+          className={classes.choose}
+          aria-pressed={chosen}
+          onClick={() => onChoose(row.id)}
+        >
+          {sinceStart(row, start)}
+        </button>
+      </Table.Td>
+      <Table.Td>
+        <Time value={row.time} />
+      </Table.Td>
+      {columns.map(({ field, node }) => (
+        <Table.Td key={field.name}>
+          <Cell value={numberAt(row.message, field)} node={node} />
+        </Table.Td>
+      ))}
+    </Table.Tr>
+  );
+});
 
 function Cell({ value, node }: { value: number | null; node: SchemaNode | undefined }) {
   if (value === null) {
@@ -149,10 +167,31 @@ function Cell({ value, node }: { value: number | null; node: SchemaNode | undefi
   return constantName(node, value) ?? (unit === null ? value : `${value} ${unit}`);
 }
 
+interface Column {
+  field: FoundField;
+  name: string;
+  node: SchemaNode | undefined;
+}
+
+/** The same until there are more fields. */
+function useColumns(schema: JsonSchema | undefined): readonly Column[] {
+  const { fields } = useWatched().watch.log;
+  const { size } = fields;
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the number of fields tells that there are others
+  return useMemo(() => {
+    const chosen = columnsOf(fields.all);
+    const names = shortNames(chosen);
+    return chosen.map((field, index) => ({
+      field,
+      name: names[index] ?? field.name,
+      node: nodeOf(schema, field),
+    }));
+  }, [fields, size, schema]);
+}
+
 /** Those of a message's own fields before those of the items of arrays. */
-function columnsOf(log: FeedbackLog): FoundField[] {
+function columnsOf(fields: readonly FoundField[]): FoundField[] {
   const isItem = ({ path }: FoundField) => path.some((step) => typeof step === "number");
-  const fields = log.fields.all;
   return [...fields.filter((field) => !isItem(field)), ...fields.filter(isItem)].slice(0, COLUMNS);
 }
 

@@ -6,29 +6,26 @@ import { CopyButton } from "../ui/CopyButton";
 import type { JsonSchema } from "../ui/jsonSchema";
 import { MessageTree } from "../ui/MessageTree";
 import { Section } from "../ui/Section";
-import classes from "./goalPage.module.css";
 
 /** What was asked, and what came of it. */
 export function GoalMessages({ goal }: { goal: AnyGoal }) {
   const schemas = useSchemas(goal.action_type).data;
   return (
     <Section title="Goal and result">
-      <div className={classes.messages}>
-        <NamedMessage
-          title="Goal"
-          value={goal.goal}
-          schema={schemas?.goal}
-          absent={
-            goal.origin === "external" ? "Not known: ROS does not tell what others asked for." : "Not known."
-          }
-        />
-        <NamedMessage
-          title="Result"
-          value={goal.result}
-          schema={schemas?.result}
-          absent={isTerminal(goal.status) ? "There is no result." : "The goal has not ended."}
-        />
-      </div>
+      <NamedMessage
+        title="Goal"
+        value={goal.goal}
+        schema={schemas?.goal}
+        absent={
+          goal.origin === "external" ? "Not known: ROS does not tell what others asked for." : "Not known."
+        }
+      />
+      <NamedMessage
+        title="Result"
+        value={goal.result}
+        schema={schemas?.result}
+        absent={isTerminal(goal.status) ? "There is no result." : "The goal has not ended."}
+      />
     </Section>
   );
 }

@@ -48,8 +48,8 @@ function WatchedGoal() {
       <div className={classes.grid}>
         <GoalTimeline goal={goal} />
         <FeedbackSection goal={goal} />
+        <GoalMessages goal={goal} />
       </div>
-      <GoalMessages goal={goal} />
     </>
   );
 }
@@ -71,8 +71,8 @@ function GoalSkeleton() {
       <div className={classes.grid}>
         <Skeleton height={420} />
         <Skeleton height={420} />
+        <Skeleton height={300} />
       </div>
-      <Skeleton height={300} />
     </Stack>
   );
 }

@@ -25,6 +25,11 @@ const MAX_FIELDS = 200;
 export class FieldsFound {
   readonly #found = new Map<string, FoundField>();
 
+  /** How many there are; they only become more. */
+  get size(): number {
+    return this.#found.size;
+  }
+
   /** In the order of the message's fields. */
   get all(): readonly FoundField[] {
     return [...this.#found.values()];

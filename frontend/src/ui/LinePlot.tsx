@@ -57,6 +57,8 @@ export default function LinePlot({ source, lines, xLabel, formatX, label, height
       const { min, max } = plot.scales.x ?? {};
       plot.setData(source.read(), !zoomedRef.current);
       if (zoomedRef.current && min != null && max != null) plot.setScale("x", { min, max });
+      // After what setData has put off until then.
+      queueMicrotask(() => tellLatest(plot));
     };
     draw();
     const timer = setInterval(() => !document.hidden && draw(), reducedMotion ? SLOW_REDRAW_MS : REDRAW_MS);
