@@ -210,6 +210,14 @@ def test_things_are_dragged_and_laid_out_anew(page: Page, open_graph: Callable[.
     wait_until(lambda: place(page, "topic:/odom") == before, "the old place")
 
 
+def test_all_of_it_stays_in_sight_when_the_window_changes(page: Page, open_graph: Callable[..., None]) -> None:
+    open_graph()
+    page.set_viewport_size({"width": 820, "height": 900})
+    frame = page.get_by_test_id("graph-picture").element_handle()
+    for button in page.get_by_test_id("graph-picture").locator("button[data-kind]").element_handles():
+        page.wait_for_function(IN_SIGHT, arg=[button, frame])
+
+
 def test_a_phone_gets_the_list(page: Page, open_graph: Callable[..., None]) -> None:
     page.set_viewport_size({"width": 390, "height": 844})
     open_graph()

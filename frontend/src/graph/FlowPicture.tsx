@@ -51,7 +51,11 @@ export function FlowPicture({ elements, arrangement, matching, selected, onSelec
     () => flowEdges(elements, { places, routes }, { selected }),
     [elements, places, routes, selected],
   );
-  const { show, ensureInSight } = useSight(frame, FIT);
+  const { show, ensureInSight, leave } = useSight(frame, FIT);
+  const zoom = (change: "zoomIn" | "zoomOut") => {
+    leave();
+    void flow[change]();
+  };
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: another layout is shown whole
   useEffect(() => show(null), [show, times]);
@@ -76,10 +80,10 @@ export function FlowPicture({ elements, arrangement, matching, selected, onSelec
     const act =
       way !== null
         ? () => walk(stepFrom(places, tabStop ?? "", way))
-        : { "+": () => flow.zoomIn(), "-": () => flow.zoomOut(), "0": () => show(null) }[event.key];
+        : { "+": () => zoom("zoomIn"), "-": () => zoom("zoomOut"), "0": () => show(null) }[event.key];
     if (act === undefined) return;
     event.preventDefault();
-    void act();
+    act();
   };
 
   const walk = (id: string | null) => {
@@ -99,6 +103,7 @@ export function FlowPicture({ elements, arrangement, matching, selected, onSelec
         nodeTypes={NODE_TYPES}
         edgeTypes={EDGE_TYPES}
         onNodesChange={onNodesChange}
+        onMoveStart={(event) => event !== null && leave()}
         colorMode={scheme}
         className={classes.flow ?? ""}
         minZoom={0.05}
@@ -125,8 +130,8 @@ export function FlowPicture({ elements, arrangement, matching, selected, onSelec
       >
         <Panel position="top-right">
           <PictureButtons
-            onIn={() => void flow.zoomIn()}
-            onOut={() => void flow.zoomOut()}
+            onIn={() => zoom("zoomIn")}
+            onOut={() => zoom("zoomOut")}
             onFit={() => show(null)}
             onAnew={layOutAnew}
           />

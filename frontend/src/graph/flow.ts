@@ -93,7 +93,7 @@ export function flowEdges(
       sourceHandle: back ? "left" : "right",
       targetHandle: back ? "right" : "left",
       label,
-      className: [kind, near ? "near" : "", broken ? "broken" : ""].join(" "),
+      className: [kind, near ? "near" : selected === null ? "" : "far", broken ? "broken" : ""].join(" "),
       markerEnd: { type: MarkerType.ArrowClosed, width: 18, height: 18, markerUnits: "userSpaceOnUse" },
       zIndex: near ? 1 : 0,
       focusable: false,

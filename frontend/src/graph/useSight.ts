@@ -1,26 +1,33 @@
 import { type FitViewOptions, useReactFlow } from "@xyflow/react";
-import { type RefObject, useCallback } from "react";
+import { type RefObject, useCallback, useEffect, useRef } from "react";
 import type { VertexNode } from "./flow";
 
 /** From the edge of the frame (px). */
 const MARGIN = 16;
 
 export interface Sight {
-  /** Brings things into the frame: all of them for null. */
+  /** Brings things into the frame: all of them for null, which then stay in it whatever becomes of its size. */
   show: (ids: ReadonlySet<string> | null) => void;
   /** Moves the picture if a thing is out of the frame. */
   ensureInSight: (id: string) => void;
+  /** Somebody looks at a part of it by hand. */
+  leave: () => void;
 }
 
 /** What of the picture is seen. */
 export function useSight(frame: RefObject<HTMLElement | null>, fit: FitViewOptions<VertexNode>): Sight {
   const flow = useReactFlow<VertexNode>();
+  const whole = useRef(true);
   const show = useCallback(
     (ids: ReadonlySet<string> | null) => {
+      whole.current = ids === null;
       void flow.fitView(ids === null ? fit : { ...fit, nodes: [...ids].map((id) => ({ id })) });
     },
     [flow, fit],
   );
+  const leave = useCallback(() => {
+    whole.current = false;
+  }, []);
   const ensureInSight = useCallback(
     (id: string) => {
       const node = flow.getNode(id);
@@ -35,9 +42,19 @@ export function useSight(frame: RefObject<HTMLElement | null>, fit: FitViewOptio
         last.x <= box.right - MARGIN &&
         last.y <= box.bottom - MARGIN;
       if (inside) return;
+      leave();
       void flow.setCenter(position.x + width / 2, position.y + height / 2, { zoom: flow.getZoom() });
     },
-    [flow, frame],
+    [flow, frame, leave],
   );
-  return { show, ensureInSight };
+  useEffect(() => {
+    if (frame.current === null) return;
+    const observer = new ResizeObserver(() => {
+      // React Flow has to have learnt of the new size first.
+      requestAnimationFrame(() => whole.current && show(null));
+    });
+    observer.observe(frame.current);
+    return () => observer.disconnect();
+  }, [frame, show]);
+  return { show, ensureInSight, leave };
 }
