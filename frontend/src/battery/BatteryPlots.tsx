@@ -10,8 +10,10 @@ import { QUANTITIES, type Quantity, SHAPES } from "./quantities";
 import { usePast } from "./usePast";
 import { between, edges, formatMoment, LIVE, pan, pause, type View, zoom } from "./view";
 
-/** New messages are drawn so often; without any, and where nobody looks, time moves on once a second. */
+/** New messages are drawn as often as that moves the plots by a pixel or so, but not more often than this. */
 const REDRAW_MS = 200;
+const PIXELS = 600;
+/** Without any messages, and where nobody looks, time moves on so often. */
 const SCROLL_MS = 1000;
 const ZOOM_STEP = 2;
 const PAN_STEP = 0.25;
@@ -83,6 +85,7 @@ export default function BatteryPlots() {
     if (view.endS !== null || !live) return;
     let drawnVersion = series.version;
     let drawnAt = Date.now();
+    const pixelMs = (view.spanS * 1000) / PIXELS;
     const timer = setInterval(
       () => {
         const dull = series.version === drawnVersion || !isInSight(frame.current);
@@ -91,7 +94,7 @@ export default function BatteryPlots() {
         drawnAt = Date.now();
         draw();
       },
-      reducedMotion ? SCROLL_MS : REDRAW_MS,
+      reducedMotion ? SCROLL_MS : Math.min(SCROLL_MS, Math.max(REDRAW_MS, pixelMs)),
     );
     return () => clearInterval(timer);
   }, [view, live, series, draw, reducedMotion]);

@@ -5,8 +5,8 @@ import { measured, QUANTITIES } from "./quantities";
 /** What is kept of what was heard live: the last five minutes. */
 export const WINDOW_S = 300;
 
-/** Points closer together than this become one, so that 100 messages a second need no more room than ten. */
-const MIN_SPACING_S = 0.1;
+/** Points closer together than this become one: two of them are a pixel of the plot, whatever the rate of messages. */
+const MIN_SPACING_S = 0.25;
 
 /** The battery's recent past as it was heard. Bounded by the window and the spacing. */
 export class BatterySeries {
