@@ -1,8 +1,8 @@
 import { cleanup, configure } from "@testing-library/react";
 import { afterEach, beforeEach, vi } from "vitest";
 
-// On a busy machine a second is not much.
-configure({ asyncUtilTimeout: 5000 });
+// On a busy machine seconds are not much.
+configure({ asyncUtilTimeout: 20_000 });
 
 // What jsdom lacks and the page's libraries ask for.
 window.matchMedia ??= (query: string) =>
