@@ -121,6 +121,10 @@ def test_the_feedback_has_no_gap_and_no_double(page: Page, gateway: RunningGatew
 def test_a_goal_is_read_and_its_files_are_had(page: Page, gateway: RunningGateway) -> None:
     goal_id = count_of(6, gateway)
     open_goal(page, gateway, goal_id)
+    left, right = (page.get_by_role("region", name=name).bounding_box() for name in ("Timeline", "Feedback"))
+    assert left
+    assert right
+    assert left["x"] + left["width"] < right["x"]
     expect(page.get_by_role("list", name="Goal").get_by_text("order")).to_be_visible()
     expect(page.get_by_role("list", name="Result").get_by_text("0, 1, 1, 2, 3, 5, 8")).to_be_visible()
     expect(page.get_by_label("Plot")).to_have_value("partial_sequence (last)")

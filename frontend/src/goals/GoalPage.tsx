@@ -47,7 +47,9 @@ function WatchedGoal() {
       <GoalHead goal={goal} />
       <div className={classes.grid}>
         <GoalTimeline goal={goal} />
-        <FeedbackSection goal={goal} />
+        <div className={classes.longest}>
+          <FeedbackSection goal={goal} />
+        </div>
         <GoalMessages goal={goal} />
       </div>
     </>
@@ -70,7 +72,7 @@ function GoalSkeleton() {
       <Skeleton height={190} />
       <div className={classes.grid}>
         <Skeleton height={420} />
-        <Skeleton height={420} />
+        <Skeleton height={900} className={classes.longest} />
         <Skeleton height={300} />
       </div>
     </Stack>
