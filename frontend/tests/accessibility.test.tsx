@@ -50,7 +50,7 @@ describe("axe finds nothing", () => {
     await screen.findByRole("region", { name: "Simulator" });
     expect(await violations()).toEqual([]);
     await user.click(screen.getByRole("button", { name: "Keyboard and name" }));
-    await screen.findByLabelText("Your name");
+    await screen.findByLabelText("Your name", {}, { timeout: 15_000 });
     expect(await violations()).toEqual([]);
   });
 
