@@ -210,6 +210,19 @@ describe("the timeline", () => {
     expect(new Set(entries.map(({ key }) => key)).size).toBe(entries.length);
   });
 
+  it("takes what is told late for no step back: stamps are of two clocks", () => {
+    const entries = timelineOf(goal("a", { status: "executing", stage: "CONTROLLING" }), [
+      status("a", { status: "pending" }, 1),
+      status("a", { status: "executing" }, 2),
+      status("a", { status: "pending", stage: "INITIAL_PERCEPTION" }, 3),
+      status("a", { status: "executing", stage: "CONTROLLING" }, 4),
+    ]);
+    const told = entries.map(({ change }) =>
+      "status" in change ? change.status : "stage" in change && change.stage,
+    );
+    expect(told).toEqual(["pending", "executing", "INITIAL_PERCEPTION", "CONTROLLING"]);
+  });
+
   it("takes what the goal itself tells where events are missing", () => {
     const [only] = timelineOf(goal("a", { status: "succeeded", finished_at: at(4) }), []);
     expect(only).toMatchObject({ time: START + 4000, change: { status: "succeeded" }, lasted: null });

@@ -19,6 +19,14 @@ export interface Entry {
 /** Stages that say no more than the status beside them. */
 const SAID_BY_STATUS = new Set(["IDLE", "SUCCEEDED", "CANCELED", "ABORTED", "REJECTED"]);
 
+/** How far a goal has come. */
+const STEPS: readonly GoalStatus[] = ["pending", "accepted", "executing", "canceling"];
+
+/** Events are in the order of their stamps, which are of two clocks: what is told late is no step back. */
+function laterOf(before: GoalStatus | null, now: GoalStatus): GoalStatus {
+  return before !== null && STEPS.includes(now) && STEPS.indexOf(now) < STEPS.indexOf(before) ? before : now;
+}
+
 /**
  * What changed with a goal, and when, oldest first.
  *
@@ -30,15 +38,16 @@ export function timelineOf(goal: AnyGoal, events: readonly StatusEvent[]): Entry
   let [status, stage, retries, silent] = [null as GoalStatus | null, null as string | null, 0, false];
 
   const tell = (state: StatusEvent | AnyGoal, time: number, key: string) => {
+    const now = laterOf(status, state.status);
     const add = (change: Entry["change"]) => entries.push({ key: `${key} ${change.kind}`, time, change });
     if (state.stalled !== silent && !isTerminal(state.status))
       add({ kind: "silence", silent: state.stalled });
-    if (state.status !== status) add({ kind: "status", status: state.status, error: state.error });
+    if (now !== status) add({ kind: "status", status: now, error: state.error });
     const told = state.stage !== null && !SAID_BY_STATUS.has(state.stage) && !isTerminal(state.status);
     const count = Math.max(retries, state.retries ?? 0);
     const again = state.stage !== stage || (state.stage === "RETRY" && count > retries);
     if (told && again) add({ kind: "stage", stage: state.stage ?? "", retries: count });
-    [status, stage, retries, silent] = [state.status, state.stage, count, state.stalled];
+    [status, stage, retries, silent] = [now, state.stage, count, state.stalled];
   };
 
   for (const event of events) tell(event, Date.parse(event.time), event.id);
