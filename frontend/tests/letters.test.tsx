@@ -1,4 +1,4 @@
-import { fireEvent, screen, waitFor } from "@testing-library/react";
+import { fireEvent, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { Letters, SECOND_WITHIN_MS } from "../src/layout/letters";
 import { fakeGateway, renderPage } from "./page";
@@ -61,7 +61,7 @@ describe("the keyboard", () => {
   it("leaves letters to text fields, and to those who switched them off", async () => {
     const { user } = renderPage(fakeGateway());
     await user.keyboard("?");
-    await user.type(await screen.findByLabelText("Your name"), "gr?");
+    await user.type(await within(await screen.findByRole("dialog")).findByLabelText("Your name"), "gr?");
     await user.click(screen.getByLabelText(/^Letters are shortcuts/));
     await user.keyboard("{Escape}");
     await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());

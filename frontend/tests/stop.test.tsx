@@ -1,5 +1,5 @@
 import { notifications } from "@mantine/notifications";
-import { act, fireEvent, screen, waitFor } from "@testing-library/react";
+import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import { DoubleEscape, TWICE_WITHIN_MS } from "../src/stop/keys";
@@ -179,7 +179,7 @@ describe("Stop", () => {
     const gateway = fakeGateway();
     const { user } = renderPage(gateway);
     await user.click(button("Keyboard and name"));
-    await user.type(await screen.findByLabelText("Your name"), "Grace");
+    await user.type(await within(await screen.findByRole("dialog")).findByLabelText("Your name"), "Grace");
     expect(ownName()).toBe("Grace");
     await user.click(button("Stop"));
     expect(gateway.stop).toHaveBeenCalledWith("Grace");
