@@ -74,7 +74,9 @@ def main() -> None:
 
     machine = describe()
     with running(0, 50.0) as url:
-        say(f"{machine['cores']} cores, {machine['cpu']}; script of a first visit: {script_kb(url):.0f} kB (gzip)\n")
+        at_once, total = script_kb(url)
+        say(f"{machine['cores']} cores, {machine['cpu']}.")
+        say(f"Scripts of a first visit, gzip: {at_once:.0f} kB at once, {total:.0f} kB in all.\n")
         say(HEAD)
         say(RULE)
         with watched(url) as page:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from playwright.sync_api import CDPSession, Page, Response, sync_playwright
 from tests.browser.conftest import ARGUMENTS, CHROMIUM, MISSING
@@ -91,22 +92,24 @@ def watched(url: str, *, width: int = 1440, height: int = 1200) -> Iterator[Watc
         yield Watched(page)
 
 
-def script_kb(url: str) -> float:
-    """What a first visit loads of scripts, as gzip packs them, in kB."""
-    sizes: list[float] = []
+def script_kb(url: str) -> tuple[float, float]:
+    """Scripts of a first visit in kB, as gzip packs them: those that the page asks for at once, and all of them."""
+    sizes: dict[str, float] = {}
 
     def hear(response: Response) -> None:
         if response.request.resource_type == "script":
-            sizes.append(len(gzip.compress(response.body(), 9)) / 1000)
+            sizes[urlsplit(response.url).path] = len(gzip.compress(response.body(), 9)) / 1000
 
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
+    with (
+        sync_playwright() as playwright,
+        playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS) as browser,
+    ):
         page = browser.new_page()
         page.on("response", hear)
-        page.goto(url, wait_until="load")
-        page.wait_for_timeout(2000)
-        browser.close()
-    return sum(sizes)
+        document = page.goto(url)
+        page.wait_for_timeout(3000)
+        text = "" if document is None else document.text()
+    return sum(size for path, size in sizes.items() if path in text), sum(sizes.values())
 
 
 def _processes_of(parent: int) -> list[int]:
