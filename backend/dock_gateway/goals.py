@@ -124,12 +124,16 @@ class Goal:
 
     def remember(self, known: "Goal") -> None:
         """Take over what another gateway, or this one before a restart, wrote down about the same goal."""
-        self.origin = known.origin
-        self.created_at = known.created_at
-        self.goal = self.goal or known.goal
+        self.attribute(known)
         self.feedback_count += known.feedback_count
         self.stage = self.stage or known.stage
         self.retries = known.retries if self.retries is None else self.retries
+
+    def attribute(self, known: "Goal") -> None:
+        """Take over who sent it, when, and what was asked for."""
+        self.origin = known.origin
+        self.created_at = known.created_at
+        self.goal = self.goal or known.goal
 
     def summary(self) -> dict[str, Any]:
         """Every field but feedback and result, ready for `orjson`."""

@@ -28,6 +28,9 @@ RESULT_WAIT = 2.0
 END_STAMP_WAIT = 0.2
 # What is said of a goal that is new to us waits so long for what the history knows of it.
 LOOK_UP_WAIT = 0.5
+# The gateway that sent it may just be storing it: the history is asked again after these pauses, and later once more.
+LOOK_UP_PAUSES = (0.01, 0.03, 0.06)
+LOOK_AGAIN_AFTER = 2.0
 # Goals that end so have a result, which may come late.
 WITH_RESULT = frozenset({GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED})
 MAX_REMEMBERED = 2000
@@ -135,16 +138,34 @@ class GoalTracker:
         return goal
 
     async def _look_up(self, goal: Goal) -> None:
-        known = None
         with contextlib.suppress(TimeoutError, GatewayError):
             async with asyncio.timeout(LOOK_UP_WAIT):
                 known = await self._history.get(goal.goal_id)
-        if known is not None:
-            goal.remember(known)
+                if known is not None:
+                    goal.remember(known)
+                for pause in LOOK_UP_PAUSES:
+                    if goal.origin == "gateway":
+                        break
+                    await asyncio.sleep(pause)
+                    await self._ask_who_sent(goal)
         log.info("goal %s on %s, origin %s", goal.goal_id, goal.action_name, goal.origin)
         self._history.record(goal)
         for make in self._held.pop(goal.goal_id, []):
             self._hub.publish(make())
+        if goal.origin == "external":
+            self.spawn(self._look_again(goal))
+
+    async def _ask_who_sent(self, goal: Goal) -> None:
+        known = await self._history.get(goal.goal_id)
+        if known is not None:
+            goal.attribute(known)
+
+    async def _look_again(self, goal: Goal) -> None:
+        await asyncio.sleep(LOOK_AGAIN_AFTER)
+        with contextlib.suppress(GatewayError):
+            await self._ask_who_sent(goal)
+        if goal.origin == "gateway" and goal.goal_id in self.live:
+            self._publish_status(goal, time.time_ns())
 
     def take_up(self, goal: Goal) -> None:
         """Go on with a goal that the history says was running; the server is asked for its outcome."""

@@ -86,6 +86,8 @@ class Scene:
 async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
     monkeypatch.setattr(tracker_module, "RESULT_WAIT", 0.05)
     monkeypatch.setattr(tracker_module, "END_STAMP_WAIT", 0.01)
+    monkeypatch.setattr(tracker_module, "LOOK_UP_PAUSES", ())
+    monkeypatch.setattr(tracker_module, "LOOK_AGAIN_AFTER", 0.02)
     scene = Scene()
     yield scene
     await scene.tracker.close()
@@ -144,6 +146,26 @@ async def test_progress_is_told_while_the_goal_runs(scene: Scene) -> None:
         "status:aborted",
         "result:aborted",
     ]
+
+
+async def test_a_goal_that_another_gateway_is_just_storing(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tracker_module, "LOOK_UP_PAUSES", (0.01, 5.0))
+    scene.status((B, S.EXECUTING))
+    await asyncio.sleep(0)
+    scene.history.record(Goal(B, "/dock", "pkg/action/Dock", datetime.now(UTC), goal=b'{"n":1}'))
+    assert await scene.events() == ["status:executing"]
+    goal = scene.tracker.live[B]
+    assert (goal.origin, goal.goal) == ("gateway", b'{"n":1}')
+
+
+async def test_a_goal_that_another_gateway_stores_late(scene: Scene) -> None:
+    scene.status((B, S.EXECUTING))
+    await asyncio.sleep(0.001)
+    goal = scene.tracker.live[B]
+    assert goal.origin == "external"
+    scene.history.record(Goal(B, "/dock", "pkg/action/Dock", datetime.now(UTC), goal=b'{"n":1}'))
+    assert await scene.events() == ["status:executing", "status:executing"]
+    assert (goal.origin, goal.goal) == ("gateway", b'{"n":1}')
 
 
 async def test_a_goal_of_someone_else(scene: Scene) -> None:

@@ -136,7 +136,8 @@ def test_server_sent_events_until_the_end(gateway: RunningGateway, running: str)
     with gateway.http.stream(
         "GET", f"/dock/{running}/events", params={"feedback": "false", "after": identity}
     ) as response:
-        assert [event["type"] for _, event in sse(response)] == ["resumed", "status", "result"]
+        types = [event["type"] for _, event in sse(response)]  # on a busy machine the goal may seem stalled meanwhile
+        assert (types[0], types[-1], set(types[1:-1])) == ("resumed", "result", {"status"})
     with gateway.http.stream("GET", f"/dock/{running}/events") as response:
         (only,) = [event for _, event in sse(response)]
     assert only["goals"][0]["status"] == "succeeded"
