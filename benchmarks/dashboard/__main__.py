@@ -15,8 +15,8 @@ from benchmarks.machine import describe
 from benchmarks.site import PRODUCT, ROOT, Goal, site
 
 ENOUGH = 7200  # seconds that a goal's feedback goes on
-ROW = "| {:<44} | {:>8} | {:>8} | {:>8} | {:>10} | {:>10} |"
-HEAD = ROW.format("page", "CPU %", "heap MB", "frames/s", "long tasks", "longest ms")
+ROW = "| {:<44} | {:>8} | {:>8} | {:>10} | {:>10} |"
+HEAD = ROW.format("page", "CPU %", "heap MB", "long tasks", "longest ms")
 RULE = "|".join("-" * len(cell) for cell in HEAD.split("|"))
 
 
@@ -45,7 +45,7 @@ def _send(gateway: RunningGateway, robot: int | None, goal: Goal) -> None:
 
 
 def _row(name: str, cost: Cost) -> str:
-    cells = (f"{cost.cpu:.0f}", f"{cost.heap:.1f}", f"{cost.frames:.0f}", cost.long_tasks, f"{cost.longest_ms:.0f}")
+    cells = (f"{cost.cpu:.0f}", f"{cost.heap:.1f}", cost.long_tasks, f"{cost.longest_ms:.0f}")
     return ROW.format(name, *cells)
 
 

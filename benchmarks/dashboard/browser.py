@@ -14,11 +14,9 @@ from tests.browser.conftest import ARGUMENTS, CHROMIUM, MISSING
 
 from benchmarks.machine import Cpu
 
-# Frames that came, and how long tasks held up the page, since the last look.
+# How long tasks held up the page, since the last look. To count frames would make it draw more of them.
 WATCH = """() => {
-    window.watched = {frames: 0, long: 0, longest: 0};
-    const frame = () => { window.watched.frames += 1; requestAnimationFrame(frame); };
-    requestAnimationFrame(frame);
+    window.watched = {long: 0, longest: 0};
     new PerformanceObserver((list) => {
         for (const {duration} of list.getEntries()) {
             window.watched.long += 1;
@@ -26,7 +24,7 @@ WATCH = """() => {
         }
     }).observe({type: "longtask"});
 }"""
-LOOK = "() => { const seen = window.watched; window.watched = {frames: 0, long: 0, longest: 0}; return seen; }"
+LOOK = "() => { const seen = window.watched; window.watched = {long: 0, longest: 0}; return seen; }"
 
 
 @dataclass(frozen=True)
@@ -36,13 +34,11 @@ class Cost:
     Attributes:
         cpu: Processor time of the whole browser, in percent of one core.
         heap: Memory of the page's objects in MB.
-        frames: Frames a second.
         long_tasks: Times that the page was held up for 50 ms and more, for `longest_ms` at most.
     """
 
     cpu: float
     heap: float
-    frames: float
     long_tasks: int
     longest_ms: float
 
@@ -73,7 +69,7 @@ class Watched:
             with suppress(OSError):  # it has ended meanwhile
                 cpu += Cpu.of(pid).percent_since(then)
         seen = self.page.evaluate(LOOK)
-        return Cost(cpu, heap, seen["frames"] / seconds, seen["long"], seen["longest"])
+        return Cost(cpu, heap, seen["long"], seen["longest"])
 
 
 @contextmanager
