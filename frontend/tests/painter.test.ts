@@ -81,7 +81,16 @@ describe("the painter", () => {
     expect(pictures()).toBe(1);
   });
 
-  it("draws every frame while the robot glides, then no more", () => {
+  it("draws at most thirty times a second while scenes come", () => {
+    for (let count = 0; count < 50; count += 1) {
+      push({ robot: { x: -1.5 + count / 100, y: 0.4, theta: -0.3 } });
+      frames(20);
+    }
+    expect(pictures()).toBeGreaterThan(20);
+    expect(pictures()).toBeLessThanOrEqual(40);
+  });
+
+  it("draws on while the robot glides, then no more", () => {
     push();
     frames(50);
     const before = pictures();

@@ -10,7 +10,7 @@ export interface Followed {
   arrivals: readonly number[];
 }
 
-/** A goal with its feedback as it comes: ten times a second at most, where all goals have it more rarely. */
+/** A goal with its feedback as it comes: five times a second at most, where all goals have it more rarely. */
 export function useGoal(goalId: string | null): Followed {
   const [store, setStore] = useState<FleetStore | null>(null);
   useEffect(() => {

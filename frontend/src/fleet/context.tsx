@@ -34,7 +34,7 @@ export function useFleet(): FleetServices {
   return services;
 }
 
-/** A topic of the fleet's store; renders anew when that topic changes, at most ten times a second. */
+/** A topic of the fleet's store; renders anew when that topic changes, at most five times a second. */
 export function useFleetTopic<T extends FleetTopic>(topic: T): FleetTopics[T] {
   const { store } = useFleet();
   const subscribe = useCallback((listener: () => void) => store.subscribe(topic, listener), [store, topic]);

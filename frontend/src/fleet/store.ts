@@ -11,7 +11,7 @@ import { reduceFleet, withStop } from "./reducer";
 import { type FleetState, type FleetTopic, type FleetTopics, initialFleet } from "./state";
 import type { Alert } from "./types";
 
-/** Holds what is known of all robots, and shows it at most ten times a second; a change of the connection at once. */
+/** Holds what is known of all robots, and shows it at most five times a second; a change of the connection at once. */
 export class FleetStore {
   #state: FleetState = initialFleet;
   #connection: Connection;

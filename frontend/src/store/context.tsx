@@ -31,7 +31,7 @@ export function useServices(): Services {
   return services;
 }
 
-/** A topic of the store; renders anew when that topic changes, at most ten times a second. */
+/** A topic of the store; renders anew when that topic changes, at most five times a second. */
 export function useTopic<T extends Topic>(topic: T): Topics[T] {
   const { store } = useServices();
   const subscribe = useCallback((listener: () => void) => store.subscribe(topic, listener), [store, topic]);

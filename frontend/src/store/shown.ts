@@ -1,8 +1,8 @@
 /** Subscribers are told at most this often, whatever the message rate. */
-export const RENDER_INTERVAL_MS = 100;
+export const RENDER_INTERVAL_MS = 200;
 
 /**
- * What is shown of a state that changes often: all of its topics as of one moment, renewed at most ten times a second.
+ * What is shown of a state that changes often: all of its topics as of one moment, renewed at most five times a second.
  * Each topic has subscribers of its own, told when it is another object.
  */
 export class Shown<Topics extends object> {

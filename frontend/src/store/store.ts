@@ -18,7 +18,7 @@ export interface Topics extends Omit<State, "seen"> {
 
 export type Topic = keyof Topics;
 
-/** Holds what is known of one robot, and shows it at most ten times a second; a change of the connection at once. */
+/** Holds what is known of one robot, and shows it at most five times a second; a change of the connection at once. */
 export class Store {
   #state: State = initialState;
   #connection: Connection;
