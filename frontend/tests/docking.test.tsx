@@ -74,9 +74,9 @@ describe("a goal that ran when the page was opened", () => {
     renderPage(fakeGateway(), {
       goals: [goal("a", { stage: "CONTROLLING", created_at: ago(65), updated_at: ago(13) })],
     });
-    const steps = within(await screen.findByTestId("stages")).getAllByRole("listitem");
+    const steps = () => within(screen.getByTestId("stages")).getAllByRole("listitem");
     await waitFor(() =>
-      expect(steps.map((step) => step.textContent)).toEqual([
+      expect(steps().map((step) => step.textContent)).toEqual([
         expect.stringMatching(/^✓Perception: done2\.0 s$/),
         expect.stringMatching(/^✓Staging: done50 s$/),
         expect.stringMatching(/^3Controlling: now1\d s$/),
