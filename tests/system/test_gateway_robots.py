@@ -45,6 +45,7 @@ def gateway(domain: int, database: str) -> Iterator[RunningGateway]:
 def wait_until_found(gateway: RunningGateway) -> None:
     for name in (FIRST, SECOND):
         wait_until(lambda name=name: known(gateway, name)["simulated"] is True, name)
+        wait_until(lambda name=name: known(gateway, name)["battery"]["state"] is not None, f"the battery of {name}")
     wait_until(lambda: known(gateway, SECOND)["dock"] is not None, "the docking action")
 
 
