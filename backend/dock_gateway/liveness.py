@@ -1,8 +1,8 @@
 """Whether the action server is there and answers: a peer's death is not signalled on DDS, so it is looked for.
 
 Silence alone is no proof: a server that works inside its only executor thread answers nothing meanwhile, and a killed
-one stays on the graph for a while. So a silent goal is `stalled` first, and `lost` when the time is up or the server
-has left.
+one stays on the graph for a while. Nor is the graph: after an outage a server may be heard again long before it is found
+again. So a silent goal is `stalled` first, and `lost` when the time is up, or the server has left and says nothing.
 """
 
 import asyncio
@@ -58,6 +58,7 @@ class ServerWatch:
         self._settings = settings
         self._on_change = on_change
         self._gone_since: float | None = None
+        self._told_of_half = False
         self._next_probe: dict[str, float] = {}
         self.state = ServerState(tracker.port.action_name, available=False, answering=False)
 
@@ -81,7 +82,7 @@ class ServerWatch:
             answering = not ping or time.monotonic() - self._tracker.last_heard < self._settings.ping_interval
             if not answering and (answering := await self._ping()):
                 self._tracker.heard()
-        self._gone_since = None if available else self._gone_since or time.monotonic()
+        self._note_presence(present=available)
         came_back = answering and not self.state.answering
         self._set(available=available, answering=answering)
         self._judge()
@@ -89,6 +90,16 @@ class ServerWatch:
             self._reconcile()
         self._probe_quiet_goals()
         return self.state
+
+    def _note_presence(self, *, present: bool) -> None:
+        if present:
+            self._gone_since = None
+            self._told_of_half = False
+        elif self._gone_since is None:
+            self._gone_since = time.monotonic()
+        elif self._tracker.last_heard > self._gone_since and not self._told_of_half:
+            self._told_of_half = True
+            log.warning("%s is heard, but no request can reach its action server", self.state.action_name)
 
     async def _ping(self) -> bool:
         try:
@@ -125,7 +136,7 @@ class ServerWatch:
     def _judge(self) -> None:
         now = time.monotonic()
         silence = now - self._tracker.last_heard
-        left = self._gone_since is not None and now - self._gone_since > GONE_GRACE
+        left = self._gone_since is not None and min(now - self._gone_since, silence) > GONE_GRACE
         for goal in self._tracker.running():
             if goal.status is GoalStatus.PENDING and goal.goal_id not in self._tracker.taken_up:
                 continue  # its sender is waiting, with a deadline of its own

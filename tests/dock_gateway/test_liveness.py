@@ -1,0 +1,94 @@
+"""Whether a goal's action server is there. The port is a fake; tests/system has real servers that die and freeze."""
+
+import asyncio
+import logging
+from datetime import UTC, datetime
+
+import pytest
+
+from dock_gateway import liveness
+from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.history import MemoryHistory
+from dock_gateway.hub import Hub
+from dock_gateway.later import Later
+from dock_gateway.liveness import ServerState, ServerWatch
+from dock_gateway.settings import Settings
+from dock_gateway.tracker import GoalTracker
+from tests.support.calls import FakeCall
+
+A = "aaaaaaaa-0000-4000-8000-000000000000"
+S = GoalStatus
+
+
+class FakePort:
+    """A server that is on the graph, and answers pings, as the test says."""
+
+    action_name = "/dock"
+    action_type = "pkg/action/Dock"
+
+    def __init__(self) -> None:
+        self.on_graph = True
+        self.answers = True
+
+    async def available(self) -> bool:
+        return self.on_graph
+
+    async def ping(self, timeout: float) -> bool:
+        return self.answers
+
+    def request_result(self, goal_id: str) -> FakeCall:
+        return FakeCall()
+
+
+class Scene:
+    def __init__(self) -> None:
+        self.port = FakePort()
+        self.tracker = GoalTracker(self.port, Hub(queue_limit=10, max_subscribers=10), MemoryHistory(10), Later(0.01))  # type: ignore[arg-type]
+        self.states: list[ServerState] = []
+        self.watch = ServerWatch(self.tracker, Settings(ping_interval=0.01), self.states.append)
+        self.goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC))
+        self.tracker.add(self.goal)
+        self.tracker.move(self.goal, S.EXECUTING)
+
+    async def look_after(self, seconds: float) -> None:
+        await asyncio.sleep(seconds)
+        await self.watch.look()
+
+
+@pytest.fixture
+async def scene(monkeypatch: pytest.MonkeyPatch) -> Scene:
+    monkeypatch.setattr(liveness, "GONE_GRACE", 0.05)
+    return Scene()
+
+
+async def test_a_goal_is_lost_when_its_server_has_left_and_is_silent(scene: Scene) -> None:
+    await scene.watch.look()
+    assert scene.states[-1] == ServerState("/dock", available=True, answering=True)
+    scene.port.on_graph = False
+    await scene.watch.look()
+    assert scene.states[-1] == ServerState("/dock", available=False, answering=False)
+    assert scene.goal.status is S.EXECUTING
+    await scene.look_after(0.06)
+    assert scene.goal.status is S.LOST
+
+
+async def test_a_goal_that_is_heard_of_is_not_lost_though_its_server_is_not_on_the_graph(
+    scene: Scene, caplog: pytest.LogCaptureFixture
+) -> None:
+    scene.port.on_graph = False
+    await scene.watch.look()
+    with caplog.at_level(logging.WARNING):
+        for number in range(3):
+            await asyncio.sleep(0.04)
+            scene.tracker.on_feedback(A, b"{}", number + 1)
+            await scene.watch.look()
+    assert scene.goal.status is S.EXECUTING
+    assert [record.message for record in caplog.records] == [
+        "/dock is heard, but no request can reach its action server"
+    ]
+    await scene.look_after(0.06)
+    assert scene.goal.status is S.LOST
+    scene.port.on_graph = True
+    scene.tracker.on_feedback(A, b"{}", 9)
+    await scene.watch.look()
+    assert scene.goal.status is S.EXECUTING
