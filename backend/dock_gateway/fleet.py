@@ -80,19 +80,17 @@ class Fleet:
         return found
 
     def _state(self, robot: Robot, running: list[Goal], lost: list[Goal]) -> RobotState:
-        name, resolve = robot.namespace, self._settings.resolve
-        dock_name, undock_name = (
-            resolve(action, name) for action in (self._settings.dock_action, self._settings.undock_action)
-        )
-        dock, undock = self._actions.get(dock_name), self._actions.get(undock_name)
+        name = robot.namespace
+        names = self._settings.docking_actions(name)
+        dock, undock = self._actions.get(names.dock), self._actions.get(names.undock)
         simulator = self._simulators.find(name)
-        ended = [goal for goal in lost if goal.action_name in (dock_name, undock_name)]
-        succeeded = self._outcomes.succeeded(dock_name, undock_name)
+        ended = [goal for goal in lost if goal.action_name in names]
+        succeeded = self._outcomes.succeeded(*names)
         return RobotState(
             name=name,
             default=name == self._robots.default_namespace,
             battery=robot.battery,
-            battery_topic=resolve(self._settings.battery_topic, name),
+            battery_topic=self._settings.resolve(self._settings.battery_topic, name),
             publisher=robot.publisher,
             stop=self._interlock.shown(name),
             simulator=None if simulator is None else simulator.document(),
@@ -100,8 +98,8 @@ class Fleet:
             undock=None if undock is None else undock.watch.state,
             goals=running,
             lost=lost,
-            last_goal=latest([self._outcomes.last(dock_name, undock_name), *ended]),
-            left_docked=None if succeeded is None else succeeded.action_name == dock_name,
+            last_goal=latest([self._outcomes.last(*names), *ended]),
+            left_docked=None if succeeded is None else succeeded.action_name == names.dock,
         )
 
     def documents(self, namespace: str | None = None) -> list[dict[str, Any]]:

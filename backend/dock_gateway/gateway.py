@@ -28,7 +28,7 @@ from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import scan
 from dock_gateway.ros.topics import DiagnosticsPort
 from dock_gateway.scenes import Scenes
-from dock_gateway.settings import Settings
+from dock_gateway.settings import DockingActions, Settings
 from dock_gateway.simulators import Simulators
 from dock_gateway.stop import Stopper
 
@@ -67,7 +67,7 @@ class Gateway:
         Raises:
             NotFound: There is no such robot, or it has no docking action.
         """
-        return self.dock if robot is None else await self._action_of(robot, self.settings.dock_action)
+        return self.dock if robot is None else await self.actions.find(self._names_of(robot).dock)
 
     async def undock_of(self, robot: str | None) -> Action:
         """The undocking action of a robot, likewise.
@@ -75,17 +75,15 @@ class Gateway:
         Raises:
             NotFound: There is no such robot, or it has no undocking action.
         """
-        return self.undock if robot is None else await self._action_of(robot, self.settings.undock_action)
+        return self.undock if robot is None else await self.actions.find(self._names_of(robot).undock)
 
-    async def _action_of(self, robot: str, name: str) -> Action:
-        return await self.actions.find(self.settings.resolve(name, self.robots.get(robot).namespace))
+    def _names_of(self, robot: str) -> DockingActions:
+        return self.settings.docking_actions(self.robots.get(robot).namespace)
 
     def servers_of(self, namespace: str) -> tuple[ServerState, ServerState]:
         """How the docking and the undocking server of a robot are, also where nobody has seen them."""
-        dock, undock = (
-            self.settings.resolve(name, namespace) for name in (self.settings.dock_action, self.settings.undock_action)
-        )
-        return self._server(dock), self._server(undock)
+        names = self.settings.docking_actions(namespace)
+        return self._server(names.dock), self._server(names.undock)
 
     def _server(self, action_name: str) -> ServerState:
         action = self.actions.get(action_name)
@@ -189,8 +187,9 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         knows_all = await _expect_unfinished(actions, history)
         if not knows_all:
             actions.expect(await history.unfinished())
-        dock = await actions.open(settings.resolve(settings.dock_action), settings.dock_action_type, pinned=True)
-        undock = await actions.open(settings.resolve(settings.undock_action), settings.undock_action_type, pinned=True)
+        names = settings.docking_actions()
+        dock = await actions.open(names.dock, settings.dock_action_type, pinned=True)
+        undock = await actions.open(names.undock, settings.undock_action_type, pinned=True)
         alarm = Alarm(hub, Acknowledgements(history.acknowledgements), low_battery=settings.low_battery)
         fleet = Fleet(
             settings,

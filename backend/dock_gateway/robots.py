@@ -64,9 +64,7 @@ class RobotRegistry:
         robot = Robot(namespace, battery, BatteryPublisher(battery_port, hub, namespace), velocity)
         self._robots[namespace] = robot
         self._interlock.join(namespace, latch)
-        self._outcomes.watch(
-            *(settings.resolve(name, namespace) for name in (settings.dock_action, settings.undock_action))
-        )
+        self._outcomes.watch(*settings.docking_actions(namespace))
         log.info("robot %s", namespace)
         return robot
 

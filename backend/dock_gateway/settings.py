@@ -3,7 +3,7 @@
 import os
 import re
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, NamedTuple, Self
 
 import platformdirs
 from pydantic import Field, field_validator, model_validator
@@ -17,6 +17,13 @@ NAMESPACE = re.compile(rf"/?|/?{NAME.pattern}(/{NAME.pattern})*/?")
 ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
 
 Seconds = Annotated[float, Field(gt=0, le=3600)]
+
+
+class DockingActions(NamedTuple):
+    """Absolute names of the docking and the undocking action of a robot."""
+
+    dock: str
+    undock: str
 
 
 class Settings(BaseSettings):
@@ -177,3 +184,7 @@ class Settings(BaseSettings):
         """A ROS name as the graph has it: absolute, under the namespace (the configured one) where it was relative."""
         under = self.namespace if namespace is None else namespace
         return name if name.startswith("/") else f"/{under.strip('/')}/{name}".replace("//", "/")
+
+    def docking_actions(self, namespace: str | None = None) -> DockingActions:
+        """The docking and the undocking action of a robot, of the configured one where none is named."""
+        return DockingActions(self.resolve(self.dock_action, namespace), self.resolve(self.undock_action, namespace))

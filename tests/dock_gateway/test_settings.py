@@ -102,6 +102,12 @@ def test_names_are_resolved_as_ros_does() -> None:
     assert Settings(namespace="/robot1").resolve("dock", "/") == "/dock"
 
 
+def test_the_docking_actions_of_a_robot() -> None:
+    names = Settings(namespace="/robot1", undock_action="/fleet/undock").docking_actions()
+    assert (names.dock, names.undock) == ("/robot1/connect_to_charging_dock", "/fleet/undock")
+    assert Settings().docking_actions("/robot2").undock == "/robot2/disconnect_from_charging_dock"
+
+
 def test_help_names_every_setting() -> None:
     text = CliRunner().invoke(main, ["serve", "--help"]).output
     assert all(option_name(name) in text for name in Settings.model_fields)
