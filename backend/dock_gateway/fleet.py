@@ -66,17 +66,22 @@ class Fleet:
 
     def states(self) -> list[RobotState]:
         """Every robot as it is now, by name."""
+        return self._see()[0]
+
+    def _see(self) -> tuple[list[RobotState], list[Goal]]:
+        """Every robot as it is now, by name; and the lost goals on actions that belong to none."""
         running, lost = self._by_robot(self._actions.running()), self._by_robot(self._actions.lost())
-        return [
+        states = [
             self._state(robot, running.get(robot.namespace, []), lost.get(robot.namespace, []))
             for robot in self._robots.all()
         ]
+        return states, lost.get(None, [])
 
-    def _by_robot(self, goals: list[Goal]) -> dict[str, list[Goal]]:
-        found: dict[str, list[Goal]] = defaultdict(list)
+    def _by_robot(self, goals: list[Goal]) -> dict[str | None, list[Goal]]:
+        found: dict[str | None, list[Goal]] = defaultdict(list)
         for goal in sorted(goals, key=lambda goal: goal.created_at, reverse=True):
-            if owner := self._robots.owner(goal.action_name):
-                found[owner.namespace].append(goal)
+            owner = self._robots.owner(goal.action_name)
+            found[None if owner is None else owner.namespace].append(goal)
         return found
 
     def _state(self, robot: Robot, running: list[Goal], lost: list[Goal]) -> RobotState:
@@ -124,10 +129,8 @@ class Fleet:
 
     def look(self) -> None:
         """See what is wrong; and tell of the robots that have changed, where somebody wants to hear of them."""
-        states = self.states()
-        self._alarm.look(
-            states, [goal for goal in self._actions.lost() if self._robots.owner(goal.action_name) is None]
-        )
+        states, strays = self._see()
+        self._alarm.look(states, strays)
         if not self._hub.wished(TOPIC):
             self._told = {}
             return
