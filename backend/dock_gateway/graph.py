@@ -8,6 +8,7 @@ from typing import Any
 from dock_gateway.goals import encode
 
 ACTION_PART = "/_action/"
+STATUS = "status"
 FEEDBACK, FEEDBACK_TYPE = "feedback", "_FeedbackMessage"
 SEND_GOAL, SEND_GOAL_TYPE = "send_goal", "_SendGoal"
 

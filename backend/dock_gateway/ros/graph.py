@@ -12,10 +12,17 @@ from rclpy.node import Node, NodeNameNonExistentError
 from rclpy.qos import HistoryPolicy, QoSProfile
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from dock_gateway.graph import Endpoint, Quality, Seen, Service, Topic
-
-FEEDBACK, STATUS = "/_action/feedback", "/_action/status"
-FEEDBACK_TYPE = "_FeedbackMessage"
+from dock_gateway.graph import (
+    ACTION_PART,
+    FEEDBACK,
+    FEEDBACK_TYPE,
+    STATUS,
+    Endpoint,
+    Quality,
+    Seen,
+    Service,
+    Topic,
+)
 
 # So many seconds the ROS thread looks at the graph in one go.
 PIECE = 0.002
@@ -45,12 +52,11 @@ def scan(node: Node) -> Scan:
     """
     result = Scan()
     for topic, types in node.get_topic_names_and_types():
-        if topic.endswith(FEEDBACK):
-            name = topic.removesuffix(FEEDBACK)
-            if node.count_publishers(f"{name}{STATUS}"):
-                result.actions[name] = [text.removesuffix(FEEDBACK_TYPE) for text in types]
-        elif "/_action/" not in topic:
+        name, separator, part = topic.partition(ACTION_PART)
+        if not separator:
             result.topics[topic] = list(types)
+        elif part == FEEDBACK and node.count_publishers(f"{name}{ACTION_PART}{STATUS}"):
+            result.actions[name] = [text.removesuffix(FEEDBACK_TYPE) for text in types]
     return result
 
 
