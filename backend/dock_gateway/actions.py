@@ -15,6 +15,7 @@ from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
 from dock_gateway.later import Later
 from dock_gateway.liveness import ServerState, ServerWatch
+from dock_gateway.namespaces import prefix_of
 from dock_gateway.ros.actions import ActionPort
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
@@ -195,7 +196,7 @@ class ActionRegistry:
 
     def under(self, namespace: str) -> list[Action]:
         """The actions of a robot: those in its namespace or below it."""
-        prefix = f"{namespace.rstrip('/')}/"
+        prefix = prefix_of(namespace)
         return [action for action in self.all() if action.name.startswith(prefix)]
 
     async def find(self, name: str) -> Action:

@@ -1,8 +1,10 @@
 """What a subscriber wants to hear of. Plain data."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from dock_gateway.events import Event
+from dock_gateway.namespaces import prefix_of
 
 
 @dataclass(frozen=True)
@@ -38,8 +40,12 @@ class Interest:
         return (
             (goal_id is None or self.goal_id in (None, goal_id))
             and self.action_name in (None, action_name)
-            and action_name.startswith(f"{self.namespace.rstrip('/')}/")
+            and action_name.startswith(self._prefix)
         )
+
+    @cached_property
+    def _prefix(self) -> str:
+        return prefix_of(self.namespace)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from typing import Any, Protocol
 from dock_gateway.errors import Conflict
 from dock_gateway.events import system_event, utc_now
 from dock_gateway.hub import Hub
-from dock_gateway.latch import Latch, Latches, LatchFile, is_under
+from dock_gateway.latch import Latch, Latches, LatchFile
+from dock_gateway.namespaces import is_under
 
 log = logging.getLogger(__name__)
 

@@ -16,6 +16,7 @@ import orjson
 
 from dock_gateway.events import utc_now
 from dock_gateway.goals import encode
+from dock_gateway.namespaces import is_under
 
 log = logging.getLogger(__name__)
 
@@ -56,11 +57,6 @@ class Latches:
             "by": latch and latch.by,
             "robots": sorted(name for name in robots if is_under(name, namespace) and self.over(name) is not None),
         }
-
-
-def is_under(name: str, namespace: str) -> bool:
-    """Whether a namespace or an action is a namespace, or in it."""
-    return f"{name.rstrip('/')}/".startswith(f"{namespace.rstrip('/')}/")
 
 
 class LatchFile:

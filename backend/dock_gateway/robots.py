@@ -9,6 +9,7 @@ from dock_gateway.events import message_event
 from dock_gateway.goals import Json
 from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
+from dock_gateway.namespaces import is_under
 from dock_gateway.outcomes import Outcomes
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
@@ -83,8 +84,7 @@ class RobotRegistry:
 
     def under(self, namespace: str) -> list[Robot]:
         """The robot of a namespace and those below it."""
-        prefix = f"{namespace.rstrip('/')}/"
-        return [robot for robot in self.all() if f"{robot.namespace.rstrip('/')}/".startswith(prefix)]
+        return [robot for robot in self.all() if is_under(robot.namespace, namespace)]
 
     def owner(self, name: str) -> Robot | None:
         """The robot that an action belongs to: the one with the longest namespace that it is in."""

@@ -5,27 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from dock_gateway.latch import Latch, Latches, LatchFile, is_under
+from dock_gateway.latch import Latch, Latches, LatchFile
 
 ADA = Latch(datetime(2026, 11, 21, 3, 32, 40, 123456, UTC), "Ada")
 BOB = Latch(datetime(2026, 11, 21, 4, 0, 0, 0, UTC), "Bob")
-
-
-@pytest.mark.parametrize(
-    ("name", "namespace", "under"),
-    [
-        ("/", "/", True),
-        ("/robot1", "/", True),
-        ("/connect_to_charging_dock", "/", True),
-        ("/robot1/dock", "/robot1", True),
-        ("/robot1", "/robot1", True),
-        ("/robot10/dock", "/robot1", False),
-        ("/dock", "/robot1", False),
-        ("/", "/robot1", False),
-    ],
-)
-def test_what_is_in_a_namespace(name: str, namespace: str, under: bool) -> None:
-    assert is_under(name, namespace) is under
 
 
 def test_a_stop_holds_for_what_is_below() -> None:

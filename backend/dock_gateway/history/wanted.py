@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 from datetime import datetime
+from functools import cached_property
 
 from dock_gateway.goals import Goal, GoalStatus, Origin
+from dock_gateway.namespaces import prefix_of
 
 
 @dataclass(frozen=True)
@@ -26,10 +28,10 @@ class Wanted:
     since: datetime | None = None
     until: datetime | None = None
 
-    @property
+    @cached_property
     def prefix(self) -> str:
         """What the names of the actions in the namespace begin with."""
-        return f"{self.namespace.rstrip('/')}/"
+        return prefix_of(self.namespace)
 
     def matches(self, goal: Goal) -> bool:
         """Whether a goal is one of them."""
