@@ -7,7 +7,7 @@ import pytest
 from starlette.requests import Request
 
 from dock_gateway.api.goals import send_goal
-from dock_gateway.api.requests import read_json
+from dock_gateway.api.requests import read_json, read_name
 from dock_gateway.errors import InvalidField
 from dock_gateway.settings import Settings
 
@@ -34,6 +34,19 @@ async def test_an_empty_body_where_it_has_a_meaning() -> None:
 @pytest.mark.parametrize(("body", "value"), [(b"null", None), (b"[]", []), (b"0", 0), (b'""', ""), (b"false", False)])
 async def test_what_is_false_is_not_empty(body: bytes, value: object) -> None:
     assert await read_json(request(body), empty={"order": 1}) == value
+
+
+@pytest.mark.parametrize(("value", "name"), [("Ada", "Ada"), (" Ada L. ", "Ada L."), ("Ä" * 10, "Ä" * 10)])
+def test_a_name(value: str, name: str) -> None:
+    assert read_name(value, 10) == name
+
+
+@pytest.mark.parametrize("value", ["", " \t", "a" * 11, "a\nb", "a\0", 7, None, ["Ada"]])
+def test_what_is_no_name(value: object) -> None:
+    with pytest.raises(InvalidField) as refused:
+        read_name(value, 10)
+    (error,) = refused.value.extra["errors"]
+    assert (error["path"], error["expected"]) == ("by", "1 to 10 characters, in one line")
 
 
 async def test_no_goal_is_sent_for_an_empty_body() -> None:

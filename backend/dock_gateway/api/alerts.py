@@ -1,6 +1,6 @@
 """`/alerts`: what an operator has to know of, and who has seen it."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
@@ -8,9 +8,8 @@ from starlette.responses import Response
 from dock_gateway.api.answers import TheGateway, json_response
 from dock_gateway.api.openapi import body
 from dock_gateway.api.problems import problems
-from dock_gateway.api.requests import known_query, read_json, read_object
+from dock_gateway.api.requests import known_query, read_json, read_name, read_object
 from dock_gateway.api.schemas import Alert, AlertList
-from dock_gateway.errors import FieldError, InvalidField
 
 router = APIRouter(tags=["Alerts"], prefix="/alerts", dependencies=[Depends(known_query())])
 
@@ -24,18 +23,6 @@ ACKNOWLEDGEMENT_REQUEST = {
     },
 }
 AlertId = Annotated[str, Path(description="`id` of the alert")]
-
-
-def read_name(value: Any) -> str:
-    """Who it is.
-
-    Raises:
-        InvalidField: It is not a name.
-    """
-    name = value.strip() if isinstance(value, str) else ""
-    if not 0 < len(name) <= MAX_NAME or not name.isprintable():
-        raise InvalidField([FieldError("by", f"1 to {MAX_NAME} characters, in one line", f"got {value!r:.40}")])
-    return name
 
 
 @router.get("", response_model=AlertList, responses=problems(422))
@@ -52,7 +39,7 @@ async def list_alerts(gateway: TheGateway) -> Response:
 )
 async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) -> Response:
     """Somebody has seen an alert. That holds at every gateway with the same history, until the alert is over."""
-    by = read_name(read_object(await read_json(request), "by").get("by"))
+    by = read_name(read_object(await read_json(request), "by").get("by"), MAX_NAME)
     return json_response(await gateway.alarm.acknowledge(alert_id, by))
 
 

@@ -122,6 +122,18 @@ def read_object(value: object, *fields: str) -> dict[str, Any]:
     return value
 
 
+def read_name(value: object, longest: int) -> str:
+    """Who it is that asks, out of the field `by`; without the blanks around it.
+
+    Raises:
+        InvalidField: It is not a name of at most `longest` characters.
+    """
+    name = value.strip() if isinstance(value, str) else ""
+    if not 0 < len(name) <= longest or not name.isprintable():
+        raise InvalidField([FieldError("by", f"1 to {longest} characters, in one line", f"got {value!r:.40}")])
+    return name
+
+
 def read_wait(request: Request) -> float:
     """Seconds to wait for the end of a goal, out of `Prefer: wait=30`; 0 where it is not asked for.
 

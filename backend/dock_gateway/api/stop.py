@@ -8,7 +8,7 @@ from starlette.responses import Response
 from dock_gateway.api.answers import RobotQuery, TheGateway, json_response
 from dock_gateway.api.openapi import body
 from dock_gateway.api.problems import problems
-from dock_gateway.api.requests import known_query, read_json, read_object, read_wait
+from dock_gateway.api.requests import known_query, read_json, read_name, read_object, read_wait
 from dock_gateway.api.schemas import StopReport, StopState
 from dock_gateway.errors import FieldError, InvalidField
 
@@ -39,9 +39,7 @@ def read_stop(fields: dict[str, Any]) -> dict[str, Any]:
     latch, by = fields.get("latch", True), fields.get("by")
     if not isinstance(latch, bool):
         raise InvalidField([FieldError("latch", "true or false", f"got {latch!r:.40}")])
-    if by is not None and not (isinstance(by, str) and 0 < len(by) <= MAX_NAME):
-        raise InvalidField([FieldError("by", f"1 to {MAX_NAME} characters", f"got {by!r:.40}")])
-    return {"latch": latch, "by": by}
+    return {"latch": latch, "by": None if by is None else read_name(by, MAX_NAME)}
 
 
 @router.post(
