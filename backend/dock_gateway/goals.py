@@ -61,6 +61,10 @@ class GoalError:
     detail: str
 
 
+# What a goal is rejected for by the gateway itself, before it is sent.
+_UNSENT = frozenset({"action_server_unavailable", "ros_unavailable", "stopped"})
+
+
 @dataclass(slots=True, eq=False)
 class Goal:
     """One goal on one action, whoever sent it.
@@ -89,6 +93,11 @@ class Goal:
 
     def __post_init__(self) -> None:
         self.updated_at = self.created_at
+
+    @property
+    def unsent(self) -> bool:
+        """Whether it has ended without ever having been sent to the action server."""
+        return self.status is GoalStatus.REJECTED and self.error is not None and self.error.code in _UNSENT
 
     def advance(self, status: GoalStatus, now: datetime) -> bool:
         """Move on to `status`; False, and no change, where that would be a step back.

@@ -31,7 +31,7 @@ log = logging.getLogger(__name__)
 CLAIM_WAIT = 2.0
 # What an action server may say by these names, all else being `goal_rejected`.
 KNOWN_REJECTIONS = ("dock_busy", "stop_latched")
-STOPPED_ON_ITS_WAY = "a stop was asked for while the goal was on its way"
+STOPPED_ON_ITS_WAY = GoalError("stopped", "a stop was asked for while the goal was on its way, so it was not sent")
 
 
 class GoalService:
@@ -66,11 +66,11 @@ class GoalService:
 
         Args:
             message: The goal as a ROS message.
-            idempotency_key: Another submission with this key gets the goal of the first.
+            idempotency_key: Another submission with this key gets the goal of the first, unless that was never sent.
 
         Raises:
-            Conflict: A stop is latched (`stop_latched`), the server rejected it (`goal_rejected`, `dock_busy`), or the
-                key was used for another goal.
+            Conflict: A stop is latched (`stop_latched`) or was asked for meanwhile (`stopped`), the server rejected the
+                goal (`goal_rejected`, `dock_busy`), or the key was used for another goal.
             Unavailable: There is no action server.
             ServerTimeout: It did not answer in time. Should it accept the goal later, the goal is canceled at once.
             TooManyRequests: Too many goals wait for an answer.
@@ -86,7 +86,8 @@ class GoalService:
                     fingerprint_of(first.action_name, first.goal),
                     fingerprint_of(port.action_name, port.encode_goal(message)),
                 )
-                return await self._outcome_of(first, time.monotonic() + self._settings.accept_timeout)
+                if not await self._free(idempotency_key, first):
+                    return await self._outcome_of(first, time.monotonic() + self._settings.accept_timeout)
             under_way = self._submitting.get(idempotency_key)
         if under_way is None:
             task = self._start(message, idempotency_key)
@@ -103,6 +104,16 @@ class GoalService:
             return await self._history.by_key(idempotency_key)
         except Unavailable:
             return None  # the claim that follows does what can be done
+
+    async def _free(self, idempotency_key: str, first: Goal) -> bool:
+        """Whether the key may be used once more: its goal was never sent, and the history has let go of it."""
+        if not first.unsent:
+            return False
+        try:
+            await self._history.release(idempotency_key, first.goal_id)
+        except Unavailable:
+            return False
+        return True
 
     async def _outcome_of(self, goal: Goal, deadline: float) -> Goal:
         """What became of a goal that was sent before, maybe by another replica and just now."""
@@ -171,7 +182,7 @@ class GoalService:
     async def _deliver(self, goal: Goal, message: Any, deadline: float, stops: int) -> None:
         """Send the goal and take the server's answer, whatever it is, unless there was a stop in the meantime."""
         if self._stops != stops or self._interlock.holds(goal.action_name):
-            self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError("goal_rejected", STOPPED_ON_ITS_WAY))
+            self._tracker.end(goal, GoalStatus.REJECTED, error=STOPPED_ON_ITS_WAY)
             return
         try:
             call = self._tracker.port.send(goal.goal_id, message)

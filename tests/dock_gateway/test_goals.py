@@ -3,6 +3,7 @@
 from datetime import UTC, datetime, timedelta
 
 import orjson
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -32,6 +33,27 @@ def test_old_news_are_ignored() -> None:
     assert not goal.advance(S.EXECUTING, NOW)
     assert not goal.advance(S.LOST, NOW)
     assert goal.status is S.SUCCEEDED
+
+
+@pytest.mark.parametrize(
+    ("status", "code", "unsent"),
+    [
+        (S.REJECTED, "action_server_unavailable", True),
+        (S.REJECTED, "ros_unavailable", True),
+        (S.REJECTED, "stopped", True),
+        (S.REJECTED, "stop_latched", False),
+        (S.REJECTED, "goal_rejected", False),
+        (S.REJECTED, "history_unavailable", False),
+        (S.REJECTED, "action_server_timeout", False),
+        (S.CANCELED, "stopped", False),
+        (S.LOST, "action_server_unavailable", False),
+    ],
+)
+def test_whether_it_was_never_sent(status: GoalStatus, code: str, unsent: bool) -> None:
+    goal = make(status)
+    assert not goal.unsent
+    goal.error = GoalError(code, "a sentence")
+    assert goal.unsent is unsent
 
 
 def test_progress_is_news_once() -> None:

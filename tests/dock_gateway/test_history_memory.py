@@ -68,6 +68,16 @@ async def test_the_first_claim_of_a_key_holds() -> None:
     assert await history.claim("key", "goal-2", "print-2") == ("goal-1", "print-1")
 
 
+async def test_a_key_is_let_go_of_by_its_goal() -> None:
+    history = MemoryHistory(10)
+    await history.claim("key", "goal-1", "print-1")
+    await history.release("key", "goal-2")
+    assert await history.claim("key", "goal-2", "print-2") == ("goal-1", "print-1")
+    await history.release("key", "goal-1")
+    await history.release("key", "goal-1")
+    assert await history.claim("key", "goal-2", "print-2") == ("goal-2", "print-2")
+
+
 async def test_goals_are_kept_as_they_stood() -> None:
     history = MemoryHistory(10)
     goal = make(1, GoalStatus.EXECUTING)

@@ -99,6 +99,8 @@ async def test_goals_go_on_and_arrive_later(outage: tuple[str, Outage], tmp_path
             assert (await history.by_key("key-1") or goal).goal_id == "goal-0001"
             assert len(await history.unfinished()) >= 11
             assert await timed(history.claim("key-2", "g2", "f")) < 1
+            with pytest.raises(Unavailable):
+                await history.release("key-2", "g2")
             assert await history.claim("key-2", "g3", "f") == ("g2", "f")
         await written(history)
         assert history.stats().database_reachable

@@ -117,6 +117,21 @@ async def test_the_first_claim_holds_for_a_day(database_url: str, tmp_path: Path
         assert await history.claim("key", "g2", "f2") == ("g2", "f2")
 
 
+async def test_a_key_is_let_go_of_by_its_goal(database_url: str, tmp_path: Path) -> None:
+    first, second = make_goal(1), make_goal(2)
+    async with open_at(database_url, tmp_path / "1") as one, open_at(database_url, tmp_path / "2") as other:
+        await one.add(first, "key")
+        assert (await other.claim("key", second.goal_id, "f"))[0] == first.goal_id
+        await one.release("key", second.goal_id)
+        assert (await one.claim("key", second.goal_id, "f"))[0] == first.goal_id
+        await one.release("key", first.goal_id)
+        assert await one.by_key("key") is None
+        assert (await one.claim("key", second.goal_id, "f"))[0] == second.goal_id
+        assert (await other.claim("key", "g3", "f"))[0] == first.goal_id, "it has not heard of that"
+        await other.release("key", first.goal_id)
+        assert (await other.claim("key", "g3", "f"))[0] == second.goal_id
+
+
 async def test_one_of_many_claims_wins(database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for patience in ("OPEN_TIMEOUT", "KEY_TIMEOUT"):  # a database that is away decides nothing
         monkeypatch.setattr(sql, patience, 30.0)

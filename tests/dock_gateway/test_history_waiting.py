@@ -47,6 +47,17 @@ def test_a_goal_that_changes_while_it_is_written_goes_on_waiting() -> None:
     assert waiting.unsafe() == []
 
 
+def test_a_key_is_forgotten_with_its_goal() -> None:
+    waiting = Waiting(10)
+    waiting.put_key(Key("k", "g1", "f", datetime.now(UTC)))
+    waiting.forget_key("k", "g2")
+    assert len(waiting.unsafe()) == 1
+    waiting.forget_key("k", "g1")
+    waiting.forget_key("k", "g1")
+    assert not waiting.anything
+    assert waiting.unsafe() == []
+
+
 def test_batches_are_bounded() -> None:
     waiting = Waiting(10_000)
     waiting.put_key(Key("k", "g1", "f", datetime.now(UTC)))

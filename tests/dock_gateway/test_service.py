@@ -9,7 +9,7 @@ import pytest
 
 from dock_gateway.errors import Conflict, Unavailable
 from dock_gateway.goals import Goal, GoalError, GoalStatus
-from dock_gateway.history import HistoryStats, MemoryHistory
+from dock_gateway.history import HistoryStats, MemoryHistory, Wanted
 from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
 from dock_gateway.latch import LatchFile
@@ -31,11 +31,14 @@ class FakePort:
     def __init__(self) -> None:
         self.sent: dict[str, FakeCall] = {}
         self.canceled: list[str | None] = []
+        self.gone: Unavailable | None = None
 
     def encode_goal(self, message: str) -> bytes:
         return message.encode()
 
     def send(self, goal_id: str, message: str) -> FakeCall:
+        if self.gone:
+            raise self.gone
         self.sent[goal_id] = FakeCall()
         return self.sent[goal_id]
 
@@ -73,6 +76,11 @@ class GatedHistory(MemoryHistory):
         self.gate: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self.reachable = True
 
+    async def release(self, idempotency_key: str, goal_id: str) -> None:
+        if not self.reachable:
+            raise Unavailable("away", code="history_unavailable")
+        await super().release(idempotency_key, goal_id)
+
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
         await self.gate
         await super().add(goal, idempotency_key)
@@ -99,8 +107,8 @@ class Scene:
             interlock=self.interlock,
         )
 
-    def submit(self, key: str | None = None) -> "asyncio.Task[Goal]":
-        return asyncio.create_task(self.service.submit("{}", key))
+    def submit(self, key: str | None = None, message: str = "{}") -> "asyncio.Task[Goal]":
+        return asyncio.create_task(self.service.submit(message, key))
 
     def fail(self) -> None:
         self.history.gate.set_exception(Unavailable("full", code="history_unavailable"))
@@ -196,8 +204,57 @@ async def test_a_stop_while_a_goal_is_stored_keeps_it_from_being_sent(scene: Sce
     await turns()
     await scene.interlock.latch("/")
     scene.history.gate.set_result(None)
-    with pytest.raises(Conflict):
+    with pytest.raises(Conflict) as refused:
         await submission
+    assert refused.value.code == "stopped"
+    assert not scene.port.sent
+    await scene.interlock.release("/")
+    submission = scene.submit("key")
+    await turns()
+    scene.port.answer(ACCEPTED)
+    assert (await submission).status is GoalStatus.ACCEPTED
+
+
+@pytest.mark.parametrize("code", ["action_server_unavailable", "ros_unavailable"])
+async def test_a_goal_that_was_never_sent_is_tried_anew(scene: Scene, code: str) -> None:
+    scene.history.gate.set_result(None)
+    scene.port.gone = Unavailable("nobody serves it", code=code)
+    for _ in range(2):
+        with pytest.raises(Unavailable) as refused:
+            await scene.submit("key")
+        assert refused.value.code == code
+    assert len(await scene.history.page(Wanted(), limit=9)) == 2
+    scene.port.gone = None
+    with pytest.raises(Conflict, match="another goal"):
+        await scene.submit("key", '{"order": 1}')
+    retries = [scene.submit("key"), scene.submit("key")]
+    await turns()
+    scene.port.answer(ACCEPTED)
+    goals = [await retry for retry in (*retries, scene.submit("key"))]
+    assert {goal.goal_id for goal in goals} == scene.port.sent.keys()
+
+
+async def test_a_goal_that_was_sent_is_not_sent_again(scene: Scene) -> None:
+    scene.history.gate.set_result(None)
+    first = scene.submit("key")
+    await turns()
+    scene.port.answer(REJECTED)
+    for again in (first, scene.submit("key")):
+        with pytest.raises(Conflict) as refused:
+            await again
+        assert refused.value.code == "goal_rejected"
+    assert len(scene.port.sent) == 1
+
+
+async def test_a_key_that_cannot_be_let_go_of_stays_with_its_goal(scene: Scene) -> None:
+    """Once the database is back it would tell of the first goal: a second one could be followed by a third."""
+    scene.history.gate.set_result(None)
+    scene.port.gone = Unavailable("nobody serves it")
+    with pytest.raises(Unavailable):
+        await scene.submit("key")
+    scene.port.gone, scene.history.reachable = None, False
+    with pytest.raises(Unavailable, match="nobody serves it"):
+        await scene.submit("key")
     assert not scene.port.sent
 
 

@@ -143,3 +143,23 @@ def test_goals_are_taken_up_when_the_database_is_back(domain: int, database: str
                 wait_until(reachable, "the database")
                 wait_until(lambda: origin() == "gateway", "the goal, as the database tells of it")
                 second.wait_for_goal(goal_id, "executing" if served else "lost", timeout=30)
+
+
+def test_a_goal_that_was_never_sent_does_not_use_up_its_key(domain: int, database: str) -> None:
+    # The gateway does not look whether the server is there while this goes on: it finds out as it sends the goal.
+    patient = {"ping_interval": "60", "stalled_after": "120", "lost_after": "240", "database_url": database}
+    headers = {"Idempotency-Key": "once"}
+    with running_gateway(domain, **patient) as gateway:
+        with running_dock_server(domain):
+            gateway.publish(LOW)
+            wait_until(lambda: gateway.http.post("/dock").status_code == 202, "the first goal is accepted")
+            (canceled,) = gateway.stop_once()["canceling"]
+            gateway.wait_for_goal(canceled, "canceled")
+        refused = gateway.http.post("/dock", headers=headers)
+        assert (refused.status_code, refused.json()["code"]) == (503, "action_server_unavailable")
+        (kept,) = gateway.http.get("/dock?status=rejected").json()["goals"]
+        assert kept["error"]["code"] == "action_server_unavailable"
+        with running_dock_server(domain):
+            wait_until(lambda: gateway.http.post("/dock", headers=headers).status_code == 202, "a retry is accepted")
+            (running,) = gateway.http.get("/dock?status=accepted&status=executing").json()["goals"]
+            assert gateway.http.post("/dock", headers=headers).json()["goal_id"] == running["goal_id"]

@@ -48,7 +48,7 @@ class Verb:
     prefix: str = ""
 
 
-WAITING = "`Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal."
+WAITING = "`Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent."
 DOCK = Verb(
     "dock",
     f"Send the robot to its charging dock.\n\nAn empty body asks for CHARGING. {WAITING}",

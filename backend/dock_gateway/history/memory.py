@@ -66,6 +66,12 @@ class MemoryHistory:
             self._keys[idempotency_key] = held
         return held[:2]
 
+    async def release(self, idempotency_key: str, goal_id: str) -> None:
+        """Let go of the key of a goal."""
+        held = self._keys.get(idempotency_key)
+        if held is not None and held[0] == goal_id:
+            del self._keys[idempotency_key]
+
     def record(self, goal: Goal) -> None:
         """Keep a goal, or what is new about it."""
         stored = self._goals.get(goal.goal_id)

@@ -82,6 +82,13 @@ class History(Protocol):
     async def claim(self, idempotency_key: str, goal_id: str, fingerprint: str) -> tuple[str, str]:
         """Bind a key to a goal for 24 hours; returns goal_id and fingerprint of whoever was first, across replicas."""
 
+    async def release(self, idempotency_key: str, goal_id: str) -> None:
+        """Let go of a key whose goal was never sent; the key of another goal stays bound.
+
+        Raises:
+            Unavailable: The database does not answer (`history_unavailable`), so the key stays bound.
+        """
+
     def record(self, goal: Goal) -> None:
         """Take note of a goal of someone else, or of a change, as it stands now; never waits, never raises."""
 

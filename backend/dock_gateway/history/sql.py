@@ -20,7 +20,7 @@ from dock_gateway.history.database import Database
 from dock_gateway.history.merge import merge
 from dock_gateway.history.past import Past
 from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, fingerprint_of
-from dock_gateway.history.reader import Reader
+from dock_gateway.history.reader import AWAY, Reader
 from dock_gateway.history.retention import Retention
 from dock_gateway.history.rows import Key
 from dock_gateway.history.spool import Spool
@@ -101,6 +101,24 @@ class SqlHistory:
             held = self._held(idempotency_key) or held
             self._hold(held)
         return held.goal_id, held.fingerprint
+
+    async def release(self, idempotency_key: str, goal_id: str) -> None:
+        """Let go of the key of a goal, here and at all replicas.
+
+        A replica that has held the key since the first try asks again with the same goal, and finds the key of another.
+        """
+        if not self._writer.reachable:
+            raise Unavailable(AWAY, code="history_unavailable")
+        try:
+            async with asyncio.timeout(KEY_TIMEOUT):
+                await self._database.write(store.release, idempotency_key, goal_id)
+        except DATABASE_ERRORS as error:
+            self._writer.doubt(error)
+            raise Unavailable(AWAY, code="history_unavailable") from error
+        held = self._keys.get(idempotency_key)
+        if held is not None and held.goal_id == goal_id:
+            del self._keys[idempotency_key]
+        self._waiting.forget_key(idempotency_key, goal_id)
 
     def _held(self, key: str) -> Key | None:
         held = self._keys.get(key)

@@ -74,6 +74,12 @@ def claim(connection: sa.Connection, key: Key) -> Key:
     return key_of(connection, key.key) or key
 
 
+def release(connection: sa.Connection, key: str, goal_id: str) -> None:
+    """Let go of the key of a goal."""
+    is_it = (idempotency_keys.c.key == key, idempotency_keys.c.goal_id == goal_id)
+    connection.execute(sa.delete(idempotency_keys).where(*is_it))
+
+
 def raise_horizons(connection: sa.Connection, gaps: dict[str, str]) -> None:
     """Note the newest events that are missing."""
     insert = insert_into(connection, horizons)

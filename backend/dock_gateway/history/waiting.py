@@ -66,6 +66,12 @@ class Waiting:
             if not safe:
                 self._unsafe["key", key.key] = key
 
+    def forget_key(self, key: str, goal_id: str) -> None:
+        """The key of a goal is not to be kept after all."""
+        if key in self.keys and self.keys[key].goal_id == goal_id:
+            del self.keys[key]
+            self._unsafe.pop(("key", key), None)
+
     def put_event(self, event: Event, *, safe: bool = False) -> None:
         """Take an event that has an id."""
         identity = event.id or ""

@@ -101,6 +101,10 @@ const WORDS: Record<string, Words> = {
     title: "A stop is latched",
     advice: "See that nobody is in the robot's way, release the stop above, then send the goal again.",
   },
+  stopped: {
+    title: "A stop came first",
+    advice: "The goal was not sent. Send it again once the robot may move.",
+  },
   shutting_down: {
     title: "The gateway is shutting down",
     advice: "Wait until it is back; nothing is sent again by itself.",

@@ -21,7 +21,7 @@ export interface paths {
          * Dock
          * @description Send the robot to its charging dock.
          *
-         *     An empty body asks for CHARGING. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal.
+         *     An empty body asks for CHARGING. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
          */
         post: operations["dock"];
         delete?: never;
@@ -87,7 +87,7 @@ export interface paths {
          * Undock
          * @description Drive the robot off its charging dock; where it is not docked, the goal succeeds at once.
          *
-         *     An empty body asks for a battery that is not charging, 2 or 3. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal.
+         *     An empty body asks for a battery that is not charging, 2 or 3. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
          */
         post: operations["undock"];
         delete?: never;
