@@ -126,6 +126,11 @@ class BatteryPublisher:
         self._changing = asyncio.Lock()
         self._told_at = 0.0
 
+    @property
+    def active(self) -> bool:
+        """Whether a state is being published, again and again."""
+        return self._publisher.active
+
     def document(self) -> dict[str, Any]:
         """What is being published, ready for `orjson`."""
         return dict(vars(self._publisher))

@@ -2,10 +2,12 @@
 
 import asyncio
 import logging
+import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 
+from dock_gateway.absences import Absences
 from dock_gateway.acknowledgements import Acknowledgements
 from dock_gateway.actions import Action, ActionRegistry
 from dock_gateway.alarm import Alarm
@@ -201,7 +203,8 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             outcomes=outcomes,
             alarm=alarm,
         )
-        watching = asyncio.create_task(_watch_graph(bridge, actions, robots, None if knows_all else history))
+        absences = Absences(robots, actions, interlock, forget_after=settings.forget_robot_after)
+        watching = asyncio.create_task(_watch_graph(bridge, actions, robots, absences, None if knows_all else history))
         try:
             yield Gateway(
                 settings,
@@ -248,7 +251,9 @@ async def _expect_unfinished(actions: ActionRegistry, history: History) -> bool:
     return True
 
 
-async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, unread: History | None) -> None:
+async def _watch_graph(
+    bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, absences: Absences, unread: History | None
+) -> None:
     """See who comes and goes; and read the history, where it was `unread` at the start, once it is back."""
     while True:
         try:
@@ -257,6 +262,7 @@ async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotReg
             found = await bridge.call(lambda: scan(bridge.node))
             await actions.update(found)
             await robots.update(found)
+            await absences.look(found, time.monotonic())
         except GatewayError as error:
             log.warning("cannot look at the ROS graph: %s", error.detail)
         except Exception:

@@ -94,6 +94,13 @@ class Interlock:
         self._shown[namespace] = self.document(namespace)
         self._show()
 
+    def leave(self, namespace: str) -> None:
+        """A robot that is not held has gone."""
+        for known in (self._topics, self._shown, self._said):
+            known.pop(namespace, None)
+        if (echo := self._echoes.pop(namespace, None)) is not None:
+            echo.cancel()
+
     def latch(self, namespace: str, by: str | None = None) -> "asyncio.Future[None]":
         """Refuse goals for a robot and those below it from now on; returns the writing of the file.
 

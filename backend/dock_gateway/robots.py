@@ -13,6 +13,7 @@ from dock_gateway.namespaces import is_under
 from dock_gateway.outcomes import Outcomes
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
+from dock_gateway.ros.presence import find_presence
 from dock_gateway.ros.topics import BatteryPort, LatchPort, VelocityPort
 from dock_gateway.settings import Settings
 
@@ -21,12 +22,13 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Robot:
-    """What belongs to one namespace."""
+    """What belongs to one namespace. `ports` are all of its topics that we are at, that of the stop being the last."""
 
     namespace: str
     battery: Battery
     publisher: BatteryPublisher
     velocity: VelocityPort
+    ports: tuple[BatteryPort | VelocityPort | LatchPort, ...]
 
 
 class RobotRegistry:
@@ -39,6 +41,7 @@ class RobotRegistry:
         self._interlock = interlock
         self._outcomes = outcomes
         self._robots: dict[str, Robot] = {}
+        self._forgotten: set[str] = set()
         self.default_namespace = normalize_namespace(settings.namespace)
 
     async def open(self, namespace: str) -> Robot:
@@ -61,22 +64,70 @@ class RobotRegistry:
                 LatchPort(self._bridge, settings.resolve(settings.stop_topic, namespace), hear_latch),
             )
 
-        battery_port, velocity, latch = await self._bridge.call(make)
-        robot = Robot(namespace, battery, BatteryPublisher(battery_port, hub, namespace), velocity)
+        ports = await self._bridge.call(make)
+        battery_port, velocity, latch = ports
+        robot = Robot(namespace, battery, BatteryPublisher(battery_port, hub, namespace), velocity, ports)
         self._robots[namespace] = robot
+        self._forgotten.discard(namespace)
         self._interlock.join(namespace, latch)
         self._outcomes.watch(*settings.docking_actions(namespace))
         log.info("robot %s", namespace)
         return robot
 
     async def update(self, scan: Scan) -> None:
-        """Take up robots that have appeared. None is forgotten: a battery that falls silent is news, not the end."""
+        """Take up robots that have appeared, or are back.
+
+        One that was forgotten is not back for a topic that merely another gateway is at.
+        """
         settings = self._settings
         suffixes = tuple(f"/{name}" for name in (settings.dock_action, settings.undock_action, settings.battery_topic))
         for name in (*scan.actions, *scan.topics):
             for suffix in suffixes:
-                if name.endswith(suffix) and (namespace := name.removesuffix(suffix) or "/") not in self._robots:
+                if not name.endswith(suffix) or (namespace := name.removesuffix(suffix) or "/") in self._robots:
+                    continue
+                if namespace not in self._forgotten or await self.is_there(namespace, scan):
                     await self.open(namespace)
+
+    async def is_there(self, namespace: str, scan: Scan) -> bool:
+        """Whether somebody other than gateways is in a namespace, and not in that of a robot below.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+        settings = self._settings
+
+        def belongs(name: str) -> bool:
+            owner = self.owner(name)
+            return is_under(name, namespace) and (owner is None or is_under(namespace, owner.namespace))
+
+        if any(belongs(name) for name in scan.actions):
+            return True
+        topics = [name for name in scan.topics if belongs(name)]
+        presence = await self._bridge.call(
+            lambda: find_presence(
+                self._bridge.node,
+                topics,
+                stop_topic=settings.resolve(settings.stop_topic, namespace),
+                velocity_topic=settings.resolve(settings.cmd_vel_topic, namespace),
+            )
+        )
+        return presence.at_topics or any(belongs(name) for name in presence.nodes)
+
+    async def forget(self, namespace: str) -> None:
+        """Leave the topics of a robot that has gone; it comes back with its past when it appears again.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+        robot = self._robots.pop(namespace)
+        self._forgotten.add(namespace)
+        self._interlock.leave(namespace)
+
+        def leave() -> None:
+            for port in robot.ports:
+                port.close()
+
+        await self._bridge.call(leave)
 
     def all(self) -> list[Robot]:
         """The robots, by namespace."""

@@ -88,6 +88,12 @@ class Settings(BaseSettings):
     battery_stale_after: Seconds = Field(
         2.0, description="Seconds without a message after which the battery state is stale."
     )
+    forget_robot_after: float = Field(
+        600.0,
+        ge=0,
+        description="Seconds after which a robot that has left the ROS graph leaves `/robots`, too; 0: never. "
+        "The configured one stays.",
+    )
     low_battery: float = Field(
         0.2,
         ge=0,

@@ -73,6 +73,22 @@ async def test_goals_are_refused_until_the_stop_is_released(pair: tuple[Gateway,
     assert [event["stop"]["latched"] for event in await pair[0].events()] == [False]
 
 
+async def test_a_robot_that_has_left_is_told_nothing(pair: tuple[Gateway, Gateway]) -> None:
+    interlock, topic = pair[0].interlock, FakeTopic()
+    interlock.join("/robot1", topic)
+    interlock.heard("/robot1", latched=True)
+    interlock.heard("/robot1", latched=False)
+    interlock.leave("/robot1")
+    await interlock.latch("/")
+    await interlock.tell("/")
+    await settle()
+    assert topic.said == []
+    again = FakeTopic()
+    interlock.join("/robot1", again)
+    await settle()
+    assert again.said == [True], "a stop that came meanwhile holds for it"
+
+
 async def test_it_is_kept_across_a_restart_and_said_again(pair: tuple[Gateway, Gateway], tmp_path: Path) -> None:
     await pair[0].interlock.latch("/", "Ada")
     again = Gateway(tmp_path / "first.json")

@@ -1,0 +1,62 @@
+"""A robot that has left the graph is forgotten by all gateways, and back with its past when it returns."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from tests.support.domain import ros_domain
+from tests.support.gateway import CHARGING, RunningGateway, running_dock_server, running_gateway
+from tests.support.observer import wait_until
+from tests.support.processes import BIN, Process, ros_environment
+
+pytestmark = pytest.mark.ros
+
+NAME = "/robot2"
+AT = {"robot": NAME}
+NAMESPACE = ("-r", f"__ns:={NAME}")
+
+
+@contextmanager
+def battery(domain: int) -> Iterator[None]:
+    command = ("-m", "tests.support.battery", "2", "--ros-args", *NAMESPACE)
+    with Process(str(BIN / "python"), *command, env=ros_environment(domain)):
+        yield
+
+
+def names(gateway: RunningGateway) -> list[str]:
+    return [robot["name"] for robot in gateway.http.get("/robots").raise_for_status().json()["robots"]]
+
+
+def test_a_robot_leaves_and_comes_back() -> None:
+    with (
+        ros_domain() as domain,
+        running_gateway(domain, namespace="/robot1", forget_robot_after="2") as one,
+        running_gateway(domain, namespace="/robot1", forget_robot_after="3", node_name="other") as other,
+    ):
+        with running_dock_server(domain, *NAMESPACE):
+            for gateway in (one, other):
+                wait_until(lambda gateway=gateway: NAME in names(gateway), "the robot")
+            one.http.put("/battery/publisher", params=AT, json={"state": CHARGING, "rate_hz": 5}).raise_for_status()
+            docked = one.http.post("/dock", params=AT, headers={"Prefer": "wait=20"}).raise_for_status().json()
+            assert docked["status"] == "succeeded"
+            one.http.post("/stop", params=AT).raise_for_status()
+        with one.stream("?include=robots") as stream:
+            assert NAME in [robot["name"] for robot in stream.next()["robots"]]
+            one.http.delete("/battery/publisher", params=AT)
+            with pytest.raises(AssertionError, match="no such event"):
+                stream.until(lambda event: bool(event.get("gone")), timeout=6)
+            one.http.delete("/stop", params=AT).raise_for_status()
+            assert stream.until(lambda event: bool(event.get("gone")))["gone"] == [NAME]
+        assert names(one) == ["/robot1"]
+        assert one.http.get("/battery", params=AT).json()["code"] == "robot_not_found"
+        wait_until(lambda: NAME not in names(other), "the other gateway forgets it, too")
+        with one.stream("?include=robots") as stream:
+            stream.next()
+            with pytest.raises(AssertionError, match="no such event"):
+                stream.until(lambda event: event["type"] == "robots" and NAME in str(event), timeout=3)
+            with battery(domain):
+                event = stream.until(lambda event: event["type"] == "robots" and NAME in str(event))
+                (robot,) = [robot for robot in event["robots"] if robot["name"] == NAME]
+                assert robot["last_goal"]["goal_id"] == docked["goal_id"]
+                wait_until(lambda: NAME in names(other), "it is back everywhere")
