@@ -1,8 +1,9 @@
 """Whether the action server is there and answers: a peer's death is not signalled on DDS, so it is looked for.
 
 Silence alone is no proof: a server that works inside its only executor thread answers nothing meanwhile, and a killed
-one stays on the graph for a while. Nor is the graph: after an outage a server may be heard again long before it is found
-again. So a silent goal is `stalled` first, and `lost` when the time is up, or the server has left and says nothing.
+one stays on the graph for a while. Nor is the graph: after an outage a server may be heard again long before it is
+found again. So a silent goal is `stalled` first, and `lost` when the time is up, or the server has left and says
+nothing.
 """
 
 import asyncio
