@@ -59,7 +59,14 @@ export function latched(by: string | null, seconds = 0): StopState {
 }
 
 export function stopReport(change: Partial<StopReport> = {}): StopReport {
-  return { canceling: [], failed: [], unconfirmed: [], stop: latched("the dashboard"), ...change };
+  return {
+    canceling: [],
+    failed: [],
+    unconfirmed: [],
+    stop: latched("the dashboard"),
+    warning: null,
+    ...change,
+  };
 }
 
 export function undockGoal(id: string, change: Partial<Goal> = {}): Goal {

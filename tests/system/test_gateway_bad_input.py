@@ -14,6 +14,7 @@ from websockets.sync.client import connect
 
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway
+from tests.support.observer import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -112,9 +113,8 @@ BODIES: dict[str, tuple[str, str, bytes, int, str]] = {
     "a path out of the dashboard": ("GET", "/assets/..%2f..%2fpackage.json", b"", 404, "not_found"),
     "a verb that is not offered": ("PATCH", GOAL, b"", 405, "method_not_allowed"),
     "the wrong verb": ("PUT", "/stop", b"", 405, "method_not_allowed"),
-    "a latch that is none": ("POST", "/stop", b'{"latch": 1}', 422, "invalid_field"),
-    "a name that is none": ("POST", "/stop", b'{"by": ["Ada"]}', 422, "invalid_field"),
-    "a stop with a field too many": ("POST", "/stop", b'{"lock": true}', 422, "invalid_field"),
+    "a stop of a robot in the body": ("POST", "/stop", b'{"robot": "/robot1"}', 422, "invalid_field"),
+    "a stop of robots in the query": ("POST", "/stop?robots=/robot1", b"{", 422, "invalid_field"),
     "a release of a robot nobody knows": ("DELETE", "/stop?robot=/robot1", b"", 404, "robot_not_found"),
 }
 
@@ -133,6 +133,44 @@ def test_malformed_requests(gateway: RunningGateway, name: str) -> None:
     assert len(response.content) < 20_000
     if code == "invalid_field":
         assert all(error["expected"] for error in problem["errors"])
+
+
+@pytest.mark.parametrize(
+    ("body", "headers", "code"),
+    [
+        (b"{", {}, "malformed_json"),
+        (b'{"by": "\xff"}', {}, "malformed_json"),
+        (b"null", {}, "invalid_field"),
+        (b'{"latch": 0}', {}, "invalid_field"),
+        (b'{"latch": false, "by": ["Ada"]}', {}, "invalid_field"),
+        (b'{"latch": false, "lock": true}', {}, "invalid_field"),
+        (b'{"by": "' + b"a" * 2_000_000 + b'"}', {}, "body_too_large"),
+        (b'{"latch": false}', {"Content-Type": "text/plain"}, "unsupported_media_type"),
+        (b"", {"Prefer": "wait=soon"}, "invalid_field"),
+    ],
+)
+def test_a_stop_that_cannot_be_understood_is_carried_out(
+    gateway: RunningGateway, body: bytes, headers: dict[str, str], code: str
+) -> None:
+    report = gateway.http.post("/stop", content=body, headers=headers).raise_for_status().json()
+    assert report["stop"]["latched"] is True
+    assert (report["warning"]["code"], report["stop"]["by"]) == (code, None)
+    assert report["warning"]["detail"]
+    assert gateway.http.delete("/stop").json()["latched"] is False
+
+
+def test_a_stop_does_not_wait_for_a_body_that_does_not_come(gateway: RunningGateway) -> None:
+    address = urlsplit(gateway.url)
+    head = b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 9\r\n\r\n{"
+    with socket.create_connection((address.hostname, address.port), timeout=5) as connection:
+        connection.sendall(head)
+        wait_until(lambda: gateway.http.get("/stop").json()["latched"], "the stop", timeout=5)
+        answer = b""
+        while b"request_timeout" not in answer:
+            more = connection.recv(10_000)
+            assert more, answer
+            answer += more
+    assert gateway.http.delete("/stop").json()["latched"] is False
 
 
 def test_errors_name_the_dotted_path(gateway: RunningGateway) -> None:

@@ -102,13 +102,17 @@ def test_cancel_stop_and_ping(socket: Socket) -> None:
     second = socket.ask("send_goal", idempotency_key="socket")["goal"]["goal_id"]
     assert socket.ask("send_goal", idempotency_key="socket")["goal"]["goal_id"] == second
     assert socket.ask("send_goal")["code"] == "dock_busy"
-    assert socket.ask("stop", by=7)["code"] == "invalid_field"
+    assert socket.ask("stop", robot=7)["code"] == "invalid_field"
+    assert socket.ask("stop", robots="/robot1")["code"] == "invalid_field"
     socket.ask("subscribe", include="system")
     stopped = socket.ask("stop", by="Ada")
     assert second in stopped["canceling"] or stopped["unconfirmed"]
-    assert (stopped["stop"]["latched"], stopped["stop"]["by"]) == (True, "Ada")
+    assert (stopped["stop"]["latched"], stopped["stop"]["by"], stopped["warning"]) == (True, "Ada", None)
     assert socket.until(type="stop")["stop"] == stopped["stop"]
     assert socket.ask("send_goal")["code"] == "stop_latched"
+    assert socket.ask("release_stop")["stop"]["latched"] is False
+    stopped = socket.ask("stop", by=7, latch=False)
+    assert (stopped["stop"]["latched"], stopped["warning"]["code"]) == (True, "invalid_field")
     assert socket.ask("release_stop")["stop"]["latched"] is False
     assert "time" in socket.ask("ping")
 

@@ -7,7 +7,7 @@ from dock_gateway.api.answers import read_goal_id
 from dock_gateway.api.battery import read_rate
 from dock_gateway.api.dock import CHARGING
 from dock_gateway.api.requests import check_key
-from dock_gateway.api.stop import read_stop
+from dock_gateway.api.stop import stop_robot
 from dock_gateway.errors import FieldError, InvalidField
 from dock_gateway.events import utc_now
 from dock_gateway.gateway import Gateway
@@ -91,8 +91,9 @@ async def _stop_publishing(gateway: Gateway, fields: Fields) -> Fields:
 
 
 async def _stop(gateway: Gateway, fields: Fields) -> Fields:
-    check_fields(fields, ("robot", "by"), ("latch",))
-    return dict(vars(await gateway.stopper.stop(fields.get("robot"), **read_stop(fields))))
+    check_fields(fields, ("robot",), ("latch", "by"))
+    robot = fields.pop("robot", None)
+    return await stop_robot(gateway, robot, fields)
 
 
 async def _release_stop(gateway: Gateway, fields: Fields) -> Fields:

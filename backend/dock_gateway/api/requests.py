@@ -52,20 +52,21 @@ def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
     return check
 
 
-async def read_json(request: Request, *, empty: Any = None) -> Any:
-    """The body as decoded JSON, `empty` where there is none.
+async def read_json(request: Request, *, empty: Any = None, within: float | None = None) -> Any:
+    """The body as decoded JSON, `empty` where there is none. It may take `within` seconds, where more are set.
 
     Raises:
         InvalidField: There is none, and nothing that it would mean.
         MalformedRequest: It is not JSON, too large, too slow, not all there, or says that it is something else.
     """
     settings = get_gateway(request).settings
+    timeout = settings.body_timeout if within is None else min(within, settings.body_timeout)
     try:
-        async with asyncio.timeout(settings.body_timeout):
+        async with asyncio.timeout(timeout):
             raw = await _read(request, settings.max_body_bytes)
     except TimeoutError:
         raise MalformedRequest(
-            f"the body did not arrive within {settings.body_timeout:g} s",
+            f"the body did not arrive within {timeout:g} s",
             code="request_timeout",
             status=HTTPStatus.REQUEST_TIMEOUT,
         ) from None

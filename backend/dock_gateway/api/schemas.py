@@ -119,12 +119,16 @@ class StopState(Schema):
 
 
 class StopReport(Schema):
-    """What a stop did; the actions in `unconfirmed` were asked to cancel their goals and have not answered yet."""
+    """What a stop did; the actions in `unconfirmed` were asked to cancel their goals and have not answered yet.
+
+    `warning`: what was wrong with the request, which was taken for one without a body then.
+    """
 
     canceling: list[str]
     failed: list[StopFailure]
     unconfirmed: list[str]
     stop: StopState
+    warning: "Problem | None"
 
 
 class Battery(Schema):

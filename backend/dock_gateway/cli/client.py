@@ -228,6 +228,8 @@ def stop(url: str, robot: str | None, no_latch: bool, by: str | None) -> None:
     body = {"latch": not no_latch, "by": by}
     report = call(url, "POST", f"/stop{robot_query(robot)}", body, {"Prefer": "wait=2"})
     click.echo(f"zero velocity published; canceling {', '.join(report['canceling']) or 'no goal'}")
+    if warning := report.get("warning"):
+        click.echo(f"warning: {warning['detail']}", err=True)
     if report["stop"]["latched"]:
         click.echo("no goal is sent until the stop is released: dock-gateway release")
     for failure in report["failed"]:

@@ -156,7 +156,8 @@ export interface paths {
          *     Goals of other clients are canceled, too. New ones are refused (`409 stop_latched`) until the stop is released by
          *     `DELETE /stop`; with `{"latch": false}` they are not. Robots in namespaces below are stopped, too: without
          *     `robot`, on a gateway without a namespace, all of them. The answer comes within 100 ms: an action server that has
-         *     not answered by then is in `unconfirmed`. `Prefer: wait=2` waits for it that long.
+         *     not answered by then is in `unconfirmed`. `Prefer: wait=2` waits for it that long. A body that cannot be read keeps
+         *     nobody from stopping: the robot is stopped as without one, and `warning` says what is wrong.
          */
         post: operations["stop"];
         /**
@@ -2296,6 +2297,8 @@ export interface components {
         /**
          * StopReport
          * @description What a stop did; the actions in `unconfirmed` were asked to cancel their goals and have not answered yet.
+         *
+         *     `warning`: what was wrong with the request, which was taken for one without a body then.
          */
         StopReport: {
             /** Canceling */
@@ -2305,6 +2308,7 @@ export interface components {
             /** Unconfirmed */
             unconfirmed: string[];
             stop: components["schemas"]["StopState"];
+            warning: components["schemas"]["Problem"] | null;
         };
         /**
          * StopState
@@ -3085,44 +3089,8 @@ export interface operations {
                     "application/json": components["schemas"]["StopReport"];
                 };
             };
-            /** @description Bad Request */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
             /** @description Not Found */
             404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Request Timeout */
-            408: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Request Entity Too Large */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Unsupported Media Type */
-            415: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -34,5 +34,6 @@ export async function stopEverywhere(
     failed: [...refused, ...reports.flatMap((report) => report.failed)],
     unconfirmed: reports.flatMap((report) => report.unconfirmed),
     stop: first.stop,
+    warning: reports.find((report) => report.warning !== null)?.warning ?? null,
   };
 }
