@@ -1,20 +1,25 @@
 """The dock simulator for tests: in the test process, and what a test does to it over ROS."""
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseWithCovarianceStamped
+from geometry_msgs.msg import PoseWithCovarianceStamped, Twist, Vector3
+from nav_msgs.msg import Odometry
 from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
 from docking.dock_simulator_node import DockSimulator
-from docking.geometry import Pose
+from docking.geometry import Pose, yaw_of
 from docking.ros.geometry import pose_message
 from docking.ros.process import Spinner
-from tests.support.observer import Observer, ros_nodes, wait_until
+from tests.support.observer import Observer, Recording, ros_nodes, wait_until
+
+# Where a robot starts by default.
+START = Pose(-1.5, 0.4, -0.3)
 
 
 @contextmanager
@@ -91,3 +96,30 @@ class SimulatorControls:
     def wait_for_status(self, **expected: str) -> None:
         """Wait until the last status has these values."""
         wait_until(lambda: expected.items() <= self.status.items(), f"the status {expected}")
+
+
+def pose_of(message: Odometry) -> Pose:
+    """Where the robot is."""
+    position, turn = message.pose.pose.position, message.pose.pose.orientation
+    return Pose(position.x, position.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
+
+
+def near(message: Odometry, pose: Pose) -> bool:
+    """Whether it is within 1 cm and 0.02 rad of a pose."""
+    here = pose_of(message)
+    return here.distance_to(pose) < 0.01 and abs(math.remainder(here.theta - pose.theta, math.tau)) < 0.02
+
+
+def moving(message: Odometry) -> bool:
+    """Whether it drives or turns."""
+    return message.twist.twist.linear.x != 0.0 or message.twist.twist.angular.z != 0.0
+
+
+def velocity(linear: float, angular: float = 0.0) -> Twist:
+    """A velocity in m/s and rad/s."""
+    return Twist(linear=Vector3(x=linear), angular=Vector3(z=angular))
+
+
+def wait_for_new(recording: Recording, predicate: Any = lambda message: True) -> Any:
+    """Wait for a message that comes from now on."""
+    return recording.wait_for(predicate, since=len(recording.messages))

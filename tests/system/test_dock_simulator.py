@@ -3,57 +3,32 @@
 import math
 import signal
 import time
-from typing import Any
 
 import pytest
-from geometry_msgs.msg import PoseStamped, Twist, Vector3
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, Range
 from std_msgs.msg import Bool
 
 from docking.dock_simulator_node import LATCHED
-from docking.geometry import Pose, yaw_of
-from docking.simulation.dock import DOCKED
-from docking.simulation.faults import Fault
+from docking.geometry import Pose
 from tests.support.docking import LOW
-from tests.support.observer import Observer, Recording, wait_until
+from tests.support.observer import Observer, wait_until
 from tests.support.processes import Process, ros_environment
-from tests.support.simulator import SimulatorControls, dock_simulator
+from tests.support.simulator import (
+    START,
+    SimulatorControls,
+    dock_simulator,
+    moving,
+    near,
+    pose_of,
+    velocity,
+    wait_for_new,
+)
 
 pytestmark = pytest.mark.ros
 
-START = Pose(-1.5, 0.4, -0.3)
-CHARGING, DISCHARGING, NOT_CHARGING, FULL = 1, 2, 3, 4
-
-
-def pose_of(message: Odometry) -> Pose:
-    position, turn = message.pose.pose.position, message.pose.pose.orientation
-    return Pose(position.x, position.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
-
-
-def near(message: Odometry, pose: Pose) -> bool:
-    here = pose_of(message)
-    return here.distance_to(pose) < 0.01 and abs(math.remainder(here.theta - pose.theta, math.tau)) < 0.02
-
-
-def moving(message: Odometry) -> bool:
-    return message.twist.twist.linear.x != 0.0 or message.twist.twist.angular.z != 0.0
-
-
-def velocity(linear: float, angular: float = 0.0) -> Twist:
-    return Twist(linear=Vector3(x=linear), angular=Vector3(z=angular))
-
-
-def wait_for_new(recording: Recording, predicate: Any = lambda message: True) -> Any:
-    return recording.wait_for(predicate, since=len(recording.messages))
-
-
-def assert_silent(recording: Recording, seconds: float = 1.0) -> None:
-    """Nothing comes for a while, once what was under way has arrived."""
-    time.sleep(0.3)
-    before = len(recording.messages)
-    time.sleep(seconds)
-    assert len(recording.messages) == before
+DISCHARGING, FULL = 2, 4
 
 
 def test_the_sensors_are_heard_in_their_frames_and_rates(domain: int, observer: Observer) -> None:
@@ -151,26 +126,6 @@ def test_a_stop_that_was_latched_before_it_started_counts(domain: int, observer:
         assert not any(moving(message) for message in truth.messages)
 
 
-def test_on_the_dock_it_charges_and_a_dead_charger_does_not(domain: int, observer: Observer) -> None:
-    with dock_simulator(domain):
-        controls = SimulatorControls(observer)
-        battery = observer.record(BatteryState, "battery_status")
-        battery.wait_for(lambda state: state.power_supply_status == DISCHARGING)
-        controls.place(DOCKED)
-        charging = battery.wait_for(lambda state: state.power_supply_status == CHARGING)
-        assert charging.current > 0.0
-        controls.wait_for_status(contact="true", docked="true")
-        controls.switch("dead_charger")
-        dead = battery.wait_for(lambda state: state.power_supply_status == NOT_CHARGING)
-        assert dead.current < 0.0
-        controls.wait_for_status(contact="true", docked="false", dead_charger="true")
-        controls.switch("dead_charger", on=False)
-        wait_for_new(battery, lambda state: state.power_supply_status == CHARGING)
-        controls.place(START)
-        wait_for_new(battery, lambda state: state.power_supply_status == DISCHARGING)
-        controls.wait_for_status(contact="false", docked="false")
-
-
 def test_a_full_battery_is_full_at_once(domain: int, observer: Observer) -> None:
     with dock_simulator(domain, "battery_start:=1.0", "start_x:=-0.2", "start_y:=0.0", "start_theta:=0.0"):
         battery = observer.record(BatteryState, "battery_status")
@@ -191,63 +146,6 @@ def test_it_is_placed_in_world_only(domain: int, observer: Observer) -> None:
         wait_for_new(truth, lambda message: near(message, Pose(-0.9, -0.5, 1.0)))
         assert not any(near(message, Pose(-2.0, 0.0, 0.0)) for message in truth.messages)
         assert all(near(message, Pose()) for message in odom.messages), "odometry does not notice"
-
-
-def test_each_fault_is_told_and_reset_takes_all_back(domain: int, observer: Observer) -> None:
-    with dock_simulator(domain):
-        controls = SimulatorControls(observer)
-        truth = observer.record(Odometry, "ground_truth")
-        for fault in Fault:
-            controls.switch(fault)
-            controls.wait_for_status(**{fault.value: "true"})
-        controls.place(Pose(-1.0, 0.0, 0.0))
-        wait_for_new(truth, lambda message: near(message, Pose(-1.0, 0.0, 0.0)))
-        controls.reset()
-        controls.wait_for_status(**dict.fromkeys(Fault, "false"))
-        wait_for_new(truth, lambda message: near(message, START))
-
-
-def test_a_silent_battery_is_silent_and_comes_back(domain: int, observer: Observer) -> None:
-    with dock_simulator(domain):
-        controls = SimulatorControls(observer)
-        battery = observer.record(BatteryState, "battery_status")
-        battery.wait_for(lambda _: True)
-        controls.switch("silent_battery")
-        assert_silent(battery)
-        controls.switch("silent_battery", on=False)
-        wait_for_new(battery)
-
-
-def test_an_occluded_marker_is_not_seen(domain: int, observer: Observer) -> None:
-    with dock_simulator(domain):
-        controls = SimulatorControls(observer)
-        marker = observer.record(PoseStamped, "detected_dock_pose")
-        marker.wait_for(lambda _: True)
-        controls.switch("occluded_marker")
-        assert_silent(marker)
-        controls.switch("occluded_marker", on=False)
-        wait_for_new(marker)
-
-
-def test_a_stuck_wheel_keeps_it_from_getting_away(domain: int, observer: Observer) -> None:
-    with dock_simulator(domain):
-        controls = SimulatorControls(observer)
-        truth = observer.record(Odometry, "ground_truth")
-        controls.switch("stuck_wheel")
-        with observer.publishing(velocity(-0.2), "cmd_vel"):
-            truth.wait_for(moving)
-            wait_until(lambda: not moving(truth.messages[-1]), "the motors are switched off")
-            assert pose_of(truth.messages[-1]).distance_to(START) < 0.1
-            controls.switch("stuck_wheel", on=False)
-            wait_for_new(truth, moving)
-
-
-def test_a_percentage_of_a_hundred(domain: int, observer: Observer) -> None:
-    with dock_simulator(domain):
-        controls = SimulatorControls(observer)
-        battery = observer.record(BatteryState, "battery_status")
-        controls.switch("percentage_0_to_100")
-        battery.wait_for(lambda state: state.percentage == pytest.approx(24.0, abs=0.1))
 
 
 def test_it_steps_back_for_another_battery_and_resumes(domain: int, observer: Observer) -> None:

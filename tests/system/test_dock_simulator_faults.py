@@ -1,0 +1,112 @@
+"""The faults of the dock simulator over DDS, each switched on and off."""
+
+import time
+
+import pytest
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import BatteryState
+
+from docking.geometry import Pose
+from docking.simulation.dock import DOCKED
+from docking.simulation.faults import Fault
+from tests.support.observer import Observer, Recording, wait_until
+from tests.support.simulator import (
+    START,
+    SimulatorControls,
+    dock_simulator,
+    moving,
+    near,
+    pose_of,
+    velocity,
+    wait_for_new,
+)
+
+pytestmark = pytest.mark.ros
+
+CHARGING, DISCHARGING, NOT_CHARGING = 1, 2, 3
+
+
+def assert_silent(recording: Recording, seconds: float = 1.0) -> None:
+    """Nothing comes for a while, once what was under way has arrived."""
+    time.sleep(0.3)
+    before = len(recording.messages)
+    time.sleep(seconds)
+    assert len(recording.messages) == before
+
+
+def test_on_the_dock_it_charges_and_a_dead_charger_does_not(domain: int, observer: Observer) -> None:
+    with dock_simulator(domain):
+        controls = SimulatorControls(observer)
+        battery = observer.record(BatteryState, "battery_status")
+        battery.wait_for(lambda state: state.power_supply_status == DISCHARGING)
+        controls.place(DOCKED)
+        charging = battery.wait_for(lambda state: state.power_supply_status == CHARGING)
+        assert charging.current > 0.0
+        controls.wait_for_status(contact="true", docked="true")
+        controls.switch("dead_charger")
+        dead = battery.wait_for(lambda state: state.power_supply_status == NOT_CHARGING)
+        assert dead.current < 0.0
+        controls.wait_for_status(contact="true", docked="false", dead_charger="true")
+        controls.switch("dead_charger", on=False)
+        wait_for_new(battery, lambda state: state.power_supply_status == CHARGING)
+        controls.place(START)
+        wait_for_new(battery, lambda state: state.power_supply_status == DISCHARGING)
+        controls.wait_for_status(contact="false", docked="false")
+
+
+def test_each_fault_is_told_and_reset_takes_all_back(domain: int, observer: Observer) -> None:
+    with dock_simulator(domain):
+        controls = SimulatorControls(observer)
+        truth = observer.record(Odometry, "ground_truth")
+        for fault in Fault:
+            controls.switch(fault)
+            controls.wait_for_status(**{fault.value: "true"})
+        controls.place(Pose(-1.0, 0.0, 0.0))
+        wait_for_new(truth, lambda message: near(message, Pose(-1.0, 0.0, 0.0)))
+        controls.reset()
+        controls.wait_for_status(**dict.fromkeys(Fault, "false"))
+        wait_for_new(truth, lambda message: near(message, START))
+
+
+def test_a_silent_battery_is_silent_and_comes_back(domain: int, observer: Observer) -> None:
+    with dock_simulator(domain):
+        controls = SimulatorControls(observer)
+        battery = observer.record(BatteryState, "battery_status")
+        battery.wait_for(lambda _: True)
+        controls.switch("silent_battery")
+        assert_silent(battery)
+        controls.switch("silent_battery", on=False)
+        wait_for_new(battery)
+
+
+def test_an_occluded_marker_is_not_seen(domain: int, observer: Observer) -> None:
+    with dock_simulator(domain):
+        controls = SimulatorControls(observer)
+        marker = observer.record(PoseStamped, "detected_dock_pose")
+        marker.wait_for(lambda _: True)
+        controls.switch("occluded_marker")
+        assert_silent(marker)
+        controls.switch("occluded_marker", on=False)
+        wait_for_new(marker)
+
+
+def test_a_stuck_wheel_keeps_it_from_getting_away(domain: int, observer: Observer) -> None:
+    with dock_simulator(domain):
+        controls = SimulatorControls(observer)
+        truth = observer.record(Odometry, "ground_truth")
+        controls.switch("stuck_wheel")
+        with observer.publishing(velocity(-0.2), "cmd_vel"):
+            truth.wait_for(moving)
+            wait_until(lambda: not moving(truth.messages[-1]), "the motors are switched off")
+            assert pose_of(truth.messages[-1]).distance_to(START) < 0.1
+            controls.switch("stuck_wheel", on=False)
+            wait_for_new(truth, moving)
+
+
+def test_a_percentage_of_a_hundred(domain: int, observer: Observer) -> None:
+    with dock_simulator(domain):
+        controls = SimulatorControls(observer)
+        battery = observer.record(BatteryState, "battery_status")
+        controls.switch("percentage_0_to_100")
+        battery.wait_for(lambda state: state.percentage == pytest.approx(24.0, abs=0.1))
