@@ -5,7 +5,6 @@ from contextlib import contextmanager
 
 import pytest
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, RunningGateway, running_dock_server, running_gateway
 from tests.support.observer import wait_until
 from tests.support.processes import BIN, Process, ros_environment
@@ -28,9 +27,8 @@ def names(gateway: RunningGateway) -> list[str]:
     return [robot["name"] for robot in gateway.http.get("/robots").raise_for_status().json()["robots"]]
 
 
-def test_a_robot_leaves_and_comes_back() -> None:
+def test_a_robot_leaves_and_comes_back(domain: int) -> None:
     with (
-        ros_domain() as domain,
         running_gateway(domain, namespace="/robot1", forget_robot_after="2") as one,
         running_gateway(domain, namespace="/robot1", forget_robot_after="3", node_name="other") as other,
     ):

@@ -6,25 +6,12 @@ from contextlib import contextmanager
 
 import pytest
 
-from tests.support.domain import ros_domain
-from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server
 from tests.support.processes import BIN, Process, ros_environment
 
 pytestmark = pytest.mark.ros
 
 FIBONACCI = [0, 1, 1, 2, 3, 5, 8, 13, 21, 34, 55]
-
-
-@pytest.fixture(scope="module")
-def domain() -> Iterator[int]:
-    with ros_domain() as domain:
-        yield domain
-
-
-@pytest.fixture(scope="module")
-def gateway(domain: int) -> Iterator[RunningGateway]:
-    with running_gateway(domain) as gateway:
-        yield gateway
 
 
 @contextmanager
@@ -45,9 +32,9 @@ def wait_for_action(gateway: RunningGateway, name: str, *, there: bool = True, t
         time.sleep(0.1)
 
 
-def test_an_action_appears_is_used_and_goes(gateway: RunningGateway, domain: int) -> None:
+def test_an_action_appears_is_used_and_goes(gateway: RunningGateway, shared_domain: int) -> None:
     assert names(gateway) == [ACTION, "/disconnect_from_charging_dock"]
-    with fibonacci(domain), gateway.stream("?action=fibonacci") as stream:
+    with fibonacci(shared_domain), gateway.stream("?action=fibonacci") as stream:
         wait_for_action(gateway, "/fibonacci")
         info = gateway.http.get("/actions/fibonacci").json()
         assert info["action_type"] == "action_tutorials_interfaces/action/Fibonacci"
@@ -80,17 +67,20 @@ def test_an_action_appears_is_used_and_goes(gateway: RunningGateway, domain: int
     assert gateway.http.get("/actions/fibonacci").status_code == 404
 
 
-def test_stop_reaches_every_action_of_the_robot(gateway: RunningGateway, domain: int) -> None:
-    with fibonacci(domain), gateway.stream("?action=fibonacci") as stream:
+def test_stop_reaches_every_action_of_the_robot(gateway: RunningGateway, shared_domain: int) -> None:
+    with fibonacci(shared_domain), gateway.stream("?action=fibonacci") as stream:
         wait_for_action(gateway, "/fibonacci")
         goal_id = gateway.http.post("/actions/fibonacci/goals", json={"order": 40}).json()["goal_id"]
         assert goal_id in gateway.stop_once()["canceling"]
         assert stream.until_type("result")["status"] == "canceled"
 
 
-def test_a_robot_is_a_namespace(gateway: RunningGateway, domain: int) -> None:
+def test_a_robot_is_a_namespace(gateway: RunningGateway, shared_domain: int) -> None:
     assert gateway.http.post("/dock?robot=/robot1").status_code == 404
-    with running_dock_server(domain, "-r", "__ns:=/robot1"), running_dock_server(domain, "-r", "__ns:=/fleet/robot2"):
+    with (
+        running_dock_server(shared_domain, "-r", "__ns:=/robot1"),
+        running_dock_server(shared_domain, "-r", "__ns:=/fleet/robot2"),
+    ):
         wait_for_action(gateway, f"/robot1{ACTION}")
         wait_for_action(gateway, f"/fleet/robot2{ACTION}")
         with gateway.stream("?robot=/robot1&include=battery,cmd_vel,system") as stream:
@@ -132,8 +122,8 @@ def test_a_robot_is_a_namespace(gateway: RunningGateway, domain: int) -> None:
             assert goal_actions == {f"/robot1{ACTION}"}
 
 
-def test_stop_without_a_robot_stops_them_all(gateway: RunningGateway, domain: int) -> None:
-    with running_dock_server(domain, "-r", "__ns:=/robot1"):
+def test_stop_without_a_robot_stops_them_all(gateway: RunningGateway, shared_domain: int) -> None:
+    with running_dock_server(shared_domain, "-r", "__ns:=/robot1"):
         wait_for_action(gateway, f"/robot1{ACTION}")
         gateway.http.put("/battery/publisher?robot=/robot1", json={"state": LOW, "rate_hz": 5}).raise_for_status()
         deadline = time.monotonic() + 10

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, Stream, running_dock_server, running_gateway
 from tests.support.observer import wait_until
 
@@ -18,19 +17,13 @@ QUICK = {"battery_stale_after": "0.8", "ping_interval": "0.5", "stalled_after": 
 
 
 @pytest.fixture(scope="module")
-def domain() -> Iterator[int]:
-    with ros_domain() as domain:
-        yield domain
-
-
-@pytest.fixture(scope="module")
 def database(tmp_path_factory: pytest.TempPathFactory) -> str:
     return f"sqlite:///{tmp_path_factory.mktemp('history')}/history.db"
 
 
 @pytest.fixture(scope="module")
-def running(domain: int, database: str) -> Iterator[RunningGateway]:
-    with running_gateway(domain, database_url=database, **QUICK) as gateway:
+def running(shared_domain: int, database: str) -> Iterator[RunningGateway]:
+    with running_gateway(shared_domain, database_url=database, **QUICK) as gateway:
         yield gateway
 
 
@@ -65,7 +58,7 @@ def acknowledger(gateway: RunningGateway, alert_id: str) -> str | None:
 
 
 def test_a_low_battery_is_acknowledged_everywhere_until_it_is_over(
-    domain: int, database: str, gateway: RunningGateway
+    shared_domain: int, database: str, gateway: RunningGateway
 ) -> None:
     with gateway.stream("?include=robots") as stream:
         assert stream.next()["alerts"] == []
@@ -76,7 +69,7 @@ def test_a_low_battery_is_acknowledged_everywhere_until_it_is_over(
         seen = gateway.http.put(path, json={"by": " Ada "}).raise_for_status().json()
         assert seen["acknowledged"]["by"] == "Ada"
         assert until_alerts(stream, "low_battery") == [seen] == alerts(gateway)
-        with running_gateway(domain, database_url=database, **QUICK) as other:
+        with running_gateway(shared_domain, database_url=database, **QUICK) as other:
             wait_until(lambda: acknowledger(other, alert["id"]) == "Ada", "the alert, acknowledged")
             withdrawn = other.http.delete(path).raise_for_status().json()
             assert withdrawn["acknowledged"] is None
@@ -111,9 +104,11 @@ def test_a_battery_that_falls_silent(gateway: RunningGateway) -> None:
     assert (alert["kind"], alert["robot"]) == ("battery_stale", "/")
 
 
-def test_a_robot_that_is_docked_and_not_charged_then_one_that_is_lost(domain: int, gateway: RunningGateway) -> None:
+def test_a_robot_that_is_docked_and_not_charged_then_one_that_is_lost(
+    shared_domain: int, gateway: RunningGateway
+) -> None:
     with gateway.stream("?include=robots&feedback=false") as stream:
-        with running_dock_server(domain) as server:
+        with running_dock_server(shared_domain) as server:
             gateway.wait_until_ready()
             gateway.publish(CHARGING)
             goal = gateway.http.post("/dock", headers={"Prefer": "wait=10"}).raise_for_status().json()

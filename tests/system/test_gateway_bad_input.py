@@ -12,7 +12,6 @@ import pytest
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.observer import wait_until
 
@@ -24,8 +23,8 @@ DEEP = 100_000
 
 
 @pytest.fixture(scope="module")
-def gateway() -> Iterator[RunningGateway]:
-    with ros_domain() as domain, running_gateway(domain, body_timeout="1", max_subscribers="3") as gateway:
+def gateway(shared_domain: int) -> Iterator[RunningGateway]:
+    with running_gateway(shared_domain, body_timeout="1", max_subscribers="3") as gateway:
         yield gateway
 
 

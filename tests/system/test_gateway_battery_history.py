@@ -5,7 +5,6 @@ from datetime import datetime, timedelta
 
 import pytest
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_gateway
 
 pytestmark = pytest.mark.ros
@@ -14,9 +13,9 @@ FIELDS = ("voltage", "percentage", "current", "temperature")
 
 
 @pytest.fixture(scope="module", params=["sqlite", "memory:"])
-def gateway(request: pytest.FixtureRequest) -> Iterator[RunningGateway]:
+def gateway(shared_domain: int, request: pytest.FixtureRequest) -> Iterator[RunningGateway]:
     settings = {"database_url": "memory:"} if request.param == "memory:" else {}
-    with ros_domain() as domain, running_gateway(domain, **settings) as gateway:
+    with running_gateway(shared_domain, **settings) as gateway:
         yield gateway
 
 

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.processes import BIN, Process, ros_environment
 
@@ -12,14 +11,8 @@ pytestmark = pytest.mark.ros
 
 
 @pytest.fixture(scope="module")
-def domain() -> Iterator[int]:
-    with ros_domain() as domain:
-        yield domain
-
-
-@pytest.fixture(scope="module")
-def gateway(domain: int) -> Iterator[RunningGateway]:
-    with running_dock_server(domain), running_gateway(domain, heartbeat_interval="1") as gateway:
+def gateway(shared_domain: int) -> Iterator[RunningGateway]:
+    with running_dock_server(shared_domain), running_gateway(shared_domain, heartbeat_interval="1") as gateway:
         gateway.wait_until_ready()
         yield gateway
 
@@ -161,11 +154,11 @@ def test_pages_of_goals(gateway: RunningGateway) -> None:
     assert rest["next_cursor"] is None
 
 
-def test_the_tutorials_client_beside_the_gateway(gateway: RunningGateway, domain: int) -> None:
+def test_the_tutorials_client_beside_the_gateway(gateway: RunningGateway, shared_domain: int) -> None:
     gateway.publish(LOW)
     with (
         gateway.stream() as stream,
-        Process(str(BIN / "connect_to_charging_dock_client"), env=ros_environment(domain)) as client,
+        Process(str(BIN / "connect_to_charging_dock_client"), env=ros_environment(shared_domain)) as client,
     ):
         client.wait_for("Goal accepted")
         event = stream.until(lambda e: e["type"] == "feedback")
@@ -179,11 +172,11 @@ def test_the_tutorials_client_beside_the_gateway(gateway: RunningGateway, domain
         assert client.wait() == 0
 
 
-def test_a_goal_of_someone_else_can_be_canceled(gateway: RunningGateway, domain: int) -> None:
+def test_a_goal_of_someone_else_can_be_canceled(gateway: RunningGateway, shared_domain: int) -> None:
     gateway.publish(LOW)
     with (
         gateway.stream() as stream,
-        Process(str(BIN / "connect_to_charging_dock_client"), env=ros_environment(domain)) as client,
+        Process(str(BIN / "connect_to_charging_dock_client"), env=ros_environment(shared_domain)) as client,
     ):
         goal_id = stream.until(lambda e: e["type"] == "feedback")["goal_id"]
         assert gateway.http.post(f"/dock/{goal_id}/cancel").status_code == 202
@@ -213,9 +206,9 @@ def test_battery_states_are_published_once_and_repeatedly(gateway: RunningGatewa
         assert gateway.http.get("/battery/publisher").json()["active"] is False
 
 
-def test_the_command_line(gateway: RunningGateway, domain: int) -> None:
+def test_the_command_line(gateway: RunningGateway, shared_domain: int) -> None:
     def run(*arguments: str) -> Process:
-        return Process(str(BIN / "dock-gateway"), *arguments, "--url", gateway.url, env=ros_environment(domain))
+        return Process(str(BIN / "dock-gateway"), *arguments, "--url", gateway.url, env=ros_environment(shared_domain))
 
     with run("battery", "--status", "not-charging", "--percentage", "0.24", "--rate", "5") as command:
         assert command.wait() == 0

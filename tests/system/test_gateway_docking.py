@@ -5,7 +5,6 @@ from typing import Any
 
 import pytest
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, Stream, running_gateway, running_program
 from tests.support.observer import wait_until
 
@@ -19,12 +18,11 @@ CHARGING, NOT_CHARGING = 1, (2, 3)
 
 
 @pytest.fixture(scope="module")
-def gateway() -> Iterator[RunningGateway]:
+def gateway(shared_domain: int) -> Iterator[RunningGateway]:
     with (
-        ros_domain() as domain,
-        running_program(domain, "dock_simulator", *SIMULATOR),
-        running_program(domain, "docking_server", *SERVER),
-        running_gateway(domain) as gateway,
+        running_program(shared_domain, "dock_simulator", *SIMULATOR),
+        running_program(shared_domain, "docking_server", *SERVER),
+        running_gateway(shared_domain) as gateway,
     ):
         gateway.wait_until_ready()
         wait_until(lambda: gateway.http.get("/simulator").status_code == 200, "the simulator")

@@ -11,7 +11,6 @@ import orjson
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import (
     RunningGateway,
     Stream,
@@ -26,26 +25,20 @@ BATTERY, SCAN, TEXTS = "sensor_msgs/msg/BatteryState", "sensor_msgs/msg/LaserSca
 
 
 @pytest.fixture(scope="module")
-def domain() -> Iterator[int]:
-    with ros_domain() as domain:
-        yield domain
-
-
-@pytest.fixture(scope="module")
-def gateway(domain: int, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningGateway]:
+def gateway(shared_domain: int, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningGateway]:
     """A gateway on a machine without the package test_msgs."""
     hidden: Path = tmp_path_factory.mktemp("hidden")
     hidden.joinpath("test_msgs").mkdir()
     hidden.joinpath("test_msgs", "__init__.py").touch()
     with pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
         patch.setenv("PYTHONPATH", str(hidden))
-        gateway = stack.enter_context(running_gateway(domain, heartbeat_interval="1"))
+        gateway = stack.enter_context(running_gateway(shared_domain, heartbeat_interval="1"))
         patch.undo()
         yield gateway
 
 
 @pytest.fixture(scope="module")
-def talker(domain: int) -> Iterator[None]:
+def talker(shared_domain: int) -> Iterator[None]:
     topics = {
         "battery_status2": (BATTERY, "50"),
         "scan": (SCAN, "10"),
@@ -53,7 +46,7 @@ def talker(domain: int) -> Iterator[None]:
         "lift": (TEXTS, "20"),
     }
     arguments = [part for name, rest in topics.items() for part in ("--topic", ":".join((name, *rest)))]
-    with running_talker(domain, "--long", "720", *arguments):
+    with running_talker(shared_domain, "--long", "720", *arguments):
         yield
 
 
@@ -141,8 +134,8 @@ def test_messages_of_a_missing_package_are_not_heard(gateway: RunningGateway) ->
         assert {event["type"] for event in stream.seen} == {"topic", "heartbeat"}
 
 
-def test_feedback_of_an_action_is_a_topic_too(gateway: RunningGateway, domain: int) -> None:
-    with running_program(domain, "fibonacci_action_server"):
+def test_feedback_of_an_action_is_a_topic_too(gateway: RunningGateway, shared_domain: int) -> None:
+    with running_program(shared_domain, "fibonacci_action_server"):
         wait_for_topic(gateway, "/fibonacci/_action/feedback")
         deadline = time.monotonic() + 15
         while gateway.http.get("/actions/fibonacci").status_code != 200:
@@ -156,11 +149,11 @@ def test_feedback_of_an_action_is_a_topic_too(gateway: RunningGateway, domain: i
             assert message["feedback"]["partial_sequence"][:2] == [0, 1]
 
 
-def test_a_publisher_that_comes_later_is_heard_and_told_of(gateway: RunningGateway, domain: int) -> None:
+def test_a_publisher_that_comes_later_is_heard_and_told_of(gateway: RunningGateway, shared_domain: int) -> None:
     name = "/battery_status"
     with gateway.echo(name) as stream:
         assert stream.next()["topic"]["publishers"][0]["node"] == "/dock_gateway"
-        with running_talker(domain, "--topic", f"{name}:{BATTERY}:10"):
+        with running_talker(shared_domain, "--topic", f"{name}:{BATTERY}:10"):
             changed = stream.until(
                 lambda event: (
                     event["type"] == "topic"
@@ -190,10 +183,10 @@ def test_refusals(gateway: RunningGateway, query: str, status: int, code: str) -
     assert (response.status_code, orjson.loads(response.body)["code"]) == (status, code)
 
 
-def test_twenty_topics_at_once_and_no_more(gateway: RunningGateway, domain: int) -> None:
+def test_twenty_topics_at_once_and_no_more(gateway: RunningGateway, shared_domain: int) -> None:
     topics = [f"/many{number}" for number in range(21)]
     arguments = [part for name in topics for part in ("--topic", f"{name}:std_msgs/msg/Bool:5")]
-    with running_talker(domain, *arguments), ExitStack() as stack:
+    with running_talker(shared_domain, *arguments), ExitStack() as stack:
         for name in topics:
             wait_for_topic(gateway, name)
         for name in topics[:20]:
@@ -207,8 +200,8 @@ def test_twenty_topics_at_once_and_no_more(gateway: RunningGateway, domain: int)
 
 
 @pytest.mark.usefixtures("talker")
-def test_the_gateway_says_goodbye(domain: int) -> None:
-    with running_gateway(domain) as gateway:
+def test_the_gateway_says_goodbye(shared_domain: int) -> None:
+    with running_gateway(shared_domain) as gateway:
         wait_for_topic(gateway, "/talker0/scan")
         with gateway.echo("/talker0/scan") as stream:
             stream.until_type("message")

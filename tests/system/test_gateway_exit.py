@@ -12,7 +12,6 @@ import httpx2
 import pytest
 from websockets.exceptions import ConnectionClosed
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.observer import wait_until
 from tests.support.processes import BIN, Process, ros_environment
@@ -21,12 +20,6 @@ pytestmark = pytest.mark.ros
 
 # The promise is 3 s; a machine that is shared gets twice that.
 GONE_WITHIN = 6.0
-
-
-@pytest.fixture
-def domain() -> Iterator[int]:
-    with ros_domain() as domain:
-        yield domain
 
 
 def free_port() -> int:

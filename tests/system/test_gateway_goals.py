@@ -8,23 +8,10 @@ from contextlib import contextmanager
 
 import pytest
 
-from tests.support.domain import ros_domain
-from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.gateway import RunningGateway, running_program
 from tests.support.processes import BIN, Process, ros_environment
 
 pytestmark = pytest.mark.ros
-
-
-@pytest.fixture(scope="module")
-def domain() -> Iterator[int]:
-    with ros_domain() as domain:
-        yield domain
-
-
-@pytest.fixture(scope="module")
-def gateway(domain: int) -> Iterator[RunningGateway]:
-    with running_gateway(domain) as gateway:
-        yield gateway
 
 
 @contextmanager
@@ -53,14 +40,14 @@ def ids(gateway: RunningGateway, query: str = "") -> list[str]:
     return [goal["goal_id"] for goal in page["goals"]]
 
 
-def test_goals_of_every_action(gateway: RunningGateway, domain: int) -> None:
-    with fibonacci(domain, gateway, "/robot1") as one, fibonacci(domain, gateway, "/robot2") as two:
+def test_goals_of_every_action(gateway: RunningGateway, shared_domain: int) -> None:
+    with fibonacci(shared_domain, gateway, "/robot1") as one, fibonacci(shared_domain, gateway, "/robot2") as two:
         first = gateway.http.post(one, json={"order": 3}, headers=ENDED).json()
         second = gateway.http.post(two, json={"order": 4}, headers=ENDED).json()
         assert (first["status"], second["status"]) == ("succeeded", "succeeded")
         assert ids(gateway) == [second["goal_id"], first["goal_id"]]
         client = (str(BIN / "fibonacci_action_client"), "--ros-args", "-r", "__ns:=/robot1", "-p", "order:=5")
-        with Process(*client, env=ros_environment(domain)) as process:
+        with Process(*client, env=ros_environment(shared_domain)) as process:
             assert process.wait(20) == 0
         wait_until(lambda: len(ids(gateway, "?origin=external&status=succeeded")) == 1)
         (external,) = ids(gateway, "?origin=external")
@@ -93,8 +80,8 @@ def test_goals_of_every_action(gateway: RunningGateway, domain: int) -> None:
     assert (again.status_code, again.json()["code"]) == (409, "goal_terminal"), "also where nobody serves the action"
 
 
-def test_the_history_of_a_goal(gateway: RunningGateway, domain: int) -> None:
-    with fibonacci(domain, gateway, "/robot3") as path, gateway.stream("?action=/robot3/fibonacci") as stream:
+def test_the_history_of_a_goal(gateway: RunningGateway, shared_domain: int) -> None:
+    with fibonacci(shared_domain, gateway, "/robot3") as path, gateway.stream("?action=/robot3/fibonacci") as stream:
         goal_id = gateway.http.post(path, json={"order": 10}, headers=ENDED).json()["goal_id"]
         stream.until_type("result")
     seen = [event for event in stream.seen if event.get("goal_id") == goal_id]
@@ -121,8 +108,8 @@ def test_the_history_of_a_goal(gateway: RunningGateway, domain: int) -> None:
     assert (missing.status_code, missing.json()["code"]) == (404, "goal_not_found")
 
 
-def test_exports(gateway: RunningGateway, domain: int) -> None:
-    with fibonacci(domain, gateway, "/robot4") as path:
+def test_exports(gateway: RunningGateway, shared_domain: int) -> None:
+    with fibonacci(shared_domain, gateway, "/robot4") as path:
         goal = gateway.http.post(path, json={"order": 6}, headers=ENDED).json()
         gateway.http.post(path, json={"order": 3}, headers=ENDED)
     export = f"/goals/{goal['goal_id']}/export"

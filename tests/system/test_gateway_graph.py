@@ -1,31 +1,18 @@
 """The ROS graph as the API shows it: real gateway, real nodes."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import pytest
 
-from tests.support.domain import ros_domain
-from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
+from tests.support.gateway import RunningGateway, running_program, running_talker
 
 pytestmark = pytest.mark.ros
 
 NODES = 60
 Graph = dict[str, list[dict[str, Any]]]
-
-
-@pytest.fixture(scope="module")
-def domain() -> Iterator[int]:
-    with ros_domain() as domain:
-        yield domain
-
-
-@pytest.fixture(scope="module")
-def gateway(domain: int) -> Iterator[RunningGateway]:
-    with running_gateway(domain) as gateway:
-        yield gateway
 
 
 def wait_for_graph(gateway: RunningGateway, matches: Callable[[Graph], bool], timeout: float = 20.0) -> Graph:
@@ -45,8 +32,10 @@ def names(entries: list[dict[str, Any]]) -> set[str]:
     return {entry["name"] for entry in entries}
 
 
-def test_an_action_is_one_thing_and_its_server_and_client_are_named(gateway: RunningGateway, domain: int) -> None:
-    with running_program(domain, "fibonacci_action_server"):
+def test_an_action_is_one_thing_and_its_server_and_client_are_named(
+    gateway: RunningGateway, shared_domain: int
+) -> None:
+    with running_program(shared_domain, "fibonacci_action_server"):
         graph = wait_for_graph(
             gateway, lambda graph: any(a["name"] == "/fibonacci" and a["clients"] for a in graph["actions"])
         )
@@ -61,8 +50,8 @@ def test_an_action_is_one_thing_and_its_server_and_client_are_named(gateway: Run
     assert not find(graph["topics"], "/battery_status")["hidden"]
 
 
-def test_sixty_nodes_with_their_topics_and_qualities(gateway: RunningGateway, domain: int) -> None:
-    with running_talker(domain, "--nodes", str(NODES)):
+def test_sixty_nodes_with_their_topics_and_qualities(gateway: RunningGateway, shared_domain: int) -> None:
+    with running_talker(shared_domain, "--nodes", str(NODES)):
         wanted = {f"/talker{number}/talker" for number in range(NODES)}
         graph = wait_for_graph(
             gateway,
@@ -88,8 +77,8 @@ def test_sixty_nodes_with_their_topics_and_qualities(gateway: RunningGateway, do
     wait_for_graph(gateway, lambda graph: not wanted & names(graph["nodes"]), timeout=30)
 
 
-def test_nodes_of_the_same_name_are_counted(gateway: RunningGateway, domain: int) -> None:
-    with running_talker(domain), running_talker(domain):
+def test_nodes_of_the_same_name_are_counted(gateway: RunningGateway, shared_domain: int) -> None:
+    with running_talker(shared_domain), running_talker(shared_domain):
         graph = wait_for_graph(
             gateway, lambda graph: any(n["name"] == "/talker0/talker" and n["count"] == 2 for n in graph["nodes"])
         )
@@ -97,7 +86,7 @@ def test_nodes_of_the_same_name_are_counted(gateway: RunningGateway, domain: int
         assert talkers.count("/talker0/talker") == 2
 
 
-def test_what_is_known_is_not_sent_again(gateway: RunningGateway, domain: int) -> None:
+def test_what_is_known_is_not_sent_again(gateway: RunningGateway, shared_domain: int) -> None:
     wait_for_graph(gateway, lambda graph: names(graph["nodes"]) == {"/dock_gateway"}, timeout=30)
     deadline = time.monotonic() + 10
     while True:  # ports of robots that left are closed a little later
@@ -108,7 +97,7 @@ def test_what_is_known_is_not_sent_again(gateway: RunningGateway, domain: int) -
             break
         assert time.monotonic() < deadline
     assert (same.content, same.headers["etag"]) == (b"", tag)
-    with running_talker(domain):
+    with running_talker(shared_domain):
         wait_for_graph(gateway, lambda graph: "/talker0/talker" in names(graph["nodes"]))
         changed = gateway.http.get("/graph", headers={"If-None-Match": tag})
         assert (changed.status_code, changed.headers["etag"] != tag) == (200, True)

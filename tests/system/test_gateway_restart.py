@@ -3,24 +3,16 @@
 import signal
 import sqlite3
 import time
-from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
 import pytest
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.observer import Observer, ros_observer, wait_until
 from tests.support.processes import BIN, Process, ros_environment
 
 pytestmark = pytest.mark.ros
-
-
-@pytest.fixture
-def domain() -> Iterator[int]:
-    with ros_domain() as domain:
-        yield domain
 
 
 @pytest.fixture

@@ -17,14 +17,8 @@ FAULTS = ("dead_charger", "occluded_marker", "stuck_wheel", "silent_battery", "p
 
 
 @pytest.fixture(scope="module")
-def domain() -> Iterator[int]:
-    with ros_domain() as domain:
-        yield domain
-
-
-@pytest.fixture(scope="module")
-def gateway(domain: int) -> Iterator[RunningGateway]:
-    with running_program(domain, "dock_simulator"), running_gateway(domain) as gateway:
+def gateway(shared_domain: int) -> Iterator[RunningGateway]:
+    with running_program(shared_domain, "dock_simulator"), running_gateway(shared_domain) as gateway:
         wait_for_simulator(gateway)
         yield gateway
 
@@ -72,7 +66,7 @@ def test_a_real_robot_is_shown_in_the_frame_of_its_odometry() -> None:
         assert (scene["frame"], scene["robot"]["x"], scene["dock"], scene["infrared"]) == ("odom", 0.5, None, None)
 
 
-def test_only_who_asks_for_it_gets_it_and_nobody_else_pays(gateway: RunningGateway, domain: int) -> None:
+def test_only_who_asks_for_it_gets_it_and_nobody_else_pays(gateway: RunningGateway, shared_domain: int) -> None:
     with gateway.stream("?include=system,battery") as other:
         with gateway.stream("?include=scene") as stream:
             stream.until_type("scene")
@@ -135,7 +129,7 @@ def test_what_is_wrong_is_said(gateway: RunningGateway, method: str, path: str, 
     assert (response.status_code, response.json()["code"]) == (422, "invalid_field")
 
 
-def test_a_real_robot_has_no_simulator_and_one_that_leaves_is_missed(domain: int) -> None:
+def test_a_real_robot_has_no_simulator_and_one_that_leaves_is_missed(shared_domain: int) -> None:
     with ros_domain() as elsewhere, running_gateway(elsewhere) as gateway:
         for method, path in (("GET", ""), ("POST", "/reset"), ("POST", "/place"), ("PUT", "/faults/stuck_wheel")):
             body = {"x": 0.0, "y": 0.0, "theta": 0.0} if path == "/place" else {"active": True}
@@ -148,7 +142,7 @@ def test_a_real_robot_has_no_simulator_and_one_that_leaves_is_missed(domain: int
         assert gateway.http.get("/simulator").status_code == 404
 
 
-def test_each_robot_has_a_scene_and_a_simulator_of_its_own(domain: int) -> None:
+def test_each_robot_has_a_scene_and_a_simulator_of_its_own(shared_domain: int) -> None:
     with ros_domain() as elsewhere:
         robots = ("/robot1", "/fleet/robot2")
         with (

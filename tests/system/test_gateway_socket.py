@@ -53,8 +53,8 @@ class Socket:
 
 
 @pytest.fixture(scope="module")
-def gateway() -> Iterator[RunningGateway]:
-    with ros_domain() as domain, running_dock_server(domain), running_gateway(domain) as gateway:
+def gateway(shared_domain: int) -> Iterator[RunningGateway]:
+    with running_dock_server(shared_domain), running_gateway(shared_domain) as gateway:
         gateway.wait_until_ready()
         yield gateway
 

@@ -2,7 +2,6 @@
 
 import signal
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import httpx2
@@ -10,7 +9,6 @@ import pytest
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from std_msgs.msg import Bool
 
-from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.observer import Observer, ros_observer, wait_until
 
@@ -19,12 +17,6 @@ pytestmark = pytest.mark.ros
 # The promise is 100 ms; a machine that is shared gets five times that.
 ANSWERED_WITHIN = 0.5
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-
-
-@pytest.fixture
-def domain() -> Iterator[int]:
-    with ros_domain() as domain:
-        yield domain
 
 
 def stop_timed(gateway: RunningGateway, **body: object) -> tuple[dict, float]:
