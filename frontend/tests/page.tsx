@@ -3,6 +3,7 @@ import { Notifications } from "@mantine/notifications";
 import { QueryClientProvider } from "@tanstack/react-query";
 import { render } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
+import type { ReactNode } from "react";
 import { MemoryRouter } from "react-router";
 import { vi } from "vitest";
 import type { Gateway } from "../src/api/client";
@@ -55,11 +56,10 @@ class BothStores {
   }
 }
 
-/** The page at a path, live with a snapshot that was just taken, or not live where `first` is null. */
-export function renderPage(
+/** What panels read, live with a snapshot that was just taken, or not live where `first` is null. */
+export function robotServices(
   gateway: Gateway,
   first: Partial<EventOf<"snapshot">> | null = {},
-  path = "/",
   gatewayOf: FleetServices["gatewayOf"] = () => gateway,
 ) {
   const store = new BothStores();
@@ -77,17 +77,31 @@ export function renderPage(
     store.onEvent(snapshot({ time: new Date().toISOString(), ...first }));
     store.onConnection({ kind: "snapshot" });
   }
+  return { store, services, fleet };
+}
+
+/** Renders something within all that a page has. */
+export function renderWithin(fleet: FleetServices, children: ReactNode, path = "/") {
   render(
     <MantineProvider theme={theme} env="test">
       <Notifications />
       <QueryClientProvider client={createQueryClient()}>
         <FleetProvider value={fleet}>
-          <MemoryRouter initialEntries={[path]}>
-            <App />
-          </MemoryRouter>
+          <MemoryRouter initialEntries={[path]}>{children}</MemoryRouter>
         </FleetProvider>
       </QueryClientProvider>
     </MantineProvider>,
   );
+}
+
+/** The page at a path. */
+export function renderPage(
+  gateway: Gateway,
+  first: Partial<EventOf<"snapshot">> | null = {},
+  path = "/",
+  gatewayOf: FleetServices["gatewayOf"] = () => gateway,
+) {
+  const { store, fleet } = robotServices(gateway, first, gatewayOf);
+  renderWithin(fleet, <App />, path);
   return { store, user: userEvent.setup() };
 }

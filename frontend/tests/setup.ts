@@ -19,6 +19,10 @@ window.ResizeObserver ??= class {
   unobserve() {}
   disconnect() {}
 };
+window.IntersectionObserver ??= class {
+  observe() {}
+  disconnect() {}
+} as unknown as typeof IntersectionObserver;
 Element.prototype.scrollIntoView ??= () => {};
 
 // React reports mistakes, such as a <div> in a <p>, on the console only. That updates come from timers and not from

@@ -1,5 +1,5 @@
 import { Button, Group, Paper, Text, Title } from "@mantine/core";
-import { useId, useMemo, useState } from "react";
+import { memo, useId, useMemo, useState } from "react";
 import { useFleetTopic } from "../fleet/context";
 import { AlertItem } from "./AlertItem";
 import classes from "./alerts.module.css";
@@ -13,7 +13,7 @@ const FIRST = 4;
  *
  * @param quiet Nothing where there is none, rather than a line that says so.
  */
-export function AlertList({ quiet = false }: { quiet?: boolean }) {
+export const AlertList = memo(function AlertList({ quiet = false }: { quiet?: boolean }) {
   const alerts = useFleetTopic("alerts");
   const sorted = useMemo(() => urgentFirst(alerts), [alerts]);
   const [all, setAll] = useState(false);
@@ -47,7 +47,7 @@ export function AlertList({ quiet = false }: { quiet?: boolean }) {
       )}
     </Paper>
   );
-}
+});
 
 function summary(open: number, acknowledged: number): string {
   if (open === 0 && acknowledged === 0) return "None: nothing needs you now.";

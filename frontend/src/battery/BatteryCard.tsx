@@ -1,11 +1,13 @@
-import { Badge, Code, Group, RingProgress, Stack, Text, VisuallyHidden } from "@mantine/core";
+import { Badge, Code, Group, Stack, Text, VisuallyHidden } from "@mantine/core";
 import type { BatteryState } from "../api/types";
-import { useGatewayNow } from "../store/clock";
-import { useLive, useServices, useTopic } from "../store/context";
+import { useAtTime } from "../store/clock";
+import { useLive, useServices, useTopicPart } from "../store/context";
+import { RENDER_INTERVAL_MS } from "../store/shown";
 import { Fact, FactList } from "../ui/Fact";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { formatDuration } from "../ui/time";
+import { Ring } from "./Ring";
 import {
   CHARGING,
   FULL,
@@ -17,41 +19,83 @@ import {
   TECHNOLOGY_WORDS,
 } from "./words";
 
+/** A message is as good as now for this long (ms). */
+const JUST_NOW_MS = 1500;
+/** The ring follows in steps of so much (percent), which are a pixel of it. */
+const RING_STEP = 0.25;
+
+/** The battery as it is now. Messages come often: each text reads for itself what it says. */
 export function BatteryCard() {
-  const { state, receivedAt, staleAfterS } = useTopic("battery");
   const live = useLive();
-  const now = useGatewayNow(200);
-  const age = receivedAt === null ? null : Math.max(0, now - receivedAt);
-  const stale = age !== null && age > staleAfterS * 1000;
+  const known = useTopicPart("battery", ({ state }) => state !== null);
+  const stale = useStale();
 
   return (
-    <Section title="Battery" aside={<Freshness live={live} known={state !== null} stale={stale} />}>
-      {state === null || receivedAt === null || age === null ? (
-        <NoBattery live={live} />
-      ) : (
+    <Section title="Battery" aside={<Freshness live={live} known={known} stale={stale} />}>
+      {known ? (
         <Stack gap="md">
           <Group gap="md" align="center">
-            <Gauge state={state} faded={stale || !live} />
+            <Gauge faded={stale || !live} />
             <Stack gap={4}>
               <Text fw={700} fz="xl" lh={1.2} data-testid="battery-status">
-                {statusWords(state.power_supply_status)}
+                <Said read={(state) => statusWords(state.power_supply_status)} />
               </Text>
-              <Text className="tabular">{formatQuantity(state.voltage, "V")}</Text>
+              <Text className="tabular">
+                <Said read={(state) => formatQuantity(state.voltage, "V")} />
+              </Text>
               <Text size="sm" c="dimmed" className="tabular">
-                {age < 1500 ? "just now" : `${formatDuration(age)} ago`}, at <Time value={receivedAt} />
+                <Age />
               </Text>
             </Stack>
           </Group>
-          {stale && live && (
-            <Text size="sm" role="status">
-              <strong>Stale:</strong> no battery message for more than {staleAfterS} s. A docking server keeps
-              the robot still until one comes.
-            </Text>
-          )}
-          <Measurements state={state} />
+          {stale && live && <StaleWarning />}
+          <Measurements />
         </Stack>
+      ) : (
+        <NoBattery live={live} />
       )}
     </Section>
+  );
+}
+
+function useStale(): boolean {
+  const { store } = useServices();
+  return useAtTime((now) => {
+    const { receivedAt, staleAfterS } = store.get("battery");
+    return receivedAt !== null && now - receivedAt > staleAfterS * 1000;
+  }, RENDER_INTERVAL_MS);
+}
+
+/** A text about the battery, rendered anew where it is another. */
+function Said({ read }: { read: (state: BatteryState) => string }) {
+  return useTopicPart("battery", ({ state }) => (state === null ? "" : read(state)));
+}
+
+function Age() {
+  const { store } = useServices();
+  const words = useAtTime((now) => {
+    const age = now - (store.get("battery").receivedAt ?? now);
+    return age < JUST_NOW_MS ? "just now" : `${formatDuration(age)} ago`;
+  }, RENDER_INTERVAL_MS);
+  const at = useAtTime((now) => {
+    const receivedAt = store.get("battery").receivedAt ?? now;
+    // To the second while messages come: nobody could read more.
+    return now - receivedAt < JUST_NOW_MS ? Math.floor(receivedAt / 1000) * 1000 : receivedAt;
+  }, RENDER_INTERVAL_MS);
+  return (
+    <>
+      {words}, at <Time value={at} />
+    </>
+  );
+}
+
+function StaleWarning() {
+  const staleAfterS = useTopicPart("battery", (battery) => battery.staleAfterS);
+  return (
+    <Text size="sm" role="status">
+      <strong>Stale:</strong> no battery message for more than {staleAfterS} s. A docking server keeps the
+      robot still until one comes.
+    </Text>
   );
 }
 
@@ -82,68 +126,74 @@ function NoBattery({ live }: { live: boolean }) {
   );
 }
 
-function Gauge({ state, faded }: { state: BatteryState; faded: boolean }) {
-  const measured = state.percentage !== null;
-  const value = Math.min(100, Math.max(0, (state.percentage ?? 0) * 100));
+function Gauge({ faded }: { faded: boolean }) {
+  const value = useTopicPart("battery", ({ state }) => filled(state?.percentage ?? null));
+  const color = useTopicPart("battery", ({ state }) => gaugeColor(state, value ?? 0, faded));
+  const measured = value !== null;
   return (
     <div>
       <VisuallyHidden>Percentage</VisuallyHidden>
-      <RingProgress
-        size={148}
-        thickness={13}
-        roundCaps
-        sections={measured ? [{ value, color: gaugeColor(state, value, faded) }] : []}
-        label={
-          <Text
-            ta="center"
-            fw={700}
-            fz={measured ? "lg" : "sm"}
-            className="tabular"
-            style={measured ? { whiteSpace: "nowrap" } : undefined}
-          >
-            {formatPercentage(state.percentage)}
-          </Text>
-        }
-      />
+      <Ring value={value} color={`var(--mantine-color-${color})`}>
+        <Text
+          ta="center"
+          fw={700}
+          fz={measured ? "lg" : "sm"}
+          className="tabular"
+          style={measured ? { whiteSpace: "nowrap" } : undefined}
+        >
+          <Said read={({ percentage }) => formatPercentage(percentage)} />
+        </Text>
+      </Ring>
     </div>
   );
 }
 
-function gaugeColor(state: BatteryState, value: number, faded: boolean): string {
-  if (faded) return "gray.5";
-  if (state.power_supply_status === CHARGING || state.power_supply_status === FULL) return "green";
-  return value < 25 ? "orange" : "blue";
+/** So much of the ring, in percent. */
+function filled(percentage: number | null): number | null {
+  if (percentage === null) return null;
+  const value = Math.min(100, Math.max(0, percentage * 100));
+  return Math.round(value / RING_STEP) * RING_STEP;
 }
 
-/** The fields that a battery may leave out, where it does not. */
-function Measurements({ state }: { state: BatteryState }) {
-  const facts: [string, string][] = [];
-  const measure = (name: string, value: number | null, unit: string) => {
-    if (value !== null) facts.push([name, formatQuantity(value, unit)]);
-  };
-  measure("Current", state.current, "A");
-  measure("Temperature", state.temperature, "°C");
-  measure("Charge", state.charge, "Ah");
-  measure("Capacity", state.capacity, "Ah");
-  measure("Design capacity", state.design_capacity, "Ah");
-  if (state.power_supply_health > 0) {
-    facts.push(["Health", HEALTH_WORDS[state.power_supply_health] ?? String(state.power_supply_health)]);
-  }
-  if (state.power_supply_technology > 0) {
-    const technology = state.power_supply_technology;
-    facts.push(["Technology", TECHNOLOGY_WORDS[technology] ?? String(technology)]);
-  }
-  if (state.cell_voltage.length > 0) facts.push(["Cells", formatCells(state.cell_voltage, "V")]);
-  if (state.cell_temperature.length > 0)
-    facts.push(["Cell temperatures", formatCells(state.cell_temperature, "°C")]);
-  if (state.location !== "") facts.push(["Location", state.location]);
-  if (state.serial_number !== "") facts.push(["Serial number", state.serial_number]);
-  if (facts.length === 0) return null;
+function gaugeColor(state: BatteryState | null, value: number, faded: boolean): string {
+  if (faded) return "gray-5";
+  const status = state?.power_supply_status;
+  if (status === CHARGING || status === FULL) return "green-filled";
+  return value < 25 ? "orange-filled" : "blue-filled";
+}
+
+/** The fields that a battery may leave out, and what they say where it does not. */
+const MEASUREMENTS: Record<string, (state: BatteryState) => string | null> = {
+  Current: ({ current }) => measured(current, "A"),
+  Temperature: ({ temperature }) => measured(temperature, "°C"),
+  Charge: ({ charge }) => measured(charge, "Ah"),
+  Capacity: ({ capacity }) => measured(capacity, "Ah"),
+  "Design capacity": ({ design_capacity }) => measured(design_capacity, "Ah"),
+  Health: ({ power_supply_health: health }) => (health > 0 ? (HEALTH_WORDS[health] ?? String(health)) : null),
+  Technology: ({ power_supply_technology: technology }) =>
+    technology > 0 ? (TECHNOLOGY_WORDS[technology] ?? String(technology)) : null,
+  Cells: ({ cell_voltage: cells }) => (cells.length > 0 ? formatCells(cells, "V") : null),
+  "Cell temperatures": ({ cell_temperature: cells }) => (cells.length > 0 ? formatCells(cells, "°C") : null),
+  Location: ({ location }) => location || null,
+  "Serial number": ({ serial_number }) => serial_number || null,
+};
+
+function measured(value: number | null, unit: string): string | null {
+  return value === null ? null : formatQuantity(value, unit);
+}
+
+function Measurements() {
+  const names = useTopicPart("battery", ({ state }) =>
+    Object.entries(MEASUREMENTS)
+      .flatMap(([name, words]) => (state !== null && words(state) !== null ? [name] : []))
+      .join(","),
+  );
+  if (names === "") return null;
   return (
     <FactList>
-      {facts.map(([name, value]) => (
+      {names.split(",").map((name) => (
         <Fact key={name} name={name}>
-          {value}
+          <Said read={(state) => MEASUREMENTS[name]?.(state) ?? ""} />
         </Fact>
       ))}
     </FactList>

@@ -2,6 +2,8 @@ import { Text, useComputedColorScheme, VisuallyHidden } from "@mantine/core";
 import { useReducedMotion } from "@mantine/hooks";
 import { type KeyboardEvent, useCallback, useEffect, useId, useRef, useState } from "react";
 import { useLive, useServices } from "../store/context";
+import { onBeat } from "../ui/beat";
+import { watchSight } from "../ui/sight";
 import classes from "./BatteryPlots.module.css";
 import { PlotBar } from "./PlotBar";
 import { type Places, PlotGroup } from "./plotGroup";
@@ -10,11 +12,14 @@ import { QUANTITIES, type Quantity, SHAPES } from "./quantities";
 import { usePast } from "./usePast";
 import { between, edges, formatMoment, LIVE, pan, pause, type View, zoom } from "./view";
 
-/** New messages are drawn as often as that moves the plots by a pixel or so, but not more often than this. */
+/** New messages are drawn no more often than this. */
 const REDRAW_MS = 200;
+/** How wide a plot is, about. */
 const PIXELS = 600;
-/** Without any messages, and where nobody looks, time moves on so often. */
+/** Without any messages time moves on so often. */
 const SCROLL_MS = 1000;
+/** Out of sight, as for a picture of the whole page. */
+const UNSEEN_MS = 5000;
 const ZOOM_STEP = 2;
 const PAN_STEP = 0.25;
 
@@ -82,21 +87,27 @@ export default function BatteryPlots() {
   useEffect(draw, [draw, view, past]);
 
   useEffect(() => {
-    if (view.endS !== null || !live) return;
+    const element = frame.current;
+    if (element === null || view.endS !== null || !live) return;
     let drawnVersion = series.version;
     let drawnAt = Date.now();
-    const pixelMs = (view.spanS * 1000) / PIXELS;
-    const timer = setInterval(
-      () => {
-        const dull = series.version === drawnVersion || !isInSight(frame.current);
-        if (document.hidden || (dull && Date.now() - drawnAt < SCROLL_MS)) return;
-        drawnVersion = series.version;
-        drawnAt = Date.now();
-        draw();
-      },
-      reducedMotion ? SCROLL_MS : Math.min(SCROLL_MS, Math.max(REDRAW_MS, pixelMs)),
-    );
-    return () => clearInterval(timer);
+    let inSight = true;
+    const renew = () => {
+      const age = Date.now() - drawnAt;
+      if (inSight ? series.version === drawnVersion && age < SCROLL_MS : age < UNSEEN_MS) return;
+      drawnVersion = series.version;
+      drawnAt = Date.now();
+      draw();
+    };
+    const unwatch = watchSight(element, (now) => {
+      inSight = now;
+      renew();
+    });
+    const stop = onBeat(reducedMotion ? SCROLL_MS : redrawMs(view), renew);
+    return () => {
+      unwatch();
+      stop();
+    };
   }, [view, live, series, draw, reducedMotion]);
 
   useEffect(() => {
@@ -193,7 +204,8 @@ export default function BatteryPlots() {
   );
 }
 
-function isInSight(element: HTMLElement | null): boolean {
-  const box = element?.getBoundingClientRect();
-  return box !== undefined && box.bottom > 0 && box.top < window.innerHeight;
+/** As often as that moves the plots by a pixel or so, in whole beats. */
+function redrawMs({ spanS }: View): number {
+  const beats = Math.round((spanS * 1000) / PIXELS / REDRAW_MS);
+  return Math.min(SCROLL_MS, Math.max(1, beats) * REDRAW_MS);
 }

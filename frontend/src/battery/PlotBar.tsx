@@ -1,6 +1,6 @@
 import { Badge, Button, Group, SegmentedControl, Text } from "@mantine/core";
 import type { RefObject } from "react";
-import { useGatewayNow } from "../store/clock";
+import { useAtTime } from "../store/clock";
 import { useLive } from "../store/context";
 import { Tool } from "../ui/Tool";
 import classes from "./BatteryPlots.module.css";
@@ -21,9 +21,8 @@ interface PlotBarProps {
 
 /** Which part of time is shown, and how to get to another one. */
 export function PlotBar({ view, loading, momentRef, onChange, onZoom }: PlotBarProps) {
-  const now = useGatewayNow(1000) / 1000;
-  const { from, to } = edges(view, now);
   const following = view.endS === null;
+  const range = useAtTime((ms) => rangeWords(view, ms / 1000));
   return (
     <div className={classes.bar}>
       <Group gap="xs">
@@ -66,9 +65,7 @@ export function PlotBar({ view, loading, momentRef, onChange, onZoom }: PlotBarP
       <Group gap="xs" className={classes.shown}>
         <Shown following={following} loading={loading} />
         <Text size="sm" className="tabular" data-testid="plot-range">
-          {following
-            ? `Last ${formatSpan(view.spanS)}`
-            : `${formatMoment(from, now)} to ${formatMoment(to, now)}`}
+          {range}
         </Text>
         <Text size="sm" fw={600} className={`tabular ${classes.moment}`} component="span">
           <span ref={momentRef} data-testid="plot-moment" />
@@ -76,6 +73,12 @@ export function PlotBar({ view, loading, momentRef, onChange, onZoom }: PlotBarP
       </Group>
     </div>
   );
+}
+
+function rangeWords(view: View, now: number): string {
+  if (view.endS === null) return `Last ${formatSpan(view.spanS)}`;
+  const { from, to } = edges(view, now);
+  return `${formatMoment(from, now)} to ${formatMoment(to, now)}`;
 }
 
 function Shown({ following, loading }: { following: boolean; loading: boolean }) {

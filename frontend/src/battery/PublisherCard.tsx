@@ -1,7 +1,7 @@
 import { Button, Group, NumberInput, SimpleGrid, Skeleton, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { lazy, Suspense, useId, useState } from "react";
-import { useLive, useServices, useTopic } from "../store/context";
+import { useLive, useServices, useTopicPart } from "../store/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
@@ -21,7 +21,7 @@ const MAX_RATE_HZ = 100;
 export function PublisherCard() {
   const { gateway, store } = useServices();
   const live = useLive();
-  const active = useTopic("publisher")?.active === true;
+  const active = useTopicPart("publisher", (publisher) => publisher?.active === true);
   const [form, setForm] = useState<BatteryForm>(PRESETS[0].form);
   const [rateInput, setRateInput] = useState<NumberInputValue>(1);
   const [done, setDone] = useState<{ at: number; text: string } | null>(null);

@@ -1,7 +1,7 @@
 import { useQuery } from "@tanstack/react-query";
 import { findTopic, type GraphTopic, gatewayNode } from "../api/topics";
-import { useFleet, useFleetTopic } from "../fleet/context";
-import { useLive, useServices, useTopic } from "../store/context";
+import { useFleet, useFleetPart } from "../fleet/context";
+import { useLive, useServices, useTopicPart } from "../store/context";
 
 /** The graph is asked again so often. */
 const RENEW_MS = 5000;
@@ -39,9 +39,13 @@ export function usePublishers(): Publishers | null {
   const { http } = useFleet();
   const { robot } = useServices();
   const live = useLive();
-  const robots = [...useFleetTopic("robots").values()];
-  const simulated = useTopic("simulator") !== null;
-  const name = robots.find((each) => (robot === null ? each.default : each.name === robot))?.battery_topic;
+  const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
+  const name = useFleetPart(
+    "robots",
+    (robots) =>
+      [...robots.values()].find((each) => (robot === null ? each.default : each.name === robot))
+        ?.battery_topic,
+  );
   const own = useQuery({
     queryKey: ["gateway-node"],
     queryFn: () => gatewayNode(http),

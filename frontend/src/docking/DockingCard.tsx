@@ -1,7 +1,6 @@
 import { Stack, Text } from "@mantine/core";
-import { useMemo } from "react";
 import { useTopic } from "../store/context";
-import { isTerminal, newestFirst } from "../store/goals";
+import { isTerminal } from "../store/goals";
 import { Section } from "../ui/Section";
 import { ActionServerStatus } from "./ActionServerStatus";
 import { DockingControls } from "./DockingControls";
@@ -10,11 +9,10 @@ import { currentGoal } from "./goalWords";
 
 /** What the robot can be asked to do, and the goal that runs. */
 export function DockingCard() {
-  const goals = useTopic("goals");
-  const sorted = useMemo(() => newestFirst(goals), [goals]);
-  const goal = currentGoal(sorted);
+  const goals = useTopic("courses");
+  const goal = currentGoal(goals);
   const running = goal !== null && !isTerminal(goal.status) ? goal : null;
-  const others = sorted.filter((each) => !isTerminal(each.status) && each !== running).length;
+  const others = goals.filter((each) => !isTerminal(each.status) && each !== running).length;
 
   return (
     <Section title="Docking" aside={<ActionServerStatus />}>

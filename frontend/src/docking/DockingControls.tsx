@@ -2,10 +2,10 @@ import { Button, Group, SegmentedControl, Stack, Switch, Text } from "@mantine/c
 import { useDisclosure } from "@mantine/hooks";
 import { useId, useState } from "react";
 import type { Verb } from "../api/client";
-import type { Goal } from "../api/types";
 import { CHARGING, FULL } from "../battery/words";
 import { RobotStopButton, useStoppableAlone } from "../stop/RobotStop";
-import { useLive, useServices, useTopic } from "../store/context";
+import { useLive, useServices, useTopic, useTopicPart } from "../store/context";
+import type { GoalCourse } from "../store/goals";
 import { useVerbOf } from "../store/verbs";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { useCommand } from "../ui/useCommand";
@@ -15,11 +15,11 @@ import { MoveDialog } from "./MoveDialog";
 import { whyNotCancel, whyNotSend } from "./reasons";
 
 /** Dock, Undock, Cancel, and a Stop of this robot alone where there are others; each says why where it cannot be used. */
-export function DockingControls({ running }: { running: Goal | null }) {
+export function DockingControls({ running }: { running: GoalCourse | null }) {
   const { gateway, store } = useServices();
   const live = useLive();
   const servers = { dock: useTopic("actionServer"), undock: useTopic("undockServer") };
-  const stopped = useTopic("stop").latched;
+  const stopped = useTopicPart("stop", ({ latched }) => latched);
   const verbOf = useVerbOf();
   const alone = useStoppableAlone();
   const asking = useAsking();
@@ -31,7 +31,7 @@ export function DockingControls({ running }: { running: Goal | null }) {
 
   const dock = useCommand(async () => store.addGoals([await gateway.dock(Number(target))]));
   const undock = useCommand(async () => store.addGoals([await gateway.undock()]));
-  const cancel = useCommand(async (goal: Goal) =>
+  const cancel = useCommand(async (goal: GoalCourse) =>
     store.addGoals([await gateway.cancel(verbOf(goal), goal.goal_id)]),
   );
   const send = (verb: Verb) => {

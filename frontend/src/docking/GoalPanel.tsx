@@ -1,12 +1,11 @@
 import { Alert, Anchor, Badge, Group, Stack, Text } from "@mantine/core";
 import { Link } from "react-router";
 import type { Verb } from "../api/client";
-import type { Goal } from "../api/types";
 import { summarize } from "../battery/words";
 import { GoalStatusBadge } from "../goals/GoalStatusBadge";
-import { useGatewayNow } from "../store/clock";
-import { useLive, useTopic } from "../store/context";
-import { isTerminal } from "../store/goals";
+import { useAtTime } from "../store/clock";
+import { useLive, useTopic, useTopicPart } from "../store/context";
+import { type GoalCourse, isTerminal } from "../store/goals";
 import { useVerbOf } from "../store/verbs";
 import { Fact, FactList } from "../ui/Fact";
 import { sentence } from "../ui/sentence";
@@ -18,7 +17,7 @@ import { rate } from "./rate";
 import { StageTimeline } from "./StageTimeline";
 
 /** The goal that runs, or how the last one ended. */
-export function GoalPanel({ goal }: { goal: Goal }) {
+export function GoalPanel({ goal }: { goal: GoalCourse }) {
   const live = useLive();
   const verb = useVerbOf()(goal);
   const ended = isTerminal(goal.status);
@@ -52,10 +51,12 @@ export function GoalPanel({ goal }: { goal: Goal }) {
           <Time value={goal.created_at} />
         </Fact>
         <Elapsed goal={goal} />
-        <FeedbackFact goal={goal} />
-        <BatteryFact goal={goal} />
+        <Fact name="Feedback">
+          <FeedbackWords goal={goal} />
+        </Fact>
+        <BatteryFact goalId={goal.goal_id} />
       </FactList>
-      <FeedbackLog goal={goal} />
+      <FeedbackLog goalId={goal.goal_id} />
       <Anchor component={Link} to={`/ui/goals/${goal.goal_id}`} size="sm" underline="always">
         All of this goal
       </Anchor>
@@ -64,7 +65,7 @@ export function GoalPanel({ goal }: { goal: Goal }) {
 }
 
 /** Why it stands as it does: an alert where something is wrong, a quiet line otherwise. */
-function Explanation({ goal, verb }: { goal: Goal; verb: Verb }) {
+function Explanation({ goal, verb }: { goal: GoalCourse; verb: Verb }) {
   const wrong = goal.error !== null || goal.stalled || goal.status === "lost";
   if (!wrong) {
     return (
@@ -83,33 +84,47 @@ function Explanation({ goal, verb }: { goal: Goal; verb: Verb }) {
   );
 }
 
-function Elapsed({ goal }: { goal: Goal }) {
-  const now = useGatewayNow();
+function Elapsed({ goal }: { goal: GoalCourse }) {
   const live = useLive();
   const start = Date.parse(goal.created_at);
+  const words = useAtTime((now) => formatDuration(now - start));
   if (goal.finished_at !== null) {
     return <Fact name="Took">{formatDuration(Date.parse(goal.finished_at) - start)}</Fact>;
   }
-  return <Fact name="Elapsed">{live ? formatDuration(now - start) : "not live"}</Fact>;
+  return <Fact name="Elapsed">{live ? words : "not live"}</Fact>;
 }
 
-function FeedbackFact({ goal }: { goal: Goal }) {
-  const arrivals = useTopic("arrivals").get(goal.goal_id) ?? [];
+/** How many feedback messages have come, and how fast; rendered anew with each that is shown, and nothing else is. */
+function FeedbackWords({ goal }: { goal: GoalCourse }) {
+  const count = useTopicPart("goals", (goals) => goals.get(goal.goal_id)?.feedback_count ?? 0);
+  const arrivals = useTopicPart("arrivals", (all) => all.get(goal.goal_id) ?? NONE);
   const dropped = useTopic("dropped");
-  const now = useGatewayNow();
-  const perSecond = isTerminal(goal.status) ? null : rate(arrivals, now);
+  const perSecond = useAtTime((now) => rate(arrivals, now)?.toFixed(1) ?? "");
+  return [
+    `${count} ${count === 1 ? "message" : "messages"}`,
+    perSecond !== "" && !isTerminal(goal.status) && `, ${perSecond} Hz`,
+    dropped > 0 && ` (${dropped} skipped: this page was too slow)`,
+  ];
+}
+
+const NONE: readonly number[] = [];
+
+function BatteryFact({ goalId }: { goalId: string }) {
+  const final = useTopicPart("goals", (goals) => goals.get(goalId)?.result?.final_battery_state);
+  const told = useTopicPart("goals", (goals) => goals.get(goalId)?.feedback != null);
+  if (final !== undefined) return <Fact name="Battery at the end">{summarize(final)}</Fact>;
   return (
-    <Fact name="Feedback">
-      {goal.feedback_count} {goal.feedback_count === 1 ? "message" : "messages"}
-      {perSecond !== null && `, ${perSecond.toFixed(1)} Hz`}
-      {dropped > 0 && ` (${dropped} skipped: this page was too slow)`}
-    </Fact>
+    told && (
+      <Fact name="Battery in feedback">
+        <BatteryWords goalId={goalId} />
+      </Fact>
+    )
   );
 }
 
-function BatteryFact({ goal }: { goal: Goal }) {
-  const final = goal.result?.final_battery_state;
-  const current = final ?? goal.feedback?.current_battery_state;
-  if (current === undefined) return null;
-  return <Fact name={final ? "Battery at the end" : "Battery in feedback"}>{summarize(current)}</Fact>;
+function BatteryWords({ goalId }: { goalId: string }) {
+  return useTopicPart("goals", (goals) => {
+    const feedback = goals.get(goalId)?.feedback;
+    return feedback == null ? "" : summarize(feedback.current_battery_state);
+  });
 }

@@ -1,14 +1,17 @@
 import { Text, VisuallyHidden } from "@mantine/core";
-import type { Goal } from "../api/types";
-import { useGatewayNow } from "../store/clock";
+import { useAtTime, useGatewayNow } from "../store/clock";
 import { useLive } from "../store/context";
-import { isTerminal } from "../store/goals";
+import { type GoalCourse, isTerminal } from "../store/goals";
+import type { StageVisit } from "../store/stages";
 import { useVerbOf } from "../store/verbs";
 import { formatDuration } from "../ui/time";
 import classes from "./docking.module.css";
 import { type StepState, stageLabel, stepsOf } from "./stages";
-import { type StageSpan, spansOf, timeIn } from "./timeline";
+import { spansOf, timeIn } from "./timeline";
 import { useWay } from "./useWay";
+
+/** Durations are renewed so often. */
+const TEXT_MS = 400;
 
 const SIGNS: Record<StepState, string> = { done: "✓", current: "", failed: "✕", waiting: "" };
 const SAID: Record<StepState, string> = {
@@ -19,15 +22,13 @@ const SAID: Record<StepState, string> = {
 };
 
 /** The stages of a goal, how far it is, and how long each took, in all of its tries. */
-export function StageTimeline({ goal }: { goal: Goal }) {
-  const visits = useWay(goal);
+export function StageTimeline({ goal }: { goal: GoalCourse }) {
+  const visits = useWay(goal.goal_id);
   const verb = useVerbOf()(goal);
-  const now = useGatewayNow(500);
   const known = useLive() || isTerminal(goal.status);
   const seen = visits.map(({ stage }) => stage);
   const steps = stepsOf(goal, seen, verb);
   if (steps.length === 0) return null;
-  const spans = spansOf(goal, visits, now);
   const besides = [...new Set(seen)].filter((stage) => steps.every((step) => step.stage !== stage));
   return (
     <div>
@@ -48,19 +49,19 @@ export function StageTimeline({ goal }: { goal: Goal }) {
                 <VisuallyHidden>: {SAID[state]}</VisuallyHidden>
               </Text>
               <Text component="span" size="sm" c="dimmed" className="tabular" display="block" mih="1.45em">
-                {known && <Duration ms={timeIn(stage, spans)} />}
+                {known && <TimeIn stage={stage} goal={goal} visits={visits} />}
               </Text>
             </span>
           </li>
         ))}
       </ol>
-      {known && <Bar spans={spans} />}
+      {known && <Bar goal={goal} visits={visits} />}
       {known && besides.length > 0 && (
         <Text size="sm" c="dimmed" className="tabular">
           {besides.map((stage, index) => (
             <span key={stage}>
               {index > 0 && ", "}
-              {stageLabel(stage) ?? stage} <Duration ms={timeIn(stage, spans)} />
+              {stageLabel(stage) ?? stage} <TimeIn stage={stage} goal={goal} visits={visits} />
             </span>
           ))}
         </Text>
@@ -69,12 +70,22 @@ export function StageTimeline({ goal }: { goal: Goal }) {
   );
 }
 
-function Duration({ ms }: { ms: number | null }) {
-  return ms === null ? null : formatDuration(ms);
+interface Way {
+  goal: GoalCourse;
+  visits: readonly StageVisit[];
+}
+
+/** How long a goal was in a stage: a text of its own, which changes while nothing else does. */
+function TimeIn({ stage, goal, visits }: Way & { stage: string }) {
+  return useAtTime((now) => {
+    const ms = timeIn(stage, spansOf(goal, visits, now));
+    return ms === null ? "" : formatDuration(ms);
+  }, TEXT_MS);
 }
 
 /** The way to scale, try after try; the list above says the same in words. */
-function Bar({ spans }: { spans: readonly StageSpan[] }) {
+function Bar({ goal, visits }: Way) {
+  const spans = spansOf(goal, visits, useGatewayNow());
   if (spans.length < 2 || spans.some(({ ms }) => ms === null)) return null;
   return (
     <div className={classes.bar} aria-hidden="true" data-testid="stage-bar">

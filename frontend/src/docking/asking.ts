@@ -1,5 +1,5 @@
 import { useLocalStorage } from "@mantine/hooks";
-import { useTopic } from "../store/context";
+import { useTopicPart } from "../store/context";
 
 const KEY = "dock-gateway-ask-before-moving";
 
@@ -13,7 +13,7 @@ export interface Asking {
 
 /** Whether to ask before this robot moves: a real one, until somebody switches that off in this browser. */
 export function useAsking(): Asking {
-  const simulated = useTopic("simulator") !== null;
+  const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
   const [wanted, change] = useLocalStorage({ key: KEY, defaultValue: true, getInitialValueInEffect: false });
   return { asks: wanted && !simulated, simulated, change };
 }

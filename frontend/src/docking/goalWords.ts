@@ -1,6 +1,6 @@
 import type { Verb } from "../api/client";
-import type { AnyGoal, Goal, GoalStatus } from "../api/types";
-import { isTerminal } from "../store/goals";
+import type { AnyGoal, GoalStatus } from "../api/types";
+import { type GoalCourse, isTerminal } from "../store/goals";
 import { stageName, stageWords } from "./stages";
 
 export const STATUS_COLORS: Record<GoalStatus, string> = {
@@ -87,7 +87,7 @@ const ADVICE: Record<string, string> = {
 };
 
 /** What can be done about a goal that does not go as it should. */
-export function advice(goal: AnyGoal): string | null {
+export function advice(goal: Pick<AnyGoal, "status" | "error" | "stalled">): string | null {
   if (goal.status === "lost") return LOST;
   if (goal.error !== null) return ADVICE[goal.error.code] ?? null;
   return goal.stalled ? STALLED : null;
@@ -129,15 +129,15 @@ export function outcome(
 }
 
 /** The goal to show: the newest that runs, else the one that ended last. */
-export function currentGoal(newestFirst: readonly Goal[]): Goal | null {
+export function currentGoal(newestFirst: readonly GoalCourse[]): GoalCourse | null {
   const running = newestFirst.find((goal) => !isTerminal(goal.status));
   if (running !== undefined) return running;
-  return newestFirst.reduce<Goal | null>(
+  return newestFirst.reduce<GoalCourse | null>(
     (last, goal) => (last === null || endOf(goal) > endOf(last) ? goal : last),
     null,
   );
 }
 
-function endOf(goal: Goal): number {
+function endOf(goal: GoalCourse): number {
   return Date.parse(goal.finished_at ?? goal.updated_at);
 }

@@ -1,5 +1,6 @@
 import type { Verb } from "../api/client";
-import type { ActionServer, Goal } from "../api/types";
+import type { ActionServer } from "../api/types";
+import type { GoalCourse } from "../store/goals";
 
 const NOT_CONNECTED = "Dock, Undock and Cancel need the gateway, which is not connected.";
 
@@ -12,7 +13,7 @@ export interface Situation {
   live: boolean;
   stopped: boolean;
   /** The goal that runs. */
-  running: Goal | null;
+  running: GoalCourse | null;
   /** A goal was sent and is not answered. */
   sending: boolean;
   server: ActionServer | null;
@@ -33,7 +34,7 @@ export function whyNotSend(
 }
 
 /** Why nothing can be canceled now. */
-export function whyNotCancel(live: boolean, running: Goal | null, pending: boolean): string | null {
+export function whyNotCancel(live: boolean, running: GoalCourse | null, pending: boolean): string | null {
   if (!live) return NOT_CONNECTED;
   if (running === null) return "Cancel: no goal is running.";
   if (pending || running.status === "canceling") return "Cancel: the goal is being canceled.";

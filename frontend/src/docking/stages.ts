@@ -1,6 +1,5 @@
 import type { Verb } from "../api/client";
-import type { Goal } from "../api/types";
-import { isTerminal } from "../store/goals";
+import { type GoalCourse, isTerminal } from "../store/goals";
 import { sentence } from "../ui/sentence";
 
 export type StepState = "done" | "current" | "failed" | "waiting";
@@ -35,7 +34,7 @@ const UNDOCKING = ["UNDOCKING"];
  *
  * @param seen The stages that the goal was seen in, in order.
  */
-export function stepsOf(goal: Goal, seen: readonly string[], verb: Verb): Step[] {
+export function stepsOf(goal: GoalCourse, seen: readonly string[], verb: Verb): Step[] {
   const all = verb === "undock" ? UNDOCKING : DOCKING;
   const known = seen.filter((stage) => all.includes(stage));
   const last = known.at(-1);
@@ -51,7 +50,7 @@ export function stepsOf(goal: Goal, seen: readonly string[], verb: Verb): Step[]
 }
 
 /** @param ahead How many steps the goal is before this one; negative where it is beyond. */
-function stateOf(goal: Goal, ahead: number, retrying: boolean): StepState {
+function stateOf(goal: GoalCourse, ahead: number, retrying: boolean): StepState {
   if (goal.status === "succeeded" || ahead < 0) return "done";
   if (ahead > 0) return "waiting";
   return retrying || isTerminal(goal.status) ? "failed" : "current";

@@ -1,5 +1,4 @@
-import type { Goal } from "../api/types";
-import { isTerminal } from "../store/goals";
+import { type GoalCourse, isTerminal } from "../store/goals";
 import type { StageVisit } from "../store/stages";
 
 /** A stage of a goal's way and how long it took, or has taken so far (ms); null where its begin is not known. */
@@ -9,7 +8,7 @@ export interface StageSpan {
 }
 
 /** @param now In the gateway's time (ms). */
-export function spansOf(goal: Goal, visits: readonly StageVisit[], now: number): StageSpan[] {
+export function spansOf(goal: GoalCourse, visits: readonly StageVisit[], now: number): StageSpan[] {
   const end = isTerminal(goal.status) ? Date.parse(goal.finished_at ?? goal.updated_at) : now;
   return visits.map(({ stage, since }, index) => {
     const next = visits[index + 1];

@@ -36,12 +36,20 @@ export function useFleet(): FleetServices {
 
 /** A topic of the fleet's store; renders anew when that topic changes, at most five times a second. */
 export function useFleetTopic<T extends FleetTopic>(topic: T): FleetTopics[T] {
+  return useFleetPart(topic, (value) => value);
+}
+
+/** What is read off a topic of the fleet's store; renders anew only where that is another. */
+export function useFleetPart<T extends FleetTopic, Part>(
+  topic: T,
+  read: (value: FleetTopics[T]) => Part,
+): Part {
   const { store } = useFleet();
   const subscribe = useCallback((listener: () => void) => store.subscribe(topic, listener), [store, topic]);
-  return useSyncExternalStore(subscribe, () => store.get(topic));
+  return useSyncExternalStore(subscribe, () => read(store.get(topic)));
 }
 
 /** Whether what is shown of all robots is what the gateway says now. */
 export function useFleetLive(): boolean {
-  return useFleetTopic("connection").phase === "live";
+  return useFleetPart("connection", ({ phase }) => phase === "live");
 }

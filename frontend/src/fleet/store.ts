@@ -27,7 +27,10 @@ export class FleetStore {
   readonly onEvent = (event: GatewayEvent): void => {
     const before = this.#state;
     this.#state = reduceFleet(before, event, this.#now());
-    if (this.#state !== before) this.#shown.schedule();
+    if (this.#state === before) return;
+    // The page's title counts them, also where nobody sees the rest of the page.
+    if (event.type === "alerts") this.#shown.flush();
+    else this.#shown.schedule();
   };
 
   readonly onConnection = (input: ConnectionInput): void => {

@@ -1,9 +1,8 @@
 import { Anchor, Button, Text } from "@mantine/core";
-import { useMemo, useState } from "react";
+import { useState } from "react";
 import { Link } from "react-router";
 import type { ActionServer } from "../api/types";
 import { useTopic } from "../store/context";
-import { newestFirst } from "../store/goals";
 import { useVerbOf } from "../store/verbs";
 import { Section } from "../ui/Section";
 import { NO_FILTER, writeFilter } from "./filter";
@@ -13,8 +12,7 @@ const PAGE = 10;
 
 /** Goals of a robot, newest first, whoever sent them; each leads to its page. */
 export function GoalsCard() {
-  const goals = useTopic("goals");
-  const sorted = useMemo(() => newestFirst(goals), [goals]);
+  const goals = useTopic("courses");
   const [shown, setShown] = useState(PAGE);
   const verbOf = useVerbOf();
   const all = allGoals([useTopic("actionServer"), useTopic("undockServer")]);
@@ -28,18 +26,18 @@ export function GoalsCard() {
         </Anchor>
       }
     >
-      {sorted.length === 0 ? (
+      {goals.length === 0 ? (
         <Text size="sm" c="dimmed">
           Every goal on the docking and undocking actions is listed here: those sent from this page, over
           HTTP, and by other ROS nodes. Press Dock, or type{" "}
           <em>curl -X POST {window.location.origin}/dock</em>
         </Text>
       ) : (
-        <GoalsTable goals={sorted.slice(0, shown)} verbOf={verbOf} oneRobot />
+        <GoalsTable goals={goals.slice(0, shown)} verbOf={verbOf} oneRobot />
       )}
-      {sorted.length > shown && (
+      {goals.length > shown && (
         <Button variant="default" onClick={() => setShown((count) => count + PAGE)}>
-          Show {Math.min(sorted.length - shown, PAGE)} more
+          Show {Math.min(goals.length - shown, PAGE)} more
         </Button>
       )}
     </Section>

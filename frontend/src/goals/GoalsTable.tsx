@@ -12,10 +12,13 @@ import { GoalStatusBadge } from "./GoalStatusBadge";
 import classes from "./goals.module.css";
 import { OriginBadge } from "./OriginBadge";
 
+/** A goal as far as it is listed. */
+type ListedGoal = Omit<AnyGoal, "goal" | "feedback" | "result" | "feedback_count" | "last_event_id">;
+
 interface GoalsTableProps {
-  goals: readonly AnyGoal[];
+  goals: readonly ListedGoal[];
   /** What a goal is on: for the words of its outcome. */
-  verbOf: (goal: AnyGoal) => Verb | null;
+  verbOf: (goal: ListedGoal) => Verb | null;
   /** Whether it is about one robot, whose actions need no names. */
   oneRobot?: boolean;
 }
@@ -50,7 +53,7 @@ export function GoalsHead({ oneRobot }: { oneRobot: boolean }) {
 }
 
 interface GoalRowProps {
-  goal: AnyGoal;
+  goal: ListedGoal;
   verb: Verb | null;
   oneRobot: boolean;
 }

@@ -1,5 +1,5 @@
 import { Badge, Group, Paper, Title } from "@mantine/core";
-import { type ReactNode, useId } from "react";
+import { memo, type ReactNode, useId } from "react";
 import { useFleetLive } from "../fleet/context";
 import type { Robot } from "../fleet/types";
 import { linkOf, placeWords } from "../fleet/words";
@@ -20,16 +20,7 @@ export function RobotCard({ robot }: { robot: Robot }) {
       aria-labelledby={id}
       data-testid="robot-card"
     >
-      <Group gap="sm" mb="sm">
-        <Title order={2} size="h3" id={id}>
-          {robot.name === "/" ? "Robot" : robot.name}
-        </Title>
-        {robot.simulated && (
-          <Badge variant="outline" color="gray">
-            simulated
-          </Badge>
-        )}
-      </Group>
+      <Head id={id} name={robot.name} simulated={robot.simulated} />
       <dl className={classes.card}>
         <CardFact name="Place">
           <span className={classes.place} data-docked={String(robot.docked)}>
@@ -54,6 +45,22 @@ export function RobotCard({ robot }: { robot: Robot }) {
     </Paper>
   );
 }
+
+/** Rendered apart: the robot changes with each of its battery's messages. */
+const Head = memo(function Head({ id, name, simulated }: { id: string; name: string; simulated: boolean }) {
+  return (
+    <Group gap="sm" mb="sm">
+      <Title order={2} size="h3" id={id}>
+        {name === "/" ? "Robot" : name}
+      </Title>
+      {simulated && (
+        <Badge variant="outline" color="gray">
+          simulated
+        </Badge>
+      )}
+    </Group>
+  );
+});
 
 function CardFact({ name, children }: { name: string; children: ReactNode }) {
   return (

@@ -9,8 +9,7 @@ import { useLive, useServices } from "../store/context";
 export function Answers() {
   const { gateway, store } = useServices();
   const live = useLive();
-  const { scene, fresh } = useScene();
-  const simulated = fresh && scene?.frame === "world";
+  const simulated = useScene(({ scene, fresh }) => fresh && scene?.frame === "world");
 
   useEffect(() => {
     if (live && simulated) return ask(gateway.simulator(), store.setSimulator);

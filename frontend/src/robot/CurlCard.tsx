@@ -1,7 +1,6 @@
 import { Text } from "@mantine/core";
 import { currentGoal } from "../docking/goalWords";
 import { useServices, useTopic } from "../store/context";
-import { newestFirst } from "../store/goals";
 import { useVerbOf } from "../store/verbs";
 import { Command } from "../ui/Command";
 import { Section } from "../ui/Section";
@@ -10,7 +9,7 @@ import classes from "./robot.module.css";
 /** The same from a terminal. */
 export function CurlCard() {
   const { robot } = useServices();
-  const goal = currentGoal(newestFirst(useTopic("goals")));
+  const goal = currentGoal(useTopic("courses"));
   const verb = useVerbOf()({ action_name: goal?.action_name ?? "" });
   return (
     <Section title="From a terminal">

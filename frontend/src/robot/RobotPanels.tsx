@@ -1,3 +1,4 @@
+import { memo } from "react";
 import { BatteryCard } from "../battery/BatteryCard";
 import { BatteryPlotsCard } from "../battery/BatteryPlotsCard";
 import { PublisherCard } from "../battery/PublisherCard";
@@ -9,8 +10,8 @@ import { Answers } from "./Answers";
 import { CurlCard } from "./CurlCard";
 import classes from "./robot.module.css";
 
-/** Everything about one robot; inside of its RobotScope. */
-export function RobotPanels() {
+/** Everything about one robot; inside of its RobotScope. Each panel reads for itself what it shows. */
+export const RobotPanels = memo(function RobotPanels() {
   return (
     <>
       <Answers />
@@ -28,4 +29,4 @@ export function RobotPanels() {
       <CurlCard />
     </>
   );
-}
+});

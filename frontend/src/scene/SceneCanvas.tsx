@@ -2,6 +2,7 @@ import { useComputedColorScheme } from "@mantine/core";
 import { useElementSize, useReducedMotion } from "@mantine/hooks";
 import { useEffect, useRef } from "react";
 import { useServices } from "../store/context";
+import { watchSight } from "../ui/sight";
 import { Tool } from "../ui/Tool";
 import { SCENE_COLORS } from "./colors";
 import type { Pose } from "./geometry";
@@ -48,7 +49,11 @@ export function SceneCanvas({ placeable, describedBy, onPlace, onGhost }: SceneC
     };
     const gestures = new Gestures(canvas, painter, place, (pose) => handlers.current.onGhost(pose));
     painterRef.current = painter;
+    const watched = watchSight(canvas, (inSight) => {
+      painter.inSight = inSight;
+    });
     return () => {
+      watched();
       gestures.destroy();
       painter.destroy();
     };

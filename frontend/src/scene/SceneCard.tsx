@@ -2,7 +2,7 @@ import { Badge, Code, Stack, Text, useComputedColorScheme } from "@mantine/core"
 import { useId, useState } from "react";
 import type { Scene } from "../api/types";
 import { VelocityLine } from "../docking/VelocityLine";
-import { useLive, useServices, useTopic } from "../store/context";
+import { useLive, useServices, useTopicPart } from "../store/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Section } from "../ui/Section";
 import { useCommand } from "../ui/useCommand";
@@ -17,17 +17,18 @@ import { describePose, describeScene } from "./words";
 export function SceneCard() {
   const { gateway } = useServices();
   const live = useLive();
-  const simulator = useTopic("simulator");
-  const { scene, fresh } = useScene();
+  const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
+  const known = useScene(({ scene }) => scene !== null);
+  const fresh = useScene((seen) => seen.fresh);
   const [ghost, setGhost] = useState<Pose | null>(null);
   const wordsId = useId();
   const place = useCommand((pose: Pose) => gateway.placeRobot(pose));
-  const placeable = live && fresh && simulator !== null;
+  const placeable = live && fresh && simulated;
 
   return (
-    <Section title="From above" aside={<Freshness live={live} known={scene !== null} fresh={fresh} />}>
-      {scene === null ? (
-        <NoScene live={live} simulated={simulator !== null} />
+    <Section title="From above" aside={<Freshness live={live} known={known} fresh={fresh} />}>
+      {!known ? (
+        <NoScene live={live} simulated={simulated} />
       ) : (
         <Stack gap="xs">
           <SceneCanvas
@@ -42,9 +43,9 @@ export function SceneCard() {
           />
           <Text size="sm" id={wordsId} data-testid="scene-words" className="tabular">
             {!fresh && "This is how it was last seen. "}
-            {describeScene(scene, simulator?.docked ?? null)}
+            <Words />
           </Text>
-          <Legend scene={scene} />
+          <Legend />
           <Text size="sm" c="dimmed" role="status" className="tabular">
             {placeable && hint(ghost)}
           </Text>
@@ -54,6 +55,12 @@ export function SceneCard() {
       <VelocityLine />
     </Section>
   );
+}
+
+/** Of the picture. */
+function Words() {
+  const docked = useTopicPart("simulator", (simulator) => simulator?.docked ?? null);
+  return useScene(({ scene }) => (scene === null ? "" : describeScene(scene, docked)));
 }
 
 /** @param ghost Where the keyboard is about to place the robot. */
@@ -89,36 +96,43 @@ function NoScene({ live, simulated }: { live: boolean; simulated: boolean }) {
   );
 }
 
+/** What is in a scene besides robot and dock. */
+const SHOWN: Record<string, (scene: Scene) => boolean> = {
+  trail: () => true,
+  "contact zone": ({ dock, docked }) => dock !== null || docked !== null,
+  "staging pose": ({ staging }) => staging !== null,
+  "marker as detected": ({ marker }) => marker !== null,
+  infrared: ({ infrared }) => infrared !== null,
+};
+
 /** What the colours mean of what is there. */
-function Legend({ scene }: { scene: Scene }) {
+function Legend() {
   const colors = SCENE_COLORS[useComputedColorScheme("light")];
-  const entries = [
-    { name: "trail", color: colors.trail, round: false, shown: true },
-    {
-      name: "contact zone",
-      color: colors.contact,
-      round: true,
-      shown: scene.dock !== null || scene.docked !== null,
-    },
-    { name: "staging pose", color: colors.staging, round: false, shown: scene.staging !== null },
-    { name: "marker as detected", color: colors.marker, round: true, shown: scene.marker !== null },
-    { name: "infrared", color: colors.beam, round: false, shown: scene.infrared !== null },
-  ];
+  const names = useScene(({ scene }) =>
+    Object.entries(SHOWN)
+      .flatMap(([name, isShown]) => (scene !== null && isShown(scene) ? [name] : []))
+      .join(","),
+  );
+  const swatches: Record<string, { color: string; round?: true }> = {
+    trail: { color: colors.trail },
+    "contact zone": { color: colors.contact, round: true },
+    "staging pose": { color: colors.staging },
+    "marker as detected": { color: colors.marker, round: true },
+    infrared: { color: colors.beam },
+  };
   return (
     <ul className={classes.legend} aria-label="Legend">
-      {entries
-        .filter((entry) => entry.shown)
-        .map(({ name, color, round }) => (
-          <li key={name}>
-            <span
-              className={classes.swatch}
-              data-round={round || undefined}
-              style={{ background: color }}
-              aria-hidden="true"
-            />
-            {name}
-          </li>
-        ))}
+      {names.split(",").map((name) => (
+        <li key={name}>
+          <span
+            className={classes.swatch}
+            data-round={swatches[name]?.round}
+            style={{ background: swatches[name]?.color }}
+            aria-hidden="true"
+          />
+          {name}
+        </li>
+      ))}
     </ul>
   );
 }

@@ -1,17 +1,34 @@
+import { atBeat, BEAT_MS } from "../ui/beat";
 import type { SceneBuffer } from "./buffer";
 import type { SceneColors } from "./colors";
-import type { Point, Pose } from "./geometry";
+import { distance, normalizeAngle, type Point, type Pose } from "./geometry";
 import { draw } from "./renderer";
-import { pointsOf, shapesOf } from "./shapes";
+import { pointsOf, ROBOT_RADIUS_M, shapesOf } from "./shapes";
 import { fitTo, follow, pan, type Size, toWorld, type View, zoom } from "./view";
 
 /** The view comes this much closer to where it is going in a time of this length (ms). */
 const EASE_MS = 90;
-/** What moves by itself is drawn every second frame: half of what every one would cost, and smooth enough (ms). */
-const SMOOTH_MS = 25;
+/** Who has moved by less than this stands still, to the eye: odometry is never quite at rest. In CSS pixels. */
+const STILL_PX = 0.5;
 /** What fades does so in steps of this length where motion is not wanted (ms). */
 const CALM_MS = 250;
 const EMPTY: Size = { width: 0, height: 0 };
+
+interface Drawn {
+  view: View;
+  robot: Pose;
+  /** Something of it fades. */
+  fading: boolean;
+  /** The scene without the robot. */
+  rest: object;
+}
+
+function looksTheSame(before: Drawn, after: Drawn): boolean {
+  if (before.fading || after.fading || before.view !== after.view) return false;
+  const turned = Math.abs(normalizeAngle(after.robot.theta - before.robot.theta)) * ROBOT_RADIUS_M;
+  const moved = Math.max(distance(before.robot, after.robot), turned) * after.view.scale;
+  return moved < STILL_PX && JSON.stringify(before.rest) === JSON.stringify(after.rest);
+}
 
 /**
  * Draws the scene on a canvas: once for every frame in which something changed, and not at all otherwise. Chooses the
@@ -26,8 +43,11 @@ export class Painter {
   #target: View | null = null;
   #chosenByHand = false;
   #frame: number | undefined;
-  #timer: ReturnType<typeof setTimeout> | undefined;
+  #cancelBeat: (() => void) | undefined;
   #drawnAt = 0;
+  /** What is on the canvas; null where that is to be drawn anew in any case. */
+  #drawn: Drawn | null = null;
+  #inSight = true;
   readonly #unsubscribe: () => void;
 
   constructor(
@@ -74,6 +94,12 @@ export class Painter {
     this.invalidate();
   }
 
+  /** Nothing is drawn while the canvas is out of sight. */
+  set inSight(inSight: boolean) {
+    this.#inSight = inSight;
+    if (inSight) this.invalidate();
+  }
+
   showGhost(ghost: Pose | null): void {
     this.#ghost = ghost;
     this.invalidate();
@@ -110,14 +136,27 @@ export class Painter {
 
   /** Draws in the next frame. */
   readonly invalidate = (): void => {
-    this.#frame ??= requestAnimationFrame(this.#paint);
+    this.#drawn = null;
+    this.#look();
   };
 
   destroy(): void {
     this.#unsubscribe();
-    clearTimeout(this.#timer);
-    if (this.#frame !== undefined) cancelAnimationFrame(this.#frame);
+    this.#rest();
   }
+
+  /** Nothing is to be drawn any more. */
+  #rest(): void {
+    this.#cancelBeat?.();
+    this.#cancelBeat = undefined;
+    if (this.#frame !== undefined) cancelAnimationFrame(this.#frame);
+    this.#frame = undefined;
+  }
+
+  /** Draws in the next frame, if there is something new to see by then. */
+  readonly #look = (): void => {
+    this.#frame ??= requestAnimationFrame(this.#paint);
+  };
 
   #choose(view: View): void {
     this.#chosenByHand = true;
@@ -131,9 +170,8 @@ export class Painter {
   }
 
   readonly #paint = (): void => {
-    this.#frame = undefined;
-    clearTimeout(this.#timer);
-    this.#timer = undefined;
+    this.#rest();
+    if (!this.#inSight) return;
     const context = this.#context();
     const scene = this.buffer.latest;
     const robot = this.robot;
@@ -141,33 +179,38 @@ export class Painter {
     const now = performance.now();
     this.#moveView(now - this.#drawnAt);
     this.#drawnAt = now;
-    draw(context, {
-      view: this.view,
-      size: this.#size,
-      colors: this.colors,
-      robot,
-      shapes: shapesOf(scene),
-      trail: this.buffer.trail.points,
-      detections: this.buffer.detectionsAt(now),
-      infrared: scene.infrared,
-      ghost: this.#ghost,
-      handle: this.#handle,
-      now,
-    });
-    if (this.#view !== this.#target) this.invalidate();
+    const detections = this.buffer.detectionsAt(now);
+    const drawn = { view: this.view, robot, fading: detections.length > 0, rest: { ...scene, robot: null } };
+    if (this.#drawn === null || !looksTheSame(this.#drawn, drawn)) {
+      this.#drawn = drawn;
+      draw(context, {
+        view: this.view,
+        size: this.#size,
+        colors: this.colors,
+        robot,
+        shapes: shapesOf(scene),
+        trail: this.buffer.trail.points,
+        detections,
+        infrared: scene.infrared,
+        ghost: this.#ghost,
+        handle: this.#handle,
+        now,
+      });
+    }
+    if (this.#view !== this.#target) this.#look();
     else if (this.buffer.changesAt(now)) this.#goOn();
   };
 
   /** A new scene has come: it is drawn as soon as it is its turn. */
   readonly #hear = (): void => {
-    const wait = this.reducedMotion ? 0 : this.#drawnAt + SMOOTH_MS - performance.now();
-    if (wait <= 0) this.invalidate();
-    else this.#timer ??= setTimeout(this.invalidate, wait);
+    if (!this.#inSight) return;
+    if (this.reducedMotion || performance.now() - this.#drawnAt >= BEAT_MS) this.#look();
+    else this.#goOn();
   };
 
   /** Draws what changes by itself: smoothly, or now and then where motion is not wanted. */
   #goOn(): void {
-    this.#timer ??= setTimeout(this.invalidate, this.reducedMotion ? CALM_MS : SMOOTH_MS);
+    this.#cancelBeat ??= atBeat(this.reducedMotion ? CALM_MS : BEAT_MS, this.#paint);
   }
 
   /** The canvas at the resolution of the screen; null while it has no size. */

@@ -1,7 +1,6 @@
-import { useEffect, useState } from "react";
 import type { Scene } from "../api/types";
+import { useAtTime } from "../store/clock";
 import { useServices } from "../store/context";
-import type { SceneBuffer } from "./buffer";
 
 export interface SeenScene {
   /** Null until a first one has come. */
@@ -9,24 +8,13 @@ export interface SeenScene {
   fresh: boolean;
 }
 
-/** The latest scene for words and buttons, looked at every `intervalMs`; the picture itself does without React. */
-export function useScene(intervalMs = 500): SeenScene {
+const INTERVAL_MS = 400;
+
+/** What words and buttons read off the latest scene, rendered anew where it is another; the picture does without React. */
+export function useScene<Part extends string | number | boolean>(read: (seen: SeenScene) => Part): Part {
   const { scene: buffer } = useServices();
-  const [seen, setSeen] = useState<SeenScene>(() => look(buffer));
-
-  useEffect(() => {
-    const renew = () =>
-      setSeen((before) => {
-        const now = look(buffer);
-        return before.scene === now.scene && before.fresh === now.fresh ? before : now;
-      });
-    renew();
-    const timer = setInterval(renew, intervalMs);
-    return () => clearInterval(timer);
-  }, [buffer, intervalMs]);
-  return seen;
-}
-
-function look(buffer: SceneBuffer): SeenScene {
-  return { scene: buffer.latest, fresh: buffer.isFresh(performance.now()) };
+  return useAtTime(
+    () => read({ scene: buffer.latest, fresh: buffer.isFresh(performance.now()) }),
+    INTERVAL_MS,
+  );
 }

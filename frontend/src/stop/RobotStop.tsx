@@ -1,5 +1,5 @@
 import { Button } from "@mantine/core";
-import { useFleetTopic } from "../fleet/context";
+import { useFleetPart } from "../fleet/context";
 import { useServices } from "../store/context";
 import { useCommand } from "../ui/useCommand";
 import { defaultRobot } from "./held";
@@ -12,9 +12,10 @@ import { whoStops } from "./who";
  */
 export function useStoppableAlone(): string | null {
   const { robot } = useServices();
-  const robots = useFleetTopic("robots");
-  const name = robot ?? defaultRobot(robots);
-  return robots.size > 1 && name !== "/" ? name : null;
+  return useFleetPart("robots", (robots) => {
+    const name = robot ?? defaultRobot(robots);
+    return robots.size > 1 && name !== "/" ? name : null;
+  });
 }
 
 /** Stops this robot alone. Enabled always, as Stop in the header is. */

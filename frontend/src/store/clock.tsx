@@ -1,4 +1,5 @@
-import { createContext, useContext, useEffect, useReducer, useRef } from "react";
+import { createContext, useCallback, useContext, useEffect, useRef, useSyncExternalStore } from "react";
+import { onBeat } from "../ui/beat";
 
 /** Tells now in the gateway's time (ms), which its timestamps are compared with. */
 export interface Clock {
@@ -20,47 +21,22 @@ export function useAtTime<Value extends string | number | boolean>(
   intervalMs = 1000,
 ): Value {
   const clock = useContext(ClockContext);
-  const [, renderAnew] = useReducer((count: number) => count + 1, 0);
+  const renders = useRef(0);
   const value = read(clock.gatewayNow());
   const shown = useRef({ read, value });
   useEffect(() => {
     shown.current = { read, value };
   });
-  useEffect(
-    () =>
-      onTick(intervalMs, () => {
-        if (shown.current.read(clock.gatewayNow()) !== shown.current.value) renderAnew();
+  const subscribe = useCallback(
+    (renderAnew: () => void) =>
+      onBeat(intervalMs, () => {
+        if (shown.current.read(clock.gatewayNow()) === shown.current.value) return;
+        renders.current += 1;
+        renderAnew();
       }),
     [clock, intervalMs],
   );
+  // As a store of its own, and not as a state, it is rendered at once: in the frame of the beat.
+  useSyncExternalStore(subscribe, () => renders.current);
   return value;
-}
-
-interface Ticker {
-  timer: ReturnType<typeof setInterval>;
-  listeners: Set<() => void>;
-}
-
-/** By interval: one timer for all who listen, so that a hundred ages are rendered together. */
-const tickers = new Map<number, Ticker>();
-
-function onTick(intervalMs: number, listener: () => void): () => void {
-  const ticker = tickers.get(intervalMs) ?? startTicker(intervalMs);
-  ticker.listeners.add(listener);
-  return () => {
-    ticker.listeners.delete(listener);
-    if (ticker.listeners.size > 0) return;
-    clearInterval(ticker.timer);
-    tickers.delete(intervalMs);
-  };
-}
-
-function startTicker(intervalMs: number): Ticker {
-  const listeners = new Set<() => void>();
-  const timer = setInterval(() => {
-    for (const listener of listeners) listener();
-  }, intervalMs);
-  const ticker = { timer, listeners };
-  tickers.set(intervalMs, ticker);
-  return ticker;
 }

@@ -33,12 +33,20 @@ export function useServices(): Services {
 
 /** A topic of the store; renders anew when that topic changes, at most five times a second. */
 export function useTopic<T extends Topic>(topic: T): Topics[T] {
+  return useTopicPart(topic, (value) => value);
+}
+
+/**
+ * What is read off a topic of the store; renders anew only where that is another, which for texts and numbers is less often
+ * than the topic changes.
+ */
+export function useTopicPart<T extends Topic, Part>(topic: T, read: (value: Topics[T]) => Part): Part {
   const { store } = useServices();
   const subscribe = useCallback((listener: () => void) => store.subscribe(topic, listener), [store, topic]);
-  return useSyncExternalStore(subscribe, () => store.get(topic));
+  return useSyncExternalStore(subscribe, () => read(store.get(topic)));
 }
 
 /** Whether what is shown is what the gateway says now. */
 export function useLive(): boolean {
-  return useTopic("connection").phase === "live";
+  return useTopicPart("connection", ({ phase }) => phase === "live");
 }

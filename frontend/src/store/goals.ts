@@ -14,6 +14,44 @@ export function isTerminal(status: GoalStatus): boolean {
   return status === "lost" || isFinal(status);
 }
 
+/** How a goal goes, without its feedback. */
+export type GoalCourse = Omit<Goal, "feedback" | "feedback_count" | "last_event_id">;
+
+/** What feedback changes of a goal, besides `stalled`. `updated_at` counts only for those that have ended. */
+const OF_FEEDBACK: ReadonlySet<string> = new Set([
+  "feedback",
+  "feedback_count",
+  "last_event_id",
+  "updated_at",
+]);
+
+/**
+ * Lists goals newest first, and gives the same list for as long as only feedback comes: feedback comes often, and most of
+ * what is shown of goals is not about it.
+ */
+export function courseLister(): (goals: ReadonlyMap<string, Goal>) => readonly GoalCourse[] {
+  let listed: ReadonlyMap<string, Goal> = new Map();
+  let list: readonly Goal[] = [];
+  return (goals) => {
+    if (goals === listed) return list;
+    const known = new Map(list.map((goal) => [goal.goal_id, goal]));
+    const next = newestFirst(goals).map((goal) => {
+      const before = known.get(goal.goal_id);
+      return before !== undefined && sameCourse(before, goal) ? before : goal;
+    });
+    listed = goals;
+    if (next.length !== list.length || next.some((goal, index) => goal !== list[index])) list = next;
+    return list;
+  };
+}
+
+function sameCourse(before: Goal, after: Goal): boolean {
+  if (before === after) return true;
+  if (isTerminal(after.status) && before.updated_at !== after.updated_at) return false;
+  const keys = Object.keys(after) as (keyof Goal)[];
+  return keys.every((key) => OF_FEEDBACK.has(key) || before[key] === after[key]);
+}
+
 /** Newest first. */
 export function newestFirst(goals: ReadonlyMap<string, Goal>): Goal[] {
   return [...goals.values()].sort((a, b) => Date.parse(b.created_at) - Date.parse(a.created_at));

@@ -1,14 +1,17 @@
+import { atBeat, BEAT_MS } from "../ui/beat";
+
 /** Subscribers are told at most this often, whatever the message rate. */
 export const RENDER_INTERVAL_MS = 200;
 
 /**
- * What is shown of a state that changes often: all of its topics as of one moment, renewed at most five times a second.
- * Each topic has subscribers of its own, told when it is another object.
+ * What is shown of a state that changes often: all of its topics as of one moment, renewed at most five times a second,
+ * and not at all while nobody can see the page. Each topic has subscribers of its own, told when it is another object.
  */
 export class Shown<Topics extends object> {
   #shown: Topics;
   #lastFlush = Number.NEGATIVE_INFINITY;
-  #timer: ReturnType<typeof setTimeout> | undefined;
+  /** Takes back what is to be shown soon. */
+  #cancel: (() => void) | undefined;
   readonly #listeners = new Map<keyof Topics, Set<() => void>>();
   readonly #read: () => Topics;
   readonly #now: () => number;
@@ -30,18 +33,17 @@ export class Shown<Topics extends object> {
     return () => listeners.delete(listener);
   }
 
-  /** Something has changed: show it soon. */
+  /** Something has changed: show it soon, or as soon as the page can be seen again. */
   schedule(): void {
-    if (this.#timer !== undefined) return;
-    const wait = this.#lastFlush + RENDER_INTERVAL_MS - this.#now();
-    if (wait <= 0) this.flush();
-    else this.#timer = setTimeout(() => this.flush(), wait);
+    if (this.#cancel !== undefined) return;
+    const rested = this.#now() - this.#lastFlush >= RENDER_INTERVAL_MS;
+    this.#cancel = atBeat(rested ? BEAT_MS : RENDER_INTERVAL_MS, () => this.flush());
   }
 
   /** Show it now. */
   flush(): void {
-    clearTimeout(this.#timer);
-    this.#timer = undefined;
+    this.#cancel?.();
+    this.#cancel = undefined;
     this.#lastFlush = this.#now();
     const before = this.#shown;
     this.#shown = this.#read();

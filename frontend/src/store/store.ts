@@ -5,7 +5,7 @@ import {
   initialConnection,
   nextConnection,
 } from "../stream/connection";
-import { mergeGoals } from "./goals";
+import { courseLister, type GoalCourse, mergeGoals } from "./goals";
 import { reduce } from "./reducer";
 import { Shown } from "./shown";
 import { withPast } from "./stages";
@@ -13,6 +13,8 @@ import { initialState, type State } from "./state";
 
 /** What is shown of a robot, each part with subscribers of its own. */
 export interface Topics extends Omit<State, "seen"> {
+  /** The goals without their feedback, newest first; the same list for as long as only feedback comes. */
+  courses: readonly GoalCourse[];
   connection: Connection;
 }
 
@@ -23,6 +25,7 @@ export class Store {
   #state: State = initialState;
   #connection: Connection;
   readonly #shown: Shown<Topics>;
+  readonly #courses = courseLister();
   readonly #batteryListeners = new Set<(event: EventOf<"battery">) => void>();
   readonly #sceneListeners = new Set<(event: EventOf<"scene">) => void>();
   readonly #now: () => number;
@@ -103,6 +106,6 @@ export class Store {
 
   #topics(): Topics {
     const { seen: _seen, ...state } = this.#state;
-    return { ...state, connection: this.#connection };
+    return { ...state, courses: this.#courses(state.goals), connection: this.#connection };
   }
 }

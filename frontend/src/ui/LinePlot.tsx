@@ -3,13 +3,15 @@ import { useElementSize, useReducedMotion } from "@mantine/hooks";
 import { useEffect, useRef, useState } from "react";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import { onBeat } from "./beat";
 import classes from "./LinePlot.module.css";
 import { lineWords, type PlotLine, type PlotSource, plotNumber, roomyRange } from "./plotData";
+import { watchSight } from "./sight";
 
 /** A plot with its legend is this much higher than what it draws in. */
 export const LEGEND_HEIGHT = 34;
 
-const REDRAW_MS = 100;
+const REDRAW_MS = 200;
 const SLOW_REDRAW_MS = 1000;
 const FONT = "12px system-ui, sans-serif";
 const COLORS = {
@@ -30,7 +32,7 @@ interface LinePlotProps {
   height?: number;
 }
 
-/** Lines over something that ascends, renewed ten times a second at most. Dragging across zooms in. */
+/** Lines over something that ascends, renewed five times a second at most. Dragging across zooms in. */
 export default function LinePlot({ source, lines, xLabel, formatX, label, height = 240 }: LinePlotProps) {
   const scheme = useComputedColorScheme("light");
   const reducedMotion = useReducedMotion();
@@ -51,8 +53,9 @@ export default function LinePlot({ source, lines, xLabel, formatX, label, height
     plotRef.current = plot;
     zoom(false);
     let drawn = -1;
+    let inSight = true;
     const draw = () => {
-      if (source.version === drawn) return;
+      if (!inSight || source.version === drawn) return;
       drawn = source.version;
       const { min, max } = plot.scales.x ?? {};
       plot.setData(source.read(), !zoomedRef.current);
@@ -61,9 +64,14 @@ export default function LinePlot({ source, lines, xLabel, formatX, label, height
       queueMicrotask(() => tellLatest(plot));
     };
     draw();
-    const timer = setInterval(() => !document.hidden && draw(), reducedMotion ? SLOW_REDRAW_MS : REDRAW_MS);
+    const unwatch = watchSight(boxRef.current, (now) => {
+      inSight = now;
+      draw();
+    });
+    const stop = onBeat(reducedMotion ? SLOW_REDRAW_MS : REDRAW_MS, draw);
     return () => {
-      clearInterval(timer);
+      unwatch();
+      stop();
       plot.destroy();
       plotRef.current = null;
     };
