@@ -173,10 +173,11 @@ class GoalService:
         if idempotency_key is not None or not self._history.stats().database_reachable:
             await keeping
         self._tracker.add(goal)
-        try:
-            await self._deliver(goal, message, deadline, stops)
-        finally:
-            await self._see_kept(goal, keeping)
+        with self._tracker.sending(goal):
+            try:
+                await self._deliver(goal, message, deadline, stops)
+            finally:
+                await self._see_kept(goal, keeping)
         return _outcome(goal)
 
     async def _deliver(self, goal: Goal, message: Any, deadline: float, stops: int) -> None:

@@ -8,7 +8,7 @@ import contextlib
 import logging
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable, Coroutine, Iterator
 from typing import Any
 
 from dock_gateway.errors import GatewayError, Unavailable
@@ -24,6 +24,8 @@ log = logging.getLogger(__name__)
 
 # A goal that the status topic says has ended waits so long for its result.
 RESULT_WAIT = 2.0
+# To ask for a result takes the loop up to a millisecond, in which the sender of a goal can be answered.
+ANSWER_FIRST = 0.005
 # A result waits so long for the status message of the end, whose timestamp is the same at every gateway.
 END_STAMP_WAIT = 0.2
 # What is said of a goal that is new to us waits so long for what the history knows of it.
@@ -68,6 +70,7 @@ class GoalTracker:
         self._end_stamps: Later[int] = Later(END_STAMP_WAIT)
         self._held: dict[str, list[Callable[[], Event]]] = {}
         self._waiters: dict[str, asyncio.Event] = {}
+        self._being_sent: set[str] = set()
         self._result_calls: dict[str, PendingCall] = {}
         self._goal_heard: dict[str, float] = {}
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -128,6 +131,20 @@ class GoalTracker:
         """Track a goal that is about to be sent."""
         self.live[goal.goal_id] = goal
         self._publish_status(goal, time.time_ns())
+
+    @contextlib.contextmanager
+    def sending(self, goal: Goal) -> Iterator[None]:
+        """While it is sent, and until its sender has been answered, its result is not asked for."""
+        self._being_sent.add(goal.goal_id)
+        try:
+            yield
+        finally:
+            asyncio.get_running_loop().call_later(ANSWER_FIRST, self._sent, goal)
+
+    def _sent(self, goal: Goal) -> None:
+        self._being_sent.discard(goal.goal_id)
+        if goal.goal_id in self.live and goal.status not in (GoalStatus.PENDING, GoalStatus.LOST):
+            self.request_result(goal)
 
     def _adopt(self, goal_id: str, created_ns: int) -> Goal:
         """Take up a goal that somebody else sent, or we before a restart; what is said of it waits for the history."""
@@ -264,7 +281,7 @@ class GoalTracker:
 
     def request_result(self, goal: Goal) -> None:
         """Ask for the goal's result, once; whoever sent the goal, the answer tells how it ended."""
-        if goal.goal_id not in self._result_calls:
+        if goal.goal_id not in self._result_calls and goal.goal_id not in self._being_sent:
             self.request_result_again(goal)
 
     def request_result_again(self, goal: Goal) -> None:

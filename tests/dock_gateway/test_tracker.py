@@ -114,6 +114,33 @@ async def test_the_usual_order(scene: Scene) -> None:
     assert len(scene.port.calls[A]) == 1
 
 
+async def test_the_sender_is_answered_before_the_result_is_asked_for(scene: Scene) -> None:
+    goal = scene.send()
+    with scene.tracker.sending(goal):
+        scene.status((A, S.EXECUTING))
+        scene.tracker.request_result(goal)
+    assert scene.port.calls == {}
+    await asyncio.sleep(0.03)
+    assert len(scene.port.calls[A]) == 1
+    scene.tracker.request_result(goal)
+    assert len(scene.port.calls[A]) == 1
+
+
+@pytest.mark.parametrize("status", [S.REJECTED, S.LOST, S.PENDING])
+async def test_no_result_is_asked_for_where_there_will_be_none(scene: Scene, status: GoalStatus) -> None:
+    goal = scene.send()
+    with scene.tracker.sending(goal):
+        if status is S.REJECTED:
+            scene.tracker.end(goal, S.REJECTED, error=GoalError("goal_rejected", "no"))
+        elif status is S.LOST:
+            scene.tracker.lose(goal, GoalError("action_server_timeout", "no answer"))
+    await asyncio.sleep(0.03)
+    assert scene.port.calls == {}
+    if status is S.LOST:  # and it turns up
+        scene.status((A, S.EXECUTING))
+        assert len(scene.port.calls[A]) == 1
+
+
 async def test_feedback_before_acceptance_and_after_the_result(scene: Scene) -> None:
     goal = scene.send()
     scene.feedback(1)
