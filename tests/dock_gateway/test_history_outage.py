@@ -5,7 +5,9 @@ import sqlite3
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AbstractContextManager, asynccontextmanager, contextmanager
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 import sqlalchemy as sa
@@ -13,7 +15,6 @@ import sqlalchemy as sa
 from dock_gateway.errors import Unavailable
 from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import Wanted, store
-from dock_gateway.history.rows import Batch
 from dock_gateway.history.sql import SqlHistory
 from tests.support.history import EVERYTHING, make_event, make_goal, open_at, timed, until, written
 from tests.support.postgresql import PostgreSQL
@@ -189,19 +190,17 @@ async def test_memory_is_bounded_and_nothing_precious_is_dropped(outage: tuple[s
         assert count == 501
 
 
+def slowly(work: Callable[[sa.Connection, Any], Any], connection: sa.Connection, what: Any) -> Any:
+    time.sleep(0.7) if connection.dialect.name == "sqlite" else connection.execute(sa.text("SELECT pg_sleep(0.7)"))
+    return work(connection, what)
+
+
 async def test_a_slow_database_delays_nobody(
     database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with open_at(database_url, tmp_path, max_waiting=5000) as history:
-        fast = store.write
-
-        def slow(connection: sa.Connection, batch: Batch) -> None:
-            time.sleep(0.7) if connection.dialect.name == "sqlite" else connection.execute(
-                sa.text("SELECT pg_sleep(0.7)")
-            )
-            fast(connection, batch)
-
-        monkeypatch.setattr(store, "write", slow)
+        for name in ("write", "add"):
+            monkeypatch.setattr(store, name, partial(slowly, getattr(store, name)))
         for number in range(3):
             assert await timed(history.add(make_goal(number))) < QUICK
             start = time.perf_counter()
@@ -217,13 +216,14 @@ async def test_a_slow_database_delays_nobody(
 async def test_a_full_database(sqlite_url: str, tmp_path: Path) -> None:
     async with open_at(sqlite_url, tmp_path) as history:
         await history.add(make_goal(0))
-        engine = history._database._writer  # type: ignore[attr-defined]
+        engines = history._database._writer, history._database._statement_writer  # type: ignore[attr-defined]
 
         def limit(connection: sa.Connection) -> None:
             connection.exec_driver_sql(f"PRAGMA max_page_count={pages_allowed}")
 
         pages_allowed = 1
-        sa.event.listen(engine, "begin", limit)
+        for engine in engines:
+            sa.event.listen(engine, "begin", limit)
         big = b'"%s"' % (b"x" * 20_000)
         for number in range(1, 20):
             assert await timed(history.add(make_goal(number, result=big))) < QUICK

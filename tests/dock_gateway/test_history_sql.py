@@ -162,6 +162,21 @@ async def test_two_replicas_store_everything_once(database_url: str, tmp_path: P
         assert found == [make_event(number, droppable=number % 2 == 0).data for number in range(2, 200)][:100]
 
 
+async def test_a_new_goal_adds_to_what_a_replica_has_stored_of_it(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path / "1") as one, open_at(database_url, tmp_path / "2") as other:
+        await one._writer.flush()
+        await other._writer.flush()
+        seen = make_goal(1, GoalStatus.EXECUTING, origin="external", goal=None)
+        one.record(seen)
+        await written(one)
+        await other.add(make_goal(1, GoalStatus.PENDING))
+        await other.add(make_goal(2, GoalStatus.PENDING))
+        assert [(goal.goal_id, goal.status.value, goal.origin, goal.goal) for goal in await page_of(one)] == [
+            ("goal-0002", "pending", "gateway", b'{"order":5}'),
+            ("goal-0001", "executing", "gateway", b'{"order":5}'),
+        ]
+
+
 async def test_replicas_agree_on_a_goal_that_both_write(database_url: str, tmp_path: Path) -> None:
     async with open_at(database_url, tmp_path) as one, open_at(database_url, tmp_path) as other:
         sent = make_goal(1, GoalStatus.PENDING)
@@ -213,13 +228,18 @@ async def test_new_goals_go_ahead_of_the_rest_which_is_not_forgotten(
     database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     batches: list[Batch] = []
-    write = store.write
+    write, add = store.write, store.add
 
-    def noted(connection: sa.Connection, batch: Batch) -> None:
+    def write_noted(connection: sa.Connection, batch: Batch) -> None:
         batches.append(batch)
         write(connection, batch)
 
-    monkeypatch.setattr(store, "write", noted)
+    def add_noted(connection: sa.Connection, news: list[Goal]) -> bool:
+        batches.append(Batch(goals=news))
+        return add(connection, news)
+
+    monkeypatch.setattr(store, "write", write_noted)
+    monkeypatch.setattr(store, "add", add_noted)
     async with open_at(database_url, tmp_path) as history:
         await history.add(make_goal(0))
         await written(history)

@@ -36,6 +36,10 @@ class Database(ABC):
     async def write(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, durable: bool = True) -> T:
         """A transaction that writes; one that is not `durable` may be lost in a power cut, never in a crash."""
 
+    async def write_statement(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
+        """A single statement that writes, durable: `work` executes one and no more."""
+        return await self.write(work, *args)
+
     @abstractmethod
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
         """A transaction that reads."""

@@ -32,6 +32,7 @@ class SqliteDatabase(Database):
         super().__init__()
         self._path = path
         self._writer = _engine(path, WRITERS, write=True)
+        self._statement_writer = _engine(path, WRITERS, write=True, transactions=False)
         self._reader = _engine(path, READERS, write=False)
         self._write_threads = ThreadPoolExecutor(WRITERS, thread_name_prefix="history-write")
         self._read_threads = ThreadPoolExecutor(READERS, thread_name_prefix="history-read")
@@ -59,6 +60,18 @@ class SqliteDatabase(Database):
 
         return await self._run(self._write_threads, transaction)
 
+    async def write_statement(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
+        """A single statement that writes: SQLite makes a transaction of it, in one call instead of four.
+
+        Each call gives up the interpreter's lock and waits for it again, which costs more than the statement.
+        """
+
+        def statement() -> T:
+            with self._statement_writer.connect() as connection:
+                return work(connection, *args)
+
+        return await self._run(self._write_threads, statement)
+
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
         """A transaction that reads."""
 
@@ -84,12 +97,14 @@ class SqliteDatabase(Database):
 
     def _dispose(self) -> None:
         self._writer.dispose()
+        self._statement_writer.dispose()
         self._reader.dispose()
 
 
-def _engine(path: Path, connections: int, *, write: bool) -> sa.Engine:
+def _engine(path: Path, connections: int, *, write: bool, transactions: bool = True) -> sa.Engine:
     engine = sa.create_engine(
         sa.URL.create("sqlite", database=str(path)),
+        isolation_level=None if transactions else "AUTOCOMMIT",
         pool_size=connections,
         max_overflow=0,
         pool_timeout=CONNECT_TIMEOUT,
@@ -107,6 +122,9 @@ def _engine(path: Path, connections: int, *, write: bool) -> sa.Engine:
         if not write:
             cursor.execute("PRAGMA query_only=ON")
         cursor.close()
+
+    if not transactions:
+        return engine
 
     @sa.event.listens_for(engine, "begin")
     def began(connection: sa.Connection) -> None:

@@ -134,7 +134,8 @@ class Writer:
             while len(batch := self._waiting.urgent(self._tickets) if urgent else self._waiting.batch()) or (
                 not self.reachable
             ):
-                await self._write(batch)
+                if not (urgent and await self._add(batch)):
+                    await self._write(batch)
                 self._waiting.done(batch)
                 self._settle(batch, None)
                 self._say_reachable()
@@ -151,6 +152,18 @@ class Writer:
         finally:
             self.answered.set()
         return True
+
+    async def _add(self, batch: Batch) -> bool:
+        """Add new goals in the way that costs least; False where there is more to do."""
+        if batch.keys:
+            return False
+        try:
+            async with asyncio.timeout(WRITE_TIMEOUT):
+                return await self._database.write_statement(store.add, batch.goals)
+        except (sa_errors.StatementError, ValueError) as error:
+            if not _about_data(error):
+                raise
+            return False
 
     async def _write(self, batch: Batch) -> None:
         try:
