@@ -24,8 +24,9 @@ describe("the painter", () => {
   let buffer: SceneBuffer;
   let painter: Painter;
   let calls: [string, unknown[]][];
+  let groundCalls: [string, unknown[]][];
 
-  const pictures = () => calls.filter(([name]) => name === "clearRect").length;
+  const pictures = () => calls.filter(([name]) => name === "drawImage").length;
   const frames = (milliseconds: number) => vi.advanceTimersByTime(milliseconds);
 
   beforeEach(() => {
@@ -42,8 +43,15 @@ describe("the painter", () => {
     canvas = document.createElement("canvas");
     document.body.append(canvas);
     const fake = fakeContext();
+    const ground = fakeContext();
     calls = fake.calls;
-    vi.spyOn(canvas, "getContext").mockReturnValue(fake.context as never);
+    groundCalls = ground.calls;
+    vi.spyOn(HTMLCanvasElement.prototype, "getContext").mockImplementation(function (
+      this: HTMLCanvasElement,
+    ) {
+      const { context } = this === canvas ? fake : ground;
+      return Object.assign(context, { canvas: this }) as never;
+    });
     vi.stubGlobal("devicePixelRatio", 2);
     buffer = new SceneBuffer();
     painter = new Painter(canvas, buffer, SCENE_COLORS.light, false, null);
@@ -115,6 +123,27 @@ describe("the painter", () => {
     push({ robot: { x: -1.5 + pixel, y: 0.4, theta: -0.3 } });
     frames(300);
     expect(pictures()).toBeGreaterThan(before);
+  });
+
+  it("draws the ground once, and of the trail what is new", () => {
+    const lines = () => groundCalls.filter(([name]) => name === "stroke").length;
+    for (let count = 0; count < 20; count += 1) {
+      push({ robot: { x: -1.5 + count / 50, y: 0.4, theta: 0 } });
+      frames(50);
+    }
+    const before = lines();
+    push({ robot: { x: -1.1, y: 0.4, theta: 0 } });
+    frames(200);
+    expect(pictures()).toBeGreaterThan(10);
+    expect(lines()).toBe(before + 1);
+    painter.zoomBy(2);
+    frames(1000);
+    expect(lines()).toBeGreaterThan(before + 10);
+    groundCalls.length = 0;
+    buffer.trail.clear();
+    push({ robot: { x: -1, y: 0.4, theta: 0 } });
+    frames(200);
+    expect(groundCalls.filter(([name]) => name === "setTransform")).toHaveLength(1);
   });
 
   it("draws nothing out of sight, and what there is as soon as it is in sight", () => {

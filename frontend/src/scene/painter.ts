@@ -2,6 +2,7 @@ import { atBeat, BEAT_MS } from "../ui/beat";
 import type { SceneBuffer } from "./buffer";
 import type { SceneColors } from "./colors";
 import { distance, normalizeAngle, type Point, type Pose } from "./geometry";
+import { Ground } from "./ground";
 import { draw } from "./renderer";
 import { pointsOf, ROBOT_RADIUS_M, shapesOf } from "./shapes";
 import { fitTo, follow, pan, type Size, toWorld, type View, zoom } from "./view";
@@ -48,6 +49,7 @@ export class Painter {
   /** What is on the canvas; null where that is to be drawn anew in any case. */
   #drawn: Drawn | null = null;
   #inSight = true;
+  readonly #ground = new Ground();
   readonly #unsubscribe: () => void;
 
   constructor(
@@ -183,7 +185,7 @@ export class Painter {
     const drawn = { view: this.view, robot, fading: detections.length > 0, rest: { ...scene, robot: null } };
     if (this.#drawn === null || !looksTheSame(this.#drawn, drawn)) {
       this.#drawn = drawn;
-      draw(context, {
+      draw(context, this.#ground, {
         view: this.view,
         size: this.#size,
         colors: this.colors,

@@ -2,6 +2,7 @@ import type { Infrared } from "../api/types";
 import { type Detection, FADE_MS } from "./buffer";
 import type { SceneColors } from "./colors";
 import { compose, type Point, type Pose } from "./geometry";
+import type { Ground } from "./ground";
 import {
   CONTACT_RADIUS_M,
   DOCK_BOX,
@@ -11,7 +12,7 @@ import {
   type Shapes,
   UNSEEN_BEAM_M,
 } from "./shapes";
-import { formatLength, gridStep, type Size, toScreen, toWorld, type View } from "./view";
+import { formatLength, gridStep, type Size, toScreen, type View } from "./view";
 
 /** All that one picture is made of. */
 export interface Picture {
@@ -42,12 +43,10 @@ export function handlePlace(view: View, size: Size, robot: Pose): Point {
   return { x: centre.x + reach * Math.cos(robot.theta), y: centre.y - reach * Math.sin(robot.theta) };
 }
 
-/** Draws one picture. The context's unit is the CSS pixel. */
-export function draw(ctx: CanvasRenderingContext2D, picture: Picture): void {
-  const { size, shapes, robot, ghost } = picture;
-  ctx.clearRect(0, 0, size.width, size.height);
-  drawGrid(ctx, picture);
-  drawTrail(ctx, picture);
+/** Draws one picture on its ground. The context's unit is the CSS pixel. */
+export function draw(ctx: CanvasRenderingContext2D, ground: Ground, picture: Picture): void {
+  const { shapes, robot, ghost } = picture;
+  ground.draw(ctx, picture);
   if (shapes.staging !== null) drawStaging(ctx, picture, shapes.staging);
   if (shapes.docked !== null) drawContactZone(ctx, picture, shapes.docked);
   if (shapes.dock !== null) drawDock(ctx, picture, shapes.dock);
@@ -57,40 +56,6 @@ export function draw(ctx: CanvasRenderingContext2D, picture: Picture): void {
   if (ghost !== null) drawRobot(ctx, picture, ghost, 0.8);
   if (picture.handle) drawHandle(ctx, picture, ghost ?? robot);
   drawScaleBar(ctx, picture);
-}
-
-function drawGrid(ctx: CanvasRenderingContext2D, { view, size, colors }: Picture): void {
-  const step = gridStep(view.scale, 44);
-  const { x: left, y: top } = toWorld(view, size, { x: 0, y: 0 });
-  const { x: right, y: bottom } = toWorld(view, size, { x: size.width, y: size.height });
-  ctx.lineWidth = 1;
-  const line = (axis: boolean, x1: number, y1: number, x2: number, y2: number) => {
-    ctx.strokeStyle = axis ? colors.axis : colors.grid;
-    ctx.beginPath();
-    ctx.moveTo(x1, y1);
-    ctx.lineTo(x2, y2);
-    ctx.stroke();
-  };
-  for (let column = Math.ceil(left / step); column * step <= right; column += 1) {
-    const x = Math.round(toScreen(view, size, { x: column * step, y: 0 }).x) + 0.5;
-    line(column === 0, x, 0, x, size.height);
-  }
-  for (let row = Math.ceil(bottom / step); row * step <= top; row += 1) {
-    const y = Math.round(toScreen(view, size, { x: 0, y: row * step }).y) + 0.5;
-    line(row === 0, 0, y, size.width, y);
-  }
-}
-
-function drawTrail(ctx: CanvasRenderingContext2D, { view, size, colors, trail, robot }: Picture): void {
-  ctx.beginPath();
-  for (const point of [...trail, robot]) {
-    const { x, y } = toScreen(view, size, point);
-    ctx.lineTo(x, y);
-  }
-  ctx.strokeStyle = colors.trail;
-  ctx.lineWidth = 2;
-  ctx.lineJoin = "round";
-  ctx.stroke();
 }
 
 /** Where a robot is to stand, dashed; what follows is drawn in the same colour and width. */
