@@ -12,7 +12,7 @@ const EASE_MS = 90;
 /** Who has moved by less than this stands still, to the eye: odometry is never quite at rest. In CSS pixels. */
 const STILL_PX = 0.5;
 /** What fades does so in steps of this length where motion is not wanted (ms). */
-const CALM_MS = 250;
+const CALM_MS = 200;
 const EMPTY: Size = { width: 0, height: 0 };
 
 interface Drawn {

@@ -1,59 +1,66 @@
 /*
- * What changes by itself does so on common beats: a frame costs much more than what is drawn in it, so that what is due at
- * about the same time is shown in one. The browser draws no frames while nobody can see the page: then nothing beats.
+ * What changes by itself does so on common beats: a frame costs much more than what is drawn in it, so that all that is due
+ * is shown in one. The browser draws no frames while nobody can see the page: then nothing beats.
  */
 
-/** The shortest one: fifteen a second, smooth enough for what moves, at a quarter of what every frame would cost (ms). */
+/** From one beat to the next: fifteen a second, smooth enough for what moves, at a quarter of what every frame would cost (ms). */
 export const BEAT_MS = 200 / 3;
 
-/**
- * Calls back once: in the frame after the next moment (of this computer's clock) that the interval divides, and not before
- * the page can be seen. Returns what takes that back.
- */
-export function atBeat(intervalMs: number, callback: () => void): () => void {
-  let frame: number | undefined;
-  const timer = setTimeout(() => {
-    frame = requestAnimationFrame(callback);
-  }, untilBeat(intervalMs));
-  return () => {
-    clearTimeout(timer);
-    if (frame !== undefined) cancelAnimationFrame(frame);
-  };
+interface Waiting {
+  call: () => void;
+  /** So many beats are between two calls. */
+  every: number;
+  /** The beat of the next call. */
+  due: number;
 }
 
-interface Ticker {
-  listeners: Set<() => void>;
-  stop: () => void;
-}
+const waiting = new Set<Waiting>();
+let timer: ReturnType<typeof setTimeout> | undefined;
 
-/** By interval: one timer for all who listen, so that a hundred ages are rendered together. */
-const tickers = new Map<number, Ticker>();
-
-/** Calls `listener` on every beat until the returned function is called. */
+/** Calls `listener` on every beat of so many ms, in whole BEAT_MS, until the returned function is called. */
 export function onBeat(intervalMs: number, listener: () => void): () => void {
-  const ticker = tickers.get(intervalMs) ?? startTicker(intervalMs);
-  ticker.listeners.add(listener);
+  const every = Math.max(1, Math.round(intervalMs / BEAT_MS));
+  const one: Waiting = { call: listener, every, due: nextOf(every) };
+  waiting.add(one);
+  arm();
   return () => {
-    ticker.listeners.delete(listener);
-    if (ticker.listeners.size > 0) return;
-    ticker.stop();
-    tickers.delete(intervalMs);
+    waiting.delete(one);
+    arm();
   };
 }
 
-function startTicker(intervalMs: number): Ticker {
-  const ticker: Ticker = { listeners: new Set(), stop: atBeat(intervalMs, beat) };
-  tickers.set(intervalMs, ticker);
-  return ticker;
-
-  function beat() {
-    ticker.stop = atBeat(intervalMs, beat);
-    for (const listener of ticker.listeners) listener();
-  }
+/** Calls back once, on the next beat, and not before the page can be seen. Returns what takes that back. */
+export function atBeat(intervalMs: number, callback: () => void): () => void {
+  const cancel = onBeat(intervalMs, () => {
+    cancel();
+    callback();
+  });
+  return cancel;
 }
 
-/** In whole milliseconds, as the clock has them. */
-function untilBeat(intervalMs: number): number {
-  const now = Date.now();
-  return Math.ceil((Math.floor(now / intervalMs) + 1) * intervalMs) - now;
+/** Beats are counted from 1970: those of 200 ms are the moments of this computer's clock that 200 ms divide. */
+function beatNow(): number {
+  return Math.floor(Date.now() / BEAT_MS + 1e-3);
+}
+
+function nextOf(every: number): number {
+  return (Math.floor(beatNow() / every) + 1) * every;
+}
+
+/** Waits for the next beat that somebody waits for. */
+function arm(): void {
+  clearTimeout(timer);
+  if (waiting.size === 0) return;
+  const due = Math.min(...[...waiting].map((one) => one.due));
+  timer = setTimeout(() => requestAnimationFrame(beat), Math.ceil(due * BEAT_MS) - Date.now());
+}
+
+function beat(): void {
+  const now = beatNow();
+  for (const one of [...waiting]) {
+    if (one.due > now || !waiting.has(one)) continue;
+    one.due = nextOf(one.every);
+    one.call();
+  }
+  arm();
 }
