@@ -1,17 +1,13 @@
 import type { EventOf, GatewayEvent, StopState } from "../api/types";
 import { defaultRobot, isUnder } from "../stop/held";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "../store/goals";
-import { remember } from "../store/reducer";
+import { takeUp } from "../store/streamStore";
 import { type FleetState, NO_STOP } from "./state";
 import type { Robot } from "./types";
 
 /** The state after an event. Pure; the same object where the event changes nothing. */
 export function reduceFleet(state: FleetState, event: GatewayEvent, now: number): FleetState {
-  if ("id" in event) {
-    if (state.seen.has(event.id)) return state;
-    return apply({ ...state, seen: remember(state.seen, event.id) }, event, now);
-  }
-  return apply(state, event, now);
+  return takeUp(state, event, now, apply);
 }
 
 function apply(state: FleetState, event: GatewayEvent, now: number): FleetState {
@@ -35,9 +31,6 @@ function apply(state: FleetState, event: GatewayEvent, now: number): FleetState 
     }
     case "alerts":
       return { ...state, alerts: event.alerts };
-    case "heartbeat":
-      // The smallest difference is the one with the least delay on the way.
-      return { ...state, clockSkew: Math.min(state.clockSkew, now - Date.parse(event.time)) };
     default:
       return state;
   }

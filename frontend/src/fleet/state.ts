@@ -1,18 +1,15 @@
 import type { StopState } from "../api/types";
-import type { GoalsState } from "../store/state";
+import type { StreamState } from "../store/state";
 import type { Connection } from "../stream/connection";
 import type { Alert, Robot } from "./types";
 
 /** What is known of all robots and of the goals on every action. */
-export interface FleetState extends GoalsState {
+export interface FleetState extends StreamState {
   /** By name. */
   robots: ReadonlyMap<string, Robot>;
   alerts: readonly Alert[];
   /** That of the robot that the gateway is configured for. */
   stop: StopState;
-  /** This computer's clock minus the gateway's (ms), as well as is known. */
-  clockSkew: number;
-  seen: ReadonlySet<string>;
   /** The stream goes on after an event, and what is not replayed has still to come. */
   resumed: boolean;
 }

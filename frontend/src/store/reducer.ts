@@ -1,6 +1,7 @@
 import type { EventOf, GatewayEvent } from "../api/types";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "./goals";
-import { MAX_FEEDBACK, MAX_SEEN, type State } from "./state";
+import { MAX_FEEDBACK, type State } from "./state";
+import { takeUp } from "./streamStore";
 
 /**
  * The state after an event. Pure; returns the same object where the event changes nothing, and keeps every part that it
@@ -10,12 +11,7 @@ import { MAX_FEEDBACK, MAX_SEEN, type State } from "./state";
  * @param now This computer's time when the event came (ms).
  */
 export function reduce(state: State, event: GatewayEvent, now: number): State {
-  if (isOfAnotherAction(state, event)) return state;
-  if ("id" in event) {
-    if (state.seen.has(event.id)) return state;
-    return applyEvent({ ...state, seen: remember(state.seen, event.id) }, event, now);
-  }
-  return applyEvent(state, event, now);
+  return isOfAnotherAction(state, event) ? state : takeUp(state, event, now, applyEvent);
 }
 
 function isOfAnotherAction(state: State, event: GatewayEvent): boolean {
@@ -62,9 +58,6 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
       return { ...state, stop: event.stop };
     case "simulator":
       return { ...state, simulator: event.simulator.available ? event.simulator : null };
-    case "heartbeat":
-      // The smallest difference is the one with the least delay on the way.
-      return { ...state, clockSkew: Math.min(state.clockSkew, now - Date.parse(event.time)) };
     case "dropped":
       return { ...state, dropped: state.dropped + event.count };
     default:
@@ -93,14 +86,4 @@ function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): S
     actionsOf(servers),
     event.goals,
   );
-}
-
-/** Adds the id of an event that was seen; the oldest are forgotten. */
-export function remember(seen: ReadonlySet<string>, id: string): ReadonlySet<string> {
-  const next = new Set(seen).add(id);
-  for (const oldest of next) {
-    if (next.size <= MAX_SEEN) break;
-    next.delete(oldest);
-  }
-  return next;
 }

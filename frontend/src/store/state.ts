@@ -47,8 +47,16 @@ export interface GoalsState {
   stages: Stages;
 }
 
+/** What is known from any stream of events. */
+export interface StreamState extends GoalsState {
+  /** This computer's clock minus the gateway's (ms), as well as is known. */
+  clockSkew: number;
+  /** Ids of the events that came, to know a duplicate by. */
+  seen: ReadonlySet<string>;
+}
+
 /** What is known of one robot. */
-export interface State extends GoalsState {
+export interface State extends StreamState {
   battery: Battery;
   cmdVel: CmdVel;
   /** The latest feedback, newest first. */
@@ -61,9 +69,6 @@ export interface State extends GoalsState {
   simulator: Simulator | null;
   /** Feedback messages that the gateway did not send because this page was too slow. */
   dropped: number;
-  /** This computer's clock minus the gateway's (ms), as well as is known. */
-  clockSkew: number;
-  seen: ReadonlySet<string>;
 }
 
 export const initialState: State = {

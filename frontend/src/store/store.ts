@@ -1,15 +1,10 @@
-import type { EventOf, GatewayEvent, Goal, Simulator, StopState } from "../api/types";
-import {
-  type Connection,
-  type ConnectionInput,
-  initialConnection,
-  nextConnection,
-} from "../stream/connection";
-import { courseLister, type GoalCourse, mergeGoals } from "./goals";
+import type { EventOf, GatewayEvent, Simulator, StopState } from "../api/types";
+import type { Connection } from "../stream/connection";
+import { courseLister, type GoalCourse } from "./goals";
 import { reduce } from "./reducer";
-import { Shown } from "./shown";
 import { withPast } from "./stages";
 import { initialState, type State } from "./state";
+import { StreamStore } from "./streamStore";
 
 /** What is shown of a robot, each part with subscribers of its own. */
 export interface Topics extends Omit<State, "seen"> {
@@ -20,20 +15,19 @@ export interface Topics extends Omit<State, "seen"> {
 
 export type Topic = keyof Topics;
 
-/** Holds what is known of one robot, and shows it at most five times a second; a change of the connection at once. */
-export class Store {
-  #state: State = initialState;
-  #connection: Connection;
-  readonly #shown: Shown<Topics>;
-  readonly #courses = courseLister();
+/** Holds what is known of one robot. */
+export class Store extends StreamStore<State, Topics> {
   readonly #batteryListeners = new Set<(event: EventOf<"battery">) => void>();
   readonly #sceneListeners = new Set<(event: EventOf<"scene">) => void>();
-  readonly #now: () => number;
 
   constructor(now: () => number = Date.now) {
-    this.#now = now;
-    this.#connection = initialConnection(now());
-    this.#shown = new Shown(() => this.#topics(), now);
+    const courses = courseLister();
+    const topicsOf = ({ seen: _seen, ...state }: State, connection: Connection): Topics => ({
+      ...state,
+      courses: courses(state.goals),
+      connection,
+    });
+    super(initialState, reduce, topicsOf, now);
   }
 
   readonly onEvent = (event: GatewayEvent): void => {
@@ -41,50 +35,27 @@ export class Store {
       for (const listener of this.#sceneListeners) listener(event);
       return;
     }
-    const before = this.#state;
-    this.#state = reduce(before, event, this.#now());
-    if (this.#state === before) return;
+    if (!this.take(event)) return;
     if (event.type === "battery") for (const listener of this.#batteryListeners) listener(event);
-    this.#shown.schedule();
+    this.shown.schedule();
   };
-
-  readonly onConnection = (input: ConnectionInput): void => {
-    const next = nextConnection(this.#connection, input, this.#now());
-    if (next === this.#connection) return;
-    this.#connection = next;
-    this.#shown.flush();
-  };
-
-  /** Takes up goals from an answer over HTTP. */
-  addGoals(goals: readonly Goal[]): void {
-    this.#state = mergeGoals(this.#state, goals);
-    this.#shown.schedule();
-  }
 
   /** Takes up what a goal's history tells of its way. */
   setWay(goalId: string, statuses: readonly { time: string; stage: string | null }[]): void {
-    this.#state = { ...this.#state, stages: withPast(this.#state.stages, goalId, statuses) };
-    this.#shown.schedule();
+    this.state = { ...this.state, stages: withPast(this.state.stages, goalId, statuses) };
+    this.shown.schedule();
   }
 
   /** Takes up what an answer over HTTP says of the simulator; null where there is none. */
   readonly setSimulator = (simulator: Simulator | null): void => {
-    this.#state = { ...this.#state, simulator };
-    this.#shown.schedule();
+    this.state = { ...this.state, simulator };
+    this.shown.schedule();
   };
 
   /** Takes up what an answer over HTTP says of the stop: at once, as people wait for it. */
   setStop(stop: StopState): void {
-    this.#state = { ...this.#state, stop };
-    this.#shown.flush();
-  }
-
-  get<T extends Topic>(topic: T): Topics[T] {
-    return this.#shown.get(topic);
-  }
-
-  subscribe(topic: Topic, listener: () => void): () => void {
-    return this.#shown.subscribe(topic, listener);
+    this.state = { ...this.state, stop };
+    this.shown.flush();
   }
 
   /** Every battery message as it comes, unthrottled: for the plot's buffer. */
@@ -97,15 +68,5 @@ export class Store {
   onScene(listener: (event: EventOf<"scene">) => void): () => void {
     this.#sceneListeners.add(listener);
     return () => this.#sceneListeners.delete(listener);
-  }
-
-  /** Now, in the gateway's time (ms): what its timestamps are compared with. */
-  gatewayNow(): number {
-    return this.#now() - this.#state.clockSkew;
-  }
-
-  #topics(): Topics {
-    const { seen: _seen, ...state } = this.#state;
-    return { ...state, courses: this.#courses(state.goals), connection: this.#connection };
   }
 }

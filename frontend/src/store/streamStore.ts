@@ -1,0 +1,94 @@
+import type { GatewayEvent, Goal } from "../api/types";
+import {
+  type Connection,
+  type ConnectionInput,
+  initialConnection,
+  nextConnection,
+} from "../stream/connection";
+import { mergeGoals } from "./goals";
+import { Shown } from "./shown";
+import { MAX_SEEN, type StreamState } from "./state";
+
+/**
+ * The state after an event: as `apply` says, unless it has come before, and as each stream takes up a heartbeat. Pure.
+ *
+ * @param now This computer's time when the event came (ms).
+ */
+export function takeUp<State extends StreamState>(
+  state: State,
+  event: GatewayEvent,
+  now: number,
+  apply: (state: State, event: GatewayEvent, now: number) => State,
+): State {
+  // The smallest difference is the one with the least delay on the way.
+  if (event.type === "heartbeat")
+    return { ...state, clockSkew: Math.min(state.clockSkew, now - Date.parse(event.time)) };
+  if (!("id" in event)) return apply(state, event, now);
+  if (state.seen.has(event.id)) return state;
+  return apply({ ...state, seen: remember(state.seen, event.id) }, event, now);
+}
+
+/** Adds the id of an event that was seen; the oldest are forgotten. */
+function remember(seen: ReadonlySet<string>, id: string): ReadonlySet<string> {
+  const next = new Set(seen).add(id);
+  for (const oldest of next) {
+    if (next.size <= MAX_SEEN) break;
+    next.delete(oldest);
+  }
+  return next;
+}
+
+/** Holds what is known from a stream, and shows it at most five times a second; a change of the connection at once. */
+export abstract class StreamStore<State extends StreamState, Topics extends object> {
+  protected state: State;
+  #connection: Connection;
+  protected readonly shown: Shown<Topics>;
+  readonly #now: () => number;
+  readonly #reduce: (state: State, event: GatewayEvent, now: number) => State;
+
+  constructor(
+    initial: State,
+    reduce: (state: State, event: GatewayEvent, now: number) => State,
+    topicsOf: (state: State, connection: Connection) => Topics,
+    now: () => number,
+  ) {
+    this.state = initial;
+    this.#reduce = reduce;
+    this.#now = now;
+    this.#connection = initialConnection(now());
+    this.shown = new Shown(() => topicsOf(this.state, this.#connection), now);
+  }
+
+  /** Takes up an event; whether it changes anything. */
+  protected take(event: GatewayEvent): boolean {
+    const before = this.state;
+    this.state = this.#reduce(before, event, this.#now());
+    return this.state !== before;
+  }
+
+  readonly onConnection = (input: ConnectionInput): void => {
+    const next = nextConnection(this.#connection, input, this.#now());
+    if (next === this.#connection) return;
+    this.#connection = next;
+    this.shown.flush();
+  };
+
+  /** Takes up goals from an answer over HTTP. */
+  addGoals(goals: readonly Goal[]): void {
+    this.state = mergeGoals(this.state, goals);
+    this.shown.schedule();
+  }
+
+  get<T extends keyof Topics>(topic: T): Topics[T] {
+    return this.shown.get(topic);
+  }
+
+  subscribe(topic: keyof Topics, listener: () => void): () => void {
+    return this.shown.subscribe(topic, listener);
+  }
+
+  /** Now, in the gateway's time (ms): what its timestamps are compared with. */
+  gatewayNow(): number {
+    return this.#now() - this.state.clockSkew;
+  }
+}
