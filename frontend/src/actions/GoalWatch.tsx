@@ -1,23 +1,21 @@
-import { Alert, Anchor, Badge, Button, Group, Text } from "@mantine/core";
+import { Anchor, Badge, Button, Group, Text } from "@mantine/core";
 import { useId } from "react";
 import { Link } from "react-router";
 import type { ActionSchemas } from "../api/actions";
+import { createGoalsApi } from "../api/goals";
 import type { AnyGoal, Goal } from "../api/types";
-import { advice } from "../docking/goalWords";
-import { rate } from "../docking/rate";
 import { useFleet, useFleetLive } from "../fleet/context";
+import { FeedbackCount } from "../goals/FeedbackCount";
+import { GoalDuration } from "../goals/GoalDuration";
+import { GoalExplanation } from "../goals/GoalExplanation";
 import { GoalStatusBadge } from "../goals/GoalStatusBadge";
-import { useGatewayNow } from "../store/clock";
 import { isTerminal } from "../store/goals";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Fact, FactList } from "../ui/Fact";
 import { Section } from "../ui/Section";
-import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
-import { formatDuration } from "../ui/time";
 import { useCommand } from "../ui/useCommand";
 import { MessageView } from "./MessageView";
-import { useActionsApi } from "./useActions";
 import { useGoal } from "./useGoal";
 import { meaning, whyNotCancel } from "./words";
 
@@ -52,13 +50,17 @@ export function GoalWatch({ goalId, schemas }: { goalId: string | null; schemas:
         </Group>
       }
     >
-      <Explanation goal={goal} />
+      <GoalExplanation goal={goal} meaning={meaning(goal)} />
       <FactList>
         <Fact name="Started">
           <Time value={goal.created_at} />
         </Fact>
-        <Elapsed goal={goal} />
-        <Feedback goal={goal} arrivals={arrivals} />
+        <Fact name={goal.finished_at === null ? "Elapsed" : "Took"}>
+          <GoalDuration goal={goal} />
+        </Fact>
+        <Fact name="Feedback">
+          <FeedbackCount count={goal.feedback_count} arrivals={ended ? null : arrivals} />
+        </Fact>
         {goal.stage !== null && (
           <Fact name="Stage">
             {goal.stage}
@@ -77,52 +79,13 @@ export function GoalWatch({ goalId, schemas }: { goalId: string | null; schemas:
   );
 }
 
-/** Why it stands as it does: an alert where something is wrong, a quiet line otherwise. */
-function Explanation({ goal }: { goal: AnyGoal }) {
-  if (goal.error === null && !goal.stalled && goal.status !== "lost") {
-    return (
-      <Text size="sm" c="dimmed">
-        {meaning(goal)}
-      </Text>
-    );
-  }
-  const hint = advice(goal as Goal);
-  return (
-    <Alert color={goal.status === "canceled" || goal.stalled ? "orange" : "red"} title={meaning(goal)}>
-      {goal.error !== null && <Text size="sm">{sentence(goal.error.detail)}</Text>}
-      {hint !== null && <Text size="sm">{hint}</Text>}
-      {goal.error !== null && <Text size="sm">Code: {goal.error.code}</Text>}
-    </Alert>
-  );
-}
-
-function Elapsed({ goal }: { goal: AnyGoal }) {
-  const now = useGatewayNow();
-  const live = useFleetLive();
-  const start = Date.parse(goal.created_at);
-  if (goal.finished_at !== null) {
-    return <Fact name="Took">{formatDuration(Date.parse(goal.finished_at) - start)}</Fact>;
-  }
-  return <Fact name="Elapsed">{live ? formatDuration(now - start) : "not live"}</Fact>;
-}
-
-function Feedback({ goal, arrivals }: { goal: AnyGoal; arrivals: readonly number[] }) {
-  const now = useGatewayNow();
-  const perSecond = isTerminal(goal.status) ? null : rate(arrivals, now);
-  return (
-    <Fact name="Feedback">
-      {goal.feedback_count} {goal.feedback_count === 1 ? "message" : "messages"}
-      {perSecond !== null && `, ${perSecond.toFixed(1)} Hz`}
-    </Fact>
-  );
-}
-
 function Cancel({ goal }: { goal: AnyGoal }) {
-  const { store } = useFleet();
-  const api = useActionsApi();
+  const { http, store } = useFleet();
   const live = useFleetLive();
   const reasonId = useId();
-  const cancel = useCommand(async () => store.addGoals([(await api.cancel(goal.goal_id)) as Goal]));
+  const cancel = useCommand(async () =>
+    store.addGoals([(await createGoalsApi(http).cancel(goal.goal_id)) as Goal]),
+  );
   const reason = whyNotCancel(live, goal, cancel.isPending);
   return (
     <>

@@ -19,12 +19,9 @@ export interface ActionsApi {
   send(action: string, body: string): Promise<AnyGoal>;
   /** The newest goals of an action. */
   goals(action: string, limit: number): Promise<AnyGoal[]>;
-  goal(goalId: string): Promise<AnyGoal>;
-  cancel(goalId: string): Promise<AnyGoal>;
 }
 
 export function createActionsApi(http: Http): ActionsApi {
-  const one = (goalId: string) => ({ params: { path: { goal_id: goalId } }, signal: deadline() });
   return {
     list: async () => (await settle(http.GET("/actions", { signal: deadline() }))).actions,
     schemas: (type) => {
@@ -48,8 +45,6 @@ export function createActionsApi(http: Http): ActionsApi {
       const query = { action: [action], limit };
       return (await settle(http.GET("/goals", { params: { query }, signal: deadline() }))).goals;
     },
-    goal: (goalId) => settle(http.GET("/goals/{goal_id}", one(goalId))),
-    cancel: (goalId) => settle(http.POST("/goals/{goal_id}/cancel", one(goalId))),
   };
 }
 

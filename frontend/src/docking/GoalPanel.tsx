@@ -1,19 +1,17 @@
-import { Alert, Anchor, Badge, Group, Stack, Text } from "@mantine/core";
+import { Anchor, Badge, Group, Stack, Text } from "@mantine/core";
 import { Link } from "react-router";
-import type { Verb } from "../api/client";
 import { summarize } from "../battery/words";
+import { FeedbackCount } from "../goals/FeedbackCount";
+import { GoalDuration } from "../goals/GoalDuration";
+import { GoalExplanation } from "../goals/GoalExplanation";
 import { GoalStatusBadge } from "../goals/GoalStatusBadge";
-import { useAtTime } from "../store/clock";
 import { useLive, useTopic, useTopicPart } from "../store/context";
 import { type GoalCourse, isTerminal } from "../store/goals";
 import { useVerbOf } from "../store/verbs";
 import { Fact, FactList } from "../ui/Fact";
-import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
-import { formatDuration } from "../ui/time";
 import { FeedbackLog } from "./FeedbackLog";
-import { advice, meaning } from "./goalWords";
-import { rate } from "./rate";
+import { meaning } from "./goalWords";
 import { StageTimeline } from "./StageTimeline";
 
 /** The goal that runs, or how the last one ended. */
@@ -45,12 +43,14 @@ export function GoalPanel({ goal }: { goal: GoalCourse }) {
         {!live && <Badge color="gray.7">Not live</Badge>}
       </Group>
       <StageTimeline goal={goal} />
-      <Explanation goal={goal} verb={verb} />
+      <GoalExplanation goal={goal} meaning={meaning(goal, verb)} />
       <FactList wide>
         <Fact name="Started">
           <Time value={goal.created_at} />
         </Fact>
-        <Elapsed goal={goal} />
+        <Fact name={goal.finished_at === null ? "Elapsed" : "Took"}>
+          <GoalDuration goal={goal} />
+        </Fact>
         <Fact name="Feedback">
           <FeedbackWords goal={goal} />
         </Fact>
@@ -64,47 +64,17 @@ export function GoalPanel({ goal }: { goal: GoalCourse }) {
   );
 }
 
-/** Why it stands as it does: an alert where something is wrong, a quiet line otherwise. */
-function Explanation({ goal, verb }: { goal: GoalCourse; verb: Verb }) {
-  const wrong = goal.error !== null || goal.stalled || goal.status === "lost";
-  if (!wrong) {
-    return (
-      <Text size="sm" c="dimmed">
-        {meaning(goal, verb)}
-      </Text>
-    );
-  }
-  const hint = advice(goal);
-  return (
-    <Alert color={goal.status === "canceled" || goal.stalled ? "orange" : "red"} title={meaning(goal, verb)}>
-      {goal.error !== null && <Text size="sm">{sentence(goal.error.detail)}</Text>}
-      {hint !== null && <Text size="sm">{hint}</Text>}
-      {goal.error !== null && <Text size="sm">Code: {goal.error.code}</Text>}
-    </Alert>
-  );
-}
-
-function Elapsed({ goal }: { goal: GoalCourse }) {
-  const live = useLive();
-  const start = Date.parse(goal.created_at);
-  const words = useAtTime((now) => formatDuration(now - start));
-  if (goal.finished_at !== null) {
-    return <Fact name="Took">{formatDuration(Date.parse(goal.finished_at) - start)}</Fact>;
-  }
-  return <Fact name="Elapsed">{live ? words : "not live"}</Fact>;
-}
-
-/** How many feedback messages have come, and how fast; rendered anew with each that is shown, and nothing else is. */
+/** Rendered anew with each message that is shown, and nothing else is. */
 function FeedbackWords({ goal }: { goal: GoalCourse }) {
   const count = useTopicPart("goals", (goals) => goals.get(goal.goal_id)?.feedback_count ?? 0);
   const arrivals = useTopicPart("arrivals", (all) => all.get(goal.goal_id) ?? NONE);
   const dropped = useTopic("dropped");
-  const perSecond = useAtTime((now) => rate(arrivals, now)?.toFixed(1) ?? "");
-  return [
-    `${count} ${count === 1 ? "message" : "messages"}`,
-    perSecond !== "" && !isTerminal(goal.status) && `, ${perSecond} Hz`,
-    dropped > 0 && ` (${dropped} skipped: this page was too slow)`,
-  ];
+  return (
+    <>
+      <FeedbackCount count={count} arrivals={isTerminal(goal.status) ? null : arrivals} />
+      {dropped > 0 && ` (${dropped} skipped: this page was too slow)`}
+    </>
+  );
 }
 
 const NONE: readonly number[] = [];

@@ -1,17 +1,16 @@
-import { Alert, Anchor, Badge, Code, Group, Stack, Text, Title } from "@mantine/core";
+import { Anchor, Badge, Code, Group, Stack, Title } from "@mantine/core";
 import { Link } from "react-router";
-import { adviceFor } from "../api/errors";
 import type { AnyGoal } from "../api/types";
-import { advice, dockingVerb, meaning } from "../docking/goalWords";
+import { dockingVerb, meaning } from "../docking/goalWords";
 import { isTerminal } from "../store/goals";
 import { Breakable } from "../ui/Breakable";
 import { CopyButton } from "../ui/CopyButton";
 import { Fact, FactList } from "../ui/Fact";
-import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
 import { NO_FILTER, writeFilter } from "./filter";
 import { GoalCommands } from "./GoalCommands";
 import { GoalDuration } from "./GoalDuration";
+import { GoalExplanation } from "./GoalExplanation";
 import { GoalStatusBadge } from "./GoalStatusBadge";
 import classes from "./goalPage.module.css";
 import { OriginBadge } from "./OriginBadge";
@@ -38,7 +37,7 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         <Code>{goal.goal_id}</Code>
         <CopyButton value={goal.goal_id} what="the goal id" />
       </div>
-      <Explanation goal={goal} />
+      <GoalExplanation goal={goal} meaning={meaning(goal, dockingVerb(goal))} />
       <GoalCommands goal={goal} />
       <FactList wide>
         <Fact name="Started">
@@ -69,26 +68,5 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         </Fact>
       </FactList>
     </Stack>
-  );
-}
-
-/** Why it stands as it does: an alert where something is wrong, a quiet line otherwise. */
-function Explanation({ goal }: { goal: AnyGoal }) {
-  const { error, stalled, status } = goal;
-  const words = meaning(goal, dockingVerb(goal));
-  if (error === null && !stalled && status !== "lost") {
-    return (
-      <Text size="sm" c="dimmed">
-        {words}
-      </Text>
-    );
-  }
-  const hint = advice(goal) ?? (error === null ? null : adviceFor(error.code));
-  return (
-    <Alert color={status === "canceled" || stalled ? "orange" : "red"} title={words}>
-      {error !== null && <Text size="sm">{sentence(error.detail)}</Text>}
-      {hint !== null && <Text size="sm">{hint}</Text>}
-      {error !== null && <Text size="sm">Code: {error.code}</Text>}
-    </Alert>
   );
 }

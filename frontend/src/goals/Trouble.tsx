@@ -1,6 +1,6 @@
-import { Alert, Button, Text } from "@mantine/core";
+import { Alert, Button } from "@mantine/core";
 import type { CommandError } from "../api/errors";
-import { sentence } from "../ui/sentence";
+import { ErrorWords } from "../ui/ErrorWords";
 
 interface TroubleProps {
   /** What did not work, in a few words. */
@@ -14,9 +14,7 @@ export function Trouble({ what, error, onRetry }: TroubleProps) {
   if (error === null) return null;
   return (
     <Alert color="red" title={`${what}: ${error.title.toLowerCase()}`}>
-      <Text size="sm">{sentence(error.detail)}</Text>
-      {error.advice !== null && <Text size="sm">{error.advice}</Text>}
-      <Text size="sm">Code: {error.code}</Text>
+      <ErrorWords error={error} />
       <Button variant="default" size="compact-sm" mt="xs" onClick={onRetry}>
         Try again
       </Button>

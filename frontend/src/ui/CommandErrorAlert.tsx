@@ -1,6 +1,6 @@
-import { Alert, List, Text } from "@mantine/core";
+import { Alert } from "@mantine/core";
 import type { CommandError } from "../api/errors";
-import { sentence } from "./sentence";
+import { ErrorWords } from "./ErrorWords";
 
 interface CommandErrorAlertProps {
   /** What was tried, as in "Dock did not work". */
@@ -20,24 +20,7 @@ export function CommandErrorAlert({ command, error, onClose }: CommandErrorAlert
       closeButtonLabel="Dismiss the error"
       onClose={onClose}
     >
-      <Text size="sm">{sentence(error.detail)}</Text>
-      {error.fields.length > 1 && (
-        <List size="sm">
-          {error.fields.map((field) => (
-            <List.Item key={field.path}>
-              {field.path}: {field.detail}
-            </List.Item>
-          ))}
-        </List>
-      )}
-      {error.advice !== null && (
-        <Text size="sm" mt={4}>
-          {error.advice}
-        </Text>
-      )}
-      <Text size="sm" mt={4}>
-        Code: {error.code}
-      </Text>
+      <ErrorWords error={error} />
     </Alert>
   );
 }
