@@ -1,8 +1,6 @@
 import { Anchor, Stack } from "@mantine/core";
 import { Link } from "react-router";
-import { Command } from "../ui/Command";
-import { ThingList } from "./ThingList";
-import { TypeNames } from "./TypeNames";
+import { ServedDetails } from "./ServedDetails";
 import type { GraphAction } from "./types";
 import type { ChangeView } from "./useView";
 
@@ -10,16 +8,14 @@ import type { ChangeView } from "./useView";
 export function ActionDetails({ action, change }: { action: GraphAction; change: ChangeView }) {
   const { name, types, servers, clients } = action;
   return (
-    <Stack gap="md">
-      <TypeNames types={types} />
-      <ThingList
-        title="Servers"
-        kind="node"
-        names={servers}
-        absent="Nobody: goals would not be answered."
-        change={change}
-      />
-      <ThingList title="Clients" kind="node" names={clients} absent="Nobody." change={change} />
+    <ServedDetails
+      types={types}
+      servers={servers}
+      unserved="Nobody: goals would not be answered."
+      clients={clients}
+      line={`curl ${window.location.origin}/actions${name}`}
+      change={change}
+    >
       <Stack gap={4}>
         <Anchor component={Link} to={`/ui/actions${name}`} size="sm">
           Send a goal
@@ -28,7 +24,6 @@ export function ActionDetails({ action, change }: { action: GraphAction; change:
           Its goals
         </Anchor>
       </Stack>
-      <Command line={`curl ${window.location.origin}/actions${name}`} what="the command for a terminal" />
-    </Stack>
+    </ServedDetails>
   );
 }
