@@ -1,18 +1,8 @@
 import type uPlot from "uplot";
+import { plotAxis } from "../ui/plotLook";
 import { marks, type Quantity, rangeOf, SHAPES } from "./quantities";
 import { formatMark } from "./view";
 
-export interface PlotColors {
-  text: string;
-  grid: string;
-}
-
-export const PLOT_COLORS: Record<"light" | "dark", PlotColors> = {
-  light: { text: "#343a40", grid: "#dee2e6" },
-  dark: { text: "#dee2e6", grid: "#424242" },
-};
-
-const FONT = "12px system-ui, sans-serif";
 /** Of the band between the least and the most. */
 const BAND_ALPHA = "40";
 /** Room for `23:59:59` and some more, in CSS pixels. */
@@ -36,8 +26,7 @@ export function plotOptions(
   { span, onSelect, onCursor }: PlotEvents,
 ): uPlot.Options {
   const { decimals, [scheme]: color } = SHAPES[quantity];
-  const { text, grid } = PLOT_COLORS[scheme];
-  const axis = { stroke: text, font: FONT, ticks: { stroke: grid }, grid: { stroke: grid, width: 1 } };
+  const axis = plotAxis(scheme);
   const edge = { width: 0, points: { show: false } };
   return {
     ...size,

@@ -6,6 +6,7 @@ import "uplot/dist/uPlot.min.css";
 import { onBeat } from "./beat";
 import classes from "./LinePlot.module.css";
 import { lineWords, type PlotLine, type PlotSource, plotNumber, roomyRange } from "./plotData";
+import { plotAxis } from "./plotLook";
 import { watchSight } from "./sight";
 
 /** A plot with its legend is this much higher than what it draws in. */
@@ -13,10 +14,9 @@ export const LEGEND_HEIGHT = 34;
 
 const REDRAW_MS = 200;
 const SLOW_REDRAW_MS = 1000;
-const FONT = "12px system-ui, sans-serif";
 const COLORS = {
-  light: { text: "#343a40", grid: "#dee2e6", lines: ["#1864ab", "#a61e4d", "#2b8a3e", "#862e9c"] },
-  dark: { text: "#dee2e6", grid: "#424242", lines: ["#74c0fc", "#ffa8c5", "#8ce99a", "#e599f7"] },
+  light: ["#1864ab", "#a61e4d", "#2b8a3e", "#862e9c"],
+  dark: ["#74c0fc", "#ffa8c5", "#8ce99a", "#e599f7"],
 } as const;
 const DASHES = [[], [6, 4], [2, 3], [10, 3, 2, 3]];
 
@@ -48,7 +48,7 @@ export default function LinePlot({ source, lines, xLabel, formatX, label, height
       zoomedRef.current = yes;
       setZoomed(yes);
     };
-    const options = plotOptions({ width, height, lines, xLabel, formatX, colors: COLORS[scheme], zoom });
+    const options = plotOptions({ width, height, lines, xLabel, formatX, scheme, zoom });
     const plot = new uPlot(options, undefined, boxRef.current);
     plotRef.current = plot;
     zoom(false);
@@ -113,17 +113,13 @@ interface Look {
   lines: readonly PlotLine[];
   xLabel: string;
   formatX: (x: number) => string;
-  colors: (typeof COLORS)["light" | "dark"];
+  scheme: "light" | "dark";
   zoom: (yes: boolean) => void;
 }
 
-function plotOptions({ width, height, lines, xLabel, formatX, colors, zoom }: Look): uPlot.Options {
-  const axis = {
-    stroke: colors.text,
-    font: FONT,
-    ticks: { stroke: colors.grid },
-    grid: { stroke: colors.grid, width: 1 },
-  };
+function plotOptions({ width, height, lines, xLabel, formatX, scheme, zoom }: Look): uPlot.Options {
+  const axis = plotAxis(scheme);
+  const colors = COLORS[scheme];
   const [first] = lines;
   const unit = first?.unit == null ? "" : ` ${first.unit}`;
   return {
@@ -149,7 +145,7 @@ function plotOptions({ width, height, lines, xLabel, formatX, colors, zoom }: Lo
       { label: xLabel, value: (_plot, value) => (value === null ? "–" : formatX(value)) },
       ...lines.map((line, index) => ({
         label: line.label,
-        stroke: colors.lines[index % colors.lines.length] ?? colors.text,
+        stroke: colors[index % colors.length] ?? colors[0],
         dash: DASHES[index % DASHES.length] ?? [],
         width: 2,
         spanGaps: false,
