@@ -3,6 +3,8 @@
 import asyncio
 import subprocess
 import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +16,8 @@ from alembic.config import Config
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
-from dock_gateway.history.migrate import HEAD, MIGRATIONS
+from dock_gateway.history.database import Database
+from dock_gateway.history.migrate import HEAD, MIGRATIONS, make, upgrade
 from dock_gateway.history.rows import goal_row
 from dock_gateway.history.sql import open_database
 from dock_gateway.history.tables import goals, metadata
@@ -23,18 +26,61 @@ from tests.support.history import make_goal, open_at, until, written
 PROGRAM = [sys.executable, "-m", "tests.support.history"]
 
 
+@asynccontextmanager
+async def at(url: str) -> AsyncIterator[Database]:
+    database = open_database(url)
+    try:
+        yield database
+    finally:
+        await database.close()
+
+
+def described(connection: sa.Connection) -> list[Any]:
+    """Every column and index as the database itself tells of them, in an order of their own."""
+    if connection.dialect.name == "sqlite":
+        tables = "SELECT name FROM sqlite_master WHERE type = 'table'"
+        columns = [
+            (table, *column[1:])
+            for table in connection.scalars(sa.text(tables)).all()
+            for column in connection.execute(sa.text(f"PRAGMA table_info({table})"))
+        ]
+        indexes = "SELECT tbl_name, name, sql FROM sqlite_master WHERE type = 'index'"
+    else:
+        named = "table_name, column_name, data_type, is_nullable, collation_name, column_default"
+        of_ours = "FROM information_schema.columns WHERE table_schema = current_schema()"
+        columns = [tuple(row) for row in connection.execute(sa.text(f"SELECT {named} {of_ours}"))]
+        indexes = "SELECT tablename, indexname, indexdef FROM pg_indexes WHERE schemaname = current_schema()"
+    return sorted([*columns, *(tuple(row) for row in connection.execute(sa.text(indexes)))], key=str)
+
+
 def test_the_newest_revision_is_named() -> None:
     config = Config()
     config.set_main_option("script_location", str(MIGRATIONS))
     assert ScriptDirectory.from_config(config).get_current_head() == HEAD
 
 
-async def test_migrations_make_the_tables_that_the_code_expects(database_url: str, tmp_path: Path) -> None:
+async def test_migrations_make_the_tables_that_the_code_expects(database_url: str) -> None:
     def differences(connection: sa.Connection) -> list[Any]:
+        upgrade(connection)
         return compare_metadata(MigrationContext.configure(connection), metadata)
 
-    async with open_at(database_url, tmp_path) as history:
-        assert await history._database.read(differences) == []
+    async with at(database_url) as database:
+        assert await database.write(differences) == []
+
+
+async def test_tables_made_at_once_are_those_of_all_migrations(database_url: str) -> None:
+    def both(connection: sa.Connection) -> tuple[list[Any], list[Any]]:
+        upgrade(connection)
+        migrated = described(connection)
+        for table in (*metadata.tables, "alembic_version"):
+            connection.execute(sa.text(f"DROP TABLE {table}"))
+        make(connection)
+        return migrated, described(connection)
+
+    async with at(database_url) as database:
+        migrated, made = await database.write(both)
+    assert made == migrated
+    assert len(made) > 40
 
 
 async def test_goals_of_the_first_version_are_still_there(database_url: str, tmp_path: Path) -> None:
@@ -46,9 +92,8 @@ async def test_goals_of_the_first_version_are_still_there(database_url: str, tmp
         old = {name: value for name, value in goal_row(make_goal(1)).items() if name not in ("stage", "retries")}
         connection.execute(sa.insert(goals).values(old))
 
-    database = open_database(database_url)
-    await database.write(make_first_tables)
-    await database.close()
+    async with at(database_url) as database:
+        await database.write(make_first_tables)
     async with open_at(database_url, tmp_path) as history:
         goal = await history.get("goal-0001")
         assert goal is not None
