@@ -63,7 +63,6 @@ def at(now: float, known: Observation, odometry: Pose) -> Observation:
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
-@settings(deadline=None)
 @given(st.lists(anything(), min_size=1, max_size=40))
 def test_whatever_is_observed_velocities_are_numbers_within_their_limits(
     controller: ControllerName, known: list[tuple[float, Observation]]
@@ -90,7 +89,7 @@ def test_whatever_is_observed_velocities_are_numbers_within_their_limits(
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
-@settings(max_examples=12, deadline=None, derandomize=True)
+@settings(max_examples=12, derandomize=True)
 @given(
     distance=st.floats(0.0, 1.0), aside=st.floats(-1.0, 1.0), turned=st.floats(-1.0, 1.0), seed=st.integers(0, 10**6)
 )
@@ -117,7 +116,7 @@ def test_it_docks_from_everywhere_in_its_region(
     assert simulation.bumps == 0
 
 
-@settings(max_examples=8, deadline=None, derandomize=True)
+@settings(max_examples=8, derandomize=True)
 @given(seed=st.integers(0, 10**6))
 def test_it_docks_although_some_detections_are_nonsense(seed: int) -> None:
     """One in seven is somewhere else, turned round, or no number."""

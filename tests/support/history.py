@@ -97,6 +97,7 @@ async def main(command: str, url: str, folder: str, *arguments: str) -> None:
     """`keep FIRST COUNT`: keep goals, say so, and wait to be killed. `claim KEY NAME`: claim, and say whose it is."""
     async with open_at(url, Path(folder)) as history:
         if command == "claim":
+            await until(lambda: history.stats().database_reachable)
             print(*await history.claim(arguments[0], arguments[1], "print"), history.stats().database_reachable)
             return
         first, count = map(int, arguments)

@@ -18,6 +18,7 @@ from tests.support.gateway import (
     running_program,
     running_talker,
 )
+from tests.support.observer import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -51,10 +52,12 @@ def talker(shared_domain: int) -> Iterator[None]:
 
 
 def wait_for_topic(gateway: RunningGateway, name: str, timeout: float = 15.0) -> None:
-    deadline = time.monotonic() + timeout
-    while not gateway.http.get(f"/graph/topics{name}").json().get("publishers"):
-        assert time.monotonic() < deadline, name
-        time.sleep(0.1)
+    """Until somebody publishes, and ROS knows which node it is, which it learns a moment later."""
+
+    def publishers() -> list[str | None]:
+        return [found["node"] for found in gateway.http.get(f"/graph/topics{name}").json().get("publishers", ())]
+
+    wait_until(lambda: publishers() and all(publishers()), name, timeout)
 
 
 def steady_rate(stream: Stream, *, count: int = 4) -> dict[str, Any]:
