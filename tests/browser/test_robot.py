@@ -170,6 +170,7 @@ def test_accessibility(page: Page, scheme: str) -> None:
 
 def test_a_goal_stage_by_stage(page: Page, gateway: RunningGateway) -> None:
     """Nobody is asked about a simulated robot; who opens the page later sees what was before, too."""
+    expect(page.get_by_role("switch", name="never for a simulated robot")).to_be_visible()
     press(page, "Dock")
     expect(page.get_by_role("dialog")).to_be_hidden()
     steps = page.get_by_test_id("stages").get_by_role("listitem")

@@ -46,10 +46,10 @@ export class Store extends StreamStore<State, Topics> {
     this.shown.schedule();
   }
 
-  /** Takes up what an answer over HTTP says of the simulator; null where there is none. */
+  /** Takes up what an answer over HTTP says of the simulator, null where there is none: at once, as what is asked before a robot moves depends on it. */
   readonly setSimulator = (simulator: Simulator | null): void => {
     this.state = { ...this.state, simulator };
-    this.shown.schedule();
+    this.shown.flush();
   };
 
   /** Takes up what an answer over HTTP says of the stop: at once, as people wait for it. */

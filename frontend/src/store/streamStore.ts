@@ -73,10 +73,10 @@ export abstract class StreamStore<State extends StreamState, Topics extends obje
     this.shown.flush();
   };
 
-  /** Takes up goals from an answer over HTTP. */
+  /** Takes up goals from an answer over HTTP: at once, as people wait for it. */
   addGoals(goals: readonly Goal[]): void {
     this.state = mergeGoals(this.state, goals);
-    this.shown.schedule();
+    this.shown.flush();
   }
 
   get<T extends keyof Topics>(topic: T): Topics[T] {
