@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.dock_gateway.test_history_outage import Outage, outage
-from tests.support.history import open_at, written
+from tests.support.history import open_at, until, written
 
 __all__ = ["outage"]
 
@@ -36,6 +36,7 @@ async def test_a_goal_that_was_kept_is_there(outage: tuple[str, Outage], tmp_pat
             said = keep_and_die(url, tmp_path, last)
         assert answering or not said.endswith("spooled 0\n"), said
         async with open_at(url, tmp_path) as history:
+            await until(lambda: history.stats().database_reachable)
             for number in range(last + 1):
                 goal = await history.by_key(f"key-{number}")
                 assert goal is not None
