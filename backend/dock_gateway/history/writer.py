@@ -134,8 +134,7 @@ class Writer:
             while len(batch := self._waiting.urgent(self._tickets) if urgent else self._waiting.batch()) or (
                 not self.reachable
             ):
-                if not (urgent and await self._add(batch)):
-                    await self._write(batch)
+                await self._write(batch, new=urgent)
                 self._waiting.done(batch)
                 self._settle(batch, None)
                 self._say_reachable()
@@ -153,21 +152,12 @@ class Writer:
             self.answered.set()
         return True
 
-    async def _add(self, batch: Batch) -> bool:
-        """Add new goals in the way that costs least; False where there is more to do."""
-        if batch.keys:
-            return False
+    async def _write(self, batch: Batch, *, new: bool = False) -> None:
+        """Write a batch; goals that are `new` in the way that costs least, where there is nothing else."""
         try:
             async with asyncio.timeout(WRITE_TIMEOUT):
-                return await self._database.write_statement(store.add, batch.goals)
-        except (sa_errors.StatementError, ValueError) as error:
-            if not _about_data(error):
-                raise
-            return False
-
-    async def _write(self, batch: Batch) -> None:
-        try:
-            async with asyncio.timeout(WRITE_TIMEOUT):
+                if new and not batch.keys and await self._database.write_statement(store.add, batch.goals):
+                    return
                 await self._database.write(store.write, batch, durable=batch.precious)
         except (sa_errors.StatementError, ValueError) as error:
             if not _about_data(error):
