@@ -69,26 +69,24 @@ def test_each_fault_is_told_and_reset_takes_all_back(domain: int, observer: Obse
         wait_for_new(truth, lambda message: near(message, START))
 
 
-def test_a_silent_battery_is_silent_and_comes_back(domain: int, observer: Observer) -> None:
+@pytest.mark.parametrize(
+    ("fault", "kind", "topic"),
+    [
+        (Fault.SILENT_BATTERY, BatteryState, "battery_status"),
+        (Fault.OCCLUDED_MARKER, PoseStamped, "detected_dock_pose"),
+    ],
+)
+def test_what_a_fault_silences_comes_back(
+    fault: Fault, kind: type, topic: str, domain: int, observer: Observer
+) -> None:
     with dock_simulator(domain):
         controls = SimulatorControls(observer)
-        battery = observer.record(BatteryState, "battery_status")
-        battery.wait_for(lambda _: True)
-        controls.switch("silent_battery")
-        assert_silent(battery)
-        controls.switch("silent_battery", on=False)
-        wait_for_new(battery)
-
-
-def test_an_occluded_marker_is_not_seen(domain: int, observer: Observer) -> None:
-    with dock_simulator(domain):
-        controls = SimulatorControls(observer)
-        marker = observer.record(PoseStamped, "detected_dock_pose")
-        marker.wait_for(lambda _: True)
-        controls.switch("occluded_marker")
-        assert_silent(marker)
-        controls.switch("occluded_marker", on=False)
-        wait_for_new(marker)
+        heard = observer.record(kind, topic)
+        heard.wait_for(lambda _: True)
+        controls.switch(fault)
+        assert_silent(heard)
+        controls.switch(fault, on=False)
+        wait_for_new(heard)
 
 
 def test_a_stuck_wheel_keeps_it_from_getting_away(domain: int, observer: Observer) -> None:
