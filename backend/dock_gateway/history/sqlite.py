@@ -14,6 +14,9 @@ import sqlalchemy as sa
 from sqlalchemy.engine.interfaces import DBAPIConnection
 
 from dock_gateway.history.database import CONNECT_TIMEOUT, READERS, WRITERS, Database, T, Ts
+from dock_gateway.history.insertion import Insertion
+from dock_gateway.history.rows import Row
+from dock_gateway.history.tables import goals
 
 # How long another process may hold the lock before a statement fails, to be tried again
 BUSY_MS = 500
@@ -32,7 +35,8 @@ class SqliteDatabase(Database):
         super().__init__()
         self._path = path
         self._writer = _engine(path, WRITERS, write=True)
-        self._statement_writer = _engine(path, WRITERS, write=True, transactions=False)
+        self._single_writer = _engine(path, 1, write=True, transactions=False)
+        self._insertion = Insertion(self._single_writer, goals)
         self._reader = _engine(path, READERS, write=False)
         self._write_threads = ThreadPoolExecutor(WRITERS, thread_name_prefix="history-write")
         self._read_threads = ThreadPoolExecutor(READERS, thread_name_prefix="history-read")
@@ -60,17 +64,9 @@ class SqliteDatabase(Database):
 
         return await self._run(self._write_threads, transaction)
 
-    async def write_statement(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
-        """A single statement that writes: SQLite makes a transaction of it, in one call instead of four.
-
-        Each call gives up the interpreter's lock and waits for it again, which costs more than the statement.
-        """
-
-        def statement() -> T:
-            with self._statement_writer.connect() as connection:
-                return work(connection, *args)
-
-        return await self._run(self._write_threads, statement)
+    async def add_goal(self, row: Row) -> bool:
+        """Add the row of a new goal in one call of SQLite: each has to wait for the interpreter's lock again."""
+        return await self._run(self._write_threads, lambda: self._insertion.add(row))
 
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
         """A transaction that reads."""
@@ -97,7 +93,8 @@ class SqliteDatabase(Database):
 
     def _dispose(self) -> None:
         self._writer.dispose()
-        self._statement_writer.dispose()
+        self._insertion.close()
+        self._single_writer.dispose()
         self._reader.dispose()
 
 

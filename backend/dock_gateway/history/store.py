@@ -6,8 +6,7 @@ Functions of a connection, for `Database`.
 import importlib
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
-from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import sqlalchemy as sa
 
@@ -19,19 +18,14 @@ from dock_gateway.history.wanted import Wanted
 
 if TYPE_CHECKING:
     from sqlalchemy.dialects import postgresql, sqlite
-    from sqlalchemy.sql.dml import ReturningInsert
 
 _FINAL = [status.value for status in GoalStatus if status.final]
 
 
 def insert_into(connection: sa.Connection, table: sa.Table) -> "postgresql.Insert | sqlite.Insert":
     """An insert that can say what to do where there is such a row already."""
-    return _insert(connection.dialect.name, table)
-
-
-def _insert(dialect_name: str, table: sa.Table) -> "postgresql.Insert | sqlite.Insert":
     # Only the dialect in use is loaded; the other one would cost a tenth of the start.
-    dialect = importlib.import_module(f"sqlalchemy.dialects.{dialect_name}")
+    dialect = importlib.import_module(f"sqlalchemy.dialects.{connection.dialect.name}")
     insert: postgresql.Insert | sqlite.Insert = dialect.insert(table)
     return insert
 
@@ -53,23 +47,10 @@ def write(connection: sa.Connection, batch: Batch) -> None:
         raise_horizons(connection, batch.gaps)
 
 
-def add(connection: sa.Connection, news: list[Goal]) -> bool:
-    """Add new goals by one statement; False where there was a row of one of them already, which is as it was."""
-    return len(_insert_goals(connection, {goal.goal_id: goal for goal in news})) == len(news)
-
-
-def _insert_goals(connection: sa.Connection, news: dict[str, Goal]) -> set[str]:
-    rows = [goal_row(goal) for _, goal in sorted(news.items())]
-    return set(connection.execute(_goal_insert(connection.dialect.name), rows).scalars())
-
-
-@cache
-def _goal_insert(dialect: str) -> "ReturningInsert[Any]":
-    return _insert(dialect, goals).on_conflict_do_nothing().returning(goals.c.goal_id)
-
-
 def _write_goals(connection: sa.Connection, news: dict[str, Goal]) -> None:
-    inserted = _insert_goals(connection, news)
+    rows = [goal_row(goal) for _, goal in sorted(news.items())]
+    statement = insert_into(connection, goals).on_conflict_do_nothing().returning(goals.c.goal_id)
+    inserted = set(connection.execute(statement, rows).scalars())
     if len(inserted) == len(news):
         return
     stored = goals_by_id(connection, news.keys() - inserted, lock=True)

@@ -12,7 +12,7 @@ from dock_gateway.errors import Unavailable
 from dock_gateway.goals import Goal
 from dock_gateway.history import store
 from dock_gateway.history.database import Database
-from dock_gateway.history.rows import Batch, Key
+from dock_gateway.history.rows import Batch, Key, goal_row
 from dock_gateway.history.spool import Entry, Spool
 from dock_gateway.history.waiting import Waiting
 
@@ -156,7 +156,7 @@ class Writer:
         """Write a batch; goals that are `new` in the way that costs least, where there is nothing else."""
         try:
             async with asyncio.timeout(WRITE_TIMEOUT):
-                if new and not batch.keys and await self._database.write_statement(store.add, batch.goals):
+                if new and batch.single and await self._database.add_goal(goal_row(batch.goals[0])):
                     return
                 await self._database.write(store.write, batch, durable=batch.precious)
         except (sa_errors.StatementError, ValueError) as error:
