@@ -153,7 +153,7 @@ class ServerWatch:
         """The server is back: does it know the goals that it had?"""
         for goal in list(self._tracker.live.values()):
             if goal.status is not GoalStatus.PENDING or goal.goal_id in self._tracker.taken_up:
-                self._tracker.request_result_again(goal)
+                self._tracker.results.request_again(goal)
 
     def _probe_quiet_goals(self) -> None:
         """A server may have been restarted so fast that nobody noticed: goals without news are asked for again."""
@@ -166,4 +166,4 @@ class ServerWatch:
                 self._next_probe[goal_id] = FIRST_PROBE
             elif silence >= due and self.state.answering:
                 self._next_probe[goal_id] = due * 2
-                self._tracker.request_result_again(goal)
+                self._tracker.results.request_again(goal)

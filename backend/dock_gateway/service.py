@@ -173,7 +173,7 @@ class GoalService:
         if idempotency_key is not None or not self._history.stats().database_reachable:
             await keeping
         self._tracker.add(goal)
-        with self._tracker.sending(goal):
+        with self._tracker.results.sending(goal):
             try:
                 await self._deliver(goal, message, deadline, stops)
             finally:
@@ -214,7 +214,7 @@ class GoalService:
 
     def _accept(self, goal: Goal, response: Any) -> None:
         self._tracker.move(goal, GoalStatus.ACCEPTED, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
-        self._tracker.request_result(goal)
+        self._tracker.results.request(goal)
         self._canceler.turned_up(goal)
 
     def _busy_with(self, goal: Goal) -> str | None:

@@ -8,33 +8,25 @@ import contextlib
 import logging
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Coroutine, Iterator
+from collections.abc import Callable, Coroutine
 from typing import Any
 
-from dock_gateway.errors import GatewayError, Unavailable
+from dock_gateway.errors import GatewayError
 from dock_gateway.events import Event, feedback_event, moment, result_event, status_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
 from dock_gateway.history import History
 from dock_gateway.hub import Hub
 from dock_gateway.later import Later
+from dock_gateway.results import Results
 from dock_gateway.ros.actions import ActionPort, StatusReport
-from dock_gateway.ros.bridge import PendingCall
 
 log = logging.getLogger(__name__)
 
-# A goal that the status topic says has ended waits so long for its result.
-RESULT_WAIT = 2.0
-# To ask for a result takes the loop up to a millisecond, in which the sender of a goal can be answered.
-ANSWER_FIRST = 0.005
-# A result waits so long for the status message of the end, whose timestamp is the same at every gateway.
-END_STAMP_WAIT = 0.2
 # What is said of a goal that is new to us waits so long for what the history knows of it.
 LOOK_UP_WAIT = 0.5
 # The gateway that sent it may just be storing it: the history is asked again after these pauses, and later once more.
 LOOK_UP_PAUSES = (0.01, 0.03, 0.06)
 LOOK_AGAIN_AFTER = 2.0
-# Goals that end so have a result, which may come late.
-WITH_RESULT = frozenset({GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED})
 MAX_REMEMBERED = 2000
 MAX_LOST = 100
 
@@ -54,6 +46,7 @@ class GoalTracker:
         on_return: Called with a goal that was `lost` and shows signs of life.
         on_end: What is called with a goal that nothing more is expected of.
         last_heard: When the action server gave its last sign of life, on the monotonic clock.
+        results: What asks for results, and waits for them.
     """
 
     def __init__(self, port: ActionPort, hub: Hub, history: History, reasons: Later[GoalError]) -> None:
@@ -63,15 +56,12 @@ class GoalTracker:
         self.on_end: list[Callable[[Goal], None]] = []
         self.last_heard = time.monotonic()
         self.port = port
+        self.results = Results(port, self, reasons)
         self._hub = hub
         self._history = history
         self._ended: OrderedDict[str, Goal] = OrderedDict()
-        self._reasons = reasons
-        self._end_stamps: Later[int] = Later(END_STAMP_WAIT)
         self._held: dict[str, list[Callable[[], Event]]] = {}
         self._waiters: dict[str, asyncio.Event] = {}
-        self._being_sent: set[str] = set()
-        self._result_calls: dict[str, PendingCall] = {}
         self._goal_heard: dict[str, float] = {}
         self._tasks: set[asyncio.Task[Any]] = set()
 
@@ -99,10 +89,9 @@ class GoalTracker:
             if not report.status.terminal:
                 accepted = report.status is GoalStatus.ACCEPTED
                 self.move(goal, report.status, report.accepted_ns if accepted else stamp_ns)
-            elif report.goal_id not in self._end_stamps:
-                self._end_stamps.put(report.goal_id, stamp_ns)
-                self.spawn(self._end_without_result(goal, report.status))
-            self.request_result(goal)
+            else:
+                self.results.expect(goal, report.status, stamp_ns)
+            self.results.request(goal)
 
     def on_feedback(self, goal_id: str, feedback: Json, stamp_ns: int) -> None:
         """A message of `_action/feedback`."""
@@ -112,7 +101,7 @@ class GoalTracker:
         goal = self.live.get(goal_id)
         if goal is None:
             goal = self._adopt(goal_id, stamp_ns)
-            self.request_result(goal)
+            self.results.request(goal)
         if goal.status is GoalStatus.LOST:
             self.move(goal, GoalStatus.EXECUTING, stamp_ns)
         self._goal_heard[goal_id] = time.monotonic()
@@ -131,20 +120,6 @@ class GoalTracker:
         """Track a goal that is about to be sent."""
         self.live[goal.goal_id] = goal
         self._publish_status(goal, time.time_ns())
-
-    @contextlib.contextmanager
-    def sending(self, goal: Goal) -> Iterator[None]:
-        """While it is sent, and until its sender has been answered, its result is not asked for."""
-        self._being_sent.add(goal.goal_id)
-        try:
-            yield
-        finally:
-            asyncio.get_running_loop().call_later(ANSWER_FIRST, self._sent, goal)
-
-    def _sent(self, goal: Goal) -> None:
-        self._being_sent.discard(goal.goal_id)
-        if goal.goal_id in self.live and goal.status not in (GoalStatus.PENDING, GoalStatus.LOST):
-            self.request_result(goal)
 
     def _adopt(self, goal_id: str, created_ns: int) -> Goal:
         """Take up a goal that somebody else sent, or we before a restart; what is said of it waits for the history."""
@@ -265,60 +240,12 @@ class GoalTracker:
         self.live.pop(goal.goal_id, None)
         self.taken_up.discard(goal.goal_id)
         self._goal_heard.pop(goal.goal_id, None)
-        if goal.result is not None or goal.status not in WITH_RESULT:
-            self._forget_call(goal.goal_id)
+        self.results.retire(goal)
         for told in self.on_end:
             told(goal)
         self._ended[goal.goal_id] = goal
         if len(self._ended) > MAX_REMEMBERED:
-            self._forget_call(self._ended.popitem(last=False)[0])
-
-    def _forget_call(self, goal_id: str) -> None:
-        if (call := self._result_calls.pop(goal_id, None)) is not None:
-            call.forget()
-
-    # ------------------------------------------------------------------ results
-
-    def request_result(self, goal: Goal) -> None:
-        """Ask for the goal's result, once; whoever sent the goal, the answer tells how it ended."""
-        if goal.goal_id not in self._result_calls and goal.goal_id not in self._being_sent:
-            self.request_result_again(goal)
-
-    def request_result_again(self, goal: Goal) -> None:
-        """Ask once more: the server may have been restarted, and the first request died with it."""
-        try:
-            call = self.port.request_result(goal.goal_id)
-        except Unavailable:
-            return  # asked again when the server is back
-        self._forget_call(goal.goal_id)
-        self._result_calls[goal.goal_id] = call
-        self.spawn(self._await_result(goal, call))
-
-    async def _await_result(self, goal: Goal, call: PendingCall) -> None:
-        try:
-            response = await call.response
-        finally:
-            if self._result_calls.get(goal.goal_id) is call:
-                del self._result_calls[goal.goal_id]
-        self.heard()
-        status, result = self.port.read_result(response)
-        if status is None:
-            if not goal.status.terminal:
-                detail = "the action server was restarted and does not know the goal"
-                self.lose(goal, GoalError("action_server_lost", detail))
-            return
-        stamp_ns = await self._end_stamps.of(goal.goal_id)
-        error = None
-        if status is GoalStatus.ABORTED:
-            error = await self._reasons.of(goal.goal_id)
-            error = error or GoalError("goal_aborted", "the action server aborted the goal and did not say why")
-        self.end(goal, status, result=result, error=error, stamp_ns=stamp_ns)
-
-    async def _end_without_result(self, goal: Goal, status: GoalStatus) -> None:
-        await asyncio.sleep(RESULT_WAIT)
-        if not goal.status.final:
-            error = GoalError("result_unavailable", "the goal ended and the action server did not give its result")
-            self.end(goal, status, error=error, stamp_ns=await self._end_stamps.of(goal.goal_id))
+            self.results.forget(self._ended.popitem(last=False)[0])
 
     # ------------------------------------------------------------------ waiting, and the end
 
@@ -357,8 +284,7 @@ class GoalTracker:
     async def close(self) -> None:
         """Stop waiting for anything."""
         self.release_all()
-        for call in list(self._result_calls.values()):
-            call.forget()
+        self.results.close()
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)

@@ -1,0 +1,149 @@
+"""Results of goals: asked for once, and waited for until they come or the time is up.
+
+Whoever sent a goal, the answer tells how it ended. It is joined with what comes by other ways: when the goal ended, by
+the status topic, and why it was aborted.
+"""
+
+import asyncio
+import contextlib
+from collections.abc import Coroutine, Iterator
+from typing import Any, Protocol
+
+from dock_gateway.errors import Unavailable
+from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
+from dock_gateway.later import Later
+from dock_gateway.ros.actions import ActionPort
+from dock_gateway.ros.bridge import PendingCall
+
+# A goal that the status topic says has ended waits so long for its result.
+RESULT_WAIT = 2.0
+# To ask for a result takes the loop up to a millisecond, in which the sender of a goal can be answered.
+ANSWER_FIRST = 0.005
+# A result waits so long for the status message of the end, whose timestamp is the same at every gateway.
+END_STAMP_WAIT = 0.2
+# Goals that end so have a result, which may come late.
+WITH_RESULT = frozenset({GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED})
+
+
+class Goals(Protocol):
+    """Whose results they are: what an answer means for a goal is done there."""
+
+    def heard(self) -> None:
+        """The action server gave a sign of life."""
+
+    def lose(self, goal: Goal, error: GoalError) -> None:
+        """The action server does not know the goal."""
+
+    def end(
+        self,
+        goal: Goal,
+        status: GoalStatus,
+        *,
+        result: Json | None = None,
+        error: GoalError | None = None,
+        stamp_ns: int | None = None,
+    ) -> None:
+        """The goal ended for good; `stamp_ns` is when the server said so."""
+
+    def spawn(self, work: Coroutine[Any, Any, None]) -> None:
+        """Run something beside."""
+
+
+class Results:
+    """Asks for the results of the goals on one action, and waits for them.
+
+    Args:
+        port: The action.
+        goals: Whose results they are.
+        reasons: Why goals were aborted.
+    """
+
+    def __init__(self, port: ActionPort, goals: Goals, reasons: Later[GoalError]) -> None:
+        self._port = port
+        self._goals = goals
+        self._reasons = reasons
+        self._end_stamps: Later[int] = Later(END_STAMP_WAIT)
+        self._being_sent: set[str] = set()
+        self._calls: dict[str, PendingCall] = {}
+
+    # ------------------------------------------------------------------ asking
+
+    @contextlib.contextmanager
+    def sending(self, goal: Goal) -> Iterator[None]:
+        """While a goal is sent, and until its sender has been answered, its result is not asked for."""
+        self._being_sent.add(goal.goal_id)
+        try:
+            yield
+        finally:
+            asyncio.get_running_loop().call_later(ANSWER_FIRST, self._sent, goal)
+
+    def _sent(self, goal: Goal) -> None:
+        self._being_sent.discard(goal.goal_id)
+        if goal.status is not GoalStatus.PENDING and not goal.status.terminal:
+            self.request(goal)
+
+    def request(self, goal: Goal) -> None:
+        """Ask for the goal's result, once."""
+        if goal.goal_id not in self._calls and goal.goal_id not in self._being_sent:
+            self.request_again(goal)
+
+    def request_again(self, goal: Goal) -> None:
+        """Ask once more: the server may have been restarted, and the first request died with it."""
+        try:
+            call = self._port.request_result(goal.goal_id)
+        except Unavailable:
+            return  # asked again when the server is back
+        self.forget(goal.goal_id)
+        self._calls[goal.goal_id] = call
+        self._goals.spawn(self._await_answer(goal, call))
+
+    # ------------------------------------------------------------------ waiting
+
+    async def _await_answer(self, goal: Goal, call: PendingCall) -> None:
+        try:
+            response = await call.response
+        finally:
+            if self._calls.get(goal.goal_id) is call:
+                del self._calls[goal.goal_id]
+        self._goals.heard()
+        status, result = self._port.read_result(response)
+        if status is None:
+            if not goal.status.terminal:
+                detail = "the action server was restarted and does not know the goal"
+                self._goals.lose(goal, GoalError("action_server_lost", detail))
+            return
+        stamp_ns = await self._end_stamps.of(goal.goal_id)
+        error = None
+        if status is GoalStatus.ABORTED:
+            error = await self._reasons.of(goal.goal_id)
+            error = error or GoalError("goal_aborted", "the action server aborted the goal and did not say why")
+        self._goals.end(goal, status, result=result, error=error, stamp_ns=stamp_ns)
+
+    def expect(self, goal: Goal, status: GoalStatus, stamp_ns: int) -> None:
+        """The server says that the goal has ended: its result is due, and without one it ends when the time is up."""
+        if goal.goal_id not in self._end_stamps:
+            self._end_stamps.put(goal.goal_id, stamp_ns)
+            self._goals.spawn(self._end_without_result(goal, status))
+
+    async def _end_without_result(self, goal: Goal, status: GoalStatus) -> None:
+        await asyncio.sleep(RESULT_WAIT)
+        if not goal.status.final:
+            error = GoalError("result_unavailable", "the goal ended and the action server did not give its result")
+            self._goals.end(goal, status, error=error, stamp_ns=await self._end_stamps.of(goal.goal_id))
+
+    # ------------------------------------------------------------------ the end
+
+    def retire(self, goal: Goal) -> None:
+        """The goal has ended, or is given up: its result is waited for only where it may still come."""
+        if goal.result is not None or goal.status not in WITH_RESULT:
+            self.forget(goal.goal_id)
+
+    def forget(self, goal_id: str) -> None:
+        """Wait for the goal's result no more."""
+        if (call := self._calls.pop(goal_id, None)) is not None:
+            call.forget()
+
+    def close(self) -> None:
+        """Wait for nothing any more."""
+        for call in list(self._calls.values()):
+            call.forget()

@@ -1,0 +1,108 @@
+"""Results come early, late or never. The port is a fake; tests/system has the real one."""
+
+import asyncio
+
+import pytest
+
+from dock_gateway.errors import Unavailable
+from dock_gateway.goals import GoalError, GoalStatus
+from tests.support.tracking import A, B, S, Scene, scene
+
+__all__ = ["scene"]
+
+
+async def test_the_sender_is_answered_before_the_result_is_asked_for(scene: Scene) -> None:
+    goal = scene.send()
+    with scene.tracker.results.sending(goal):
+        scene.status((A, S.EXECUTING))
+        scene.tracker.results.request(goal)
+    assert scene.port.calls == {}
+    await asyncio.sleep(0.03)
+    assert len(scene.port.calls[A]) == 1
+    scene.tracker.results.request(goal)
+    assert len(scene.port.calls[A]) == 1
+
+
+@pytest.mark.parametrize("status", [S.REJECTED, S.LOST, S.PENDING])
+async def test_no_result_is_asked_for_where_there_will_be_none(scene: Scene, status: GoalStatus) -> None:
+    goal = scene.send()
+    with scene.tracker.results.sending(goal):
+        if status is S.REJECTED:
+            scene.tracker.end(goal, S.REJECTED, error=GoalError("goal_rejected", "no"))
+        elif status is S.LOST:
+            scene.tracker.lose(goal, GoalError("action_server_timeout", "no answer"))
+    await asyncio.sleep(0.03)
+    assert scene.port.calls == {}
+    if status is S.LOST:  # and it turns up
+        scene.status((A, S.EXECUTING))
+        assert len(scene.port.calls[A]) == 1
+
+
+async def test_goals_that_ended_before_we_came_get_their_result_too(scene: Scene) -> None:
+    scene.status((A, S.SUCCEEDED), (B, S.ABORTED))
+    await asyncio.sleep(0)
+    scene.port.answer(A, S.SUCCEEDED, b'{"n":9}')
+    await asyncio.sleep(0.2)
+    a, b = await scene.history.get(A), await scene.history.get(B)
+    assert a is not None
+    assert b is not None
+    assert (a.status, a.result, a.error) == (S.SUCCEEDED, b'{"n":9}', None)
+    assert (b.status, b.result) == (S.ABORTED, None)
+    assert b.error == GoalError("result_unavailable", b.error.detail if b.error else "")
+
+
+async def test_a_result_after_the_time_still_counts(scene: Scene) -> None:
+    goal = scene.send()
+    scene.status((A, S.SUCCEEDED))
+    await asyncio.sleep(0.2)
+    assert goal.status is S.SUCCEEDED
+    assert goal.result is None
+    scene.port.answer(A, S.SUCCEEDED, b'{"n":1}')
+    await asyncio.sleep(0.05)
+    assert goal.result == b'{"n":1}'
+    assert (await scene.events())[-2:] == ["result:succeeded", "result:succeeded"]
+
+
+async def test_an_aborted_goal_says_why(scene: Scene) -> None:
+    goal = scene.send()
+    scene.reasons.put(A, GoalError("battery_lost", "no battery for 60 s"))
+    scene.tracker.results.request(goal)
+    await asyncio.sleep(0)
+    scene.port.answer(A, S.ABORTED, b"{}")
+    await asyncio.sleep(0.05)
+    assert goal.error == GoalError("battery_lost", "no battery for 60 s")
+
+
+async def test_a_reason_that_comes_a_moment_later(scene: Scene) -> None:
+    goal = scene.send()
+    scene.tracker.results.request(goal)
+    await asyncio.sleep(0)
+    scene.port.answer(A, S.ABORTED, b"{}")
+    await asyncio.sleep(0.05)
+    scene.reasons.put(A, GoalError("timeout", "took too long"))
+    await asyncio.sleep(0.05)
+    await asyncio.sleep(0.05)
+    assert goal.error == GoalError("timeout", "took too long")
+
+
+async def test_an_unknown_goal_is_lost_only_while_it_runs(scene: Scene) -> None:
+    goal = scene.send()
+    scene.tracker.move(goal, S.EXECUTING)
+    scene.tracker.results.request_again(goal)
+    await asyncio.sleep(0)
+    scene.port.answer(A, None)
+    await asyncio.sleep(0.05)
+    assert goal.status is S.LOST
+    assert goal.error is not None
+    assert "restarted" in goal.error.detail
+
+
+async def test_a_server_that_is_not_there_is_asked_again_later(scene: Scene) -> None:
+    goal = scene.send()
+    scene.tracker.results.request(goal)
+    await asyncio.sleep(0)
+    scene.port.calls[A][-1].response.set_exception(Unavailable("nobody"))
+    await asyncio.sleep(0.05)
+    scene.tracker.results.request(goal)
+    await asyncio.sleep(0)
+    assert len(scene.port.calls[A]) == 2

@@ -1,0 +1,92 @@
+"""Goals on one action, as ROS tells of them: a tracker whose port is a fake."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from datetime import UTC, datetime
+from typing import Any
+
+import orjson
+import pytest
+
+from dock_gateway import results as results_module
+from dock_gateway import tracker as tracker_module
+from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.history import MemoryHistory
+from dock_gateway.hub import Hub, Subscriber
+from dock_gateway.interest import Interest
+from dock_gateway.later import Later
+from dock_gateway.ros.actions import StatusReport
+from dock_gateway.tracker import GoalTracker
+from tests.support.calls import FakeCall
+
+A, B = "aaaaaaaa-0000-4000-8000-000000000000", "bbbbbbbb-0000-4000-8000-000000000000"
+S = GoalStatus
+
+
+class FakePort:
+    """Answers to `request_result` are (status, result) pairs that the test sets."""
+
+    action_name = "/dock"
+    action_type = "pkg/action/Dock"
+
+    def __init__(self) -> None:
+        self.calls: dict[str, list[FakeCall]] = {}
+
+    def request_result(self, goal_id: str) -> FakeCall:
+        call = FakeCall()
+        self.calls.setdefault(goal_id, []).append(call)
+        return call
+
+    def read_result(self, response: Any) -> Any:
+        return response
+
+    def answer(self, goal_id: str, status: GoalStatus | None, result: bytes | None = None) -> None:
+        self.calls[goal_id][-1].response.set_result((status, result))
+
+
+class Scene:
+    def __init__(self) -> None:
+        self.hub = Hub(queue_limit=100, max_subscribers=10)
+        self.history = MemoryHistory(100)
+        self.returned: list[Goal] = []
+        self.port = FakePort()
+        self.reasons: Later[GoalError] = Later(0.1)
+        self.tracker = GoalTracker(self.port, self.hub, self.history, self.reasons)  # type: ignore[arg-type]
+        self.tracker.on_return = self.returned.append
+        self.subscriber: Subscriber = self.hub.subscribe(Interest())
+        self.stamp = 1
+
+    def send(self, goal_id: str = A) -> Goal:
+        goal = Goal(goal_id, "/dock", "pkg/action/Dock", datetime.now(UTC))
+        self.history.record(goal)
+        self.tracker.add(goal)
+        return goal
+
+    def status(self, *reports: tuple[str, GoalStatus]) -> None:
+        self.stamp += 1
+        self.tracker.on_status([StatusReport(goal_id, status, 1) for goal_id, status in reports], self.stamp)
+
+    def feedback(self, number: int, goal_id: str = A) -> None:
+        self.stamp += 1
+        self.tracker.on_feedback(goal_id, b'{"n":%d}' % number, self.stamp)
+
+    async def events(self) -> list[str]:
+        """What subscribers got: `status:executing`, `feedback:1`, `result:succeeded`."""
+        await asyncio.sleep(0.05)
+        described = []
+        for event in (await self.subscriber.take(0.01))[0]:
+            document = orjson.loads(event.data)
+            detail = document["feedback"]["n"] if document["type"] == "feedback" else document["status"]
+            described.append(f"{document['type']}:{detail}")
+        return described
+
+
+@pytest.fixture
+async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
+    monkeypatch.setattr(results_module, "RESULT_WAIT", 0.05)
+    monkeypatch.setattr(results_module, "END_STAMP_WAIT", 0.01)
+    monkeypatch.setattr(tracker_module, "LOOK_UP_PAUSES", ())
+    monkeypatch.setattr(tracker_module, "LOOK_AGAIN_AFTER", 0.02)
+    scene = Scene()
+    yield scene
+    await scene.tracker.close()
