@@ -4,14 +4,12 @@ Runs on the event loop alone and never waits for anybody but the action server.
 """
 
 import asyncio
-import contextlib
 import logging
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from dock_gateway.errors import GatewayError
 from dock_gateway.events import Event, feedback_event, moment, result_event, status_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
 from dock_gateway.history import History
@@ -19,14 +17,10 @@ from dock_gateway.hub import Hub
 from dock_gateway.later import Later
 from dock_gateway.results import Results
 from dock_gateway.ros.actions import ActionPort, StatusReport
+from dock_gateway.senders import Senders
 
 log = logging.getLogger(__name__)
 
-# What is said of a goal that is new to us waits so long for what the history knows of it.
-LOOK_UP_WAIT = 0.5
-# The gateway that sent it may just be storing it: the history is asked again after these pauses, and later once more.
-LOOK_UP_PAUSES = (0.01, 0.03, 0.06)
-LOOK_AGAIN_AFTER = 2.0
 MAX_REMEMBERED = 2000
 MAX_LOST = 100
 
@@ -59,6 +53,7 @@ class GoalTracker:
         self.results = Results(port, self, reasons)
         self._hub = hub
         self._history = history
+        self._senders = Senders(history)
         self._ended: OrderedDict[str, Goal] = OrderedDict()
         self._held: dict[str, list[Callable[[], Event]]] = {}
         self._waiters: dict[str, asyncio.Event] = {}
@@ -126,37 +121,16 @@ class GoalTracker:
         goal = Goal(goal_id, self.port.action_name, self.port.action_type, moment(created_ns), origin="external")
         self.live[goal_id] = goal
         self._held[goal_id] = []
-        self.spawn(self._look_up(goal))
+        self.spawn(self._introduce(goal))
         return goal
 
-    async def _look_up(self, goal: Goal) -> None:
-        with contextlib.suppress(TimeoutError, GatewayError):
-            async with asyncio.timeout(LOOK_UP_WAIT):
-                known = await self._history.get(goal.goal_id)
-                if known is not None:
-                    goal.remember(known)
-                for pause in LOOK_UP_PAUSES:
-                    if goal.origin == "gateway":
-                        break
-                    await asyncio.sleep(pause)
-                    await self._ask_who_sent(goal)
+    async def _introduce(self, goal: Goal) -> None:
+        await self._senders.find(goal)
         log.info("goal %s on %s, origin %s", goal.goal_id, goal.action_name, goal.origin)
         self._history.record(goal)
         for make in self._held.pop(goal.goal_id, []):
             self._hub.publish(make())
-        if goal.origin == "external":
-            self.spawn(self._look_again(goal))
-
-    async def _ask_who_sent(self, goal: Goal) -> None:
-        known = await self._history.get(goal.goal_id)
-        if known is not None:
-            goal.attribute(known)
-
-    async def _look_again(self, goal: Goal) -> None:
-        await asyncio.sleep(LOOK_AGAIN_AFTER)
-        with contextlib.suppress(GatewayError):
-            await self._ask_who_sent(goal)
-        if goal.origin == "gateway" and goal.goal_id in self.live:
+        if goal.origin == "external" and await self._senders.find_late(goal) and goal.goal_id in self.live:
             self._publish_status(goal, time.time_ns())
 
     def take_up(self, goal: Goal) -> None:

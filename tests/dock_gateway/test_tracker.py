@@ -1,13 +1,12 @@
 """Goals as ROS tells of them: in any order, twice, too late. The port is a fake; tests/system has the real one."""
 
 import asyncio
-from datetime import UTC, datetime
 
 import pytest
 
 from dock_gateway import later as later_module
 from dock_gateway import tracker as tracker_module
-from dock_gateway.goals import Goal, GoalError
+from dock_gateway.goals import GoalError
 from tests.support.tracking import A, B, S, Scene, scene
 
 __all__ = ["scene"]
@@ -66,26 +65,6 @@ async def test_progress_is_told_while_the_goal_runs(scene: Scene) -> None:
         "status:aborted",
         "result:aborted",
     ]
-
-
-async def test_a_goal_that_another_gateway_is_just_storing(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tracker_module, "LOOK_UP_PAUSES", (0.01, 5.0))
-    scene.status((B, S.EXECUTING))
-    await asyncio.sleep(0)
-    scene.history.record(Goal(B, "/dock", "pkg/action/Dock", datetime.now(UTC), goal=b'{"n":1}'))
-    assert await scene.events() == ["status:executing"]
-    goal = scene.tracker.live[B]
-    assert (goal.origin, goal.goal) == ("gateway", b'{"n":1}')
-
-
-async def test_a_goal_that_another_gateway_stores_late(scene: Scene) -> None:
-    scene.status((B, S.EXECUTING))
-    await asyncio.sleep(0.001)
-    goal = scene.tracker.live[B]
-    assert goal.origin == "external"
-    scene.history.record(Goal(B, "/dock", "pkg/action/Dock", datetime.now(UTC), goal=b'{"n":1}'))
-    assert await scene.events() == ["status:executing", "status:executing"]
-    assert (goal.origin, goal.goal) == ("gateway", b'{"n":1}')
 
 
 async def test_a_goal_of_someone_else(scene: Scene) -> None:

@@ -9,7 +9,7 @@ import orjson
 import pytest
 
 from dock_gateway import results as results_module
-from dock_gateway import tracker as tracker_module
+from dock_gateway import senders as senders_module
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import MemoryHistory
 from dock_gateway.hub import Hub, Subscriber
@@ -85,8 +85,8 @@ class Scene:
 async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
     monkeypatch.setattr(results_module, "RESULT_WAIT", 0.05)
     monkeypatch.setattr(results_module, "END_STAMP_WAIT", 0.01)
-    monkeypatch.setattr(tracker_module, "LOOK_UP_PAUSES", ())
-    monkeypatch.setattr(tracker_module, "LOOK_AGAIN_AFTER", 0.02)
+    monkeypatch.setattr(senders_module, "LOOK_UP_PAUSES", ())
+    monkeypatch.setattr(senders_module, "LOOK_AGAIN_AFTER", 0.02)
     scene = Scene()
     yield scene
     await scene.tracker.close()
