@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+from collections.abc import Callable
 
 from dock_gateway.errors import GatewayError
 from dock_gateway.goals import Goal
@@ -24,13 +25,18 @@ class Senders:
     def __init__(self, history: History) -> None:
         self._history = history
 
-    async def find(self, goal: Goal) -> None:
-        """Have the goal take over what the history knows of it, which is asked again, for a moment, until it does."""
+    async def find(self, goal: Goal, remember: Callable[[Goal, Goal], None]) -> None:
+        """Have the goal take over what the history knows of it, which is asked again, for a moment, until it does.
+
+        Args:
+            goal: The goal.
+            remember: Called with the goal and what was known of it at once.
+        """
         with contextlib.suppress(TimeoutError, GatewayError):
             async with asyncio.timeout(LOOK_UP_WAIT):
                 known = await self._history.get(goal.goal_id)
                 if known is not None:
-                    goal.remember(known)
+                    remember(goal, known)
                 for pause in LOOK_UP_PAUSES:
                     if goal.origin == "gateway":
                         break

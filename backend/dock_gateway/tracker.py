@@ -8,6 +8,7 @@ import logging
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Coroutine
+from copy import copy
 from typing import Any
 
 from dock_gateway.events import Event, feedback_event, moment, result_event, status_event, utc_now
@@ -23,6 +24,9 @@ log = logging.getLogger(__name__)
 
 MAX_REMEMBERED = 2000
 MAX_LOST = 100
+
+# Makes an event of a goal as it stands, with a timestamp.
+MakeEvent = Callable[[Goal, int], Event]
 
 
 class GoalTracker:
@@ -55,7 +59,7 @@ class GoalTracker:
         self._history = history
         self._senders = Senders(history)
         self._ended: OrderedDict[str, Goal] = OrderedDict()
-        self._held: dict[str, list[Callable[[], Event]]] = {}
+        self._held: dict[str, list[tuple[MakeEvent, Goal, int]]] = {}
         self._waiters: dict[str, asyncio.Event] = {}
         self._goal_heard: dict[str, float] = {}
         self._tasks: set[asyncio.Task[Any]] = set()
@@ -101,7 +105,7 @@ class GoalTracker:
             self.move(goal, GoalStatus.EXECUTING, stamp_ns)
         self._goal_heard[goal_id] = time.monotonic()
         goal.hear(feedback, utc_now())
-        self._publish(goal, lambda: feedback_event(goal, stamp_ns))
+        self._publish(feedback_event, goal, stamp_ns)
 
     def on_progress(self, goal: Goal, stage: str | None, retries: int | None, stamp_ns: int) -> None:
         """What the server says on `/diagnostics` of a goal that runs."""
@@ -125,19 +129,24 @@ class GoalTracker:
         return goal
 
     async def _introduce(self, goal: Goal) -> None:
-        await self._senders.find(goal)
+        await self._senders.find(goal, self._remember)
         log.info("goal %s on %s, origin %s", goal.goal_id, goal.action_name, goal.origin)
+        self._publish_held(goal)
         self._history.record(goal)
-        for make in self._held.pop(goal.goal_id, []):
-            self._hub.publish(make())
         if goal.origin == "external" and await self._senders.find_late(goal) and goal.goal_id in self.live:
             self._publish_status(goal, time.time_ns())
+
+    def _remember(self, goal: Goal, known: Goal) -> None:
+        """Have a goal, and what is held back of it, take over what the history knows."""
+        goal.remember(known)
+        for _, then, _ in self._held.get(goal.goal_id, []):
+            then.remember(known)
 
     def take_up(self, goal: Goal) -> None:
         """Go on with a goal that the history says was running; the server is asked for its outcome."""
         adopted = self.live.get(goal.goal_id)
         if adopted is not None and adopted.origin != goal.origin:  # the history was away when the goal turned up
-            adopted.remember(goal)
+            self._remember(adopted, goal)
             self._publish_status(adopted, time.time_ns())
         elif adopted is None and goal.goal_id not in self._ended:
             self.live[goal.goal_id] = goal
@@ -195,20 +204,27 @@ class GoalTracker:
         if not late_result:
             self._publish_status(goal, stamp_ns)
         if status is not GoalStatus.REJECTED:
-            self._publish(goal, lambda: result_event(goal, stamp_ns))
+            self._publish(result_event, goal, stamp_ns)
         self._history.record(goal)
         self._release(goal)
         self._retire(goal)
 
     def _publish_status(self, goal: Goal, stamp_ns: int) -> None:
-        self._publish(goal, lambda: status_event(goal, stamp_ns))
+        self._publish(status_event, goal, stamp_ns)
 
-    def _publish(self, goal: Goal, make: Callable[[], Event]) -> None:
+    def _publish(self, make: MakeEvent, goal: Goal, stamp_ns: int) -> None:
         held = self._held.get(goal.goal_id)
         if held is None:
-            self._hub.publish(make())
+            self._hub.publish(make(goal, stamp_ns))
         else:
-            held.append(make)
+            held.append((make, copy(goal), stamp_ns))
+
+    def _publish_held(self, goal: Goal) -> None:
+        """Publish what was held back: the goal as it was each time, and as what is known of its sender says now."""
+        for make, then, stamp_ns in self._held.pop(goal.goal_id, []):
+            then.attribute(goal)
+            self._hub.publish(make(then, stamp_ns))
+            goal.last_event_id = then.last_event_id
 
     def _retire(self, goal: Goal) -> None:
         self.live.pop(goal.goal_id, None)

@@ -70,12 +70,15 @@ class Scene:
         self.stamp += 1
         self.tracker.on_feedback(goal_id, b'{"n":%d}' % number, self.stamp)
 
+    async def documents(self) -> list[dict[str, Any]]:
+        """What subscribers got."""
+        await asyncio.sleep(0.05)
+        return [orjson.loads(event.data) for event in (await self.subscriber.take(0.01))[0]]
+
     async def events(self) -> list[str]:
         """What subscribers got: `status:executing`, `feedback:1`, `result:succeeded`."""
-        await asyncio.sleep(0.05)
         described = []
-        for event in (await self.subscriber.take(0.01))[0]:
-            document = orjson.loads(event.data)
+        for document in await self.documents():
             detail = document["feedback"]["n"] if document["type"] == "feedback" else document["status"]
             described.append(f"{document['type']}:{detail}")
         return described
