@@ -101,10 +101,12 @@ class Results:
 
     async def _await_answer(self, goal: Goal, call: PendingCall) -> None:
         try:
-            response = await call.response
-        finally:
+            await self._take_answer(goal, await call.response)
+        finally:  # only now: a status message that comes meanwhile would have it asked for again
             if self._calls.get(goal.goal_id) is call:
                 del self._calls[goal.goal_id]
+
+    async def _take_answer(self, goal: Goal, response: Any) -> None:
         self._goals.heard()
         status, result = self._port.read_result(response)
         if status is None:

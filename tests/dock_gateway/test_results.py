@@ -5,6 +5,7 @@ import asyncio
 import pytest
 
 from dock_gateway.errors import Unavailable
+from dock_gateway.events import time_id
 from dock_gateway.goals import GoalError, GoalStatus
 from tests.support.tracking import A, B, S, Scene, scene
 
@@ -61,6 +62,25 @@ async def test_a_result_after_the_time_still_counts(scene: Scene) -> None:
     await asyncio.sleep(0.05)
     assert goal.result == b'{"n":1}'
     assert (await scene.events())[-2:] == ["result:succeeded", "result:succeeded"]
+
+
+@pytest.mark.parametrize("status", [S.SUCCEEDED, S.ABORTED])
+async def test_a_result_before_the_status_is_not_asked_for_again(scene: Scene, status: GoalStatus) -> None:
+    goal = scene.send()
+    scene.status((A, S.EXECUTING))
+    await asyncio.sleep(0)
+    scene.port.answer(A, status, b'{"n":1}')
+    await asyncio.sleep(0.001)
+    assert goal.status is S.EXECUTING
+    scene.status((A, status))
+    ended_at = scene.stamp
+    await asyncio.sleep(0.001)
+    scene.status((A, status))
+    scene.reasons.put(A, GoalError("timeout", "took too long"))
+    events = await scene.documents()
+    assert (goal.status, goal.result) == (status, b'{"n":1}')
+    assert events[-1]["id"].startswith(time_id(ended_at))
+    assert len(scene.port.calls[A]) == 1
 
 
 async def test_an_aborted_goal_says_why(scene: Scene) -> None:
