@@ -129,10 +129,14 @@ class GoalTracker:
         return goal
 
     async def _introduce(self, goal: Goal) -> None:
-        await self._senders.find(goal, self._remember)
-        log.info("goal %s on %s, origin %s", goal.goal_id, goal.action_name, goal.origin)
-        self._publish_held(goal)
-        self._history.record(goal)
+        try:
+            await self._senders.find(goal, self._remember)
+        except Exception:
+            log.exception("while looking up who sent goal %s", goal.goal_id)
+        finally:
+            log.info("goal %s on %s, origin %s", goal.goal_id, goal.action_name, goal.origin)
+            self._publish_held(goal)
+            self._history.record(goal)
         if goal.origin == "external" and await self._senders.find_late(goal) and goal.goal_id in self.live:
             self._publish_status(goal, time.time_ns())
 

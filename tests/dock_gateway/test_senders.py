@@ -72,3 +72,19 @@ async def test_what_is_held_back_goes_on_from_what_is_known(scene: Scene) -> Non
     states = [event for event in await scene.documents() if event["type"] == "status"]
     assert [(state["feedback_count"], state["stage"]) for state in states] == [(10, "CONTROLLING"), (11, "CONTROLLING")]
     assert scene.tracker.live[B].feedback_count == 11
+
+
+@pytest.mark.parametrize("error", [RuntimeError("broken"), asyncio.CancelledError()])
+async def test_a_look_up_that_fails_holds_nothing_back(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, error: BaseException
+) -> None:
+    async def get(goal_id: str) -> Goal | None:
+        raise error
+
+    monkeypatch.setattr(scene.history, "get", get)
+    scene.status((B, S.EXECUTING))
+    await asyncio.sleep(0.001)
+    scene.feedback(1, B)
+    assert await scene.events() == ["status:executing", "feedback:1"]
+    assert scene.tracker.live[B].origin == "external"
+    assert (f"while looking up who sent goal {B}" in caplog.messages) is isinstance(error, Exception)
