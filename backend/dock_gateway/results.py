@@ -65,6 +65,7 @@ class Results:
         self._end_stamps: Later[int] = Later(END_STAMP_WAIT)
         self._being_sent: set[str] = set()
         self._calls: dict[str, PendingCall] = {}
+        self._closed = False
 
     # ------------------------------------------------------------------ asking
 
@@ -89,6 +90,8 @@ class Results:
 
     def request_again(self, goal: Goal) -> None:
         """Ask once more: the server may have been restarted, and the first request died with it."""
+        if self._closed:
+            return
         try:
             call = self._port.request_result(goal.goal_id)
         except Unavailable:
@@ -146,6 +149,7 @@ class Results:
             call.forget()
 
     def close(self) -> None:
-        """Wait for nothing any more."""
+        """Ask and wait for nothing any more."""
+        self._closed = True
         for call in list(self._calls.values()):
             call.forget()

@@ -24,6 +24,16 @@ async def test_the_sender_is_answered_before_the_result_is_asked_for(scene: Scen
     assert len(scene.port.calls[A]) == 1
 
 
+async def test_nothing_is_asked_for_after_the_end(scene: Scene) -> None:
+    goal = scene.send()
+    with scene.tracker.results.sending(goal):
+        scene.tracker.move(goal, S.ACCEPTED)
+    await scene.tracker.close()
+    await asyncio.sleep(0.03)
+    scene.status((A, S.EXECUTING))
+    assert scene.port.calls == {}
+
+
 @pytest.mark.parametrize("status", [S.REJECTED, S.LOST, S.PENDING])
 async def test_no_result_is_asked_for_where_there_will_be_none(scene: Scene, status: GoalStatus) -> None:
     goal = scene.send()
