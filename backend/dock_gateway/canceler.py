@@ -130,7 +130,7 @@ class Canceler:
         log.warning("canceling goal %s: %s", goal.goal_id, why.detail)
         goal.error = why
         self._insisting.add(goal.goal_id)
-        self._tracker.spawn(self._insist(goal))
+        self._tracker.tasks.spawn(self._insist(goal))
 
     def _insist_on(self, goals: list[Goal]) -> None:
         for goal in goals:

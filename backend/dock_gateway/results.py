@@ -6,7 +6,7 @@ the status topic, and why it was aborted.
 
 import asyncio
 import contextlib
-from collections.abc import Coroutine, Iterator
+from collections.abc import Iterator
 from typing import Any, Protocol
 
 from dock_gateway.errors import Unavailable
@@ -14,6 +14,7 @@ from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
 from dock_gateway.later import Later
 from dock_gateway.ros.actions import ActionPort
 from dock_gateway.ros.bridge import PendingCall
+from dock_gateway.tasks import Tasks
 
 # A goal that the status topic says has ended waits so long for its result.
 RESULT_WAIT = 2.0
@@ -45,9 +46,6 @@ class Goals(Protocol):
     ) -> None:
         """The goal ended for good; `stamp_ns` is when the server said so."""
 
-    def spawn(self, work: Coroutine[Any, Any, None]) -> None:
-        """Run something beside."""
-
 
 class Results:
     """Asks for the results of the goals on one action, and waits for them.
@@ -65,6 +63,7 @@ class Results:
         self._end_stamps: Later[int] = Later(END_STAMP_WAIT)
         self._being_sent: set[str] = set()
         self._calls: dict[str, PendingCall] = {}
+        self._tasks = Tasks("waiting for results")
         self._closed = False
 
     # ------------------------------------------------------------------ asking
@@ -98,7 +97,7 @@ class Results:
             return  # asked again when the server is back
         self.forget(goal.goal_id)
         self._calls[goal.goal_id] = call
-        self._goals.spawn(self._await_answer(goal, call))
+        self._tasks.spawn(self._await_answer(goal, call))
 
     # ------------------------------------------------------------------ waiting
 
@@ -128,7 +127,7 @@ class Results:
         """The server says that the goal has ended: its result is due, and without one it ends when the time is up."""
         if goal.goal_id not in self._end_stamps:
             self._end_stamps.put(goal.goal_id, stamp_ns)
-            self._goals.spawn(self._end_without_result(goal, status))
+            self._tasks.spawn(self._end_without_result(goal, status))
 
     async def _end_without_result(self, goal: Goal, status: GoalStatus) -> None:
         await asyncio.sleep(RESULT_WAIT)
@@ -148,8 +147,9 @@ class Results:
         if (call := self._calls.pop(goal_id, None)) is not None:
             call.forget()
 
-    def close(self) -> None:
+    async def close(self) -> None:
         """Ask and wait for nothing any more."""
         self._closed = True
         for call in list(self._calls.values()):
             call.forget()
+        await self._tasks.close()

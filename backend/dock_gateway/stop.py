@@ -2,7 +2,6 @@
 
 import asyncio
 import logging
-from collections.abc import Coroutine
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,6 +9,7 @@ from dock_gateway.actions import Action, ActionRegistry
 from dock_gateway.errors import GatewayError
 from dock_gateway.interlock import Interlock
 from dock_gateway.robots import Robot, RobotRegistry
+from dock_gateway.tasks import Tasks
 
 log = logging.getLogger(__name__)
 
@@ -47,7 +47,7 @@ class Stopper:
         self._robots = robots
         self._actions = actions
         self._interlock = interlock
-        self._tasks: set[asyncio.Task[Any]] = set()
+        self._tasks = Tasks("stopping")
 
     def state(self, namespace: str | None = None) -> dict[str, Any]:
         """The latch of a robot, the configured one where none is named.
@@ -93,8 +93,8 @@ class Stopper:
             pending.append(self._interlock.latch(name, by))
         for action in targets:
             action.goals.disown_pending()
-        zeros = self._spawn(_publish_zero(stopped))
-        cancels = {action: self._spawn(action.goals.cancel_all()) for action in targets}
+        zeros = self._tasks.spawn(_publish_zero(stopped))
+        cancels = {action: self._tasks.spawn(action.goals.cancel_all()) for action in targets}
         pending += cancels.values()
         if pending:
             await asyncio.wait(pending, timeout=CONFIRM_WITHIN)
@@ -102,7 +102,7 @@ class Stopper:
         # Only now: a server that heard of the latch first would abort its goal, where it is to be canceled.
         if latch:
             await self._interlock.tell(name)
-        again = self._spawn(self._once_more(stopped, list(cancels.values())))
+        again = self._tasks.spawn(self._once_more(stopped, list(cancels.values())))
         if wait > CONFIRM_WITHIN:
             await asyncio.wait([again, *pending], timeout=wait - CONFIRM_WITHIN)
         report = _report(cancels)
@@ -115,22 +115,9 @@ class Stopper:
         await asyncio.gather(*cancels, return_exceptions=True)
         await _publish_zero(robots)
 
-    def _spawn(self, work: Coroutine[Any, Any, Any]) -> "asyncio.Task[Any]":
-        task = asyncio.create_task(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._finished)
-        return task
-
-    def _finished(self, task: "asyncio.Task[Any]") -> None:
-        self._tasks.discard(task)
-        if not task.cancelled() and (error := task.exception()) and not isinstance(error, GatewayError):
-            log.error("while stopping", exc_info=error)
-
     async def close(self) -> None:
         """Wait for nothing any more."""
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self._tasks.close()
 
 
 async def _publish_zero(robots: list[Robot]) -> None:

@@ -7,9 +7,8 @@ import asyncio
 import logging
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Coroutine
+from collections.abc import Callable
 from copy import copy
-from typing import Any
 
 from dock_gateway.events import Event, feedback_event, moment, result_event, status_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
@@ -19,6 +18,7 @@ from dock_gateway.later import Later
 from dock_gateway.results import Results
 from dock_gateway.ros.actions import ActionPort, StatusReport
 from dock_gateway.senders import Senders
+from dock_gateway.tasks import Tasks
 
 log = logging.getLogger(__name__)
 
@@ -45,6 +45,7 @@ class GoalTracker:
         on_end: What is called with a goal that nothing more is expected of.
         last_heard: When the action server gave its last sign of life, on the monotonic clock.
         results: What asks for results, and waits for them.
+        tasks: What goes on beside, until the tracker is closed.
     """
 
     def __init__(self, port: ActionPort, hub: Hub, history: History, reasons: Later[GoalError]) -> None:
@@ -55,6 +56,7 @@ class GoalTracker:
         self.last_heard = time.monotonic()
         self.port = port
         self.results = Results(port, self, reasons)
+        self.tasks = Tasks("tracking goals")
         self._hub = hub
         self._history = history
         self._senders = Senders(history)
@@ -62,7 +64,6 @@ class GoalTracker:
         self._held: dict[str, list[tuple[MakeEvent, Goal, int]]] = {}
         self._waiters: dict[str, asyncio.Event] = {}
         self._goal_heard: dict[str, float] = {}
-        self._tasks: set[asyncio.Task[Any]] = set()
 
     def running(self) -> list[Goal]:
         """The goals that have not ended, oldest first."""
@@ -125,7 +126,7 @@ class GoalTracker:
         goal = Goal(goal_id, self.port.action_name, self.port.action_type, moment(created_ns), origin="external")
         self.live[goal_id] = goal
         self._held[goal_id] = []
-        self.spawn(self._introduce(goal))
+        self.tasks.spawn(self._introduce(goal))
         return goal
 
     async def _introduce(self, goal: Goal) -> None:
@@ -264,21 +265,8 @@ class GoalTracker:
             event.set()
         self._waiters.clear()
 
-    def spawn(self, work: Coroutine[Any, Any, None]) -> None:
-        """Run something beside; what it raises is logged."""
-        task = asyncio.create_task(work)
-        self._tasks.add(task)
-        task.add_done_callback(self._finished)
-
-    def _finished(self, task: "asyncio.Task[Any]") -> None:
-        self._tasks.discard(task)
-        if not task.cancelled() and (error := task.exception()):
-            log.error("while tracking goals", exc_info=error)
-
     async def close(self) -> None:
         """Stop waiting for anything."""
         self.release_all()
-        self.results.close()
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self.results.close()
+        await self.tasks.close()

@@ -1,0 +1,46 @@
+"""Work beside: tasks that end with whoever began them."""
+
+import asyncio
+import logging
+from collections.abc import Coroutine
+from typing import Any, TypeVar
+
+from dock_gateway.errors import GatewayError
+
+log = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+
+class Tasks:
+    """The tasks of one owner, who need not wait for them: what they raise is logged.
+
+    Args:
+        doing: What they do, as the log has it.
+    """
+
+    def __init__(self, doing: str) -> None:
+        self._doing = doing
+        self._running: set[asyncio.Task[Any]] = set()
+
+    def spawn(self, work: Coroutine[Any, Any, T]) -> asyncio.Task[T]:
+        """Run something beside."""
+        task = asyncio.create_task(work)
+        self._running.add(task)
+        task.add_done_callback(self._ended)
+        return task
+
+    def _ended(self, task: "asyncio.Task[Any]") -> None:
+        self._running.discard(task)
+        if task.cancelled() or (error := task.exception()) is None:
+            return
+        if isinstance(error, GatewayError):
+            log.info("while %s: %s", self._doing, error.detail)
+        else:
+            log.error("while %s", self._doing, exc_info=error)
+
+    async def close(self) -> None:
+        """End what runs."""
+        for task in self._running:
+            task.cancel()
+        await asyncio.gather(*self._running, return_exceptions=True)
