@@ -4,7 +4,6 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 
 from dock_gateway.errors import GatewayError, NotFound, Unavailable
@@ -22,6 +21,7 @@ from dock_gateway.ros.graph import Scan
 from dock_gateway.ros.interfaces import install_hint
 from dock_gateway.service import GoalService
 from dock_gateway.settings import Settings
+from dock_gateway.tasks import Tasks
 from dock_gateway.tracker import GoalTracker
 
 log = logging.getLogger(__name__)
@@ -57,13 +57,12 @@ class Action:
         self.tracker = GoalTracker(port, hub, history, reasons)
         self.watch = ServerWatch(self.tracker, settings, tell, ping_idle=pinned)
         self.goals = GoalService(settings, history, self.tracker, self.watch, reasons, interlock=interlock)
-        self._watching = asyncio.create_task(self.watch.run())
+        self._tasks = Tasks(f"looking after {self.name}")
+        self._tasks.spawn(self.watch.run())
 
     async def close(self) -> None:
         """Wait for nothing any more."""
-        self._watching.cancel()
-        with suppress(asyncio.CancelledError):
-            await self._watching
+        await self._tasks.close()
         await self.tracker.close()
 
 

@@ -13,6 +13,7 @@ from dock_gateway.goals import Goal, encode
 from dock_gateway.history import Acknowledgement
 from dock_gateway.hub import Hub
 from dock_gateway.robot_state import RobotState
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -119,5 +120,4 @@ class Alarm:
 
     async def close(self) -> None:
         """Look no more."""
-        self._task.cancel()
-        await asyncio.gather(self._task, return_exceptions=True)
+        await cancel(self._task)

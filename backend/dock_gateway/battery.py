@@ -15,6 +15,7 @@ from dock_gateway.events import message_event, system_event, utc_now
 from dock_gateway.goals import Json, fragment
 from dock_gateway.hub import Hub
 from dock_gateway.ros.topics import BatteryPort
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -171,8 +172,7 @@ class BatteryPublisher:
         task, self._task = self._task, None
         self._publisher = Publisher()
         if task is not None:
-            task.cancel()
-            await asyncio.gather(task, return_exceptions=True)
+            await cancel(task)
 
     async def _run(self, message: Any, period: float, *, stamp: bool) -> None:
         due = time.monotonic() + period

@@ -17,6 +17,7 @@ from dock_gateway.hub import Subscriber
 from dock_gateway.lookout import Lookout
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.echo import EchoPort, EchoType, Heard, Reading
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -87,8 +88,7 @@ class Echo:
     async def close(self) -> None:
         """Listen no more."""
         if self._task is not None:
-            self._task.cancel()
-            await asyncio.gather(self._task, return_exceptions=True)
+            await cancel(self._task)
         if self._port is not None:
             with suppress(GatewayError):  # where the ROS thread is down, nothing is heard anyway
                 await self._bridge.call(self._port.close)

@@ -18,6 +18,7 @@ from dock_gateway.robot_state import RobotState
 from dock_gateway.robots import Robot, RobotRegistry
 from dock_gateway.settings import Settings
 from dock_gateway.simulators import Simulators
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -143,5 +144,4 @@ class Fleet:
 
     async def close(self) -> None:
         """Look no more."""
-        self._task.cancel()
-        await asyncio.gather(self._task, return_exceptions=True)
+        await cancel(self._task)

@@ -33,6 +33,7 @@ from dock_gateway.scenes import Scenes
 from dock_gateway.settings import DockingActions, Settings
 from dock_gateway.simulators import Simulators
 from dock_gateway.stop import Stopper
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -224,9 +225,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             )
         finally:
             hub.close()
-            watching.cancel()
-            with suppress(asyncio.CancelledError):
-                await watching
+            await cancel(watching)
             await fleet.close()
             await alarm.close()
             await outcomes.close()

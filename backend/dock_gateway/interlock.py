@@ -14,6 +14,7 @@ from dock_gateway.events import system_event, utc_now
 from dock_gateway.hub import Hub
 from dock_gateway.latch import Latch, Latches, LatchFile
 from dock_gateway.namespaces import is_under
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -217,9 +218,7 @@ class Interlock:
     async def close(self) -> None:
         """Write what is to be written, where the disk does not hang."""
         self._closing = True
-        for echo in self._echoes.values():
-            echo.cancel()
-        await asyncio.gather(*self._echoes.values(), return_exceptions=True)
+        await cancel(*self._echoes.values())
         if self._written is not None:
             await asyncio.wait([self._written], timeout=CLOSE_WITHIN)
         self._disk.shutdown(wait=False)

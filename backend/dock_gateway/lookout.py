@@ -10,6 +10,7 @@ from dock_gateway.goals import encode
 from dock_gateway.graph import Seen, Topic, graph_document
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Survey, read_topic
+from dock_gateway.tasks import cancel
 
 # Between the beginnings of two looks at the whole graph, in seconds.
 INTERVAL = 1.0
@@ -67,8 +68,7 @@ class Lookout:
     async def close(self) -> None:
         """Look no more."""
         if self._looking is not None:
-            self._looking.cancel()
-            await asyncio.gather(self._looking, return_exceptions=True)
+            await cancel(self._looking)
 
 
 def _view(seen: Seen) -> View:

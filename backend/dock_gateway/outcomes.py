@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from dock_gateway.errors import Unavailable
 from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import History, Wanted
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -81,8 +82,7 @@ class Outcomes:
 
     async def close(self) -> None:
         """Look nothing up any more."""
-        self._task.cancel()
-        await asyncio.gather(self._task, return_exceptions=True)
+        await cancel(self._task)
 
 
 def latest(goals: Iterable[Goal | None]) -> Goal | None:

@@ -9,6 +9,7 @@ from dock_gateway.hub import Hub
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.scene import ScenePort
 from dock_gateway.settings import Settings
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -69,5 +70,4 @@ class Scenes:
 
     async def close(self) -> None:
         """Look no more."""
-        self._task.cancel()
-        await asyncio.gather(self._task, return_exceptions=True)
+        await cancel(self._task)

@@ -14,6 +14,7 @@ from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.simulator import FAULTS, SimulatorPort
 from dock_gateway.scene import Pose
 from dock_gateway.settings import Settings
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -169,8 +170,7 @@ class Simulators:
 
     async def close(self) -> None:
         """Look no more."""
-        self._task.cancel()
-        await asyncio.gather(self._task, return_exceptions=True)
+        await cancel(self._task)
 
 
 def _truth(text: str | None) -> bool | None:

@@ -12,6 +12,13 @@ log = logging.getLogger(__name__)
 T = TypeVar("T")
 
 
+async def cancel(*tasks: "asyncio.Task[Any]") -> None:
+    """Cancel tasks and wait until they have ended, however that may be."""
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
+
+
 class Tasks:
     """The tasks of one owner, who need not wait for them: what they raise is logged.
 
@@ -41,6 +48,4 @@ class Tasks:
 
     async def close(self) -> None:
         """End what runs."""
-        for task in self._running:
-            task.cancel()
-        await asyncio.gather(*self._running, return_exceptions=True)
+        await cancel(*self._running)

@@ -24,6 +24,7 @@ from dock_gateway.gateway import Gateway
 from dock_gateway.goals import encode
 from dock_gateway.hub import Subscriber
 from dock_gateway.interest import Interest
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -165,8 +166,7 @@ class Session:
     async def _unsubscribe(self, identity: str) -> None:
         subscription = self._subscriptions.pop(identity)
         self._gateway.hub.unsubscribe(subscription.subscriber)
-        subscription.pump.cancel()
-        await asyncio.gather(subscription.pump, return_exceptions=True)
+        await cancel(subscription.pump)
 
     async def _answer(self, op: str, identity: str | None, fields: Fields) -> None:
         await self._send(encode({"op": op, "id": identity, **fields}).decode())

@@ -20,6 +20,7 @@ from dock_gateway.errors import GatewayError
 from dock_gateway.events import Event
 from dock_gateway.gateway import Gateway
 from dock_gateway.hub import Subscriber
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -63,9 +64,7 @@ async def until_one_ends(*sides: Coroutine[Any, Any, None]) -> None:
     try:
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
     finally:
-        for task in tasks:
-            task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await cancel(*tasks)
     for task in done:
         error = task.exception()
         if error is not None and not isinstance(error, WebSocketDisconnect | TimeoutError):

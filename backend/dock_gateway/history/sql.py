@@ -27,6 +27,7 @@ from dock_gateway.history.spool import Spool
 from dock_gateway.history.waiting import Waiting
 from dock_gateway.history.wanted import Wanted
 from dock_gateway.history.writer import DATABASE_ERRORS, Writer
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -217,9 +218,7 @@ class SqlHistory:
 
     async def close(self) -> None:
         """Write what waits, for a second at most; the rest is spooled."""
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await cancel(*self._tasks)
         await self._writer.close(CLOSE_TIMEOUT)
         with suppress(*DATABASE_ERRORS):
             async with asyncio.timeout(CLOSE_TIMEOUT):
