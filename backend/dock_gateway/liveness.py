@@ -108,6 +108,11 @@ class ServerWatch:
         except Unavailable:
             return False
 
+    @property
+    def ready(self) -> bool:
+        """Whether a goal sent now would be heard, as far as is known."""
+        return self.state.available and self.state.answering
+
     async def require(self) -> None:
         """Make sure that a goal sent now would be heard.
 
@@ -115,7 +120,7 @@ class ServerWatch:
             Unavailable: No action server appeared in time.
             ServerTimeout: It is there and does not answer.
         """
-        if self.state.available and self.state.answering:
+        if self.ready:
             return
         deadline = time.monotonic() + self._settings.server_wait
         while not await self._tracker.port.available():

@@ -64,6 +64,8 @@ class OpenInterlock:
 
 
 class FakeWatch:
+    ready = True
+
     async def require(self) -> None:
         pass
 

@@ -73,6 +73,8 @@ class ActionPort:
         self.goal_codec = codec(action.Goal)
         self._result_codec = codec(action.Result)
         self._feedback_codec = codec(action.Feedback)
+        # A request is read while it is sent, so that one can be sent again and again: it is costly to make.
+        self._goal_request = self._impl.SendGoalService.Request()
         make = partial(bridge.node.create_client, qos_profile=SERVICE_QOS)
         self._send = make(self._impl.SendGoalService, f"{action_name}/_action/send_goal")
         self._result = make(self._impl.GetResultService, f"{action_name}/_action/get_result")
@@ -126,7 +128,8 @@ class ActionPort:
 
     def send(self, goal_id: str, goal: Any) -> PendingCall:
         """Send a goal; the response says whether it was accepted."""
-        return self._bridge.request(self._send, self._impl.SendGoalService.Request(goal_id=to_ros(goal_id), goal=goal))
+        self._goal_request.goal_id, self._goal_request.goal = to_ros(goal_id), goal
+        return self._bridge.request(self._send, self._goal_request)
 
     def request_result(self, goal_id: str) -> PendingCall:
         """Ask for a goal's result; it is answered when the goal has ended, at once where the goal is unknown."""

@@ -1,0 +1,248 @@
+"""A goal's way to the action server: sent, kept, and what the server answered. Keeps every deadline."""
+
+import asyncio
+import time
+import uuid
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any
+
+from dock_gateway.canceler import TOO_LATE, Canceler
+from dock_gateway.errors import Conflict, GatewayError, ServerTimeout, TooManyRequests, Unavailable
+from dock_gateway.events import utc_now
+from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.history import History
+from dock_gateway.interlock import Interlock
+from dock_gateway.later import Later
+from dock_gateway.liveness import ServerWatch
+from dock_gateway.ros.bridge import PendingCall
+from dock_gateway.settings import Settings
+from dock_gateway.tracker import GoalTracker
+
+# What an action server may say by these names, all else being `goal_rejected`.
+KNOWN_REJECTIONS = ("dock_busy", "stop_latched")
+STOPPED_ON_ITS_WAY = "a stop was asked for while the goal was on its way, so it was not sent"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """An idempotency key, and how a goal takes it: what became of the goal that has it already, if there is one."""
+
+    key: str
+    take: Callable[[Goal], Awaitable[Goal | None]]
+
+
+@dataclass(frozen=True)
+class Sent:
+    """A goal that is on its way, and is being kept."""
+
+    goal: Goal
+    call: PendingCall
+    keeping: "asyncio.Task[None]"
+
+
+class Delivery:
+    """Delivers the goals of one action."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        history: History,
+        tracker: GoalTracker,
+        watch: ServerWatch,
+        reasons: Later[GoalError],
+        *,
+        interlock: Interlock,
+        canceler: Canceler,
+    ) -> None:
+        self._settings = settings
+        self._history = history
+        self._tracker = tracker
+        self._watch = watch
+        self._reasons = reasons
+        self._interlock = interlock
+        self._canceler = canceler
+        self._stops = 0
+        self._tasks: set[asyncio.Task[Goal]] = set()
+
+    def stop(self) -> None:
+        """What is on its way to be sent must not be sent any more."""
+        self._stops += 1
+
+    def start(self, message: Any, claim: Claim | None) -> "asyncio.Task[Goal]":
+        """Deliver a goal in a task of its own, which goes on when the client goes away.
+
+        Raises:
+            Conflict: A stop is latched (`stop_latched`); by the task, too, which also raises it where a stop was asked
+                for meanwhile (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
+            Unavailable: There is no action server; by the task, too.
+            ServerTimeout: By the task: the server did not answer in time. Should it accept the goal later, the goal is
+                canceled at once.
+            TooManyRequests: Too many goals wait for an answer.
+        """
+        if len(self._tasks) >= self._settings.max_pending_goals:
+            raise TooManyRequests(f"{len(self._tasks)} goals are waiting for the action server's answer already")
+        self._interlock.require_released(self._tracker.port.action_name)
+        deadline = time.monotonic() + self._settings.accept_timeout
+        sent = None if claim else self._send_at_once(message)
+        if sent is None:
+            work = self._send_with_care(message, claim, deadline, self._stops)
+        else:
+            work = self._see_through(sent, deadline)
+        task = asyncio.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+    # ------------------------------------------------------------------ sending
+
+    def _send_at_once(self, message: Any) -> Sent | None:
+        """Send a goal that nothing has to be waited for; None where something has to.
+
+        It is on its way before anything else is done: that can be done while the server thinks about it.
+        """
+        if not (self._watch.ready and self._history.stats().database_reachable):
+            return None
+        goal = self._new_goal()
+        try:
+            call = self._tracker.port.send(goal.goal_id, message)
+        except GatewayError:
+            return None
+        goal.goal = self._tracker.port.encode_goal(message)
+        keeping = asyncio.create_task(self._history.add(goal))
+        self._tracker.add(goal)
+        return Sent(goal, call, keeping)
+
+    async def _send_with_care(self, message: Any, claim: Claim | None, deadline: float, stops: int) -> Goal:
+        """Send a goal once there is a server, and what must be on the disk before is there."""
+        port = self._tracker.port
+        await self._watch.require()
+        goal = self._new_goal()
+        goal.goal = port.encode_goal(message)
+        if claim is not None and (first := await claim.take(goal)):
+            return first
+        keeping = asyncio.create_task(self._history.add(goal, claim.key if claim else None))
+        if claim is not None or not self._history.stats().database_reachable:
+            await keeping
+        self._tracker.add(goal)
+        try:
+            call = self._send_unless_stopped(goal, message, stops)
+        except GatewayError as error:
+            self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
+            await self._see_kept(goal, keeping)
+            raise
+        return await self._see_through(Sent(goal, call, keeping), deadline)
+
+    def _send_unless_stopped(self, goal: Goal, message: Any, stops: int) -> PendingCall:
+        if self._stops != stops or self._interlock.holds(goal.action_name):
+            raise Conflict(STOPPED_ON_ITS_WAY, code="stopped", goal_id=goal.goal_id)
+        return self._tracker.port.send(goal.goal_id, message)
+
+    def _new_goal(self) -> Goal:
+        port = self._tracker.port
+        return Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now())
+
+    # ------------------------------------------------------------------ the answer
+
+    async def _see_through(self, sent: Sent, deadline: float) -> Goal:
+        """Wait until the goal is answered and kept."""
+        with self._tracker.results.sending(sent.goal):
+            try:
+                await self._take_answer(sent.goal, sent.call, deadline)
+            finally:
+                await self._see_kept(sent.goal, sent.keeping)
+        return outcome(sent.goal)
+
+    async def _take_answer(self, goal: Goal, call: PendingCall, deadline: float) -> None:
+        try:
+            async with asyncio.timeout(max(0.1, deadline - time.monotonic())):
+                response = await asyncio.shield(call.response)
+        except TimeoutError:
+            self._give_up(goal, call)
+            return
+        except GatewayError as error:
+            self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
+            raise
+        self._tracker.heard()
+        if response.accepted:
+            self._accept(goal, response)
+        else:
+            await self._reject(goal)
+
+    async def _see_kept(self, goal: Goal, keeping: "asyncio.Task[None]") -> None:
+        """Wait until the goal is safe, which took place beside its delivery; one that cannot be kept must not run."""
+        try:
+            await keeping
+        except GatewayError as error:
+            if not goal.status.final:
+                self._canceler.disown(goal, GoalError(error.code, error.detail))
+            if not goal.status.terminal:
+                self._canceler.turned_up(goal)
+            raise
+
+    def _accept(self, goal: Goal, response: Any) -> None:
+        self._tracker.move(goal, GoalStatus.ACCEPTED, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
+        self._tracker.results.request(goal)
+        self._canceler.turned_up(goal)
+
+    async def _reject(self, goal: Goal) -> None:
+        busy_with = self._busy_with(goal)
+        reason = await self._reasons.of(goal.goal_id)
+        if reason is not None:
+            code = reason.code if reason.code in KNOWN_REJECTIONS else "goal_rejected"
+            error = GoalError(code, reason.detail)
+        elif busy_with is not None:
+            error = GoalError("dock_busy", f"goal {busy_with} is running; cancel it first")
+        else:
+            error = GoalError("goal_rejected", "the action server rejected the goal and did not say why")
+        self._tracker.end(goal, GoalStatus.REJECTED, error=error)
+
+    def _busy_with(self, goal: Goal) -> str | None:
+        return next(
+            (
+                other.goal_id
+                for other in self._tracker.running()
+                if other is not goal and other.status is not GoalStatus.PENDING
+            ),
+            None,
+        )
+
+    def _give_up(self, goal: Goal, call: PendingCall) -> None:
+        self._canceler.disown(goal, TOO_LATE)
+        detail = f"the action server did not accept or reject the goal within {self._settings.accept_timeout:g} s"
+        self._tracker.lose(goal, GoalError("action_server_timeout", detail))
+
+        def answered(response: "asyncio.Future[Any]") -> None:
+            if response.cancelled() or response.exception():
+                return
+            self._tracker.heard()
+            if response.result().accepted:
+                self._accept(goal, response.result())
+            else:
+                self._tracker.end(goal, GoalStatus.REJECTED, error=goal.error)
+
+        call.response.add_done_callback(answered)
+
+
+# What the sender of a goal is told when it did not even start, by the code of the goal's error.
+_REFUSALS: dict[str, type[GatewayError]] = {
+    "action_server_unavailable": Unavailable,
+    "ros_unavailable": Unavailable,
+    "action_server_timeout": ServerTimeout,
+}
+
+
+def outcome(goal: Goal) -> Goal:
+    """The goal, or the error that the sender of it gets: the same one for each retry with the same key.
+
+    Raises:
+        Conflict: The goal was rejected.
+        Unavailable: It could not be sent.
+        ServerTimeout: It was not answered.
+    """
+    error = goal.error
+    gave_up = error is not None and goal.status is GoalStatus.LOST and error.code == ServerTimeout.code
+    if error is None or not (goal.status is GoalStatus.REJECTED or gave_up):
+        return goal
+    refusal = _REFUSALS.get(error.code, Conflict)
+    raise refusal(error.detail, code=error.code, goal_id=goal.goal_id)
