@@ -47,6 +47,10 @@ class Verb:
     action_of: Callable[[Gateway, str | None], Awaitable[Action]]
     prefix: str = ""
 
+    async def send_goal(self, request: Request, gateway: Gateway, robot: str | None = None) -> Response:
+        """Send the goal in the body of a request."""
+        return await goals.send_goal(request, await self.action_of(gateway, robot), f"/{self.name}", self.default)
+
 
 WAITING = "`Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent."
 DOCK = Verb(
@@ -83,7 +87,7 @@ def goal_routes(verb: Verb) -> APIRouter:
         dependencies=[Depends(known_query("robot"))],
     )
     async def send_goal(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
-        return await goals.send_goal(request, await verb.action_of(gateway, robot), f"/{verb.name}", verb.default)
+        return await verb.send_goal(request, gateway, robot)
 
     @router.get(
         "",

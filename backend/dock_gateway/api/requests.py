@@ -59,19 +59,7 @@ async def read_json(request: Request, *, empty: Any = None, within: float | None
         InvalidField: There is none, and nothing that it would mean.
         MalformedRequest: It is not JSON, too large, too slow, not all there, or says that it is something else.
     """
-    settings = get_gateway(request).settings
-    timeout = settings.body_timeout if within is None else min(within, settings.body_timeout)
-    try:
-        async with asyncio.timeout(timeout):
-            raw = await _read(request, settings.max_body_bytes)
-    except TimeoutError:
-        raise MalformedRequest(
-            f"the body did not arrive within {timeout:g} s",
-            code="request_timeout",
-            status=HTTPStatus.REQUEST_TIMEOUT,
-        ) from None
-    except ClientDisconnect:
-        raise MalformedRequest("the body was cut off") from None
+    raw = b"" if request.headers.get("content-length") == "0" else await _read_in_time(request, within)
     if not raw:
         if empty is None:
             raise InvalidField([FieldError("", "an object, {} for the defaults", "got no body")])
@@ -87,6 +75,22 @@ async def read_json(request: Request, *, empty: Any = None, within: float | None
         return orjson.loads(raw)
     except orjson.JSONDecodeError as error:
         raise MalformedRequest(f"the body is not JSON: {error}") from None
+
+
+async def _read_in_time(request: Request, within: float | None) -> bytes:
+    settings = get_gateway(request).settings
+    timeout = settings.body_timeout if within is None else min(within, settings.body_timeout)
+    try:
+        async with asyncio.timeout(timeout):
+            return await _read(request, settings.max_body_bytes)
+    except TimeoutError:
+        raise MalformedRequest(
+            f"the body did not arrive within {timeout:g} s",
+            code="request_timeout",
+            status=HTTPStatus.REQUEST_TIMEOUT,
+        ) from None
+    except ClientDisconnect:
+        raise MalformedRequest("the body was cut off") from None
 
 
 async def _read(request: Request, limit: int) -> bytes:
