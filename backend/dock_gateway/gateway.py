@@ -187,9 +187,6 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             )
         )
         await robots.open(robots.default_namespace)
-        knows_all = await _expect_unfinished(actions, history)
-        if not knows_all:
-            actions.expect(await history.unfinished())
         names = settings.docking_actions()
         dock = await actions.open(names.dock, settings.dock_action_type, pinned=True)
         undock = await actions.open(names.undock, settings.undock_action_type, pinned=True)
@@ -205,7 +202,8 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             alarm=alarm,
         )
         absences = Absences(robots, actions, interlock, forget_after=settings.forget_robot_after)
-        watching = asyncio.create_task(_watch_graph(bridge, actions, robots, absences, None if knows_all else history))
+        watching = asyncio.create_task(_watch_graph(bridge, actions, robots, absences))
+        taking_up = asyncio.create_task(_take_up_unfinished(actions, history))
         try:
             yield Gateway(
                 settings,
@@ -225,7 +223,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             )
         finally:
             hub.close()
-            await cancel(watching)
+            await cancel(watching, taking_up)
             await fleet.close()
             await alarm.close()
             await outcomes.close()
@@ -241,8 +239,19 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         await asyncio.to_thread(bridge.close)
 
 
-async def _expect_unfinished(actions: ActionRegistry, history: History) -> bool:
-    """Expect the goals that ran when the gateway ended; whether the history could say which."""
+async def _take_up_unfinished(actions: ActionRegistry, history: History) -> None:
+    """Take up the goals that ran when the gateway ended; those in a database that is away, once it is back."""
+    await history.opened()
+    try:
+        while not await _expect_all(actions, history):
+            actions.expect(await history.unfinished())
+            await asyncio.sleep(SCAN_INTERVAL)
+    except Exception:
+        log.exception("while taking up the goals of before")
+
+
+async def _expect_all(actions: ActionRegistry, history: History) -> bool:
+    """Expect the goals that ran when the gateway ended; False where the history cannot say which."""
     try:
         actions.expect(await history.unfinished(complete=True))
     except Unavailable:
@@ -250,14 +259,10 @@ async def _expect_unfinished(actions: ActionRegistry, history: History) -> bool:
     return True
 
 
-async def _watch_graph(
-    bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, absences: Absences, unread: History | None
-) -> None:
-    """See who comes and goes; and read the history, where it was `unread` at the start, once it is back."""
+async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, absences: Absences) -> None:
+    """See who comes and goes."""
     while True:
         try:
-            if unread is not None and await _expect_unfinished(actions, unread):
-                unread = None
             found = await bridge.call(lambda: scan(bridge.node))
             await actions.update(found)
             await robots.update(found)

@@ -32,10 +32,11 @@ class Senders:
             goal: The goal.
             remember: Called with the goal and what was known of it at once.
         """
+        await self._history.opened()
         with contextlib.suppress(TimeoutError, GatewayError):
             async with asyncio.timeout(LOOK_UP_WAIT):
                 known = await self._history.get(goal.goal_id)
-                if known is not None:
+                if known is not None and goal.origin != "gateway":
                     remember(goal, known)
                 for pause in LOOK_UP_PAUSES:
                     if goal.origin == "gateway":

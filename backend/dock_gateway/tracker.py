@@ -112,7 +112,7 @@ class GoalTracker:
         """What the server says on `/diagnostics` of a goal that runs."""
         if not goal.status.terminal and goal.progress(stage, retries, utc_now()):
             self._publish_status(goal, stamp_ns)
-            self._history.record(goal)
+            self._record(goal)
 
     # ------------------------------------------------------------------ goals
 
@@ -165,7 +165,7 @@ class GoalTracker:
         if not goal.advance(status, utc_now()):
             return
         self._publish_status(goal, stamp_ns or time.time_ns())
-        self._history.record(goal)
+        self._record(goal)
         if was_lost:
             log.info("goal %s is back", goal.goal_id)
             self.on_return(goal)
@@ -183,7 +183,7 @@ class GoalTracker:
         goal.error = error
         log.warning("goal %s is lost: %s", goal.goal_id, error.detail)
         self._publish_status(goal, time.time_ns())
-        self._history.record(goal)
+        self._record(goal)
         self._release(goal)
         lost = [other for other in self.live.values() if other.status is GoalStatus.LOST]
         for oldest in lost[:-MAX_LOST]:
@@ -210,7 +210,7 @@ class GoalTracker:
             self._publish_status(goal, stamp_ns)
         if status is not GoalStatus.REJECTED:
             self._publish(result_event, goal, stamp_ns)
-        self._history.record(goal)
+        self._record(goal)
         self._release(goal)
         self._retire(goal)
 
@@ -223,6 +223,11 @@ class GoalTracker:
             self._hub.publish(make(goal, stamp_ns))
         else:
             held.append((make, copy(goal), stamp_ns))
+
+    def _record(self, goal: Goal) -> None:
+        """Keep what is new about a goal; not before it is known who sent it, which is looked up in what is kept."""
+        if goal.goal_id not in self._held:
+            self._history.record(goal)
 
     def _publish_held(self, goal: Goal) -> None:
         """Publish what was held back: the goal as it was each time, and as what is known of its sender says now."""

@@ -14,6 +14,7 @@ from dock_gateway.errors import Unavailable
 from dock_gateway.events import Event, message_event
 from dock_gateway.history import battery_store, reader
 from dock_gateway.history.buckets import FIELDS, BatterySpan, Bucket
+from dock_gateway.history.spool import Spool
 from dock_gateway.history.sql import SqlHistory
 from tests.support.history import START_NS, make_event, open_at, open_place, settled, written
 
@@ -147,6 +148,6 @@ async def test_what_takes_too_long_does_not_stop_the_rest(
 
 
 async def test_a_database_that_is_away_is_said_to_be(sqlite_url: str, tmp_path: Path) -> None:
-    history = SqlHistory(sqlite_url, tmp_path / "spool", max_waiting=10, max_age=1, max_bytes=1)
+    history = SqlHistory(sqlite_url, Spool(tmp_path / "spool"), max_waiting=10, max_age=1, max_bytes=1)
     with pytest.raises(Unavailable, match="does not answer"):
         await history.battery(span(0, 10))

@@ -17,6 +17,7 @@ from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import Wanted, store
 from dock_gateway.history.insertion import Insertion
 from dock_gateway.history.rows import Row
+from dock_gateway.history.spool import Spool
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.sqlite import SqliteDatabase
 from tests.support.history import EVERYTHING, make_event, make_goal, open_at, timed, until, written
@@ -253,7 +254,7 @@ async def test_a_goal_that_nothing_takes_is_refused(sqlite_url: str, tmp_path: P
         pass
     (tmp_path / "spool").touch()
     with locked(f"{tmp_path}/history.db"):
-        history = SqlHistory(sqlite_url, tmp_path / "spool", max_waiting=10, max_age=1, max_bytes=1)
+        history = SqlHistory(sqlite_url, Spool(tmp_path / "spool"), max_waiting=10, max_age=1, max_bytes=1)
         await history.open()
         with pytest.raises(Unavailable, match="must not run"):
             await history.add(make_goal(1))

@@ -71,12 +71,12 @@ async def test_a_goal_of_someone_else(scene: Scene) -> None:
     scene.status((B, S.EXECUTING))
     goal = scene.tracker.live[B]
     assert (goal.origin, goal.goal) == ("external", None)
-    kept = await scene.history.get(B)
-    assert kept is not None
-    assert kept.origin == "external"
     await asyncio.sleep(0)
     scene.port.answer(B, S.CANCELED, b'{"n":0}')
     assert await scene.events() == ["status:executing", "status:canceled", "result:canceled"]
+    kept = await scene.history.get(B)
+    assert kept is not None
+    assert (kept.origin, kept.status) == ("external", S.CANCELED)
 
 
 async def test_lost_and_back(scene: Scene) -> None:

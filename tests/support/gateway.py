@@ -72,6 +72,16 @@ class RunningGateway:
         answer: dict[str, Any] = self.http.get(f"/dock/{goal_id}").raise_for_status().json()
         return answer
 
+    def wait_until_stored(self, timeout: float = 20.0) -> None:
+        """Wait until the database has been opened and has taken over what is in the spool."""
+        deadline = time.monotonic() + timeout
+        while True:
+            history = self.http.get("/readyz").json()["history"]
+            if history["database_reachable"] and not history["spooled"]:
+                return
+            assert time.monotonic() < deadline, history
+            time.sleep(0.02)
+
     def wait_for_goal(self, goal_id: str, *statuses: str, timeout: float = 20.0) -> dict[str, Any]:
         """Poll a goal until it has one of these states."""
         deadline = time.monotonic() + timeout

@@ -12,6 +12,7 @@ from typing import Any
 from dock_gateway.events import Event, event_id
 from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import History, MemoryHistory, Wanted
+from dock_gateway.history.spool import Spool
 from dock_gateway.history.sql import SqlHistory
 
 NOW = datetime(2026, 11, 21, tzinfo=UTC)
@@ -42,7 +43,7 @@ async def open_at(
     url: str, folder: Path, *, max_waiting: int = 1000, max_age: float = 3600.0, max_bytes: int = 10**9
 ) -> AsyncIterator[SqlHistory]:
     """A history, closed in the end."""
-    history = SqlHistory(url, folder / "spool", max_waiting=max_waiting, max_age=max_age, max_bytes=max_bytes)
+    history = SqlHistory(url, Spool(folder / "spool"), max_waiting=max_waiting, max_age=max_age, max_bytes=max_bytes)
     await history.open()
     try:
         yield history

@@ -16,8 +16,14 @@ pytestmark = pytest.mark.ros
 
 
 @pytest.fixture
-def database(tmp_path: Path) -> str:
-    return f"sqlite:///{tmp_path / 'history.sqlite3'}"
+def database(tmp_path: Path) -> Path:
+    return tmp_path / "history.sqlite3"
+
+
+@pytest.fixture
+def kept(database: Path, tmp_path: Path) -> dict[str, str]:
+    """Where one gateway after the other keeps its goals."""
+    return {"database_url": f"sqlite:///{database}", "spool_path": str(tmp_path / "spool")}
 
 
 def kill(gateway: RunningGateway) -> None:
@@ -31,16 +37,16 @@ def battery(domain: int, status: int) -> Process:
     return Process(str(BIN / "python"), *command, env=ros_environment(domain))
 
 
-def test_a_running_goal_is_taken_up_streams_and_ends(domain: int, database: str) -> None:
+def test_a_running_goal_is_taken_up_streams_and_ends(domain: int, kept: dict[str, str]) -> None:
     with running_dock_server(domain), battery(domain, 3) as low:
-        with running_gateway(domain, database_url=database) as first:
+        with running_gateway(domain, **kept) as first:
             first.wait_until_ready()
             headers = {"Idempotency-Key": "dock-once"}
             sent = first.http.post("/dock", json={"desired_battery_state": CHARGING}, headers=headers).json()
             with first.stream(f"?goal_id={sent['goal_id']}") as stream:
                 last = stream.until_type("feedback")["id"]
             kill(first)
-        with running_gateway(domain, database_url=database) as second:
+        with running_gateway(domain, **kept) as second:
             started = time.monotonic()
             goal = second.goal(sent["goal_id"])
             assert (goal["origin"], goal["goal"]) == ("gateway", sent["goal"])
@@ -61,16 +67,16 @@ def test_a_running_goal_is_taken_up_streams_and_ends(domain: int, database: str)
             assert (goal["status"], goal["result"]["final_battery_state"]["power_supply_status"]) == ("succeeded", 1)
 
 
-def test_goals_that_ended_meanwhile_get_their_result(domain: int, database: str) -> None:
+def test_goals_that_ended_meanwhile_get_their_result(domain: int, kept: dict[str, str]) -> None:
     with running_dock_server(domain):
-        with running_gateway(domain, database_url=database) as first, battery(domain, 3):
+        with running_gateway(domain, **kept) as first, battery(domain, 3):
             first.wait_until_ready()
             goal_id = first.http.post("/dock").json()["goal_id"]
             first.wait_for_goal(goal_id, "executing")
             kill(first)
         with battery(domain, 1), ros_observer(domain) as observer:
             wait_for_status(observer, 4)
-        with running_gateway(domain, database_url=database) as second:
+        with running_gateway(domain, **kept) as second:
             goal = second.wait_for_goal(goal_id, "succeeded")
             assert goal["result"]["final_battery_state"]["power_supply_status"] == 1
 
@@ -84,8 +90,8 @@ def wait_for_status(observer: Observer, status: int) -> None:
     recording.wait_for(lambda message: any(entry.status == status for entry in message.status_list))
 
 
-def test_goals_whose_server_has_gone_are_lost_not_forgotten(domain: int, database: str) -> None:
-    with running_gateway(domain, database_url=database) as first, running_dock_server(domain) as server:
+def test_goals_whose_server_has_gone_are_lost_not_forgotten(domain: int, kept: dict[str, str]) -> None:
+    with running_gateway(domain, **kept) as first, running_dock_server(domain) as server:
         first.wait_until_ready()
         first.publish(LOW)
         goal_id = first.http.post("/dock").json()["goal_id"]
@@ -93,7 +99,7 @@ def test_goals_whose_server_has_gone_are_lost_not_forgotten(domain: int, databas
         kill(first)
         server.send_signal(signal.SIGKILL)
         server.wait()
-    with running_gateway(domain, database_url=database) as second:
+    with running_gateway(domain, **kept) as second:
         assert second.goal(goal_id)["origin"] == "gateway"
         goal = second.wait_for_goal(goal_id, "lost", timeout=30)
         assert goal["error"]["code"] == "action_server_lost"
@@ -104,20 +110,23 @@ def test_goals_whose_server_has_gone_are_lost_not_forgotten(domain: int, databas
 
 
 @pytest.mark.parametrize("served", [True, False])
-def test_goals_are_taken_up_when_the_database_is_back(domain: int, database: str, served: bool) -> None:
+def test_goals_are_taken_up_when_the_database_is_back(
+    domain: int, kept: dict[str, str], database: Path, served: bool
+) -> None:
     """It was away when the gateway started, so that nobody knew of them, or whose they were."""
     with running_dock_server(domain) as server, battery(domain, 3):
-        with running_gateway(domain, database_url=database) as first:
+        with running_gateway(domain, **kept) as first:
             first.wait_until_ready()
             goal_id = first.http.post("/dock").json()["goal_id"]
             first.wait_for_goal(goal_id, "executing")
+            first.wait_until_stored()
             kill(first)
         if not served:
             server.send_signal(signal.SIGKILL)
             server.wait()
-        with closing(sqlite3.connect(database.removeprefix("sqlite:///"), isolation_level=None)) as other:
+        with closing(sqlite3.connect(database, isolation_level=None)) as other:
             other.execute("BEGIN EXCLUSIVE")
-            with running_gateway(domain, database_url=database) as second:
+            with running_gateway(domain, **kept) as second:
 
                 def origin() -> str | None:
                     origin: str | None = second.http.get(f"/dock/{goal_id}").json().get("origin")
@@ -137,9 +146,9 @@ def test_goals_are_taken_up_when_the_database_is_back(domain: int, database: str
                 second.wait_for_goal(goal_id, "executing" if served else "lost", timeout=30)
 
 
-def test_a_goal_that_was_never_sent_does_not_use_up_its_key(domain: int, database: str) -> None:
+def test_a_goal_that_was_never_sent_does_not_use_up_its_key(domain: int, kept: dict[str, str]) -> None:
     # The gateway does not look whether the server is there while this goes on: it finds out as it sends the goal.
-    patient = {"ping_interval": "60", "stalled_after": "120", "lost_after": "240", "database_url": database}
+    patient = {"ping_interval": "60", "stalled_after": "120", "lost_after": "240", **kept}
     headers = {"Idempotency-Key": "once"}
     with running_gateway(domain, **patient) as gateway:
         with running_dock_server(domain):

@@ -8,6 +8,7 @@ import sqlalchemy as sa
 from sqlalchemy.ext.asyncio import AsyncEngine, create_async_engine
 
 from dock_gateway.history.database import CONNECT_TIMEOUT, READERS, WRITERS, Database, T, Ts
+from dock_gateway.history.tables import prepare_for
 
 STATEMENT_TIMEOUT = 10.0
 
@@ -21,6 +22,7 @@ class PostgresqlDatabase(Database):
 
     def __init__(self, url: str) -> None:
         super().__init__()
+        prepare_for("postgresql")
         self._url = url
         self._writer = self._engine(WRITERS)
         self._reader = self._engine(READERS)

@@ -72,6 +72,9 @@ class History(Protocol):
     def acknowledgements(self) -> AcknowledgementStore:
         """Who has acknowledged which alert."""
 
+    async def opened(self) -> None:
+        """Come back when it can be asked without a wait; it may be loaded later than what it keeps comes in."""
+
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
         """Keep a new goal; it is safe once this returns: committed, or on this machine's disk.
 

@@ -42,15 +42,15 @@ class SqlHistory:
 
     Args:
         url: `sqlite:///path` or `postgresql://…`.
-        spool: The folder of the spool.
+        spool: For when the database does not answer.
         max_waiting: So many events, and so many goals, may wait in memory.
         max_age: Seconds that feedback and battery events are kept.
         max_bytes: How much of them is kept.
     """
 
-    def __init__(self, url: str, spool: Path, *, max_waiting: int, max_age: float, max_bytes: int) -> None:
+    def __init__(self, url: str, spool: Spool, *, max_waiting: int, max_age: float, max_bytes: int) -> None:
         self._database = open_database(url)
-        self._spool = Spool(spool)
+        self._spool = spool
         self._waiting = Waiting(max_waiting)
         self._writer = Writer(self._database, self._spool, self._waiting)
         self._keys: dict[str, Key] = {}
@@ -72,6 +72,9 @@ class SqlHistory:
         for key in self._waiting.keys.values():
             self._keys.setdefault(key.key, key)
         self._tasks = [asyncio.create_task(self.retention.run())]
+
+    async def opened(self) -> None:
+        """It can be asked since `open` has come back."""
 
     # ------------------------------------------------------------------ write
 

@@ -16,7 +16,7 @@ from sqlalchemy.engine.interfaces import DBAPIConnection
 from dock_gateway.history.database import CONNECT_TIMEOUT, READERS, WRITERS, Database, T, Ts
 from dock_gateway.history.insertion import Insertion
 from dock_gateway.history.rows import Row
-from dock_gateway.history.tables import goals
+from dock_gateway.history.tables import goals, prepare_for
 
 # How long another process may hold the lock before a statement fails, to be tried again
 BUSY_MS = 500
@@ -33,6 +33,7 @@ class SqliteDatabase(Database):
 
     def __init__(self, path: Path) -> None:
         super().__init__()
+        prepare_for("sqlite")
         self._path = path
         self._writer = _engine(path, WRITERS, write=True)
         self._single_writer = _engine(path, 1, write=True, transactions=False)

@@ -92,14 +92,8 @@ events = sa.Table(
     sa.Column("size", sa.Integer, nullable=False),
     sa.Column("data", JsonText, nullable=False),
     sa.Index("events_by_goal", "goal_id", "id"),
-    sa.Index(
-        "droppable_events",
-        "id",
-        "size",
-        sqlite_where=sa.text("droppable"),
-        postgresql_where=sa.text("droppable"),
-    ),
-    sa.Index("battery_events", "robot", "id", sqlite_where=IS_BATTERY, postgresql_where=IS_BATTERY),
+    sa.Index("droppable_events", "id", "size"),
+    sa.Index("battery_events", "robot", "id"),
 )
 
 idempotency_keys = sa.Table(
@@ -127,3 +121,11 @@ horizons = sa.Table(
     sa.Column("topic", sa.Text, primary_key=True),
     sa.Column("event_id", identity(), nullable=False),
 )
+
+
+def prepare_for(dialect: str) -> None:
+    """Say to a dialect, `sqlite` or `postgresql`, of which rows an index is; the other need not be loaded."""
+    parts = {"droppable_events": sa.text("droppable"), "battery_events": IS_BATTERY}
+    for index in events.indexes:
+        if index.name in parts:
+            index.dialect_kwargs[f"{dialect}_where"] = parts[str(index.name)]
