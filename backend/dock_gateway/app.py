@@ -1,7 +1,7 @@
 """The ASGI application."""
 
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, nullcontext
 from typing import TypedDict
 
 from fastapi import FastAPI
@@ -45,14 +45,19 @@ class State(TypedDict):
     gateway: Gateway
 
 
-def create_app(settings: Settings) -> FastAPI:
-    """Make the application. It joins the ROS graph when it starts and leaves it when it ends."""
+def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
+    """Make the application.
+
+    Args:
+        settings: The settings.
+        gateway: A gateway that is open. Without one, the application joins the ROS graph when it starts, and leaves it
+            when it ends.
+    """
 
     @asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[State]:
-        async with open_gateway(settings) as gateway:
-            app.state.gateway = gateway
-            yield {"gateway": gateway}
+    async def lifespan(_: FastAPI) -> AsyncIterator[State]:
+        async with open_gateway(settings) if gateway is None else nullcontext(gateway) as opened:
+            yield {"gateway": opened}
 
     app = FastAPI(
         title="dock-gateway",

@@ -1,19 +1,23 @@
-"""The server process: uvicorn with our farewell and our short way to WebSockets."""
+"""The server process: uvicorn with our farewell and our short way to WebSockets.
+
+The gateway joins the ROS graph before the web is loaded: ROS may need as long to find the action servers.
+"""
 
 import asyncio
 import ctypes
+import gc
 import logging
 import os
 import socket
+import sys
 import threading
 from contextlib import suppress
 
 import uvicorn
 
-from dock_gateway.api.frames import FramesProtocol
-from dock_gateway.app import create_app
-from dock_gateway.gateway import Gateway
+from dock_gateway.gateway import Gateway, open_gateway
 from dock_gateway.settings import LOOPBACK_HOSTS, Settings
+from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -27,6 +31,24 @@ M_ARENA_MAX = -8  # <malloc.h>
 class Server(uvicorn.Server):
     """uvicorn, which says where it listens and lets streams say goodbye before it closes their connections."""
 
+    def __init__(self, config: uvicorn.Config) -> None:
+        super().__init__(config)
+        self._gateway: Gateway | None = None
+
+    async def run_beside(self, gateway: Gateway, settings: Settings) -> None:
+        """Load the web, and serve the gateway until a signal comes."""
+        sys.modules.setdefault("pydantic.v1", None)  # type: ignore[arg-type] # FastAPI loads it to ask for models that we do not have
+        from dock_gateway.api.frames import FramesProtocol  # noqa: PLC0415
+        from dock_gateway.app import create_app  # noqa: PLC0415
+
+        self._gateway = gateway
+        settling = asyncio.create_task(_settle(gateway))
+        self.config.app = create_app(settings, gateway)
+        self.config.ws = FramesProtocol
+        if not self.should_exit:
+            await self.serve()
+        await cancel(settling)
+
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, and log the address."""
         await super().startup(sockets)
@@ -36,15 +58,10 @@ class Server(uvicorn.Server):
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End every stream with a reason, then everything else."""
-        gateway: Gateway | None = getattr(self.config.app.state, "gateway", None)  # type: ignore[union-attr]
-        if gateway is not None:
-            gateway.say_goodbye()
+        if self._gateway is not None:
+            self._gateway.say_goodbye()
             await asyncio.sleep(0.1)
         await super().shutdown(sockets)
-        # All is said and written. What does not end now, such as a driver that waits for a locked database, never will.
-        leave = threading.Timer(LEAVE_AFTER, os._exit, (0,))
-        leave.daemon = True
-        leave.start()
 
 
 def _log_config(level: str) -> None:
@@ -61,8 +78,18 @@ def _share_heaps() -> None:
         ctypes.CDLL(None).mallopt(M_ARENA_MAX, 2)
 
 
+async def _settle(gateway: Gateway) -> None:
+    """Once all is loaded: that stays, and what its loading took is given back, 8 MB."""
+    await gateway.history.opened()
+    gc.freeze()
+    gc.enable()
+    with suppress(OSError, AttributeError):
+        await asyncio.to_thread(ctypes.CDLL(None).malloc_trim, 0)
+
+
 def run(settings: Settings) -> bool:
     """Serve until a signal comes; False where the server could not be started."""
+    gc.disable()  # what is loaded stays: to look through it again and again takes a tenth of the start; see _settle
     _log_config(settings.log_level)
     if "MALLOC_ARENA_MAX" not in os.environ:
         _share_heaps()
@@ -72,16 +99,25 @@ def run(settings: Settings) -> bool:
             settings.host,
         )
     config = uvicorn.Config(
-        create_app(settings),
+        "",
         host=settings.host,
         port=settings.port,
-        ws=FramesProtocol,
         ws_max_size=settings.max_body_bytes,
         ws_per_message_deflate=False,
         timeout_graceful_shutdown=GRACE,
         log_config=None,
         server_header=False,
     )
-    server = Server(config)
-    server.run()
+    with asyncio.Runner(loop_factory=config.get_loop_factory()) as runner:
+        return runner.run(_serve(Server(config), settings))
+
+
+async def _serve(server: Server, settings: Settings) -> bool:
+    with server.capture_signals():  # from now on, and until everything is closed
+        async with open_gateway(settings) as gateway:
+            await server.run_beside(gateway, settings)
+        # All is said and written. What does not end now, such as a driver that waits for a locked database, never will.
+        leave = threading.Timer(LEAVE_AFTER, os._exit, (0,))
+        leave.daemon = True
+        leave.start()
     return server.started

@@ -1,5 +1,6 @@
 """The command line: `dock-gateway up`, `serve`, and a client of a running gateway."""
 
+import gc
 import importlib
 
 import click
@@ -32,7 +33,9 @@ class LazyGroup(click.Group):
         """The command, loaded."""
         if cmd_name not in COMMANDS:
             return None
+        gc.disable()  # what is loaded stays
         command: click.Command = getattr(importlib.import_module(f"dock_gateway.cli.{COMMANDS[cmd_name]}"), cmd_name)
+        gc.enable()
         return command
 
 
