@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import httpx2
 import pytest
@@ -74,6 +75,26 @@ def test_a_signal_with_streams_and_a_goal_and_a_waiting_request(domain: int, num
         assert answers[0].json()["status"] == "executing"
         assert "Traceback" not in gateway.process.output
         assert server.running
+
+
+@pytest.mark.parametrize("said", ["robots]: robot /", "listening on"])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_in_the_middle_of_a_start(domain: int, tmp_path: Path, said: str, number: signal.Signals) -> None:
+    """ROS is there and the web is not, or the database is not."""
+    kept = {
+        "DATABASE_URL": f"sqlite:///{tmp_path}/h.db",
+        "SPOOL_PATH": f"{tmp_path}/spool",
+        "STOP_PATH": f"{tmp_path}/s",
+    }
+    settings = {f"DOCK_GATEWAY_{name}": value for name, value in {"PORT": "0", **kept}.items()}
+    with Process(str(BIN / "dock-gateway"), "serve", env=ros_environment(domain, **settings)) as process:
+        process.wait_for(said)
+        process.send_signal(number)
+        begun = time.monotonic()
+        process.wait()
+        assert time.monotonic() - begun < GONE_WITHIN
+        assert "ERROR" not in process.output
+        assert "Traceback" not in process.output
 
 
 def test_a_reader_that_never_reads_is_cut_off_and_harms_nobody(domain: int) -> None:
