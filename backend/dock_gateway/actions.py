@@ -108,7 +108,7 @@ class ActionRegistry:
         self._actions: dict[str, Action] = {}
         self._uninstalled: dict[str, Uninstalled] = {}
         self._changed = asyncio.Event()
-        self._unfinished: dict[str, list[Goal]] = {}
+        self._unfinished: dict[str, dict[str, Goal]] = {}  # by action and id
         self._started = time.monotonic()
 
     def expect(self, goals: list[Goal]) -> None:
@@ -117,7 +117,7 @@ class ActionRegistry:
             if action := self._actions.get(goal.action_name):
                 action.tracker.take_up(goal)
             else:
-                self._unfinished.setdefault(goal.action_name, []).append(goal)
+                self._unfinished.setdefault(goal.action_name, {})[goal.goal_id] = goal
 
     async def open(self, name: str, type_name: str, *, pinned: bool = False) -> Action:
         """Join an action.
@@ -135,7 +135,7 @@ class ActionRegistry:
         action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
         action.tracker.on_end.append(self._on_end)
         self._actions[name] = action
-        for goal in self._unfinished.pop(name, []):
+        for goal in self._unfinished.pop(name, {}).values():
             action.tracker.take_up(goal)
         await self._bridge.call(lambda: port.listen(action.tracker.on_status, action.tracker.on_feedback))
         log.info("action %s (%s)", name, type_name)
@@ -160,7 +160,7 @@ class ActionRegistry:
 
     def _give_up(self) -> None:
         """Goals whose action has not come back are lost, until it does."""
-        for goal in (goal for goals in self._unfinished.values() for goal in goals):
+        for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
             if goal.advance(GoalStatus.LOST, utc_now()):
                 goal.error = GoalError("action_server_lost", "the action server was gone when the gateway came back")
                 self._history.record(goal)
@@ -232,7 +232,7 @@ class ActionRegistry:
     def lost(self) -> list[Goal]:
         """The goals that are lost and may return, on all actions, also on those that have not come back."""
         known = (goal for action in self._actions.values() for goal in action.tracker.live.values())
-        awaited = (goal for goals in self._unfinished.values() for goal in goals)
+        awaited = (goal for goals in self._unfinished.values() for goal in goals.values())
         return [goal for goal in (*known, *awaited) if goal.status is GoalStatus.LOST]
 
     def each(self, do: Callable[[Action], None]) -> None:

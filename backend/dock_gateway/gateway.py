@@ -6,6 +6,7 @@ import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
+from datetime import datetime
 
 from dock_gateway.absences import Absences
 from dock_gateway.acknowledgements import Acknowledgements
@@ -14,6 +15,7 @@ from dock_gateway.alarm import Alarm
 from dock_gateway.canceler import require_unfinished
 from dock_gateway.echoes import Echoes
 from dock_gateway.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
+from dock_gateway.events import utc_now
 from dock_gateway.fleet import Fleet
 from dock_gateway.goals import Goal, GoalError
 from dock_gateway.history import History, Wanted, open_history
@@ -241,21 +243,24 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
 
 async def _take_up_unfinished(actions: ActionRegistry, history: History) -> None:
     """Take up the goals that ran when the gateway ended; those in a database that is away, once it is back."""
+    began = utc_now()
     await history.opened()
     try:
-        while not await _expect_all(actions, history):
-            actions.expect(await history.unfinished())
-            await asyncio.sleep(SCAN_INTERVAL)
+        if not await _expect(actions, history, began, complete=True):
+            await _expect(actions, history, began)
+            while not await _expect(actions, history, began, complete=True):  # noqa: ASYNC110 - nobody says when
+                await asyncio.sleep(SCAN_INTERVAL)
     except Exception:
         log.exception("while taking up the goals of before")
 
 
-async def _expect_all(actions: ActionRegistry, history: History) -> bool:
-    """Expect the goals that ran when the gateway ended; False where the history cannot say which."""
+async def _expect(actions: ActionRegistry, history: History, began: datetime, *, complete: bool = False) -> bool:
+    """Expect the goals of before that have not ended; False where the history cannot say which."""
     try:
-        actions.expect(await history.unfinished(complete=True))
+        unfinished = await history.unfinished(complete=complete)
     except Unavailable:
         return False
+    actions.expect([goal for goal in unfinished if goal.created_at < began])
     return True
 
 

@@ -37,6 +37,8 @@ class Server(uvicorn.Server):
 
     async def run_beside(self, gateway: Gateway, settings: Settings) -> None:
         """Load the web, and serve the gateway until a signal comes."""
+        if self.should_exit:
+            return
         sys.modules.setdefault("pydantic.v1", None)  # type: ignore[arg-type] # FastAPI loads it to ask for models that we do not have
         from dock_gateway.api.frames import FramesProtocol  # noqa: PLC0415
         from dock_gateway.app import create_app  # noqa: PLC0415
@@ -45,9 +47,10 @@ class Server(uvicorn.Server):
         settling = asyncio.create_task(_settle(gateway))
         self.config.app = create_app(settings, gateway)
         self.config.ws = FramesProtocol
-        if not self.should_exit:
+        try:
             await self.serve()
-        await cancel(settling)
+        finally:
+            await cancel(settling)
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, and log the address."""

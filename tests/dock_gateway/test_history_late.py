@@ -9,13 +9,18 @@ import pytest
 
 from dock_gateway.errors import Unavailable
 from dock_gateway.goals import GoalStatus
-from dock_gateway.history import Acknowledgement
+from dock_gateway.history import Acknowledgement, late
 from dock_gateway.history.late import LateHistory, Loaded
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.sql import SqlHistory
 from tests.support.history import EVERYTHING, NOW, make_event, make_goal, open_at, until, written
 
 Load = Callable[[Spool], Loaded]
+
+
+@pytest.fixture(autouse=True)
+def _soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(late, "LOAD_AFTER", 0.01)
 
 
 @pytest.fixture
@@ -105,10 +110,15 @@ async def test_one_that_cannot_be_loaded(tmp_path: Path) -> None:
 
     history = LateHistory(load, Spool(tmp_path / "spool"))
     await history.opened()
-    with pytest.raises(Unavailable, match="could not be opened"):
+    with pytest.raises(Unavailable, match="no such database"):
         await history.get("goal-0001")
     await history.add(make_goal(1))
     assert history.stats().spooled == 1
+    for number in range(30_000):
+        history.record_event(make_event(number, "battery", droppable=True))
+    assert history.stats().waiting == 20_000
+    assert history.stats().dropped == 10_001
+    assert "no such database" in (history.stats().last_error or "")
     await history.close()
 
 

@@ -37,6 +37,8 @@ def replicas(database: str) -> Iterator[tuple[RunningGateway, RunningGateway]]:
     ):
         first.wait_until_ready()
         second.wait_until_ready()
+        first.wait_until_stored()
+        second.wait_until_stored()
         yield first, second
 
 

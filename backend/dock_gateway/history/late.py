@@ -7,6 +7,7 @@ spool meanwhile, as they do while the database is away.
 import asyncio
 import logging
 from collections.abc import Callable, Collection
+from contextlib import suppress
 from copy import copy
 from typing import Protocol
 
@@ -21,10 +22,14 @@ from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
-# The start keeps the loop busy; the loading begins when it has done with that.
-LOAD_AFTER = 0.05
+# The start keeps the loop busy for longer; the loading begins when it has done with that.
+LOAD_AFTER = 0.5
 SPOOL_TIMEOUT = 5.0
-NOT_LOADED = "the history is still being opened"
+# Who asks waits so long at most.
+PATIENCE = 10.0
+# So much is remembered of what comes meanwhile.
+MAX_EARLY = 20_000
+NOT_LOADED = "it is still being opened"
 
 
 class Loaded(History, Protocol):
@@ -47,39 +52,40 @@ class LateHistory:
         self._spool = spool
         self._early: list[Goal | Event] = []
         self._history: Loaded | None = None
-        self._failed = False
+        self._dropped = 0
+        self._error: str | None = None
         self._answers = asyncio.Event()
         self._opening = asyncio.create_task(self._open(load))
 
     async def _open(self, load: Callable[[Spool], Loaded]) -> None:
-        await asyncio.sleep(LOAD_AFTER)
         try:
+            await asyncio.sleep(LOAD_AFTER)
             history = await asyncio.to_thread(load, self._spool)
             early, self._early, self._history = self._early, [], history
             for entry in early:
                 history.record(entry) if isinstance(entry, Goal) else history.record_event(entry)
             await history.open()
-        except Exception:
-            self._failed = True
+        except Exception as error:
+            self._error = f"it cannot be opened: {error}"
             log.exception("the history cannot be opened; goals are kept in the spool alone")
         finally:
             self._answers.set()
 
     async def opened(self) -> None:
-        """Come back when it can be asked."""
-        await self._answers.wait()
-        if self._history is not None:
-            await self._history.opened()
+        """Come back when it can be asked, or when that takes too long."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(PATIENCE):
+                await self._answers.wait()
 
     async def when_opened(self) -> History:
         """The history itself, once it can be asked.
 
         Raises:
-            Unavailable: It could not be opened (`history_unavailable`).
+            Unavailable: It could not be opened, or not yet (`history_unavailable`).
         """
-        await self._answers.wait()
-        if self._history is None or self._failed:
-            raise Unavailable("the history could not be opened", code="history_unavailable")
+        await self.opened()
+        if self._history is None or not self._answers.is_set() or self._error is not None:
+            raise Unavailable(f"the history cannot be asked: {self._error or NOT_LOADED}", code="history_unavailable")
         return self._history
 
     # ------------------------------------------------------------------ write
@@ -87,7 +93,7 @@ class LateHistory:
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
         """Keep a new goal; it is safe once this returns."""
         if self._history is None and idempotency_key is None:
-            await self._spool_early(copy(goal))
+            await self._spool_early(goal)
         else:
             await (self._history or await self.when_opened()).add(goal, idempotency_key)
 
@@ -110,16 +116,22 @@ class LateHistory:
     def record(self, goal: Goal) -> None:
         """Keep what is new about a goal."""
         if self._history is None:
-            self._early.append(copy(goal))
+            self._keep_early(copy(goal))
         else:
             self._history.record(goal)
 
     def record_event(self, event: Event) -> None:
         """Keep an event, once."""
         if self._history is None:
-            self._early.append(event)
+            self._keep_early(event)
         else:
             self._history.record_event(event)
+
+    def _keep_early(self, entry: Goal | Event) -> None:
+        if len(self._early) < MAX_EARLY:
+            self._early.append(entry)
+        else:
+            self._dropped += 1
 
     # ------------------------------------------------------------------ read
 
@@ -169,7 +181,8 @@ class LateHistory:
         """How the keeping goes."""
         if self._history is not None:
             return self._history.stats()
-        return HistoryStats(len(self._early), self._spool.count, database_reachable=False, last_error=NOT_LOADED)
+        waiting, spooled, error = len(self._early), self._spool.count, self._error or NOT_LOADED
+        return HistoryStats(waiting, spooled, self._dropped, database_reachable=False, last_error=error)
 
     async def close(self) -> None:
         """Write what waits, or have the spool keep it."""
