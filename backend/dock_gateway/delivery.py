@@ -42,7 +42,11 @@ class Sent:
 
 
 class Delivery:
-    """Delivers the goals of one action."""
+    """Delivers the goals of one action.
+
+    Attributes:
+        stops: How many stops were asked for.
+    """
 
     def __init__(
         self,
@@ -62,15 +66,20 @@ class Delivery:
         self._reasons = reasons
         self._interlock = interlock
         self._canceler = canceler
-        self._stops = 0
+        self.stops = 0
         self._tasks: set[asyncio.Task[Goal]] = set()
 
     def stop(self) -> None:
         """What is on its way to be sent must not be sent any more."""
-        self._stops += 1
+        self.stops += 1
 
-    def start(self, message: Any, claim: Claim | None) -> "asyncio.Task[Goal]":
+    def start(self, message: Any, claim: Claim | None = None, stops: int | None = None) -> "asyncio.Task[Goal]":
         """Deliver a goal in a task of its own, which goes on when the client goes away.
+
+        Args:
+            message: The goal as a ROS message.
+            claim: How it gets its idempotency key, where it has one.
+            stops: How many stops there had been when it was asked for, where that was not now.
 
         Raises:
             Conflict: A stop is latched (`stop_latched`); by the task, too, which also raises it where a stop was asked
@@ -86,7 +95,7 @@ class Delivery:
         deadline = time.monotonic() + self._settings.accept_timeout
         sent = None if claim else self._send_at_once(message)
         if sent is None:
-            work = self._send_with_care(message, claim, deadline, self._stops)
+            work = self._send_with_care(message, claim, deadline, self.stops if stops is None else stops)
         else:
             work = self._see_through(sent, deadline)
         task = asyncio.create_task(work)
@@ -134,7 +143,7 @@ class Delivery:
         return await self._see_through(Sent(goal, call, keeping), deadline)
 
     def _send_unless_stopped(self, goal: Goal, message: Any, stops: int) -> PendingCall:
-        if self._stops != stops or self._interlock.holds(goal.action_name):
+        if self.stops != stops or self._interlock.holds(goal.action_name):
             raise Conflict(STOPPED_ON_ITS_WAY, code="stopped", goal_id=goal.goal_id)
         return self._tracker.port.send(goal.goal_id, message)
 
@@ -160,9 +169,6 @@ class Delivery:
         except TimeoutError:
             self._give_up(goal, call)
             return
-        except GatewayError as error:
-            self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
-            raise
         self._tracker.heard()
         if response.accepted:
             self._accept(goal, response)

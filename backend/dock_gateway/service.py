@@ -58,7 +58,8 @@ class GoalService:
             TooManyRequests: Too many goals wait for an answer.
         """
         if idempotency_key is None:
-            return await asyncio.shield(self._delivery.start(message, None))
+            return await asyncio.shield(self._delivery.start(message))
+        stops = self._delivery.stops
         under_way = self._submitting.get(idempotency_key)
         if under_way is None:
             first = await self._known(idempotency_key)
@@ -72,7 +73,7 @@ class GoalService:
                     return await self._outcome_of(first)
             under_way = self._submitting.get(idempotency_key)
         if under_way is None:
-            task = self._delivery.start(message, self._claim_of(idempotency_key))
+            task = self._delivery.start(message, self._claim_of(idempotency_key), stops)
             self._submitting[idempotency_key] = (message, task)
             task.add_done_callback(lambda _: self._submitting.pop(idempotency_key))
         else:

@@ -10,7 +10,7 @@ from collections import OrderedDict
 from collections.abc import Callable
 from copy import copy
 
-from dock_gateway.events import Event, feedback_event, moment, result_event, status_event, utc_now
+from dock_gateway.events import Event, feedback_event, moment, nanoseconds, result_event, status_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
 from dock_gateway.history import History
 from dock_gateway.hub import Hub
@@ -117,9 +117,9 @@ class GoalTracker:
     # ------------------------------------------------------------------ goals
 
     def add(self, goal: Goal) -> None:
-        """Track a goal that is about to be sent."""
+        """Track a goal that is being sent."""
         self.live[goal.goal_id] = goal
-        self._publish_status(goal, time.time_ns())
+        self._publish_status(goal, nanoseconds(goal.created_at))  # before anything that the server says of it
 
     def _adopt(self, goal_id: str, created_ns: int) -> Goal:
         """Take up a goal that somebody else sent, or we before a restart; what is said of it waits for the history."""
@@ -156,6 +156,7 @@ class GoalTracker:
         elif adopted is None and goal.goal_id not in self._ended:
             self.live[goal.goal_id] = goal
             self.taken_up.add(goal.goal_id)
+            self.results.request(goal)
             log.info("taking up goal %s, %s", goal.goal_id, goal.status.value)
 
     def move(self, goal: Goal, status: GoalStatus, stamp_ns: int | None = None) -> None:

@@ -1,12 +1,13 @@
 """Results come early, late or never. The port is a fake; tests/system has the real one."""
 
 import asyncio
+from datetime import UTC, datetime
 
 import pytest
 
 from dock_gateway.errors import Unavailable
 from dock_gateway.events import time_id
-from dock_gateway.goals import GoalError, GoalStatus
+from dock_gateway.goals import Goal, GoalError, GoalStatus
 from tests.support.tracking import A, B, S, Scene, scene
 
 __all__ = ["scene"]
@@ -136,3 +137,11 @@ async def test_a_server_that_is_not_there_is_asked_again_later(scene: Scene) -> 
     scene.tracker.results.request(goal)
     await asyncio.sleep(0)
     assert len(scene.port.calls[A]) == 2
+
+
+async def test_a_goal_of_before_is_asked_for_though_its_server_answered_long_ago(scene: Scene) -> None:
+    """The server may have been restarted, too, and not know the goal."""
+    known = Goal(B, "/dock", "pkg/action/Dock", datetime.now(UTC), status=S.EXECUTING)
+    scene.tracker.take_up(known)
+    scene.port.answer(B, None)
+    assert await scene.events() == ["status:lost"]

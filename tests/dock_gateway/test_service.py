@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.errors import Conflict, Unavailable
+from dock_gateway.events import STATUS, event_id, nanoseconds
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import HistoryStats, MemoryHistory, Wanted
 from dock_gateway.hub import Hub
@@ -273,3 +274,31 @@ async def test_what_the_server_says_of_a_rejection(scene: Scene, said: str, code
     with pytest.raises(Conflict, match="a sentence") as refused:
         await submission
     assert refused.value.code == code
+
+
+async def test_a_stop_while_the_history_is_asked_for_the_key(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    loaded = asyncio.Event()
+
+    async def by_key(_: str) -> Goal | None:
+        await loaded.wait()
+        return None
+
+    monkeypatch.setattr(scene.history, "by_key", by_key)
+    scene.history.gate.set_result(None)
+    submission = scene.submit("key")
+    await turns()
+    scene.service.disown_pending()
+    loaded.set()
+    with pytest.raises(Conflict) as refused:
+        await submission
+    assert refused.value.code == "stopped"
+    assert scene.port.sent == {}
+
+
+async def test_pending_comes_before_what_the_server_says(scene: Scene) -> None:
+    """By its id, too, which the history goes by: that is of before the goal was sent."""
+    submission = scene.submit()
+    await turns()
+    (goal,) = scene.tracker.live.values()
+    assert goal.last_event_id == event_id(nanoseconds(goal.created_at), STATUS, goal.goal_id)
+    submission.cancel()
