@@ -75,9 +75,10 @@ class Results:
         try:
             yield
         finally:
-            asyncio.get_running_loop().call_later(ANSWER_FIRST, self._sent, goal)
+            asyncio.get_running_loop().call_later(ANSWER_FIRST, self.want, goal)
 
-    def _sent(self, goal: Goal) -> None:
+    def want(self, goal: Goal) -> None:
+        """Its sender has been answered, or waits for the end: from now on the result is asked for."""
         self._being_sent.discard(goal.goal_id)
         if goal.status is not GoalStatus.PENDING and not goal.status.terminal:
             self.request(goal)

@@ -254,6 +254,7 @@ class GoalTracker:
         """Wait until the goal has ended, or the time is up, or the gateway closes."""
         if goal.status.terminal or self._hub.closing:
             return
+        self.results.want(goal)
         event = self._waiters.setdefault(goal.goal_id, asyncio.Event())
         try:
             async with asyncio.timeout(timeout):

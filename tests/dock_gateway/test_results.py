@@ -145,3 +145,16 @@ async def test_a_goal_of_before_is_asked_for_though_its_server_answered_long_ago
     scene.tracker.take_up(known)
     scene.port.answer(B, None)
     assert await scene.events() == ["status:lost"]
+
+
+async def test_who_waits_for_the_end_does_not_wait_for_an_answer_first(scene: Scene) -> None:
+    goal = scene.send()
+    with scene.tracker.results.sending(goal):
+        scene.status((A, S.EXECUTING))
+    assert A not in scene.port.calls
+    waiting = asyncio.create_task(scene.tracker.wait_terminal(goal, 5.0))
+    await asyncio.sleep(0)
+    assert len(scene.port.calls[A]) == 1
+    scene.port.answer(A, S.SUCCEEDED, b"{}")
+    await waiting
+    assert goal.status is S.SUCCEEDED
