@@ -151,6 +151,7 @@ class Gateway:
     def say_goodbye(self) -> None:
         """The gateway is about to close: end every stream and every wait."""
         self.hub.close()
+        self.history.hurry()
         self.actions.each(lambda action: action.tracker.release_all())
 
 

@@ -117,8 +117,12 @@ def test_each_stop_is_released_by_itself(page: Page, gateway: RunningGateway) ->
     banner.get_by_role("button", name="Release /robot2 …").click()
     page.get_by_role("dialog").get_by_role("button", name="Release").click()
     expect(banner).to_contain_text("/robot1: Stopped by Ada")
-    assert gateway.http.get("/stop", params={"robot": "/robot1"}).json()["latched"] is True
-    assert gateway.http.get("/stop", params={"robot": "/robot2"}).json()["latched"] is False
+
+    def latched(robot: str) -> bool:
+        return bool(gateway.http.get("/stop", params={"robot": robot}).json()["latched"])
+
+    wait_until(lambda: not latched("/robot2"), "the release")
+    assert latched("/robot1")
 
 
 def test_stop_holds_all_robots_and_their_release_is_one(page: Page, gateway: RunningGateway) -> None:

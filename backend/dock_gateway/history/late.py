@@ -77,6 +77,10 @@ class LateHistory:
             async with asyncio.timeout(PATIENCE):
                 await self._answers.wait()
 
+    def hurry(self) -> None:
+        """Nobody waits any more: the gateway is about to close."""
+        self._answers.set()
+
     async def when_opened(self) -> History:
         """The history itself, once it can be asked.
 

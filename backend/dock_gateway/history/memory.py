@@ -54,6 +54,9 @@ class MemoryHistory:
     async def opened(self) -> None:
         """It can always be asked."""
 
+    def hurry(self) -> None:
+        """Nobody waits for it."""
+
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
         """Keep a new goal."""
         if idempotency_key is not None:

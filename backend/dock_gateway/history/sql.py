@@ -76,6 +76,9 @@ class SqlHistory:
     async def opened(self) -> None:
         """It can be asked since `open` has come back."""
 
+    def hurry(self) -> None:
+        """Nobody waits for it."""
+
     # ------------------------------------------------------------------ write
 
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
