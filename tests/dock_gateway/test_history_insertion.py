@@ -1,7 +1,10 @@
 """A new row in one call of SQLite: as SQLAlchemy would have stored it, once, and never in part."""
 
+import sqlite3
+from contextlib import closing
 from pathlib import Path
 
+import pytest
 import sqlalchemy as sa
 
 from dock_gateway.history import store
@@ -20,7 +23,8 @@ async def test_a_row(tmp_path: Path) -> None:
     database = SqliteDatabase(tmp_path / "history.db")
     insertion = Insertion(database._single_writer, goals)
     first, second = goal_row(make_goal(1)), make_goal(2)
-    assert not insertion.add(first), "there is no table yet"
+    with pytest.raises(sa.exc.OperationalError, match="no such table"):
+        insertion.add(first)
     await database.prepare()
     assert insertion.add(first)
     assert not insertion.add(first), "it is there already"
@@ -32,5 +36,10 @@ async def test_a_row(tmp_path: Path) -> None:
     assert quick == thorough
     insertion.close()
     assert insertion.add(goal_row(make_goal(3)))
+    with closing(sqlite3.connect(tmp_path / "history.db", isolation_level=None)) as other:
+        other.execute("BEGIN IMMEDIATE")
+        with pytest.raises(sa.exc.OperationalError, match="locked"):
+            insertion.add(goal_row(make_goal(4)))
+    assert insertion.add(goal_row(make_goal(4)))
     insertion.close()
     await database.close()

@@ -36,7 +36,11 @@ class Insertion:
         ]
 
     def add(self, row: Row) -> bool:
-        """Insert a row; it is on the disk once this returns True. Where it is False nothing was changed."""
+        """Insert a row; it is on the disk once this returns True. Where it is False nothing was changed.
+
+        Raises:
+            OperationalError: The database is locked, full or away.
+        """
         try:
             values = [row[name] if store is None else store(row[name]) for name, store in self._values]
             with self._lock:
@@ -48,7 +52,10 @@ class Insertion:
                     return bool(cursor.rowcount == 1)
                 finally:
                     cursor.close()
-        except (sqlite3.Error, sa.exc.SQLAlchemyError, ValueError):
+        except sqlite3.OperationalError as error:
+            self.close()
+            raise sa.exc.OperationalError(self._statement, None, error) from error
+        except (sqlite3.Error, ValueError):
             self.close()
             return False
 
