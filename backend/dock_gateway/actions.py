@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from dock_gateway.canceler import Canceler
+from dock_gateway.delivery import Delivery
 from dock_gateway.errors import GatewayError, NotFound, Unavailable
 from dock_gateway.events import system_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
@@ -56,7 +58,11 @@ class Action:
         self.last_seen = time.monotonic()
         self.tracker = GoalTracker(port, hub, history, reasons)
         self.watch = ServerWatch(self.tracker, settings, tell, ping_idle=pinned)
-        self.goals = GoalService(settings, history, self.tracker, self.watch, reasons, interlock=interlock)
+        canceler = Canceler(settings, self.tracker)
+        delivery = Delivery(
+            settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=canceler
+        )
+        self.goals = GoalService(settings, history, self.tracker, canceler, delivery)
         self._tasks = Tasks(f"looking after {self.name}")
         self._tasks.spawn(self.watch.run())
 

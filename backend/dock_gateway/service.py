@@ -7,11 +7,8 @@ from typing import Any
 from dock_gateway.canceler import Canceler
 from dock_gateway.delivery import Claim, Delivery, outcome
 from dock_gateway.errors import Conflict, NotFound, Unavailable
-from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import History, fingerprint_of
-from dock_gateway.interlock import Interlock
-from dock_gateway.later import Later
-from dock_gateway.liveness import ServerWatch
 from dock_gateway.settings import Settings
 from dock_gateway.tracker import GoalTracker
 
@@ -27,19 +24,15 @@ class GoalService:
         settings: Settings,
         history: History,
         tracker: GoalTracker,
-        watch: ServerWatch,
-        reasons: Later[GoalError],
-        *,
-        interlock: Interlock,
+        canceler: Canceler,
+        delivery: Delivery,
     ) -> None:
         self._settings = settings
         self._history = history
         self._tracker = tracker
         self._submitting: dict[str, tuple[Any, asyncio.Task[Goal]]] = {}
-        self._canceler = Canceler(settings, tracker)
-        self._delivery = Delivery(
-            settings, history, tracker, watch, reasons, interlock=interlock, canceler=self._canceler
-        )
+        self._canceler = canceler
+        self._delivery = delivery
 
     # ------------------------------------------------------------------ submit
 

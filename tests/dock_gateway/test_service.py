@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from dock_gateway.canceler import Canceler
+from dock_gateway.delivery import Delivery
 from dock_gateway.errors import Conflict, Unavailable
 from dock_gateway.events import STATUS, event_id, nanoseconds
 from dock_gateway.goals import Goal, GoalError, GoalStatus
@@ -101,14 +103,17 @@ class Scene:
         settings = Settings(accept_timeout=5.0)
         self.interlock = Interlock(hub, LatchFile(settings.stop_file), "/")
         self.reasons: Later[GoalError] = Later(0.01)
-        self.service = GoalService(
+        canceler = Canceler(settings, self.tracker)
+        delivery = Delivery(
             settings,
             self.history,
             self.tracker,
             FakeWatch(),  # type: ignore[arg-type]
             self.reasons,
             interlock=self.interlock,
+            canceler=canceler,
         )
+        self.service = GoalService(settings, self.history, self.tracker, canceler, delivery)
 
     def submit(self, key: str | None = None, message: str = "{}") -> "asyncio.Task[Goal]":
         return asyncio.create_task(self.service.submit(message, key))

@@ -73,22 +73,13 @@ class RunningGateway:
         answer: dict[str, Any] = self.http.get(f"/dock/{goal_id}").raise_for_status().json()
         return answer
 
-    def wait_until_opened(self, timeout: float = 20.0) -> None:
+    def wait_until_opened(self) -> None:
         """Wait until the history has been loaded, whether its database answers or not."""
-        deadline = time.monotonic() + timeout
-        while self.http.get("/readyz").json()["history"]["last_error"] == NOT_LOADED:
-            assert time.monotonic() < deadline, "the history is not loaded"
-            time.sleep(0.02)
+        self._wait(lambda state: state["history"]["last_error"] != NOT_LOADED, 20.0)
 
-    def wait_until_stored(self, timeout: float = 20.0) -> None:
+    def wait_until_stored(self) -> None:
         """Wait until the database has been opened and has taken over what is in the spool."""
-        deadline = time.monotonic() + timeout
-        while True:
-            history = self.http.get("/readyz").json()["history"]
-            if history["database_reachable"] and not history["spooled"]:
-                return
-            assert time.monotonic() < deadline, history
-            time.sleep(0.02)
+        self._wait(lambda state: state["history"]["database_reachable"] and not state["history"]["spooled"], 20.0)
 
     def wait_for_goal(self, goal_id: str, *statuses: str, timeout: float = 20.0) -> dict[str, Any]:
         """Poll a goal until it has one of these states."""
@@ -99,10 +90,14 @@ class RunningGateway:
         return goal
 
     def wait_until_ready(self, timeout: float = 15.0) -> None:
+        self._wait(lambda state: state["ready"], timeout)
+
+    def _wait(self, holds: Callable[[dict[str, Any]], bool], timeout: float) -> None:
+        """Poll /readyz until something holds of it."""
         deadline = time.monotonic() + timeout
-        while self.http.get("/readyz").status_code != 200:
-            assert time.monotonic() < deadline, "not ready"
-            time.sleep(0.05)
+        while not holds(state := self.http.get("/readyz").json()):
+            assert time.monotonic() < deadline, state
+            time.sleep(0.02)
 
     def stop_once(self, query: str = "") -> dict[str, Any]:
         """Stop, wait for what it brings about, and let goals through again at once."""

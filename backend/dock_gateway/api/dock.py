@@ -47,9 +47,14 @@ class Verb:
     action_of: Callable[[Gateway, str | None], Awaitable[Action]]
     prefix: str = ""
 
+    @property
+    def path(self) -> str:
+        """`/dock` or `/undock`."""
+        return f"/{self.name}"
+
     async def send_goal(self, request: Request, gateway: Gateway, robot: str | None = None) -> Response:
         """Send the goal in the body of a request."""
-        return await goals.send_goal(request, await self.action_of(gateway, robot), f"/{self.name}", self.default)
+        return await goals.send_goal(request, await self.action_of(gateway, robot), self.path, self.default)
 
 
 WAITING = "`Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent."
@@ -68,10 +73,12 @@ UNDOCK = Verb(
     "undock_",
 )
 
+VERBS = (DOCK, UNDOCK)
+
 
 def goal_routes(verb: Verb) -> APIRouter:
     """The routes of a verb."""
-    router = APIRouter(tags=[verb.name.capitalize()], prefix=f"/{verb.name}")
+    router = APIRouter(tags=[verb.name.capitalize()], prefix=verb.path)
 
     @router.post(
         "",
@@ -110,7 +117,7 @@ def goal_routes(verb: Verb) -> APIRouter:
     @router.get("/{goal_id}", name=f"get_{verb.prefix}goal", response_model=Goal, responses=problems(404, 422))
     async def get_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
         """One goal, of any robot."""
-        return goal_response(await gateway.goal(goal_id), f"/{verb.name}/{goal_id}")
+        return goal_response(await gateway.goal(goal_id), f"{verb.path}/{goal_id}")
 
     @router.post(
         "/{goal_id}/cancel",
@@ -121,9 +128,9 @@ def goal_routes(verb: Verb) -> APIRouter:
     )
     async def cancel_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
         """Ask the action server to cancel a goal, whoever sent it."""
-        return goal_response(await gateway.cancel(goal_id), f"/{verb.name}/{goal_id}", 202)
+        return goal_response(await gateway.cancel(goal_id), f"{verb.path}/{goal_id}", 202)
 
     return router
 
 
-routers = (goal_routes(DOCK), goal_routes(UNDOCK))
+routers = tuple(map(goal_routes, VERBS))

@@ -8,13 +8,13 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from dock_gateway.api import dock
 from dock_gateway.api.actions import send_action_goal
-from dock_gateway.api.dock import DOCK, UNDOCK
 from dock_gateway.api.problems import problem_response
 from dock_gateway.api.requests import get_gateway
 from dock_gateway.errors import GatewayError
 
-VERBS = {f"/{verb.name}": verb for verb in (DOCK, UNDOCK)}
+VERBS = {verb.path: verb for verb in dock.VERBS}
 ACTIONS, GOALS = "/actions/", "/goals"
 
 

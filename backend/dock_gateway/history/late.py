@@ -16,7 +16,7 @@ from dock_gateway.events import Event
 from dock_gateway.goals import Goal
 from dock_gateway.history.buckets import BatterySpan, Bucket
 from dock_gateway.history.protocol import NEVER, Acknowledgement, History, HistoryStats
-from dock_gateway.history.spool import Spool
+from dock_gateway.history.spool import Entry, Spool
 from dock_gateway.history.wanted import Wanted
 from dock_gateway.tasks import cancel
 
@@ -24,7 +24,6 @@ log = logging.getLogger(__name__)
 
 # The start keeps the loop busy for longer; the loading begins when it has done with that.
 LOAD_AFTER = 0.5
-SPOOL_TIMEOUT = 5.0
 # Who asks waits so long at most.
 PATIENCE = 10.0
 # So much is remembered of what comes meanwhile.
@@ -73,6 +72,8 @@ class LateHistory:
 
     async def opened(self) -> None:
         """Come back when it can be asked, or when that takes too long."""
+        if self._answers.is_set():  # each time but the first
+            return
         with suppress(TimeoutError):
             async with asyncio.timeout(PATIENCE):
                 await self._answers.wait()
@@ -103,9 +104,8 @@ class LateHistory:
 
     async def _spool_early(self, goal: Goal) -> None:
         try:
-            async with asyncio.timeout(SPOOL_TIMEOUT):
-                await self._spool.append([goal])
-        except OSError as error:  # TimeoutError is one
+            await self._spool.append([goal])
+        except OSError as error:
             raise Unavailable("the goal cannot be stored, so it must not run", code="history_unavailable") from error
         self.record(goal)
 
@@ -197,10 +197,9 @@ class LateHistory:
         if self._history is not None:
             await self._history.close()
             return
-        entries = [entry for entry in self._early if isinstance(entry, Goal) or not entry.droppable]
+        entries: list[Entry] = [entry for entry in self._early if isinstance(entry, Goal) or not entry.droppable]
         try:
-            async with asyncio.timeout(SPOOL_TIMEOUT):
-                await self._spool.append(list(entries))
+            await self._spool.append(entries)
         except OSError as error:
             log.error("%d entries are lost: the spool cannot be written: %s", len(entries), error)
         await self._spool.close()

@@ -23,6 +23,8 @@ from dock_gateway.history.rows import Key, entry_of, line_of
 
 log = logging.getLogger(__name__)
 
+APPEND_TIMEOUT = 5.0
+
 Entry = Goal | Event | Key
 Result = TypeVar("Result")
 
@@ -51,12 +53,13 @@ class Spool:
         """Keep entries; they are on the disk once this returns.
 
         Raises:
-            OSError: The disk does not take them.
+            OSError: The disk does not take them; TimeoutError, which is one, where it takes too long.
         """
         if not entries:
             return
         data = b"".join(map(line_of, entries))
-        path = await self._run(lambda: self._append(data))
+        async with asyncio.timeout(APPEND_TIMEOUT):
+            path = await self._run(lambda: self._append(data))
         self._counts[path] = self._counts.get(path, 0) + len(entries)
 
     def _append(self, data: bytes) -> Path:

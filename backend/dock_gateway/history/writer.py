@@ -22,7 +22,6 @@ log = logging.getLogger(__name__)
 DATABASE_ERRORS = (sa_errors.SQLAlchemyError, OSError, TimeoutError, RuntimeError)
 
 ANSWER_TIMEOUT = 0.1  # a new goal waits so long for the database, then it goes to the spool
-SPOOL_TIMEOUT = 5.0
 WRITE_TIMEOUT = 10.0
 BATCH_INTERVAL = 0.2
 BATCH_PATIENCE = 0.3  # new goals are written ahead of all else, but hold it up no longer than this
@@ -86,9 +85,8 @@ class Writer:
             self.last_error = self.last_error or f"no answer within {ANSWER_TIMEOUT * 1000:.0f} ms"
         entries: list[Entry] = [kept] if key is None else [key, kept]
         try:
-            async with asyncio.timeout(SPOOL_TIMEOUT):
-                await self._spool.append(entries)
-        except OSError as error:  # TimeoutError is one
+            await self._spool.append(entries)
+        except OSError as error:
             if ticket.done() and not ticket.cancelled() and ticket.exception() is None:
                 return
             log.error("a goal can be kept neither in the database (%s) nor in the spool (%s)", self.last_error, error)
@@ -234,8 +232,7 @@ class Writer:
         entries = self._waiting.unsafe()
         if not entries:
             return
-        async with asyncio.timeout(SPOOL_TIMEOUT):
-            await self._spool.append(entries)
+        await self._spool.append(entries)
         self._waiting.saved(entries)
         self.evicted += self._waiting.evict()
         self._wake.set()
