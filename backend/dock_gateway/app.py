@@ -32,7 +32,6 @@ from dock_gateway.api.dashboard import install_dashboard
 from dock_gateway.api.openapi import install_openapi
 from dock_gateway.api.origin import OriginGuard
 from dock_gateway.api.problems import install_problems
-from dock_gateway.api.shortcut import GoalShortcut
 from dock_gateway.gateway import Gateway, open_gateway
 from dock_gateway.settings import Settings
 
@@ -94,7 +93,6 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
     install_openapi(app)
     patch_fastapi(app, redirect_from_root_to_docs=False)  # /docs without a CDN: robots are often offline
     install_dashboard(app, settings)
-    app.add_middleware(GoalShortcut)  # the first is the innermost
     if settings.allowed_origins:
         app.add_middleware(
             CORSMiddleware,

@@ -1,7 +1,6 @@
-"""A goal's way to the action server: sent, kept, and what the server answered. Keeps every deadline."""
+"""A goal's way to the action server: kept, sent, and what the server answered. Keeps every deadline."""
 
 import asyncio
-import time
 import uuid
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
@@ -30,15 +29,6 @@ class Claim:
 
     key: str
     take: Callable[[Goal], Awaitable[Goal | None]]
-
-
-@dataclass(frozen=True)
-class Sent:
-    """A goal that is on its way, and is being kept."""
-
-    goal: Goal
-    call: PendingCall
-    keeping: "asyncio.Task[None]"
 
 
 class Delivery:
@@ -92,79 +82,42 @@ class Delivery:
         if len(self._tasks) >= self._settings.max_pending_goals:
             raise TooManyRequests(f"{len(self._tasks)} goals are waiting for the action server's answer already")
         self._interlock.require_released(self._tracker.port.action_name)
-        deadline = time.monotonic() + self._settings.accept_timeout
-        sent = None if claim else self._send_at_once(message)
-        if sent is None:
-            work = self._send_with_care(message, claim, deadline, self.stops if stops is None else stops)
-        else:
-            work = self._see_through(sent, deadline)
-        task = asyncio.create_task(work)
+        task = asyncio.create_task(self._deliver(message, claim, self.stops if stops is None else stops))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         return task
 
     # ------------------------------------------------------------------ sending
 
-    def _send_at_once(self, message: Any) -> Sent | None:
-        """Send a goal that nothing has to be waited for; None where something has to.
-
-        It is on its way before anything else is done: that can be done while the server thinks about it.
-        """
-        if not (self._watch.ready and self._history.stats().database_reachable):
-            return None
-        goal = self._new_goal()
-        try:
-            call = self._tracker.port.send(goal.goal_id, message)
-        except GatewayError:
-            return None
-        goal.goal = self._tracker.port.encode_goal(message)
-        keeping = asyncio.create_task(self._history.add(goal))
-        self._tracker.add(goal)
-        return Sent(goal, call, keeping)
-
-    async def _send_with_care(self, message: Any, claim: Claim | None, deadline: float, stops: int) -> Goal:
-        """Send a goal once there is a server, and what must be on the disk before is there."""
+    async def _deliver(self, message: Any, claim: Claim | None, stops: int) -> Goal:
+        """Keep a goal, then send it: whatever happens to this process, a goal that runs is known to be ours."""
         port = self._tracker.port
         await self._watch.require()
-        goal = self._new_goal()
+        goal = Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now())
         goal.goal = port.encode_goal(message)
         if claim is not None and (first := await claim.take(goal)):
             return first
-        keeping = asyncio.create_task(self._history.add(goal, claim.key if claim else None))
-        if claim is not None or not self._history.stats().database_reachable:
-            await keeping
+        await self._history.add(goal, claim.key if claim else None)
         self._tracker.add(goal)
         try:
             call = self._send_unless_stopped(goal, message, stops)
         except GatewayError as error:
             self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
-            await self._see_kept(goal, keeping)
             raise
-        return await self._see_through(Sent(goal, call, keeping), deadline)
+        with self._tracker.results.sending(goal):
+            await self._take_answer(goal, call)
+        return outcome(goal)
 
     def _send_unless_stopped(self, goal: Goal, message: Any, stops: int) -> PendingCall:
         if self.stops != stops or self._interlock.holds(goal.action_name):
             raise Conflict(STOPPED_ON_ITS_WAY, code="stopped", goal_id=goal.goal_id)
         return self._tracker.port.send(goal.goal_id, message)
 
-    def _new_goal(self) -> Goal:
-        port = self._tracker.port
-        return Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now())
-
     # ------------------------------------------------------------------ the answer
 
-    async def _see_through(self, sent: Sent, deadline: float) -> Goal:
-        """Wait until the goal is answered and kept."""
-        with self._tracker.results.sending(sent.goal):
-            try:
-                await self._take_answer(sent.goal, sent.call, deadline)
-            finally:
-                await self._see_kept(sent.goal, sent.keeping)
-        return outcome(sent.goal)
-
-    async def _take_answer(self, goal: Goal, call: PendingCall, deadline: float) -> None:
+    async def _take_answer(self, goal: Goal, call: PendingCall) -> None:
         try:
-            async with asyncio.timeout(max(0.1, deadline - time.monotonic())):
+            async with asyncio.timeout(self._settings.accept_timeout):
                 response = await asyncio.shield(call.response)
         except TimeoutError:
             self._give_up(goal, call)
@@ -174,17 +127,6 @@ class Delivery:
             self._accept(goal, response)
         else:
             await self._reject(goal)
-
-    async def _see_kept(self, goal: Goal, keeping: "asyncio.Task[None]") -> None:
-        """Wait until the goal is safe, which took place beside its delivery; one that cannot be kept must not run."""
-        try:
-            await keeping
-        except GatewayError as error:
-            if not goal.status.final:
-                self._canceler.disown(goal, GoalError(error.code, error.detail))
-            if not goal.status.terminal:
-                self._canceler.turned_up(goal)
-            raise
 
     def _accept(self, goal: Goal, response: Any) -> None:
         self._tracker.move(goal, GoalStatus.ACCEPTED, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)

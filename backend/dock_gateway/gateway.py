@@ -151,7 +151,6 @@ class Gateway:
     def say_goodbye(self) -> None:
         """The gateway is about to close: end every stream and every wait."""
         self.hub.close()
-        self.history.hurry()
         self.actions.each(lambda action: action.tracker.release_all())
 
 
@@ -245,7 +244,6 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
 async def _take_up_unfinished(actions: ActionRegistry, history: History) -> None:
     """Take up the goals that ran when the gateway ended; those in a database that is away, once it is back."""
     began = utc_now()
-    await history.opened()
     try:
         if not await _expect(actions, history, began, complete=True):
             await _expect(actions, history, began)

@@ -32,7 +32,6 @@ class Senders:
             goal: The goal.
             remember: Called with the goal and what was known of it at once.
         """
-        await self._history.opened()
         with contextlib.suppress(TimeoutError, GatewayError):
             async with asyncio.timeout(LOOK_UP_WAIT):
                 known = await self._history.get(goal.goal_id)

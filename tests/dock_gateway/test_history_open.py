@@ -15,7 +15,6 @@ from tests.support.history import make_goal
 async def test_in_the_data_directory_of_the_user(tmp_path: Path) -> None:
     async with open_history(Settings()) as history:
         await history.add(make_goal(1))
-        await history.opened()
         assert history.stats().database_reachable
     assert (tmp_path / "data" / "dock-gateway" / "history.db").exists()
     async with open_history(Settings()) as history:
@@ -39,7 +38,6 @@ async def test_on_postgresql(postgresql_url: str, tmp_path: Path) -> None:
     for url in (postgresql_url, f"{postgresql_url.replace('postgresql:', 'postgres:')}?sslmode=prefer"):
         async with open_history(Settings(database_url=url, spool_path=tmp_path / "spool")) as history:
             await history.add(make_goal(1))
-            await history.opened()
             assert history.stats().database_reachable, history.stats()
 
 

@@ -15,8 +15,6 @@ import sqlalchemy as sa
 from dock_gateway.errors import Unavailable
 from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import Wanted, store
-from dock_gateway.history.insertion import Insertion
-from dock_gateway.history.rows import Row
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.sqlite import SqliteDatabase
@@ -199,17 +197,11 @@ def slowly(work: Callable[[sa.Connection, Any], Any], connection: sa.Connection,
     return work(connection, what)
 
 
-def added_slowly(insertion: Insertion, row: Row, add: Callable[[Insertion, Row], bool] = Insertion.add) -> bool:
-    time.sleep(1.5)
-    return add(insertion, row)
-
-
 async def test_a_slow_database_delays_nobody(
     database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with open_at(database_url, tmp_path, max_waiting=5000) as history:
         monkeypatch.setattr(store, "write", partial(slowly, store.write))
-        monkeypatch.setattr(Insertion, "add", added_slowly)
         for number in range(3):
             assert await timed(history.add(make_goal(number))) < QUICK
             start = time.perf_counter()
@@ -222,23 +214,17 @@ async def test_a_slow_database_delays_nobody(
         assert history.stats().database_reachable
 
 
-async def test_a_full_database(sqlite_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_full_database(sqlite_url: str, tmp_path: Path) -> None:
     async with open_at(sqlite_url, tmp_path) as history:
         await history.add(make_goal(0))
-        database, add = history._database, Insertion.add
+        database = history._database
         assert isinstance(database, SqliteDatabase)
         pages_allowed = 1
 
         def limit(connection: sa.Connection) -> None:
             connection.exec_driver_sql(f"PRAGMA max_page_count={pages_allowed}")
 
-        def add_limited(insertion: Insertion, row: Row) -> bool:
-            if insertion._connection is not None:
-                insertion._connection.cursor().execute(f"PRAGMA max_page_count={pages_allowed}")
-            return add(insertion, row)
-
         sa.event.listen(database._writer, "begin", limit)
-        monkeypatch.setattr(Insertion, "add", add_limited)
         big = b'"%s"' % (b"x" * 20_000)
         for number in range(1, 20):
             assert await timed(history.add(make_goal(number, result=big))) < QUICK

@@ -10,8 +10,7 @@ import sqlalchemy as sa
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import sql, store
-from dock_gateway.history.insertion import Insertion
-from dock_gateway.history.rows import Batch, Row, goal_of
+from dock_gateway.history.rows import Batch
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.tables import events, goals, idempotency_keys
 from tests.support.history import EVERYTHING, NOW, make_event, make_goal, open_at, page_of, written
@@ -229,18 +228,13 @@ async def test_new_goals_go_ahead_of_the_rest_which_is_not_forgotten(
     database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     batches: list[Batch] = []
-    write, add = store.write, Insertion.add
+    write = store.write
 
     def write_noted(connection: sa.Connection, batch: Batch) -> None:
         batches.append(batch)
         write(connection, batch)
 
-    def add_noted(insertion: Insertion, row: Row) -> bool:
-        batches.append(Batch(goals=[goal_of(row)]))
-        return add(insertion, row)
-
     monkeypatch.setattr(store, "write", write_noted)
-    monkeypatch.setattr(Insertion, "add", add_noted)
     async with open_at(database_url, tmp_path) as history:
         await history.add(make_goal(0))
         await written(history)

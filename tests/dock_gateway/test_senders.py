@@ -98,22 +98,3 @@ async def test_feedback_that_came_before_the_look_up_counts_once(scene: Scene) -
     goal, kept = scene.tracker.live[B], await scene.history.get(B)
     assert kept is not None
     assert (goal.feedback_count, kept.feedback_count, goal.origin) == (2, 2, "external")
-
-
-async def test_a_goal_of_before_is_remembered_once_while_the_history_is_loaded(
-    scene: Scene, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    loaded = asyncio.Event()
-    monkeypatch.setattr(scene.history, "opened", loaded.wait)
-    known = Goal(
-        B, "/dock", "pkg/action/Dock", datetime.now(UTC), status=S.EXECUTING, goal=b'{"n":1}', feedback_count=10
-    )
-    scene.history.record(known)
-    scene.status((B, S.EXECUTING))
-    scene.feedback(1, B)
-    assert await scene.events() == [], "nobody knows yet whose goal it is"
-    loaded.set()
-    scene.tracker.take_up(known)
-    states = [event for event in await scene.documents() if event["type"] == "status"]
-    assert {(state["origin"], state["goal"]["n"]) for state in states} == {("gateway", 1)}
-    assert scene.tracker.live[B].feedback_count == 11

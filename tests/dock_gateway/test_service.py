@@ -135,68 +135,28 @@ async def scene() -> AsyncIterator[Scene]:
     await scene.tracker.close()
 
 
-async def test_a_goal_is_sent_while_it_is_stored_and_answered_when_both_are_done(scene: Scene) -> None:
-    submission = scene.submit()
-    await turns()
-    scene.port.answer(ACCEPTED)
-    await turns()
-    assert not submission.done()
-    scene.history.gate.set_result(None)
-    goal = await submission
-    assert goal.status is GoalStatus.ACCEPTED
-    assert await scene.history.get(goal.goal_id) is not None
-
-
-@pytest.mark.parametrize("reason", ["key", "database"])
-async def test_a_goal_is_stored_first_where_that_matters(scene: Scene, reason: str) -> None:
-    """A retry must not send it twice; a database that did not answer may not take it."""
-    scene.history.reachable = reason != "database"
-    submission = scene.submit("key" if reason == "key" else None)
+@pytest.mark.parametrize("key", [None, "key"])
+async def test_a_goal_is_stored_before_it_is_sent(scene: Scene, key: str | None) -> None:
+    submission = scene.submit(key)
     await turns()
     assert not scene.port.sent
     scene.history.gate.set_result(None)
     await turns()
     scene.port.answer(ACCEPTED)
-    assert (await submission).status is GoalStatus.ACCEPTED
+    goal = await submission
+    assert goal.status is GoalStatus.ACCEPTED
+    assert await scene.history.get(goal.goal_id) is not None
 
 
-@pytest.mark.parametrize("accepted_first", [True, False])
-async def test_a_goal_that_cannot_be_stored_is_canceled(scene: Scene, accepted_first: bool) -> None:
+async def test_a_goal_that_cannot_be_stored_is_not_sent(scene: Scene) -> None:
     submission = scene.submit()
     await turns()
-    if accepted_first:
-        scene.port.answer(ACCEPTED)
-        await turns()
-        scene.fail()
-    else:
-        scene.fail()
-        await turns()
-        scene.port.answer(ACCEPTED)
+    scene.fail()
     with pytest.raises(Unavailable) as refused:
         await submission
-    await turns()
     assert refused.value.code == "history_unavailable"
-    assert scene.port.canceled == list(scene.port.sent)
-
-
-async def test_a_rejected_goal_that_cannot_be_stored_needs_no_cancel(scene: Scene) -> None:
-    submission = scene.submit()
-    await turns()
-    scene.port.answer(REJECTED)
-    await asyncio.sleep(0.05)
-    scene.fail()
-    with pytest.raises(Unavailable):
-        await submission
-    assert not scene.port.canceled
-
-
-async def test_the_rejection_is_told_when_the_goal_is_stored(scene: Scene) -> None:
-    submission = scene.submit()
-    await turns()
-    scene.port.answer(REJECTED)
-    scene.history.gate.set_result(None)
-    with pytest.raises(Conflict):
-        await submission
+    assert not scene.port.sent
+    assert not scene.tracker.live
 
 
 async def test_no_goal_is_sent_while_a_stop_is_latched(scene: Scene) -> None:
@@ -302,6 +262,7 @@ async def test_a_stop_while_the_history_is_asked_for_the_key(scene: Scene, monke
 
 async def test_pending_comes_before_what_the_server_says(scene: Scene) -> None:
     """By its id, too, which the history goes by: that is of before the goal was sent."""
+    scene.history.gate.set_result(None)
     submission = scene.submit()
     await turns()
     (goal,) = scene.tracker.live.values()

@@ -12,7 +12,6 @@ import httpx2
 import orjson
 from websockets.sync.client import ClientConnection, connect
 
-from dock_gateway.history.late import NOT_LOADED
 from tests.support.processes import BIN, Process, ros_environment
 
 LOW = {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}
@@ -73,10 +72,6 @@ class RunningGateway:
         answer: dict[str, Any] = self.http.get(f"/dock/{goal_id}").raise_for_status().json()
         return answer
 
-    def wait_until_opened(self) -> None:
-        """Wait until the history has been loaded, whether its database answers or not."""
-        self._wait(lambda state: state["history"]["last_error"] != NOT_LOADED, 20.0)
-
     def wait_until_stored(self) -> None:
         """Wait until the database has been opened and has taken over what is in the spool."""
         self._wait(lambda state: state["history"]["database_reachable"] and not state["history"]["spooled"], 20.0)
@@ -110,11 +105,8 @@ class RunningGateway:
 
 
 @contextmanager
-def running_gateway(domain: int, *, opened: bool = True, **settings: str) -> Iterator[RunningGateway]:
-    """`dock-gateway serve` on a free port, with a database of its own; settings as in DOCK_GATEWAY_<NAME>.
-
-    Its history is `opened`, or still being loaded.
-    """
+def running_gateway(domain: int, **settings: str) -> Iterator[RunningGateway]:
+    """`dock-gateway serve` on a free port, with a database of its own; settings as in DOCK_GATEWAY_<NAME>."""
     with TemporaryDirectory(prefix="dock-gateway-", ignore_cleanup_errors=True) as folder, ExitStack() as stack:
         defaults = {"port": "0", "database_url": f"sqlite:///{folder}/history.db", "spool_path": f"{folder}/spool"}
         defaults["stop_path"] = f"{folder}/stops.json"
@@ -123,10 +115,7 @@ def running_gateway(domain: int, *, opened: bool = True, **settings: str) -> Ite
         process = stack.enter_context(Process(str(BIN / "dock-gateway"), "serve", env=environment))
         url = process.wait_for("listening on ").rpartition(" ")[2]
         with httpx2.Client(base_url=url, timeout=15.0, trust_env=False) as http:
-            gateway = RunningGateway(process, url, http)
-            if opened:
-                gateway.wait_until_opened()
-            yield gateway
+            yield RunningGateway(process, url, http)
 
 
 @contextmanager

@@ -187,9 +187,8 @@ def test_two_subscriptions_of_one_name(gateway: RunningGateway) -> None:
             assert answer.get("code") == code
 
 
-@pytest.mark.parametrize("opened", [True, False])
-def test_the_gateway_says_goodbye(opened: bool) -> None:
-    with ros_domain() as domain, running_gateway(domain, opened=opened) as gateway, open_socket(gateway) as socket:
+def test_the_gateway_says_goodbye() -> None:
+    with ros_domain() as domain, running_gateway(domain) as gateway, open_socket(gateway) as socket:
         socket.ask("subscribe")
         gateway.process._process.terminate()
         socket.until(type="closing", reason="shutting_down")

@@ -52,10 +52,6 @@ class Verb:
         """`/dock` or `/undock`."""
         return f"/{self.name}"
 
-    async def send_goal(self, request: Request, gateway: Gateway, robot: str | None = None) -> Response:
-        """Send the goal in the body of a request."""
-        return await goals.send_goal(request, await self.action_of(gateway, robot), self.path, self.default)
-
 
 WAITING = "`Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent."
 DOCK = Verb(
@@ -72,8 +68,6 @@ UNDOCK = Verb(
     Gateway.undock_of,
     "undock_",
 )
-
-VERBS = (DOCK, UNDOCK)
 
 
 def goal_routes(verb: Verb) -> APIRouter:
@@ -94,7 +88,7 @@ def goal_routes(verb: Verb) -> APIRouter:
         dependencies=[Depends(known_query("robot"))],
     )
     async def send_goal(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
-        return await verb.send_goal(request, gateway, robot)
+        return await goals.send_goal(request, await verb.action_of(gateway, robot), verb.path, verb.default)
 
     @router.get(
         "",
@@ -133,4 +127,4 @@ def goal_routes(verb: Verb) -> APIRouter:
     return router
 
 
-routers = tuple(map(goal_routes, VERBS))
+routers = (goal_routes(DOCK), goal_routes(UNDOCK))

@@ -53,7 +53,6 @@ async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | Non
 
 async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> AsyncIterator[Event]:
     """The first messages: how things stand, or what was missed since an event."""
-    await gateway.history.opened()  # in the first second there is no past yet
     subscriber.clear()  # all that happened up to now is in the snapshot, or in what is replayed
     if after is not None:
         missed = gateway.hub.since(after, subscriber.interest)

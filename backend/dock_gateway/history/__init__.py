@@ -5,7 +5,6 @@ from contextlib import asynccontextmanager
 
 import platformdirs
 
-from dock_gateway.history.late import LateHistory, Loaded
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.history.protocol import Acknowledgement, AcknowledgementStore, History, HistoryStats, fingerprint_of
 from dock_gateway.history.spool import Spool
@@ -26,25 +25,23 @@ __all__ = [
 
 @asynccontextmanager
 async def open_history(settings: Settings) -> AsyncIterator[History]:
-    """Keep goals where the settings say, from now on and until the block ends; `opened` says when it can be asked."""
+    """Keep goals where the settings say, from now on and until the block ends."""
     if settings.database_url == "memory:":
         yield MemoryHistory(settings.max_goals)
         return
     folder = platformdirs.user_data_path("dock-gateway", appauthor=False)
 
-    def load(spool: Spool) -> Loaded:
-        from dock_gateway.history.sql import SqlHistory  # noqa: PLC0415 - on a thread, and where it is needed
+    from dock_gateway.history.sql import SqlHistory  # noqa: PLC0415 - it loads SQLAlchemy
 
-        return SqlHistory(
-            settings.database_url or f"sqlite:///{folder / 'history.db'}",
-            spool,
-            max_waiting=settings.history_queue,
-            max_age=settings.retention_hours * 3600,
-            max_bytes=settings.retention_mb * 1_000_000,
-        )
-
-    history = LateHistory(load, Spool(settings.spool_path or folder / "spool"))
+    history = SqlHistory(
+        settings.database_url or f"sqlite:///{folder / 'history.db'}",
+        Spool(settings.spool_path or folder / "spool"),
+        max_waiting=settings.history_queue,
+        max_age=settings.retention_hours * 3600,
+        max_bytes=settings.retention_mb * 1_000_000,
+    )
     try:
+        await history.open()
         yield history
     finally:
         await history.close()

@@ -7,7 +7,6 @@ from typing import TypeVar, TypeVarTuple
 import sqlalchemy as sa
 
 from dock_gateway.history.migrate import migrate
-from dock_gateway.history.rows import Row
 
 CONNECT_TIMEOUT = 2.0
 # A few connections to write and a few to read, so that neither waits for the other.
@@ -36,10 +35,6 @@ class Database(ABC):
     @abstractmethod
     async def write(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, durable: bool = True) -> T:
         """A transaction that writes; one that is not `durable` may be lost in a power cut, never in a crash."""
-
-    async def add_goal(self, row: Row) -> bool:
-        """Add the row of a new goal, durable, if there is a quicker way than `write`; False where it was not taken."""
-        return False
 
     @abstractmethod
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:

@@ -51,12 +51,6 @@ class MemoryHistory:
         self._horizon: dict[str, str] = {}  # topic → id of the newest event that was forgotten
         self._dropped = 0
 
-    async def opened(self) -> None:
-        """It can always be asked."""
-
-    def hurry(self) -> None:
-        """Nobody waits for it."""
-
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
         """Keep a new goal."""
         if idempotency_key is not None:

@@ -72,12 +72,6 @@ class History(Protocol):
     def acknowledgements(self) -> AcknowledgementStore:
         """Who has acknowledged which alert."""
 
-    async def opened(self) -> None:
-        """Come back when it can be asked without a wait; it may be loaded later than what it keeps comes in."""
-
-    def hurry(self) -> None:
-        """The gateway is about to close: have nobody wait for that any more."""
-
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
         """Keep a new goal; it is safe once this returns: committed, or on this machine's disk.
 

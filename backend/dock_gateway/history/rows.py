@@ -56,11 +56,6 @@ class Batch:
         return len(self.goals) >= BATCH_GOALS or len(self.keys) >= BATCH_GOALS or len(self.events) >= BATCH_EVENTS
 
     @property
-    def single(self) -> bool:
-        """Whether it is one goal and nothing else."""
-        return len(self.goals) == len(self) == 1
-
-    @property
     def precious(self) -> bool:
         """Whether there is anything that a power cut must not take."""
         return bool(self.goals or self.keys or any(not event.droppable for event in self.events))

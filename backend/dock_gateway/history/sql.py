@@ -73,12 +73,6 @@ class SqlHistory:
             self._keys.setdefault(key.key, key)
         self._tasks = [asyncio.create_task(self.retention.run())]
 
-    async def opened(self) -> None:
-        """It can be asked since `open` has come back."""
-
-    def hurry(self) -> None:
-        """Nobody waits for it."""
-
     # ------------------------------------------------------------------ write
 
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:

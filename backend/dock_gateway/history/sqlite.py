@@ -14,9 +14,7 @@ import sqlalchemy as sa
 from sqlalchemy.engine.interfaces import DBAPIConnection
 
 from dock_gateway.history.database import CONNECT_TIMEOUT, READERS, WRITERS, Database, T, Ts
-from dock_gateway.history.insertion import Insertion
-from dock_gateway.history.rows import Row
-from dock_gateway.history.tables import goals, prepare_for
+from dock_gateway.history.tables import prepare_for
 
 # How long another process may hold the lock before a statement fails, to be tried again
 BUSY_MS = 500
@@ -36,8 +34,6 @@ class SqliteDatabase(Database):
         prepare_for("sqlite")
         self._path = path
         self._writer = _engine(path, WRITERS, write=True)
-        self._single_writer = _engine(path, 1, write=True, transactions=False)
-        self._insertion = Insertion(self._single_writer, goals)
         self._reader = _engine(path, READERS, write=False)
         self._write_threads = ThreadPoolExecutor(WRITERS, thread_name_prefix="history-write")
         self._read_threads = ThreadPoolExecutor(READERS, thread_name_prefix="history-read")
@@ -65,10 +61,6 @@ class SqliteDatabase(Database):
 
         return await self._run(self._write_threads, transaction)
 
-    async def add_goal(self, row: Row) -> bool:
-        """Add the row of a new goal in one call of SQLite: each has to wait for the interpreter's lock again."""
-        return await self._run(self._write_threads, lambda: self._insertion.add(row))
-
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
         """A transaction that reads."""
 
@@ -94,15 +86,12 @@ class SqliteDatabase(Database):
 
     def _dispose(self) -> None:
         self._writer.dispose()
-        self._insertion.close()
-        self._single_writer.dispose()
         self._reader.dispose()
 
 
-def _engine(path: Path, connections: int, *, write: bool, transactions: bool = True) -> sa.Engine:
+def _engine(path: Path, connections: int, *, write: bool) -> sa.Engine:
     engine = sa.create_engine(
         sa.URL.create("sqlite", database=str(path)),
-        isolation_level=None if transactions else "AUTOCOMMIT",
         pool_size=connections,
         max_overflow=0,
         pool_timeout=CONNECT_TIMEOUT,
@@ -120,9 +109,6 @@ def _engine(path: Path, connections: int, *, write: bool, transactions: bool = T
         if not write:
             cursor.execute("PRAGMA query_only=ON")
         cursor.close()
-
-    if not transactions:
-        return engine
 
     @sa.event.listens_for(engine, "begin")
     def began(connection: sa.Connection) -> None:

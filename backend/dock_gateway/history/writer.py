@@ -12,7 +12,7 @@ from dock_gateway.errors import Unavailable
 from dock_gateway.goals import Goal
 from dock_gateway.history import store
 from dock_gateway.history.database import Database
-from dock_gateway.history.rows import Batch, Key, goal_row
+from dock_gateway.history.rows import Batch, Key
 from dock_gateway.history.spool import Entry, Spool
 from dock_gateway.history.waiting import Waiting
 
@@ -132,7 +132,7 @@ class Writer:
             while len(batch := self._waiting.urgent(self._tickets) if urgent else self._waiting.batch()) or (
                 not self.reachable
             ):
-                await self._write(batch, new=urgent)
+                await self._write(batch)
                 self._waiting.done(batch)
                 self._settle(batch, None)
                 self._say_reachable()
@@ -150,12 +150,9 @@ class Writer:
             self.answered.set()
         return True
 
-    async def _write(self, batch: Batch, *, new: bool = False) -> None:
-        """Write a batch; goals that are `new` in the way that costs least, where there is nothing else."""
+    async def _write(self, batch: Batch) -> None:
         try:
             async with asyncio.timeout(WRITE_TIMEOUT):
-                if new and batch.single and await self._database.add_goal(goal_row(batch.goals[0])):
-                    return
                 await self._database.write(store.write, batch, durable=batch.precious)
         except (sa_errors.StatementError, ValueError) as error:
             if not _about_data(error):
