@@ -2,6 +2,10 @@ import react from "@vitejs/plugin-react";
 import { defineConfig } from "vitest/config";
 
 const gateway = process.env.DOCK_GATEWAY_URL ?? "http://127.0.0.1:8000";
+// Tests write numbers and times in English, whatever the machine speaks. Their time zone is half an hour off UTC, where a
+// time that is not converted shows; TZ chooses another one.
+if (process.env.VITEST) Object.assign(process.env, { LC_ALL: "en_US", TZ: process.env.TZ ?? "Asia/Kolkata" });
+
 const apiPaths = [
   "/dock",
   "/undock",

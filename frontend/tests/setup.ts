@@ -1,5 +1,6 @@
 import { cleanup, configure } from "@testing-library/react";
 import { afterEach, beforeEach, vi } from "vitest";
+import { START } from "./events";
 
 // On a busy machine seconds are not much.
 configure({ asyncUtilTimeout: 20_000 });
@@ -24,6 +25,20 @@ window.IntersectionObserver ??= class {
   disconnect() {}
 } as unknown as typeof IntersectionObserver;
 Element.prototype.scrollIntoView ??= () => {};
+
+// The page shows the day of a time unless it is today. So each file of tests begins at the date of the test events
+// (./events) instead of today's, and the clock runs on from there.
+const RealDate = Date;
+const shift = START - RealDate.now();
+globalThis.Date = class extends RealDate {
+  constructor(...parts: [] | [string]) {
+    if (parts.length > 0) super(...(parts as [string]));
+    else super(RealDate.now() + shift);
+  }
+  static override now() {
+    return RealDate.now() + shift;
+  }
+} as DateConstructor;
 
 // React reports mistakes, such as a <div> in a <p>, on the console only. That updates come from timers and not from
 // act() is how the page works.
