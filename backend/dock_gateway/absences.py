@@ -51,7 +51,7 @@ class Absences:
             if robot.namespace != self._robots.default_namespace and await self._is_overdue(robot, scan, seconds):
                 log.info("robot %s has gone", robot.namespace)
                 self._seen.pop(robot.namespace, None)
-                await self._robots.forget(robot.namespace)
+                self._robots.forget(robot.namespace)
 
     async def _is_overdue(self, robot: Robot, scan: Scan, seconds: float) -> bool:
         name, age = robot.namespace, robot.battery.age

@@ -137,7 +137,9 @@ class ActionRegistry:
             ImportError: The type's package is not installed.
             TypeError: The type has fields that no .msg file can have.
         """
-        port = await self._bridge.call(lambda: ActionPort(self._bridge, name, type_name))
+        port = await self._bridge.call(
+            lambda: ActionPort(self._bridge, name, type_name), undo=lambda port: port.close()
+        )
         action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
         action.tracker.on_end.append(self._on_end)
         self._actions[name] = action
@@ -185,7 +187,7 @@ class ActionRegistry:
         log.info("action %s has gone", action.name)
         del self._actions[action.name]
         await action.close()
-        await self._bridge.call(action.port.close)
+        self._bridge.to_ros(action.port.close)
 
     def all(self) -> list[Action]:
         """The actions that can be used, by name."""

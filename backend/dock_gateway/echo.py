@@ -5,7 +5,6 @@ import logging
 import time
 from collections import deque
 from collections.abc import Iterable
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -90,8 +89,7 @@ class Echo:
         if self._task is not None:
             await cancel(self._task)
         if self._port is not None:
-            with suppress(GatewayError):  # where the ROS thread is down, nothing is heard anyway
-                await self._bridge.call(self._port.close)
+            self._bridge.to_ros(self._port.close)
 
     def add(self, viewer: Viewer) -> None:
         """Show somebody the topic, the newest message, and what comes."""
@@ -224,7 +222,7 @@ class Echo:
                 heard=self._heard,
             )
 
-        self._port, self._listening = await self._bridge.call(change), listening
+        self._port, self._listening = await self._bridge.call(change, undo=EchoPort.close), listening
 
     def _topic_event(self) -> Event:
         kind = self._kind

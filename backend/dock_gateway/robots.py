@@ -20,6 +20,9 @@ from dock_gateway.settings import Settings
 log = logging.getLogger(__name__)
 
 
+Ports = tuple[BatteryPort, VelocityPort, LatchPort]
+
+
 @dataclass(frozen=True)
 class Robot:
     """What belongs to one namespace. `ports` are all of its topics that we are at, that of the stop being the last."""
@@ -28,7 +31,7 @@ class Robot:
     battery: Battery
     publisher: BatteryPublisher
     velocity: VelocityPort
-    ports: tuple[BatteryPort | VelocityPort | LatchPort, ...]
+    ports: Ports
 
 
 class RobotRegistry:
@@ -55,7 +58,7 @@ class RobotRegistry:
         def hear_latch(latched: bool) -> None:
             self._interlock.heard(namespace, latched=latched)
 
-        def make() -> tuple[BatteryPort, VelocityPort, LatchPort]:
+        def make() -> Ports:
             battery_topic = settings.resolve(settings.battery_topic, namespace)
             velocity_topic = settings.resolve(settings.cmd_vel_topic, namespace)
             return (
@@ -64,7 +67,7 @@ class RobotRegistry:
                 LatchPort(self._bridge, settings.resolve(settings.stop_topic, namespace), hear_latch),
             )
 
-        ports = await self._bridge.call(make)
+        ports = await self._bridge.call(make, undo=_leave)
         battery_port, velocity, latch = ports
         robot = Robot(namespace, battery, BatteryPublisher(battery_port, hub, namespace), velocity, ports)
         self._robots[namespace] = robot
@@ -113,21 +116,12 @@ class RobotRegistry:
         )
         return presence.at_topics or any(belongs(name) for name in presence.nodes)
 
-    async def forget(self, namespace: str) -> None:
-        """Leave the topics of a robot that has gone; it comes back with its past when it appears again.
-
-        Raises:
-            Unavailable: The ROS thread is down.
-        """
+    def forget(self, namespace: str) -> None:
+        """Leave the topics of a robot that has gone; it comes back with its past when it appears again."""
         robot = self._robots.pop(namespace)
         self._forgotten.add(namespace)
         self._interlock.leave(namespace)
-
-        def leave() -> None:
-            for port in robot.ports:
-                port.close()
-
-        await self._bridge.call(leave)
+        self._bridge.to_ros(lambda: _leave(robot.ports))
 
     def all(self) -> list[Robot]:
         """The robots, by namespace."""
@@ -161,6 +155,11 @@ class RobotRegistry:
         """Publish no more."""
         for robot in self.all():
             await robot.publisher.stop()
+
+
+def _leave(ports: Ports) -> None:
+    for port in ports:
+        port.close()
 
 
 def normalize_namespace(namespace: str) -> str:

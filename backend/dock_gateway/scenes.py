@@ -61,11 +61,11 @@ class Scenes:
         def make() -> ScenePort:
             return ScenePort(self._bridge, robot, lambda name: self._settings.resolve(name, robot), self._hub.publish)
 
-        self._ports[robot] = await self._bridge.call(make)
+        self._ports[robot] = await self._bridge.call(make, undo=ScenePort.close)
         log.info("somebody looks at %s", robot)
 
     async def _close(self, robot: str) -> None:
-        await self._bridge.call(self._ports.pop(robot).close)
+        self._bridge.to_ros(self._ports.pop(robot).close)
         log.info("nobody looks at %s any more", robot)
 
     async def close(self) -> None:

@@ -22,7 +22,7 @@ class FakeBridge:
 
     node = None
 
-    async def call(self, function: Callable[[], Any], timeout: float = 2.0) -> Any:
+    async def call(self, function: Callable[[], Any], **_: object) -> Any:
         return function()
 
 

@@ -85,9 +85,12 @@ class FakePort:
 
 
 class FakeBridge:
-    async def call(self, function: Callable[[], Any]) -> Any:
+    async def call(self, function: Callable[[], Any], **_: object) -> Any:
         await asyncio.sleep(0)
         return function()
+
+    def to_ros(self, function: Callable[[], Any]) -> None:
+        function()
 
 
 class FakeLookout:

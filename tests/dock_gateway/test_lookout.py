@@ -62,7 +62,7 @@ class FakeBridge:
         self.calls = 0
         self.down = False
 
-    async def call(self, function: Callable[[], Any]) -> Any:
+    async def call(self, function: Callable[[], Any], **_: object) -> Any:
         if self.down:
             raise Unavailable("down", code="ros_unavailable")
         self.calls += 1

@@ -76,8 +76,11 @@ class Scene:
         self.opened.append(topic)
         return SimpleNamespace(close=lambda: self.closed.append(topic))
 
-    async def call(self, function: Callable[[], Any]) -> Any:
+    async def call(self, function: Callable[[], Any], **_: object) -> Any:
         return function()
+
+    def to_ros(self, function: Callable[[], Any]) -> None:
+        function()
 
     def join(self, namespace: str, _: object) -> None:
         self.joined.add(namespace)
@@ -97,7 +100,7 @@ def scene(monkeypatch: pytest.MonkeyPatch) -> Scene:
 async def test_a_robot_leaves_all_its_topics(scene: Scene) -> None:
     await scene.robots.update(BATTERY)
     assert scene.robots.get("/robot1").namespace == "/robot1"
-    await scene.robots.forget("/robot1")
+    scene.robots.forget("/robot1")
     with pytest.raises(NotFound):
         scene.robots.get("/robot1")
     assert scene.closed == scene.opened == [f"/robot1/{name}" for name in ("battery_status", "cmd_vel", "stop_latched")]
@@ -106,13 +109,13 @@ async def test_a_robot_leaves_all_its_topics(scene: Scene) -> None:
 
 async def test_a_robot_that_was_forgotten_is_back_when_it_is_there_itself(scene: Scene) -> None:
     await scene.robots.update(BATTERY)
-    await scene.robots.forget("/robot1")
+    scene.robots.forget("/robot1")
     await scene.robots.update(BATTERY)  # another gateway is at the topic
     assert not scene.joined
     scene.presence = Presence(frozenset(), at_topics=True)
     await scene.robots.update(BATTERY)
     assert scene.joined == {"/robot1"}
-    await scene.robots.forget("/robot1")
+    scene.robots.forget("/robot1")
     scene.presence = Presence(frozenset(), at_topics=False)
     await scene.robots.update(DOCK)
     assert scene.joined == {"/robot1"}
@@ -134,5 +137,5 @@ async def test_a_node_belongs_to_the_nearest_robot(scene: Scene, node: str, ther
     scene.presence = Presence(frozenset({node}), at_topics=False)
     assert await scene.robots.is_there("/robot1", Scan()) is there
     assert await scene.robots.is_there("/robot1", Scan(actions={f"{node}/move": []})) is there
-    await scene.robots.forget("/robot1")
+    scene.robots.forget("/robot1")
     assert await scene.robots.is_there("/robot1", Scan()) is there

@@ -9,6 +9,8 @@ threads.
 import asyncio
 import logging
 import os
+import threading
+from collections import deque
 from collections.abc import Callable
 from typing import Any, TypeVar
 
@@ -70,6 +72,7 @@ class Bridge:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._thread = RosThread("ros", self._executor.spin)
+        self._waiting: deque[Callable[[], object]] = deque()
 
     @property
     def alive(self) -> bool:
@@ -92,8 +95,16 @@ class Bridge:
         self._context.try_shutdown()
 
     def to_ros(self, function: Callable[[], object]) -> None:
-        """Run a function on the ROS thread, soon; what it raises is logged."""
-        self._executor.create_task(_guarded, function)
+        """Run a function on the ROS thread, soon and in the order of these calls; what it raises is logged."""
+        self._waiting.append(function)
+        self._executor.create_task(self._run_next)
+
+    def _run_next(self) -> None:
+        """Run the oldest call that waits: the executor takes the newest of its tasks first."""
+        try:
+            self._waiting.popleft()()
+        except Exception:  # must not leave the executor: it would end its thread
+            log.exception("an error on the ROS thread")
 
     def to_loop(self, function: Callable[..., object], *args: object) -> None:
         """Run a function on the loop, soon; for the ROS thread. After the loop has closed nothing happens."""
@@ -103,29 +114,58 @@ class Bridge:
             if not self._loop.is_closed():
                 raise
 
-    async def call(self, function: Callable[[], T], timeout: float = 2.0) -> T:
+    async def call(
+        self,
+        function: Callable[[], T],
+        timeout: float = 2.0,
+        *,
+        undo: Callable[[T], object] | None = None,
+        even_late: bool = False,
+    ) -> T:
         """Run a function on the ROS thread and wait for what it returns.
+
+        A function that has not begun when the caller gives up never runs. One that has begun gets the same time again.
+
+        Args:
+            function: What to run.
+            timeout: Seconds until the caller gives up.
+            undo: Called on the ROS thread with what the function returned after all when its caller had gone.
+            even_late: Run it also when the caller has given up, as is right for a stop.
 
         Raises:
             Unavailable: `ros_unavailable`, when the ROS thread is down or does not get to it in time.
         """
         self._require_alive()
         done: asyncio.Future[T] = self._loop.create_future()
+        decided = threading.Lock()  # whoever takes it first decides: the ROS thread to run it, or the caller to give up
+
+        def settle(result: T) -> None:
+            if not done.done():
+                done.set_result(result)
+            elif undo is not None:
+                self.to_ros(lambda: undo(result))
 
         def run() -> None:
+            if not decided.acquire(blocking=False) and not even_late:
+                return
             try:
                 result = function()
             except Exception as error:  # noqa: BLE001 - it is raised again where it was asked for
                 self.to_loop(_settle, done, None, error)
             else:
-                self.to_loop(_settle, done, result, None)
+                self.to_loop(settle, result)
 
         self.to_ros(run)
         try:
-            async with asyncio.timeout(timeout):
-                return await done
-        except TimeoutError:
-            raise Unavailable("the ROS thread does not answer", code="ros_unavailable") from None
+            await asyncio.wait((done,), timeout=timeout)
+            if not done.done() and not decided.acquire(blocking=False):
+                await asyncio.wait((done,), timeout=timeout)
+            if not done.done():
+                raise Unavailable("the ROS thread does not answer", code="ros_unavailable")
+            return done.result()
+        finally:
+            decided.acquire(blocking=False)
+            done.cancel()
 
     def request(self, client: Client, request: Any) -> PendingCall:
         """Send a service request.
@@ -144,14 +184,6 @@ class Bridge:
     def _require_alive(self) -> None:
         if not self.alive:
             raise Unavailable("the ROS thread is down; restart the gateway", code="ros_unavailable")
-
-
-def _guarded(function: Callable[[], object]) -> None:
-    """Exceptions must not leave the executor: they would end its thread."""
-    try:
-        function()
-    except Exception:
-        log.exception("an error on the ROS thread")
 
 
 def _settle(future: "asyncio.Future[T]", result: T, error: BaseException | None) -> None:

@@ -59,7 +59,7 @@ class SimulatorPort:
         if self._publisher is None:
             node, topic = self._bridge.node, self._resolve("initialpose")
             self._publisher = await self._bridge.call(
-                lambda: node.create_publisher(PoseWithCovarianceStamped, topic, 10)
+                lambda: node.create_publisher(PoseWithCovarianceStamped, topic, 10), undo=node.destroy_publisher
             )
         await self._until(self._publisher.get_subscription_count)
         message = PoseWithCovarianceStamped()
@@ -72,7 +72,9 @@ class SimulatorPort:
     async def _call(self, kind: Any, name: str, request: Any) -> None:
         if name not in self._clients:
             node, path = self._bridge.node, self._resolve(name)
-            self._clients[name] = await self._bridge.call(lambda: node.create_client(kind, path))
+            self._clients[name] = await self._bridge.call(
+                lambda: node.create_client(kind, path), undo=node.destroy_client
+            )
         client = self._clients[name]
         await self._until(client.service_is_ready)
         for attempt in range(ATTEMPTS):

@@ -99,7 +99,7 @@ class VelocityPort:
 
     async def publish_zero(self) -> None:
         """Tell the robot to stand still."""
-        await self._bridge.call(lambda: self._publisher.publish(Twist()))
+        await self._bridge.call(lambda: self._publisher.publish(Twist()), even_late=True)
 
 
 class LatchPort:
@@ -141,7 +141,7 @@ class LatchPort:
             self._publisher.publish(Bool(data=latched))
             self._own = (*before, (first, time.time_ns()))
 
-        await self._bridge.call(publish)
+        await self._bridge.call(publish, even_late=True)
 
     async def withdraw(self) -> None:
         """Who comes later hears nothing from us."""
@@ -150,7 +150,7 @@ class LatchPort:
             self._bridge.node.destroy_publisher(self._publisher)
             self._publisher = self._make_publisher()
 
-        await self._bridge.call(withdraw)
+        await self._bridge.call(withdraw, even_late=True)
 
 
 class DiagnosticsPort:
