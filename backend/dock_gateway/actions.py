@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from dock_gateway.canceler import Canceler
 from dock_gateway.delivery import Delivery
 from dock_gateway.errors import GatewayError, NotFound, Unavailable
-from dock_gateway.events import system_event, utc_now
+from dock_gateway.events import status_event, system_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import History
 from dock_gateway.hub import Hub
@@ -110,6 +110,7 @@ class ActionRegistry:
         self._parts = (settings, hub, history, reasons)
         self._interlock = interlock
         self._on_end = on_end
+        self._hub = hub
         self._history = history
         self._actions: dict[str, Action] = {}
         self._uninstalled: dict[str, Uninstalled] = {}
@@ -169,8 +170,9 @@ class ActionRegistry:
     def _give_up(self) -> None:
         """Goals whose action has not come back are lost, until it does."""
         for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
-            if goal.advance(GoalStatus.LOST, utc_now()):
-                goal.error = GoalError("action_server_lost", "the action server was gone when the gateway came back")
+            if goal.lose(GoalError("action_server_lost", "nobody serves the action any more"), utc_now()):
+                now_ns = time.time_ns()
+                self._hub.publish(status_event(goal, self._hub.clock.stamp(now_ns), now_ns))
                 self._history.record(goal)
 
     async def _take_up(self, name: str, types: list[str]) -> None:

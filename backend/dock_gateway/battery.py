@@ -76,7 +76,7 @@ class Battery:
         self._reading = None
         self._heard_at = time.monotonic()
         self._received_at = utc_now()
-        self._hub.publish(message_event("battery", state, stamp_ns, robot=self._robot))
+        self._hub.publish(message_event("battery", state, self._hub.clock.stamp(stamp_ns), stamp_ns, robot=self._robot))
 
     @property
     def stale_since(self) -> datetime | None:

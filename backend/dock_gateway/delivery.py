@@ -63,13 +63,17 @@ class Delivery:
         """What is on its way to be sent must not be sent any more."""
         self.stops += 1
 
-    def start(self, message: Any, claim: Claim | None = None, stops: int | None = None) -> "asyncio.Task[Goal]":
+    def start(
+        self, message: Any, claim: Claim | None = None, stops: int | None = None, again: Goal | None = None
+    ) -> "asyncio.Task[Goal]":
         """Deliver a goal in a task of its own, which goes on when the client goes away.
 
         Args:
             message: The goal as a ROS message.
             claim: How it gets its idempotency key, where it has one.
             stops: How many stops there had been when it was asked for, where that was not now.
+            again: The goal itself, where it was stored before and never accepted. It keeps its id, which an action
+                server accepts only once.
 
         Raises:
             Conflict: A stop is latched (`stop_latched`); by the task, too, which also raises it where a stop was asked
@@ -82,30 +86,30 @@ class Delivery:
         if len(self._tasks) >= self._settings.max_pending_goals:
             raise TooManyRequests(f"{len(self._tasks)} goals are waiting for the action server's answer already")
         self._interlock.require_released(self._tracker.port.action_name)
-        task = asyncio.create_task(self._deliver(message, claim, self.stops if stops is None else stops))
+        task = asyncio.create_task(self._deliver(message, claim, self.stops if stops is None else stops, again))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         return task
 
     # ------------------------------------------------------------------ sending
 
-    async def _deliver(self, message: Any, claim: Claim | None, stops: int) -> Goal:
+    async def _deliver(self, message: Any, claim: Claim | None, stops: int, again: Goal | None) -> Goal:
         """Keep a goal, then send it: whatever happens to this process, a goal that runs is known to be ours."""
         port = self._tracker.port
         await self._watch.require()
-        goal = Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now())
-        goal.goal = port.encode_goal(message)
-        if claim is not None and (first := await claim.take(goal)):
-            return first
-        await self._history.add(goal, claim.key if claim else None)
+        goal = again or Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now())
+        if again is None:
+            goal.goal = port.encode_goal(message)
+            if claim is not None and (first := await claim.take(goal)):
+                return first
+            await self._history.add(goal, claim.key if claim else None)
         self._tracker.add(goal)
         try:
             call = self._send_unless_stopped(goal, message, stops)
         except GatewayError as error:
             self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
             raise
-        with self._tracker.results.sending(goal):
-            await self._take_answer(goal, call)
+        await self._take_answer(goal, call)
         return outcome(goal)
 
     def _send_unless_stopped(self, goal: Goal, message: Any, stops: int) -> PendingCall:
@@ -125,6 +129,7 @@ class Delivery:
         self._tracker.heard()
         if response.accepted:
             self._accept(goal, response)
+            await self._history.seal(goal, [])  # a gateway that is killed after its answer knows that the goal runs
         else:
             await self._reject(goal)
 
@@ -143,6 +148,8 @@ class Delivery:
             error = GoalError("dock_busy", f"goal {busy_with} is running; cancel it first")
         else:
             error = GoalError("goal_rejected", "the action server rejected the goal and did not say why")
+        if goal.status is not GoalStatus.PENDING:
+            return  # it runs: the server refused the same id once more
         self._tracker.end(goal, GoalStatus.REJECTED, error=error)
 
     def _busy_with(self, goal: Goal) -> str | None:
@@ -189,6 +196,8 @@ def outcome(goal: Goal) -> Goal:
         ServerTimeout: It was not answered.
     """
     error = goal.error
+    if error is not None and goal.unconfirmed:
+        raise Unavailable(error.detail, code=error.code, goal_id=goal.goal_id)
     gave_up = error is not None and goal.status is GoalStatus.LOST and error.code == ServerTimeout.code
     if error is None or not (goal.status is GoalStatus.REJECTED or gave_up):
         return goal

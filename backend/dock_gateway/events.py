@@ -5,6 +5,8 @@ the network: nanoseconds, padded so that ids sort as text, then what it is and w
 """
 
 import struct
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import cached_property
@@ -20,7 +22,8 @@ class Event:
     `topic` is `goals`, or what `?include=` names: `battery`, `cmd_vel`, `system`, `scene`, `robots`. Only `droppable`
     ones may be lost to a slow subscriber. `id` is that of the document, where it has one; `robot` the namespace it is
     about, where that is one robot. `ends_goal`: nothing more is to be expected of the goal. `supersedes`: who has not
-    been sent the one before of its topic and robot does not get it any more.
+    been sent the one before of its topic and robot does not get it any more. `key` says what happened, in the same
+    words at every gateway: the history stores it once. The end of a goal and its result happen once.
     """
 
     data: bytes
@@ -32,6 +35,7 @@ class Event:
     robot: str | None = None
     ends_goal: bool = False
     supersedes: bool = False
+    key: str | None = None
 
     @cached_property
     def sse(self) -> bytes:
@@ -60,12 +64,42 @@ EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 STATUS, FEEDBACK, RESULT = "s", "f", "z"
 KINDS = {"status": STATUS, "feedback": FEEDBACK, "result": RESULT}
 STAMP_DIGITS = 20
+# The clocks of two gateways may differ by this much, in nanoseconds.
+CLOCK_TOLERANCE = 5_000_000_000
 KIND_AT = STAMP_DIGITS + 1
 
 
-def event_id(stamp_ns: int, kind: str, goal_id: str = "") -> str:
-    """The id of an event, sortable as text."""
-    return f"{time_id(stamp_ns)}-{kind}{goal_id[:8]}"
+class EventClock:
+    """Stamps events so that their ids grow in the order of publication: a reader resumes after the last one it got.
+
+    The stamp is the source timestamp of the message wherever it can be, as that is the same at every gateway. One that
+    is not later than the stamp before, or that is ahead of this machine's clock, becomes the next free one.
+
+    Args:
+        newest: Id of the newest event that is stored: this machine's clock may have been set back.
+    """
+
+    def __init__(self, newest: str = "") -> None:
+        self._last = max(time.time_ns(), stamp_of(newest) if newest else 0)
+
+    def stamp(self, source_ns: int) -> int:
+        """The stamp of an event that is published now, in nanoseconds since 1970."""
+        self._last = max(min(source_ns, time.time_ns()), self._last + 1)
+        return self._last
+
+    def is_past(self, event_id: str) -> bool:
+        """Whether an event with this id can have been published by now, here or at another gateway."""
+        return stamp_of(event_id) <= max(self._last, time.time_ns() + CLOCK_TOLERANCE)
+
+
+def event_id(stamp_ns: int, kind: str, subject: str) -> str:
+    """The id of an event, sortable as text. `subject` is a goal's id or a robot's namespace."""
+    return f"{time_id(stamp_ns)}-{kind}-{subject}"
+
+
+def stamp_of(identity: str) -> int:
+    """The time in an event's id, in nanoseconds since 1970."""
+    return int(identity[:STAMP_DIGITS])
 
 
 def time_id(stamp_ns: int) -> str:
@@ -93,58 +127,72 @@ def moment(stamp_ns: int) -> datetime:
     return EPOCH + timedelta(microseconds=stamp_ns // 1000)
 
 
-def status_event(goal: Goal, stamp_ns: int) -> Event:
-    """The goal's state changed."""
-    goal.last_event_id = event_id(stamp_ns, STATUS, goal.goal_id)
+def status_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Event:
+    """The goal's state changed.
+
+    Args:
+        goal: The goal as it is now; it takes over the event's id.
+        stamp_ns: The stamp in the event's id.
+        source_ns: When it happened, by the clock of the message that said so; as `stamp_ns` where it is not given.
+    """
     ends_goal = goal.status in (GoalStatus.REJECTED, GoalStatus.LOST)
-    return _goal_event("status", goal, stamp_ns, goal.summary(), ends_goal=ends_goal)
+    once = goal.status.final
+    return _goal_event("status", goal, stamp_ns, source_ns, goal.summary, once=once, ends_goal=ends_goal)
 
 
-def feedback_event(goal: Goal, stamp_ns: int) -> Event:
-    """The goal's feedback, as it stands in the goal."""
-    goal.last_event_id = event_id(stamp_ns, FEEDBACK, goal.goal_id)
-    return _goal_event("feedback", goal, stamp_ns, {"feedback": fragment(goal.feedback)}, droppable=True)
+def feedback_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Event:
+    """The goal's feedback, as it stands in the goal; arguments as above."""
+    return _goal_event(
+        "feedback", goal, stamp_ns, source_ns, lambda: {"feedback": fragment(goal.feedback)}, droppable=True
+    )
 
 
-def result_event(goal: Goal, stamp_ns: int) -> Event:
-    """The goal ended; the result is null where the action server did not give one."""
-    goal.last_event_id = event_id(stamp_ns, RESULT, goal.goal_id)
+def result_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Event:
+    """The goal ended; the result is null where the action server did not give one. Arguments as above."""
     payload = {"status": goal.status.value, "result": fragment(goal.result), "error": goal.error}
-    return _goal_event("result", goal, stamp_ns, payload, ends_goal=True)
+    return _goal_event("result", goal, stamp_ns, source_ns, lambda: payload, once=True, ends_goal=True)
 
 
 def _goal_event(
     kind: str,
     goal: Goal,
     stamp_ns: int,
-    payload: dict[str, Any],
+    source_ns: int | None,
+    payload: Callable[[], dict[str, Any]],
     *,
+    once: bool = False,
     droppable: bool = False,
     ends_goal: bool = False,
 ) -> Event:
+    source_ns = stamp_ns if source_ns is None else source_ns
+    goal.last_event_id = event_id(stamp_ns, KINDS[kind], goal.goal_id)
     head = {
         "type": kind,
         "id": goal.last_event_id,
-        "time": moment(stamp_ns),
+        "time": moment(source_ns),
         "goal_id": goal.goal_id,
         "action_name": goal.action_name,
     }
+    what = KINDS[kind] if once or droppable else f"{KINDS[kind]}-{goal.status.value}"
     return Event(
-        encode(head | payload),
+        encode(head | payload()),
         "goals",
         goal.goal_id,
         goal.action_name,
         droppable,
         id=goal.last_event_id,
         ends_goal=ends_goal,
+        key=f"{what}-{goal.goal_id}" if once else event_id(source_ns, what, goal.goal_id),
     )
 
 
-def message_event(kind: str, message: Json, stamp_ns: int, *, robot: str = "/") -> Event:
-    """A message of a robot's topic, `battery` or `cmd_vel`."""
-    identity = event_id(stamp_ns, kind)
-    document = {"type": kind, "id": identity, "time": moment(stamp_ns), "robot": robot, kind: fragment(message)}
-    return Event(encode(document), kind, droppable=True, id=identity, robot=robot)
+def message_event(kind: str, message: Json, stamp_ns: int, source_ns: int | None = None, *, robot: str = "/") -> Event:
+    """A message of a robot's topic, `battery` or `cmd_vel`. Stamps as above."""
+    source_ns = stamp_ns if source_ns is None else source_ns
+    identity = event_id(stamp_ns, kind, robot)
+    document = {"type": kind, "id": identity, "time": moment(source_ns), "robot": robot, kind: fragment(message)}
+    key = event_id(source_ns, kind, robot)
+    return Event(encode(document), kind, droppable=True, id=identity, robot=robot, key=key)
 
 
 def scene_event(scene: dict[str, Any], now: datetime, *, robot: str) -> Event:

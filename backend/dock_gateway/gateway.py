@@ -164,7 +164,10 @@ async def open_gateway(settings: Settings) -> AsyncIterator[Gateway]:
 @asynccontextmanager
 async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Gateway]:
     hub = Hub(
-        queue_limit=settings.subscriber_queue, max_subscribers=settings.max_subscribers, keep=history.record_event
+        queue_limit=settings.subscriber_queue,
+        max_subscribers=settings.max_subscribers,
+        keep=history.record_event,
+        newest=history.newest,
     )
     reasons: Later[GoalError] = Later(REASON_WAIT)
     bridge = Bridge(settings.node_name, settings.namespace)

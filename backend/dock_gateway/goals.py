@@ -61,6 +61,12 @@ class GoalError:
     detail: str
 
 
+# The code of a goal that ended without its result.
+NO_RESULT = "result_unavailable"
+
+# The code of a goal whose gateway ended before the action server's answer was stored, and which the server does not know.
+UNCONFIRMED = "goal_unconfirmed"
+
 # What a goal is rejected for by the gateway itself, before it is sent.
 _UNSENT = frozenset({"action_server_unavailable", "ros_unavailable", "stopped"})
 
@@ -99,6 +105,11 @@ class Goal:
         """Whether it has ended without ever having been sent to the action server."""
         return self.status is GoalStatus.REJECTED and self.error is not None and self.error.code in _UNSENT
 
+    @property
+    def unconfirmed(self) -> bool:
+        """Whether it may never have reached the action server: it can be sent once more, under the same id."""
+        return self.status is GoalStatus.LOST and self.error is not None and self.error.code == UNCONFIRMED
+
     def advance(self, status: GoalStatus, now: datetime) -> bool:
         """Move on to `status`; False, and no change, where that would be a step back.
 
@@ -115,6 +126,14 @@ class Goal:
         self.stalled = False
         self.updated_at = now
         self.finished_at = now if status.terminal else None
+        return True
+
+    def lose(self, error: GoalError, now: datetime) -> bool:
+        """The action server is gone, or does not know the goal; whether that is news."""
+        unconfirmed = self.status is GoalStatus.PENDING and error.code == "action_server_lost"
+        if not self.advance(GoalStatus.LOST, now):
+            return False
+        self.error = GoalError(UNCONFIRMED, f"{error.detail}; it may never have got it") if unconfirmed else error
         return True
 
     def hear(self, feedback: Json, now: datetime) -> None:

@@ -3,10 +3,10 @@
 import asyncio
 import itertools
 from collections import OrderedDict, deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from dock_gateway.errors import TooManyRequests, Unavailable
-from dock_gateway.events import Event
+from dock_gateway.events import Event, EventClock
 from dock_gateway.interest import Interest
 
 
@@ -19,6 +19,7 @@ class Subscriber:
     Attributes:
         at_once: Sends an event without the detour by the queue and the task that takes from it, or says False. Used
             only while that task waits and nothing is queued, so that the order stays.
+        after: Id of the last event that the reader has had, at whatever gateway; none up to it is sent again.
     """
 
     HARD_LIMIT = 10_000
@@ -27,6 +28,7 @@ class Subscriber:
         self.interest = interest
         self.overrun = False
         self.at_once: Callable[[Event], bool] | None = None
+        self.after = ""
         self._waiting = False
         self._limit = limit
         self._queue: deque[Event] = deque()
@@ -36,6 +38,8 @@ class Subscriber:
 
     def put(self, event: Event) -> None:
         """Send an event at once where that is possible, else queue it; never waits."""
+        if event.id is not None and event.id <= self.after:
+            return
         if self._waiting and self.at_once is not None and not self._queue and self.at_once(event):
             return
         if event.supersedes and self._supersede(event):
@@ -95,6 +99,19 @@ class Subscriber:
         return events, dropped
 
 
+class Hold:
+    """A place in the order of publication for events that are being stored; what comes later waits behind it."""
+
+    def __init__(self, hub: "Hub") -> None:
+        self._hub = hub
+        self.events: Iterable[Event] | None = None
+
+    def release(self, events: Iterable[Event]) -> None:
+        """Publish these, and what has waited."""
+        self.events = events
+        self._hub.advance()
+
+
 class Hub:
     """All subscribers of this process, and the events that were published last.
 
@@ -102,14 +119,25 @@ class Hub:
         queue_limit: Feedback events that wait for a slow subscriber.
         max_subscribers: Subscribers at the same time.
         keep: Called with every event that can be resumed from, for the history.
+        newest: Id of the newest event that is stored.
+
+    Attributes:
+        clock: Stamps the events that are published here.
     """
 
     RECENT = 10_000
 
     def __init__(
-        self, *, queue_limit: int, max_subscribers: int, keep: Callable[[Event], None] = lambda _: None
+        self,
+        *,
+        queue_limit: int,
+        max_subscribers: int,
+        keep: Callable[[Event], None] = lambda _: None,
+        newest: str = "",
     ) -> None:
+        self.clock = EventClock(newest)
         self._keep = keep
+        self._line: deque[Event | Hold] = deque()
         self._recent: OrderedDict[str, Event] = OrderedDict()
         self._queue_limit = queue_limit
         self._max_subscribers = max_subscribers
@@ -154,7 +182,32 @@ class Hub:
             self._on_wish[topic]()
 
     def publish(self, event: Event) -> None:
-        """Hand an event to everyone who wants it; once, whatever the number of ways it came by."""
+        """Hand an event to everyone who wants it."""
+        if self._line and event.id is not None:
+            self._line.append(event)
+        else:
+            self._deliver(event)
+
+    def hold(self) -> Hold:
+        """Reserve a place for events that have to be stored before anyone is told; to be released soon."""
+        place = Hold(self)
+        self._line.append(place)
+        return place
+
+    def advance(self) -> None:
+        """Publish what need not wait any more."""
+        while self._line:
+            head = self._line[0]
+            if isinstance(head, Event):
+                self._deliver(head)
+            elif head.events is None:
+                return
+            else:
+                for event in head.events:
+                    self._deliver(event)
+            self._line.popleft()
+
+    def _deliver(self, event: Event) -> None:
         if event.id is not None and event.topic != "cmd_vel":
             if event.id in self._recent:
                 return

@@ -5,12 +5,10 @@ the status topic, and why it was aborted.
 """
 
 import asyncio
-import contextlib
-from collections.abc import Iterator
 from typing import Any, Protocol
 
 from dock_gateway.errors import Unavailable
-from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
+from dock_gateway.goals import NO_RESULT, Goal, GoalError, GoalStatus, Json
 from dock_gateway.later import Later
 from dock_gateway.ros.actions import ActionPort
 from dock_gateway.ros.bridge import PendingCall
@@ -18,8 +16,6 @@ from dock_gateway.tasks import Tasks
 
 # A goal that the status topic says has ended waits so long for its result.
 RESULT_WAIT = 2.0
-# To ask for a result takes the loop up to a millisecond, in which the sender of a goal can be answered.
-ANSWER_FIRST = 0.005
 # A result waits so long for the status message of the end, whose timestamp is the same at every gateway.
 END_STAMP_WAIT = 0.2
 # Goals that end so have a result, which may come late.
@@ -61,31 +57,15 @@ class Results:
         self._goals = goals
         self._reasons = reasons
         self._end_stamps: Later[int] = Later(END_STAMP_WAIT)
-        self._being_sent: set[str] = set()
         self._calls: dict[str, PendingCall] = {}
         self._tasks = Tasks("waiting for results")
         self._closed = False
 
     # ------------------------------------------------------------------ asking
 
-    @contextlib.contextmanager
-    def sending(self, goal: Goal) -> Iterator[None]:
-        """While a goal is sent, and until its sender has been answered, its result is not asked for."""
-        self._being_sent.add(goal.goal_id)
-        try:
-            yield
-        finally:
-            asyncio.get_running_loop().call_later(ANSWER_FIRST, self.want, goal)
-
-    def want(self, goal: Goal) -> None:
-        """Its sender has been answered, or waits for the end: from now on the result is asked for."""
-        self._being_sent.discard(goal.goal_id)
-        if goal.status is not GoalStatus.PENDING and not goal.status.terminal:
-            self.request(goal)
-
     def request(self, goal: Goal) -> None:
         """Ask for the goal's result, once."""
-        if goal.goal_id not in self._calls and goal.goal_id not in self._being_sent:
+        if goal.goal_id not in self._calls:
             self.request_again(goal)
 
     def request_again(self, goal: Goal) -> None:
@@ -114,8 +94,7 @@ class Results:
         status, result = self._port.read_result(response)
         if status is None:
             if not goal.status.terminal:
-                detail = "the action server was restarted and does not know the goal"
-                self._goals.lose(goal, GoalError("action_server_lost", detail))
+                self._goals.lose(goal, GoalError("action_server_lost", "the action server does not know the goal"))
             return
         stamp_ns = await self._end_stamps.of(goal.goal_id)
         error = None
@@ -133,7 +112,7 @@ class Results:
     async def _end_without_result(self, goal: Goal, status: GoalStatus) -> None:
         await asyncio.sleep(RESULT_WAIT)
         if not goal.status.final:
-            error = GoalError("result_unavailable", "the goal ended and the action server did not give its result")
+            error = GoalError(NO_RESULT, "the goal ended and the action server did not give its result")
             self._goals.end(goal, status, error=error, stamp_ns=await self._end_stamps.of(goal.goal_id))
 
     # ------------------------------------------------------------------ the end

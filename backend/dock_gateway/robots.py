@@ -53,7 +53,7 @@ class RobotRegistry:
         battery = Battery(hub, settings.battery_stale_after, namespace)
 
         def hear_velocity(message: Json, stamp_ns: int) -> None:
-            hub.publish(message_event("cmd_vel", message, stamp_ns, robot=namespace))
+            hub.publish(message_event("cmd_vel", message, hub.clock.stamp(stamp_ns), stamp_ns, robot=namespace))
 
         def hear_latch(latched: bool) -> None:
             self._interlock.heard(namespace, latched=latched)

@@ -53,6 +53,7 @@ class GoalService:
         if idempotency_key is None:
             return await asyncio.shield(self._delivery.start(message))
         stops = self._delivery.stops
+        again: Goal | None = None
         under_way = self._submitting.get(idempotency_key)
         if under_way is None:
             first = await self._known(idempotency_key)
@@ -62,11 +63,14 @@ class GoalService:
                     fingerprint_of(first.action_name, first.goal),
                     fingerprint_of(port.action_name, port.encode_goal(message)),
                 )
-                if not await self._free(idempotency_key, first):
-                    return await self._outcome_of(first)
+                first = await self._settled(first)
+                if self._may_send_again(first):
+                    again = first
+                elif not await self._free(idempotency_key, first):
+                    return outcome(first)
             under_way = self._submitting.get(idempotency_key)
         if under_way is None:
-            task = self._delivery.start(message, self._claim_of(idempotency_key), stops)
+            task = self._delivery.start(message, self._claim_of(idempotency_key), stops, again)
             self._submitting[idempotency_key] = (message, task)
             task.add_done_callback(lambda _: self._submitting.pop(idempotency_key))
         else:
@@ -91,13 +95,17 @@ class GoalService:
             return False
         return True
 
-    async def _outcome_of(self, goal: Goal) -> Goal:
-        """What became of a goal that was sent before, maybe by another replica and just now."""
+    def _may_send_again(self, goal: Goal) -> bool:
+        """Whether a goal that was stored never reached the action server, and whoever was to send it has gone."""
+        return goal.unconfirmed or (goal.status is GoalStatus.PENDING and goal.goal_id not in self._tracker.live)
+
+    async def _settled(self, goal: Goal) -> Goal:
+        """A goal that was sent before, maybe by another replica and just now, once it has been answered."""
         deadline = time.monotonic() + self._settings.accept_timeout
         while goal.status is GoalStatus.PENDING and time.monotonic() < deadline:
             await asyncio.sleep(0.05)
             goal = self._tracker.live.get(goal.goal_id) or await self._history.get(goal.goal_id) or goal
-        return outcome(self._tracker.live.get(goal.goal_id, goal))
+        return self._tracker.live.get(goal.goal_id, goal)
 
     def _claim_of(self, idempotency_key: str) -> Claim:
         async def take(goal: Goal) -> Goal | None:
@@ -112,7 +120,7 @@ class GoalService:
                 await asyncio.sleep(0.05)
                 first = await self._history.get(goal_id)
             if first is not None:
-                return await self._outcome_of(first)
+                return outcome(await self._settled(first))
             # Whoever claimed the key has died before it kept the goal. Its place is taken under the same id, which
             # an action server accepts only once.
             goal.goal_id = goal_id

@@ -46,6 +46,11 @@ class Tasks:
         else:
             log.error("while %s", self._doing, exc_info=error)
 
+    async def drain(self, timeout: float = 1.0) -> None:
+        """Wait until all has ended, or the time is up."""
+        if self._running:
+            await asyncio.wait(self._running, timeout=timeout)
+
     async def close(self) -> None:
         """End what runs."""
         await cancel(*self._running)

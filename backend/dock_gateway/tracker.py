@@ -7,26 +7,27 @@ import asyncio
 import logging
 import time
 from collections import OrderedDict
-from collections.abc import Callable
-from copy import copy
+from collections.abc import Callable, Iterable
+from functools import partial
 
+from dock_gateway.adoption import Adoption, Message, Newcomer
 from dock_gateway.events import Event, feedback_event, moment, nanoseconds, result_event, status_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus, Json
 from dock_gateway.history import History
-from dock_gateway.hub import Hub
+from dock_gateway.hub import Hold, Hub
 from dock_gateway.later import Later
 from dock_gateway.results import Results
 from dock_gateway.ros.actions import ActionPort, StatusReport
-from dock_gateway.senders import Senders
 from dock_gateway.tasks import Tasks
 
 log = logging.getLogger(__name__)
 
-MAX_REMEMBERED = 2000
+# Ids of ended goals that are remembered: an action server may go on telling of them for a while.
+MAX_REMEMBERED = 10_000
 MAX_LOST = 100
 
-# Makes an event of a goal as it stands, with a timestamp.
-MakeEvent = Callable[[Goal, int], Event]
+# Makes an event of a goal as it stands, with the stamp of its id and that of its source.
+MakeEvent = Callable[[Goal, int, int], Event]
 
 
 class GoalTracker:
@@ -42,6 +43,7 @@ class GoalTracker:
         live: The goals that run, and lost ones that may return.
         taken_up: Ids of goals from before a restart.
         on_return: Called with a goal that was `lost` and shows signs of life.
+        on_seen: What is called with a goal that was not sent by this process, when it is first seen.
         on_end: What is called with a goal that nothing more is expected of.
         last_heard: When the action server gave its last sign of life, on the monotonic clock.
         results: What asks for results, and waits for them.
@@ -52,6 +54,7 @@ class GoalTracker:
         self.live: dict[str, Goal] = {}
         self.taken_up: set[str] = set()
         self.on_return: Callable[[Goal], None] = lambda _: None
+        self.on_seen: list[Callable[[Goal], None]] = []
         self.on_end: list[Callable[[Goal], None]] = []
         self.last_heard = time.monotonic()
         self.port = port
@@ -59,9 +62,9 @@ class GoalTracker:
         self.tasks = Tasks("tracking goals")
         self._hub = hub
         self._history = history
-        self._senders = Senders(history)
-        self._ended: OrderedDict[str, Goal] = OrderedDict()
-        self._held: dict[str, list[tuple[MakeEvent, Goal, int]]] = {}
+        self._adoption = Adoption(history, self._adopt)
+        self._seals = Tasks("storing how goals ended")
+        self._ended: OrderedDict[str, None] = OrderedDict()
         self._waiters: dict[str, asyncio.Event] = {}
         self._goal_heard: dict[str, float] = {}
 
@@ -80,84 +83,86 @@ class GoalTracker:
     # ------------------------------------------------------------------ what ROS says
 
     def on_status(self, reports: list[StatusReport], stamp_ns: int) -> None:
-        """A message of `_action/status`: the state of every goal that the server remembers."""
+        """A message of `_action/status`: the state of goals that the server remembers."""
         self.heard()
         for report in reports:
-            if report.goal_id in self._ended:
-                continue
-            goal = self.live.get(report.goal_id) or self._adopt(report.goal_id, report.accepted_ns or stamp_ns)
-            if not report.status.terminal:
-                accepted = report.status is GoalStatus.ACCEPTED
-                self.move(goal, report.status, report.accepted_ns if accepted else stamp_ns)
-            else:
-                self.results.expect(goal, report.status, stamp_ns)
-            self.results.request(goal)
+            take = partial(self._take_report, report=report, stamp_ns=stamp_ns)
+            running = not report.status.terminal
+            self._hear(report.goal_id, take, created_ns=report.accepted_ns or stamp_ns, running=running)
 
     def on_feedback(self, goal_id: str, feedback: Json, stamp_ns: int) -> None:
         """A message of `_action/feedback`."""
         self.heard()
-        if goal_id in self._ended:
-            return
-        goal = self.live.get(goal_id)
-        if goal is None:
-            goal = self._adopt(goal_id, stamp_ns)
-            self.results.request(goal)
-        if goal.status is GoalStatus.LOST:
-            self.move(goal, GoalStatus.EXECUTING, stamp_ns)
-        self._goal_heard[goal_id] = time.monotonic()
-        goal.hear(feedback, utc_now())
-        self._publish(feedback_event, goal, stamp_ns)
+        take = partial(self._take_feedback, feedback=feedback, stamp_ns=stamp_ns)
+        self._hear(goal_id, take, created_ns=stamp_ns, running=True)
 
     def on_progress(self, goal: Goal, stage: str | None, retries: int | None, stamp_ns: int) -> None:
         """What the server says on `/diagnostics` of a goal that runs."""
         if not goal.status.terminal and goal.progress(stage, retries, utc_now()):
-            self._publish_status(goal, stamp_ns)
-            self._record(goal)
+            self._publish(status_event, goal, stamp_ns)
+            self._history.record(goal)
+
+    def _hear(self, goal_id: str, take: Message, *, created_ns: int, running: bool) -> None:
+        if (goal := self.live.get(goal_id)) is not None:
+            take(goal)
+        elif goal_id not in self._ended:
+            self._adoption.hear(goal_id, take, created_ns=created_ns, running=running)
+
+    def _take_report(self, goal: Goal, report: StatusReport, stamp_ns: int) -> None:
+        if report.status.terminal:
+            self.results.expect(goal, report.status, stamp_ns)
+        else:
+            self.move(goal, report.status, report.accepted_ns if report.status is GoalStatus.ACCEPTED else stamp_ns)
+        self.results.request(goal)
+
+    def _take_feedback(self, goal: Goal, feedback: Json, stamp_ns: int) -> None:
+        if goal.status.final:
+            return
+        if goal.status is GoalStatus.LOST or (goal.status is GoalStatus.PENDING and goal.origin == "external"):
+            self.move(goal, GoalStatus.EXECUTING, stamp_ns)
+        self._goal_heard[goal.goal_id] = time.monotonic()
+        goal.hear(feedback, utc_now())
+        self._publish(feedback_event, goal, stamp_ns)
 
     # ------------------------------------------------------------------ goals
 
     def add(self, goal: Goal) -> None:
         """Track a goal that is being sent."""
         self.live[goal.goal_id] = goal
-        self._publish_status(goal, nanoseconds(goal.created_at))  # before anything that the server says of it
-
-    def _adopt(self, goal_id: str, created_ns: int) -> Goal:
-        """Take up a goal that somebody else sent, or we before a restart; what is said of it waits for the history."""
-        goal = Goal(goal_id, self.port.action_name, self.port.action_type, moment(created_ns), origin="external")
-        self.live[goal_id] = goal
-        self._held[goal_id] = []
-        self.tasks.spawn(self._introduce(goal))
-        return goal
-
-    async def _introduce(self, goal: Goal) -> None:
-        try:
-            await self._senders.find(goal, self._remember)
-        except Exception:
-            log.exception("while looking up who sent goal %s", goal.goal_id)
-        finally:
-            log.info("goal %s on %s, origin %s", goal.goal_id, goal.action_name, goal.origin)
-            self._publish_held(goal)
-            self._history.record(goal)
-        if goal.origin == "external" and await self._senders.find_late(goal) and goal.goal_id in self.live:
-            self._publish_status(goal, time.time_ns())
-
-    def _remember(self, goal: Goal, known: Goal) -> None:
-        """Have a goal, and what is held back of it, take over what the history knows."""
-        goal.remember(known)
-        for _, then, _ in self._held.get(goal.goal_id, []):
-            then.remember(known)
+        self.taken_up.discard(goal.goal_id)
+        if goal.status is GoalStatus.LOST:  # it is sent again
+            self.move(goal, GoalStatus.PENDING)
+        else:
+            self._publish(status_event, goal, nanoseconds(goal.created_at))  # before anything that the server says
 
     def take_up(self, goal: Goal) -> None:
         """Go on with a goal that the history says was running; the server is asked for its outcome."""
         adopted = self.live.get(goal.goal_id)
-        if adopted is not None and adopted.origin != goal.origin:  # the history was away when the goal turned up
-            self._remember(adopted, goal)
-            self._publish_status(adopted, time.time_ns())
-        elif adopted is None and goal.goal_id not in self._ended:
-            self.live[goal.goal_id] = goal
+        if adopted is None and goal.goal_id not in self._ended:
             self.taken_up.add(goal.goal_id)
-            self.results.request(goal)
-            log.info("taking up goal %s, %s", goal.goal_id, goal.status.value)
+            self._begin(goal, self._adoption.claim(goal.goal_id))
+        elif adopted is not None and adopted.origin != goal.origin:  # the history was away when the goal turned up
+            adopted.remember(goal)
+            self._publish(status_event, adopted, time.time_ns())
+            self._history.record(adopted)
+
+    def _adopt(self, goal_id: str, known: Goal | None, newcomer: Newcomer) -> None:
+        """Take up a goal that turned up, as the history knows it. One that has ended is left as it is."""
+        if known is not None and known.status.final:
+            self._note_ended(goal_id)
+            return
+        created_at = moment(newcomer.created_ns)
+        goal = known or Goal(goal_id, self.port.action_name, self.port.action_type, created_at, origin="external")
+        self._begin(goal, newcomer.messages)
+
+    def _begin(self, goal: Goal, messages: Iterable[Message]) -> None:
+        log.info("goal %s on %s, %s, origin %s", goal.goal_id, goal.action_name, goal.status.value, goal.origin)
+        self.live[goal.goal_id] = goal
+        for seen in self.on_seen:
+            seen(goal)
+        for take in messages:
+            take(goal)
+        self.results.request(goal)
 
     def move(self, goal: Goal, status: GoalStatus, stamp_ns: int | None = None) -> None:
         """Move a goal on to a state that is not terminal, where that is not a step back."""
@@ -165,8 +170,8 @@ class GoalTracker:
         self._goal_heard[goal.goal_id] = time.monotonic()
         if not goal.advance(status, utc_now()):
             return
-        self._publish_status(goal, stamp_ns or time.time_ns())
-        self._record(goal)
+        self._publish(status_event, goal, stamp_ns or time.time_ns())
+        self._history.record(goal)
         if was_lost:
             log.info("goal %s is back", goal.goal_id)
             self.on_return(goal)
@@ -175,16 +180,15 @@ class GoalTracker:
         """Show a goal as stalled, or no longer."""
         if goal.stalled is not stalled:
             goal.stalled = stalled
-            self._publish_status(goal, time.time_ns())
+            self._publish(status_event, goal, time.time_ns())
 
     def lose(self, goal: Goal, error: GoalError) -> None:
         """The action server is gone. The goal stays in sight: it may return."""
-        if not goal.advance(GoalStatus.LOST, utc_now()):
+        if not goal.lose(error, utc_now()):
             return
-        goal.error = error
         log.warning("goal %s is lost: %s", goal.goal_id, error.detail)
-        self._publish_status(goal, time.time_ns())
-        self._record(goal)
+        self._publish(status_event, goal, time.time_ns())
+        self._history.record(goal)
         self._release(goal)
         lost = [other for other in self.live.values() if other.status is GoalStatus.LOST]
         for oldest in lost[:-MAX_LOST]:
@@ -199,43 +203,37 @@ class GoalTracker:
         error: GoalError | None = None,
         stamp_ns: int | None = None,
     ) -> None:
-        """The goal ended for good; `stamp_ns` is when the server said so."""
-        late_result = goal.status is status and goal.result is None and result is not None
-        if not late_result and not goal.advance(status, utc_now()):
+        """The goal ended for good; `stamp_ns` is when the server said so. It is stored before anyone is told."""
+        if not goal.advance(status, utc_now()):
+            if goal.status is status and goal.result is None and result is not None:  # it was given up, and came late
+                goal.result, goal.error = result, error
+                self._history.record(goal)
             return
         goal.result = result
-        goal.error = error if late_result else error or goal.error
-        if late_result or not stamp_ns:  # an event of its own
-            stamp_ns = time.time_ns()
-        if not late_result:
-            self._publish_status(goal, stamp_ns)
+        goal.error = error or (None if status is GoalStatus.SUCCEEDED else goal.error)
+        source_ns = stamp_ns or time.time_ns()
+        stamp_ns = self._hub.clock.stamp(source_ns)
+        end = [status_event(goal, stamp_ns, source_ns)]
         if status is not GoalStatus.REJECTED:
-            self._publish(result_event, goal, stamp_ns)
-        self._record(goal)
-        self._release(goal)
+            end.append(result_event(goal, stamp_ns, source_ns))
+        self._history.record(goal)
+        self._seals.spawn(self._seal(goal, end, self._hub.hold()))
         self._retire(goal)
+        self._note_ended(goal.goal_id)
 
-    def _publish_status(self, goal: Goal, stamp_ns: int) -> None:
-        self._publish(status_event, goal, stamp_ns)
+    async def _seal(self, goal: Goal, end: list[Event], place: Hold) -> None:
+        told = end
+        try:
+            told = await self._history.seal(goal, end)
+        finally:
+            place.release(told)
+            if told[-1].id != goal.last_event_id:
+                goal.last_event_id = told[-1].id
+                self._history.record(goal)
+            self._release(goal)
 
-    def _publish(self, make: MakeEvent, goal: Goal, stamp_ns: int) -> None:
-        held = self._held.get(goal.goal_id)
-        if held is None:
-            self._hub.publish(make(goal, stamp_ns))
-        else:
-            held.append((make, copy(goal), stamp_ns))
-
-    def _record(self, goal: Goal) -> None:
-        """Keep what is new about a goal; not before it is known who sent it, which is looked up in what is kept."""
-        if goal.goal_id not in self._held:
-            self._history.record(goal)
-
-    def _publish_held(self, goal: Goal) -> None:
-        """Publish what was held back: the goal as it was each time, and as what is known of its sender says now."""
-        for make, then, stamp_ns in self._held.pop(goal.goal_id, []):
-            then.attribute(goal)
-            self._hub.publish(make(then, stamp_ns))
-            goal.last_event_id = then.last_event_id
+    def _publish(self, make: MakeEvent, goal: Goal, source_ns: int) -> None:
+        self._hub.publish(make(goal, self._hub.clock.stamp(source_ns), source_ns))
 
     def _retire(self, goal: Goal) -> None:
         self.live.pop(goal.goal_id, None)
@@ -244,7 +242,9 @@ class GoalTracker:
         self.results.retire(goal)
         for told in self.on_end:
             told(goal)
-        self._ended[goal.goal_id] = goal
+
+    def _note_ended(self, goal_id: str) -> None:
+        self._ended[goal_id] = None
         if len(self._ended) > MAX_REMEMBERED:
             self.results.forget(self._ended.popitem(last=False)[0])
 
@@ -254,7 +254,6 @@ class GoalTracker:
         """Wait until the goal has ended, or the time is up, or the gateway closes."""
         if goal.status.terminal or self._hub.closing:
             return
-        self.results.want(goal)
         event = self._waiters.setdefault(goal.goal_id, asyncio.Event())
         try:
             async with asyncio.timeout(timeout):
@@ -275,5 +274,7 @@ class GoalTracker:
     async def close(self) -> None:
         """Stop waiting for anything."""
         self.release_all()
+        await self._adoption.close()
         await self.results.close()
+        await self._seals.drain()
         await self.tasks.close()

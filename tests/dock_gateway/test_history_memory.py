@@ -95,7 +95,7 @@ def event(number: int, topic: str = "goals", goal_id: str = "goal-1", *, droppab
 async def after(history: MemoryHistory, number: int, **query: object) -> list[int] | None:
     asked = {"goal_id": None, "action_name": None, "topics": frozenset({"goals"}), "limit": 100} | query
     events = await history.events_after(f"{number:020d}-e", **asked)  # type: ignore[arg-type]
-    return None if events is None else [int((each.id or "")[:20]) for each in events]
+    return [int((each.id or "")[:20]) for each in events.events] if events.complete else None
 
 
 async def test_events_after_an_event() -> None:
@@ -107,7 +107,8 @@ async def test_events_after_an_event() -> None:
     assert await after(history, 1, topics=frozenset({"battery"})) == [4]
     assert await after(history, 1, limit=1) == [2]
     assert await after(history, 5) == []
-    assert await after(history, 9) is None
+    assert await after(history, 9) == [], "the event before was told, and is not stored yet"
+    assert await after(history, 0) is None, "the past does not reach back so far"
 
 
 async def test_feedback_is_forgotten_before_status_and_the_gap_is_told() -> None:

@@ -116,3 +116,16 @@ def test_who_sent_the_goal_knows_when() -> None:
     seen = make_goal(1, origin="external", created_at=NOW)
     sent = make_goal(1, origin="gateway", created_at=NOW + timedelta(seconds=1))
     assert merge(seen, sent).created_at == merge(sent, seen).created_at == sent.created_at
+
+
+@pytest.mark.parametrize("code", ["result_unavailable", "canceled"])
+@pytest.mark.parametrize("swapped", [True, False])
+def test_a_goal_that_succeeded_keeps_its_result_and_gets_no_error(code: str, swapped: bool) -> None:
+    """Whoever heard less of it says less."""
+    best = make_goal(1, GoalStatus.SUCCEEDED, result=b"{}")
+    if code == "canceled":
+        other = make_goal(1, GoalStatus.CANCELING, error=GoalError(code, "it was canceled"))
+    else:
+        other = make_goal(1, GoalStatus.SUCCEEDED, error=GoalError(code, "no result came"))
+    merged = merge(other, best) if swapped else merge(best, other)
+    assert (merged.status, merged.result, merged.error) == (GoalStatus.SUCCEEDED, b"{}", None)

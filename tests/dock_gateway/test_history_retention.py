@@ -21,7 +21,7 @@ async def follows(history: SqlHistory, event_id: str, *topics: str) -> int | Non
     found = await history.events_after(
         event_id, goal_id=None, action_name=None, topics=frozenset(topics) or EVERYTHING, limit=10_000
     )
-    return None if found is None else len(found)
+    return len(found.events) if found.complete else None
 
 
 async def test_by_age(database_url: str, tmp_path: Path) -> None:

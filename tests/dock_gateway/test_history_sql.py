@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 import sqlalchemy as sa
 
-from dock_gateway.events import Event
+from dock_gateway.events import Event, feedback_event, result_event, status_event
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import sql, store
 from dock_gateway.history.rows import Batch
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.tables import events, goals, idempotency_keys
-from tests.support.history import EVERYTHING, NOW, make_event, make_goal, open_at, page_of, written
+from tests.support.history import EVERYTHING, NOW, START_NS, make_event, make_goal, open_at, page_of, written
 
 
 async def count(history: SqlHistory, table: sa.Table) -> int:
@@ -28,7 +28,7 @@ async def ids(history: SqlHistory, **query: object) -> list[str]:
 async def after(history: SqlHistory, number: int, **query: object) -> list[bytes] | None:
     asked = {"goal_id": None, "action_name": None, "topics": EVERYTHING, "limit": 100} | query
     found = await history.events_after(make_event(number).id or "", **asked)  # type: ignore[arg-type]
-    return None if found is None else [event.data for event in found]
+    return [event.data for event in found.events] if found.complete else None
 
 
 async def test_a_goal_is_the_same_after_a_restart(database_url: str, tmp_path: Path) -> None:
@@ -209,7 +209,8 @@ async def test_events_after_an_event(database_url: str, tmp_path: Path) -> None:
         assert await after(history, 1, limit=1) == [make_event(2).data]
         assert await after(history, 4) == [make_event(5).data]
         assert await after(history, 5) == []
-        assert await after(history, 9) is None
+        assert await after(history, 9) == [], "the event before was told, and is not stored yet"
+        assert await after(history, 0) is None, "the past does not reach back so far"
 
 
 async def test_what_a_database_cannot_take_harms_nothing_else(database_url: str, tmp_path: Path) -> None:
@@ -250,3 +251,65 @@ async def test_new_goals_go_ahead_of_the_rest_which_is_not_forgotten(
         await written(history)
         assert await count(history, events) == 1
         assert await count(history, goals) == number + 1
+
+
+def ended(status: GoalStatus = GoalStatus.SUCCEEDED, stamp: int = 1) -> tuple[Goal, list[Event]]:
+    goal = make_goal(1, status)
+    return goal, [status_event(goal, stamp), result_event(goal, stamp)]
+
+
+async def test_the_end_of_a_goal_is_stored_once_and_told_the_same_by_all(database_url: str, tmp_path: Path) -> None:
+    """Two gateways saw it; the first one counts, whatever the other makes of it."""
+    async with open_at(database_url, tmp_path / "a") as one, open_at(database_url, tmp_path / "b") as other:
+        goal, end = ended(stamp=5)
+        assert await one.seal(goal, end) == end
+        late, late_end = ended(GoalStatus.ABORTED, stamp=9)
+        assert [event.id for event in await other.seal(late, late_end)] == [event.id for event in end]
+        for event in (*end, *late_end):
+            one.record_event(event)
+            other.record_event(event)
+        await written(one)
+        await written(other)
+        kept = await other.get(goal.goal_id)
+        assert kept is not None
+        assert kept.status is GoalStatus.SUCCEEDED
+        assert await count(one, events) == 2
+
+
+async def test_the_end_of_a_goal_survives_a_kill_in_the_moment_when_it_is_told(
+    database_url: str, tmp_path: Path
+) -> None:
+    async with open_at(database_url, tmp_path) as history:
+        goal, end = ended(stamp=START_NS)
+        await history.seal(goal, end)
+        found = await history._database.read(lambda db: db.scalars(sa.select(events.c.id)).all())
+        assert sorted(found) == sorted(event.id or "" for event in end)
+
+
+async def test_feedback_that_two_gateways_stamped_differently_is_stored_once(database_url: str, tmp_path: Path) -> None:
+    """One of them had published something newer already."""
+    async with open_at(database_url, tmp_path / "a") as one, open_at(database_url, tmp_path / "b") as other:
+        goal = make_goal(1, GoalStatus.EXECUTING)
+        one.record_event(feedback_event(goal, START_NS, START_NS))
+        await written(one)
+        other.record_event(feedback_event(goal, START_NS + 7, START_NS))
+        await written(other)
+        assert await count(one, events) == 1
+
+
+async def test_what_is_known_of_many_goals(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path) as history:
+        await history.add(make_goal(1))
+        await written(history)
+        history.record(make_goal(2))
+        assert (await history.known(["goal-0001", "goal-0002", "goal-0003"])).keys() == {"goal-0001", "goal-0002"}
+
+
+async def test_the_newest_event_is_known_from_the_start(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path) as history:
+        assert history.newest == ""
+        history.record_event(make_event(2))
+        history.record_event(make_event(1))
+        await written(history)
+    async with open_at(database_url, tmp_path) as history:
+        assert history.newest == make_event(2).id

@@ -5,7 +5,7 @@ import asyncio
 import pytest
 
 from dock_gateway.errors import TooManyRequests, Unavailable
-from dock_gateway.events import Event
+from dock_gateway.events import Event, event_id
 from dock_gateway.hub import Hub, Subscriber
 from dock_gateway.interest import Interest
 
@@ -174,3 +174,34 @@ async def test_events_go_out_at_once_only_while_the_reader_waits_and_nothing_is_
     assert [event.text for event in events] == ["f3", "f4"]
     hub.publish(feedback(5))  # the taken ones are being sent
     assert sent == ["f2"]
+
+
+def stored(number: int) -> Event:
+    return Event(f"e{number}".encode(), "goals", A, "/dock", id=event_id(number, "s", A))
+
+
+async def test_what_comes_later_waits_behind_what_is_being_stored() -> None:
+    hub = make()
+    reader = hub.subscribe(Interest())
+    hub.publish(stored(1))
+    first, second = hub.hold(), hub.hold()
+    hub.publish(stored(4))
+    hub.publish(Event(b"stop", "goals"))  # it has no place in the order
+    assert await texts(reader) == (["e1", "stop"], 0)
+    second.release([stored(3)])
+    assert await texts(reader) == ([], 0)
+    first.release([stored(2)])
+    assert await texts(reader) == (["e2", "e3", "e4"], 0)
+    hub.publish(stored(5))
+    assert await texts(reader) == (["e5"], 0)
+    assert [event.text for event in hub.since(stored(2).id or "", Interest()) or []] == ["e3", "e4", "e5"]
+
+
+async def test_a_reader_that_resumes_is_not_sent_what_it_has_had_elsewhere() -> None:
+    """This gateway may be a moment behind the one that the reader was at before."""
+    hub = make()
+    reader = hub.subscribe(Interest())
+    reader.after = stored(2).id or ""
+    for number in range(1, 4):
+        hub.publish(stored(number))
+    assert await texts(reader) == (["e3"], 0)

@@ -1,4 +1,4 @@
-"""A goal is sent and stored at the same time. Port and watch are fakes; tests/system has the real ones."""
+"""A goal is stored, then sent, once for each key. Port and watch are fakes; tests/system has the real ones."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -10,9 +10,9 @@ import pytest
 from dock_gateway.canceler import Canceler
 from dock_gateway.delivery import Delivery
 from dock_gateway.errors import Conflict, Unavailable
-from dock_gateway.events import STATUS, event_id, nanoseconds
+from dock_gateway.events import STATUS, event_id, nanoseconds, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
-from dock_gateway.history import HistoryStats, MemoryHistory, Wanted
+from dock_gateway.history import HistoryStats, MemoryHistory, Wanted, fingerprint_of
 from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
 from dock_gateway.latch import LatchFile
@@ -22,6 +22,7 @@ from dock_gateway.service import GoalService
 from dock_gateway.settings import Settings
 from dock_gateway.tracker import GoalTracker
 from tests.support.calls import FakeCall
+from tests.support.history import until
 
 ACCEPTED = SimpleNamespace(accepted=True, stamp=SimpleNamespace(sec=1, nanosec=0))
 REJECTED = SimpleNamespace(accepted=False)
@@ -100,7 +101,7 @@ class Scene:
         self.history = GatedHistory()
         hub = Hub(queue_limit=100, max_subscribers=10)
         self.tracker = GoalTracker(self.port, hub, self.history, Later(0.01))  # type: ignore[arg-type]
-        settings = Settings(accept_timeout=5.0)
+        settings = self.settings = Settings(accept_timeout=5.0)
         self.interlock = Interlock(hub, LatchFile(settings.stop_file), "/")
         self.reasons: Later[GoalError] = Later(0.01)
         canceler = Canceler(settings, self.tracker)
@@ -268,3 +269,59 @@ async def test_pending_comes_before_what_the_server_says(scene: Scene) -> None:
     (goal,) = scene.tracker.live.values()
     assert goal.last_event_id == event_id(nanoseconds(goal.created_at), STATUS, goal.goal_id)
     submission.cancel()
+
+
+def stored_before(scene: Scene, key: str, **more: object) -> Goal:
+    """A goal that a gateway stored under a key, and was killed before it sent it."""
+    goal = Goal("77777777-0000-4000-8000-000000000000", "/dock", "pkg/action/Dock", utc_now(), goal=b"{}")
+    for name, value in more.items():
+        setattr(goal, name, value)
+    scene.history.record(goal)
+    scene.history._keys[key] = (goal.goal_id, fingerprint_of("/dock", b"{}"), float("inf"))
+    return goal
+
+
+@pytest.mark.parametrize("taken_up", [True, False], ids=["by this gateway", "by one that is gone"])
+async def test_a_goal_that_was_stored_and_not_sent_is_sent_by_the_retry_under_its_id(
+    scene: Scene, taken_up: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(scene.settings, "__dict__", scene.settings.__dict__ | {"accept_timeout": 0.2})
+    scene.history.gate.set_result(None)
+    goal = stored_before(scene, "key")
+    if taken_up:
+        scene.tracker.take_up(goal)
+        scene.tracker.lose(goal, GoalError("action_server_lost", "the action server does not know the goal"))
+        assert goal.unconfirmed
+    submission = scene.submit("key")
+    await until(lambda: bool(scene.port.sent))
+    assert list(scene.port.sent) == [goal.goal_id]
+    scene.port.answer(ACCEPTED)
+    assert (await submission).goal_id == goal.goal_id
+    assert (await scene.submit("key")).status is GoalStatus.ACCEPTED
+    assert len(scene.port.sent) == 1
+
+
+async def test_a_goal_that_runs_is_not_ended_when_the_server_refuses_its_id_once_more(scene: Scene) -> None:
+    scene.history.gate.set_result(None)
+    goal = stored_before(scene, "key")
+    scene.tracker.take_up(goal)
+    scene.tracker.lose(goal, GoalError("action_server_lost", "silent"))
+    submission = scene.submit("key")
+    await until(lambda: bool(scene.port.sent))
+    scene.tracker.move(goal, GoalStatus.EXECUTING)  # the first request was only slow
+    scene.port.answer(REJECTED)
+    assert (await submission).status is GoalStatus.EXECUTING
+
+
+async def test_a_goal_whose_cancel_was_given_up_and_that_succeeds_has_no_error(scene: Scene) -> None:
+    scene.history.gate.set_result(None)
+    submission = scene.submit()
+    await turns()
+    scene.port.answer(ACCEPTED)
+    goal = await submission
+    goal.error = GoalError("canceled", "it was canceled while the action server could not be reached")
+    scene.tracker.end(goal, GoalStatus.SUCCEEDED, result=b"{}")
+    await scene.tracker.close()
+    kept = await scene.history.get(goal.goal_id)
+    assert kept is not None
+    assert (kept.status, kept.error) == (GoalStatus.SUCCEEDED, None)

@@ -7,6 +7,7 @@ import pytest
 from dock_gateway import later as later_module
 from dock_gateway import tracker as tracker_module
 from dock_gateway.goals import GoalError
+from tests.support.history import until
 from tests.support.tracking import A, B, S, Scene, scene
 
 __all__ = ["scene"]
@@ -69,9 +70,9 @@ async def test_progress_is_told_while_the_goal_runs(scene: Scene) -> None:
 
 async def test_a_goal_of_someone_else(scene: Scene) -> None:
     scene.status((B, S.EXECUTING))
+    await until(lambda: B in scene.port.calls)
     goal = scene.tracker.live[B]
     assert (goal.origin, goal.goal) == ("external", None)
-    await asyncio.sleep(0)
     scene.port.answer(B, S.CANCELED, b'{"n":0}')
     assert await scene.events() == ["status:executing", "status:canceled", "result:canceled"]
     kept = await scene.history.get(B)

@@ -1,6 +1,7 @@
 """Goals on one action, as ROS tells of them: a tracker whose port is a fake."""
 
 import asyncio
+import time
 from collections.abc import AsyncIterator
 from datetime import UTC, datetime
 from typing import Any
@@ -9,7 +10,6 @@ import orjson
 import pytest
 
 from dock_gateway import results as results_module
-from dock_gateway import senders as senders_module
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import MemoryHistory
 from dock_gateway.hub import Hub, Subscriber
@@ -54,7 +54,7 @@ class Scene:
         self.tracker = GoalTracker(self.port, self.hub, self.history, self.reasons)  # type: ignore[arg-type]
         self.tracker.on_return = self.returned.append
         self.subscriber: Subscriber = self.hub.subscribe(Interest())
-        self.stamp = 1
+        self.stamp = 0
 
     def send(self, goal_id: str = A) -> Goal:
         goal = Goal(goal_id, "/dock", "pkg/action/Dock", datetime.now(UTC))
@@ -63,11 +63,11 @@ class Scene:
         return goal
 
     def status(self, *reports: tuple[str, GoalStatus]) -> None:
-        self.stamp += 1
+        self.stamp = time.time_ns()
         self.tracker.on_status([StatusReport(goal_id, status, 1) for goal_id, status in reports], self.stamp)
 
     def feedback(self, number: int, goal_id: str = A) -> None:
-        self.stamp += 1
+        self.stamp = time.time_ns()
         self.tracker.on_feedback(goal_id, b'{"n":%d}' % number, self.stamp)
 
     async def documents(self) -> list[dict[str, Any]]:
@@ -88,8 +88,6 @@ class Scene:
 async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
     monkeypatch.setattr(results_module, "RESULT_WAIT", 0.05)
     monkeypatch.setattr(results_module, "END_STAMP_WAIT", 0.01)
-    monkeypatch.setattr(senders_module, "LOOK_UP_PAUSES", ())
-    monkeypatch.setattr(senders_module, "LOOK_AGAIN_AFTER", 0.02)
     scene = Scene()
     yield scene
     await scene.tracker.close()

@@ -3,12 +3,21 @@
 import signal
 import sqlite3
 import time
+import uuid
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
+from sensor_msgs.msg import BatteryState
 
-from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from dock_gateway.events import utc_now
+from dock_gateway.goals import Goal
+from dock_gateway.history.spool import Spool
+from dock_gateway.history.sql import SqlHistory
+from dock_gateway.ros.messages import codec
+from dock_gateway.settings import Settings
+from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.observer import Observer, ros_observer, wait_until
 from tests.support.processes import BIN, Process, ros_environment
 
@@ -79,6 +88,58 @@ def test_goals_that_ended_meanwhile_get_their_result(domain: int, kept: dict[str
         with running_gateway(domain, **kept) as second:
             goal = second.wait_for_goal(goal_id, "succeeded")
             assert goal["result"]["final_battery_state"]["power_supply_status"] == 1
+
+
+def test_after_six_restarts_each_goal_has_ended_once(domain: int, kept: dict[str, str]) -> None:
+    """The action server tells of its goals again each time; a reader that resumes is told of each end once."""
+    goals: list[str] = []
+    seen: list[dict[str, Any]] = []
+    documents: dict[str, Any] = {}
+    with running_dock_server(domain), battery(domain, 1):
+        for _ in range(6):
+            with running_gateway(domain, **kept) as gateway:
+                gateway.wait_until_ready()
+                after = f"?after={max(event['id'] for event in seen)}" if seen else ""
+                with gateway.stream(after) as stream:
+                    assert stream.next()["type"] == ("resumed" if seen else "snapshot")
+                    goals.append(gateway.http.post("/dock").raise_for_status().json()["goal_id"])
+                    ended = stream.until_type("result")
+                    assert ended["goal_id"] == goals[-1]
+                    seen += [event for event in stream.seen if "id" in event]
+                for goal_id, document in documents.items():
+                    assert gateway.goal(goal_id) == document, "a goal that has ended does not change"
+                documents[goals[-1]] = gateway.goal(goals[-1])
+                assert [alert["kind"] for alert in gateway.http.get("/alerts").json()["alerts"]] == []
+                kill(gateway)
+    assert len({event["id"] for event in seen}) == len(seen)
+    assert [event["id"] for event in seen] == sorted(event["id"] for event in seen)
+    assert [event["goal_id"] for event in seen if event["type"] == "result"] == goals
+    assert [e["goal_id"] for e in seen if e["type"] == "status" and e["status"] == "succeeded"] == goals
+
+
+async def test_a_goal_that_was_stored_and_not_sent_is_sent_by_a_retry(
+    domain: int, kept: dict[str, str], observer: Observer
+) -> None:
+    """What a gateway leaves that is killed between the two."""
+    asked = codec(BatteryState).encode(codec(BatteryState).parse(CHARGING))
+    message = b'{"desired_battery_state":%s}' % asked
+    goal = Goal(str(uuid.uuid4()), ACTION, Settings().dock_action_type, utc_now(), goal=message)
+    history = SqlHistory(
+        kept["database_url"], Spool(Path(kept["spool_path"])), max_waiting=10, max_age=60, max_bytes=10**6
+    )
+    await history.open()
+    await history.add(goal, "dock-once")
+    await history.close()
+    with running_dock_server(domain), battery(domain, 1), running_gateway(domain, **kept) as gateway:
+        gateway.wait_until_ready()
+        lost = gateway.wait_for_goal(goal.goal_id, "lost")
+        assert lost["error"]["code"] == "goal_unconfirmed"
+        headers = {"Idempotency-Key": "dock-once", "Prefer": "wait=10"}
+        for _ in range(2):
+            answer = gateway.http.post("/dock", json={"desired_battery_state": CHARGING}, headers=headers)
+            assert (answer.json()["goal_id"], answer.json()["status"]) == (goal.goal_id, "succeeded")
+        assert answer.json()["error"] is None
+        assert [entry["goal_id"] for entry in gateway.http.get("/dock").json()["goals"]] == [goal.goal_id]
 
 
 def wait_for_status(observer: Observer, status: int) -> None:

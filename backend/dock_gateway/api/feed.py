@@ -8,7 +8,9 @@ from dock_gateway.conflation import Conflator
 from dock_gateway.errors import GatewayError
 from dock_gateway.events import Event, notice, utc_now
 from dock_gateway.gateway import Gateway
+from dock_gateway.history import Later
 from dock_gateway.hub import Subscriber
+from dock_gateway.interest import Interest
 
 # What was missed is fetched from the history in pieces of so many events, and not more than so many pieces.
 PIECE, MAX_PIECES = 1000, 100
@@ -23,7 +25,7 @@ async def feed(
         gateway: The gateway.
         subscriber: The reader's place in the hub.
         after: Id of the last event that the reader has seen. What followed it comes first (`resumed`), then what
-            is not replayed, as it is now; where the past is not to be had any more, `gap` and a snapshot.
+            is not replayed, as it is now. Where some of it is gone, `gap`, what is left, and a snapshot.
         max_rate: Messages a second of each goal's feedback, of battery and of velocity.
     """
     async for event in begin(gateway, subscriber, after):
@@ -54,39 +56,46 @@ async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | Non
 async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> AsyncIterator[Event]:
     """The first messages: how things stand, or what was missed since an event."""
     subscriber.clear()  # all that happened up to now is in the snapshot, or in what is replayed
-    if after is not None:
-        missed = gateway.hub.since(after, subscriber.interest)
-        if missed is None:
-            missed = await _from_history(gateway, subscriber, after)
-        if missed is not None:
-            yield notice("resumed", utc_now(), after=after, count=len(missed))
-            for event in (*missed, *present(gateway, subscriber.interest)):
+    if after is not None and gateway.hub.clock.is_past(after):
+        missed = await _missed(gateway, subscriber, after)
+        if missed.complete:
+            yield notice("resumed", utc_now(), after=after, count=len(missed.events))
+            for event in (*missed.events, *present(gateway, subscriber.interest)):
                 yield event
             return
-        yield notice("gap", utc_now(), after=after)
-        subscriber.clear()
+        yield notice("gap", utc_now(), after=after, count=len(missed.events))
+        for event in missed.events:
+            yield event
+    elif after is not None:
+        yield notice("gap", utc_now(), after=after, count=0)
     yield await snapshot(gateway, subscriber.interest)
 
 
-async def _from_history(gateway: Gateway, subscriber: Subscriber, after: str) -> list[Event] | None:
-    """What followed an event that this process has not seen, or has forgotten; None where the past is gone."""
-    interest = subscriber.interest
+async def _missed(gateway: Gateway, subscriber: Subscriber, after: str) -> Later:
+    """What followed an event, wherever that was published; the reader gets nothing else up to now."""
+    subscriber.after = after
+    missed = gateway.hub.since(after, subscriber.interest)
+    if missed is not None:
+        return Later(missed, complete=True)
+    later = await _from_history(gateway, subscriber.interest, after)
+    subscriber.forget({event.id for event in later.events})
+    return later
+
+
+async def _from_history(gateway: Gateway, interest: Interest, after: str) -> Later:
+    """What followed an event that this process has not seen, or has forgotten, as far as it is stored."""
     missed: list[Event] = []
-    last = after
+    complete, last = True, after
     try:
         for _ in range(MAX_PIECES):
             piece = await gateway.history.events_after(
                 last, goal_id=interest.goal_id, action_name=interest.action_name, topics=interest.topics, limit=PIECE
             )
-            if piece is None:
-                return None
-            missed.extend(event for event in piece if interest.covers(event))
-            if len(piece) < PIECE:
-                break
-            last = piece[-1].id or last
-        else:
-            return None
+            complete = complete and piece.complete
+            missed.extend(event for event in piece.events if interest.covers(event))
+            if len(piece.events) < PIECE:
+                return Later(missed, complete)
+            last = piece.events[-1].id or last
     except GatewayError:
-        return None
-    subscriber.forget({event.id for event in missed})
-    return missed
+        pass
+    return Later([], complete=False)

@@ -11,7 +11,7 @@ from dock_gateway.robots import read_namespace
 
 QUERY = ("goal_id", "action", "robot", "include", "feedback")
 INCLUDES = ("battery", "cmd_vel", "system", "scene", "robots")
-EVENT_ID = re.compile(r"\d{20}-[a-z_]+[0-9a-f]*")
+EVENT_ID = re.compile(r"[0-9]{20}-[A-Za-z0-9_/-]{1,300}")
 MIN_RATE, MAX_RATE = 0.01, 1000.0
 
 

@@ -6,7 +6,14 @@ from contextlib import asynccontextmanager
 import platformdirs
 
 from dock_gateway.history.memory import MemoryHistory
-from dock_gateway.history.protocol import Acknowledgement, AcknowledgementStore, History, HistoryStats, fingerprint_of
+from dock_gateway.history.protocol import (
+    Acknowledgement,
+    AcknowledgementStore,
+    History,
+    HistoryStats,
+    Later,
+    fingerprint_of,
+)
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.wanted import Wanted
 from dock_gateway.settings import Settings
@@ -16,6 +23,7 @@ __all__ = [
     "AcknowledgementStore",
     "History",
     "HistoryStats",
+    "Later",
     "MemoryHistory",
     "Wanted",
     "fingerprint_of",

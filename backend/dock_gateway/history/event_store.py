@@ -12,15 +12,23 @@ from dock_gateway.history.tables import events, horizons
 _KIND = sa.func.substr(events.c.id, KIND_AT + 1, 1)
 
 
-def knows_all_after(connection: sa.Connection, event_id: str, topics: Collection[str]) -> tuple[bool, bool]:
-    """Whether there is an event with this id, and whether nothing that followed it was given up."""
-    known = connection.scalar(sa.select(sa.literal(1)).where(events.c.id == event_id))
-    beyond = connection.scalar(
-        sa.select(sa.func.count())
-        .select_from(horizons)
-        .where(horizons.c.topic.in_(list(topics)), horizons.c.event_id > event_id)
+def is_complete_after(connection: sa.Connection, event_id: str, topics: Collection[str], *, reaches_back: bool) -> bool:
+    """Whether nothing that followed an event was given up, and the past reaches back to it (if not known already)."""
+    of_topics = horizons.c.topic.in_(list(topics))
+    if connection.scalar(sa.select(sa.exists().where(of_topics, horizons.c.event_id > event_id))):
+        return False
+    return reaches_back or bool(
+        connection.scalar(
+            sa.select(
+                sa.or_(sa.exists().where(events.c.id <= event_id), sa.exists().where(horizons.c.event_id <= event_id))
+            )
+        )
     )
-    return known is not None, not beyond
+
+
+def newest(connection: sa.Connection) -> str:
+    """The id of the newest event."""
+    return connection.scalar(sa.select(sa.func.max(events.c.id))) or ""
 
 
 def events_after(

@@ -3,14 +3,22 @@
 import asyncio
 import bisect
 import time
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from copy import copy
 
 from dock_gateway.events import FEEDBACK, Event, kind_of
 from dock_gateway.goals import Goal
 from dock_gateway.history.buckets import BatterySpan, Bucket, add_events
 from dock_gateway.history.merge import merge
-from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, Acknowledgement, HistoryStats, fingerprint_of, selects
+from dock_gateway.history.protocol import (
+    KEY_LIFETIME,
+    NEVER,
+    Acknowledgement,
+    HistoryStats,
+    Later,
+    fingerprint_of,
+    selects,
+)
 from dock_gateway.history.wanted import Wanted
 from dock_gateway.history.whole import is_whole
 
@@ -39,6 +47,8 @@ class MemoryHistory:
     Of the ended goals the oldest are forgotten beyond `limit`, running ones never; of the events, those beyond
     `event_limit`, feedback and battery first.
     """
+
+    newest = ""
 
     def __init__(self, limit: int, event_limit: int = 10_000) -> None:
         self.acknowledgements = MemoryAcknowledgements()
@@ -97,6 +107,11 @@ class MemoryHistory:
             self._horizon[oldest.topic] = max(oldest.id or "", self._horizon.get(oldest.topic, ""))
             self._dropped += 1
 
+    async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
+        """Keep how a goal ended."""
+        self.record(goal)
+        return list(end)
+
     async def page(self, wanted: Wanted, *, limit: int, before: str | None = None) -> list[Goal]:
         """Goals, newest first."""
         newest_first = sorted(self._goals.values(), key=lambda goal: (goal.created_at, goal.goal_id), reverse=True)
@@ -111,6 +126,10 @@ class MemoryHistory:
         goal = self._goals.get(goal_id)
         return None if goal is None else copy(goal)
 
+    async def known(self, goal_ids: Collection[str]) -> dict[str, Goal]:
+        """Those of these goals that are known."""
+        return {goal_id: copy(self._goals[goal_id]) for goal_id in goal_ids if goal_id in self._goals}
+
     async def by_key(self, idempotency_key: str) -> Goal | None:
         """The goal that was sent with this key."""
         held = self._keys.get(idempotency_key)
@@ -123,14 +142,15 @@ class MemoryHistory:
 
     async def events_after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
-    ) -> list[Event] | None:
-        """The events that follow one, oldest first; None where they are not all there."""
-        if event_id not in self._events or any(event_id < self._horizon.get(topic, "") for topic in topics):
-            return None
+    ) -> Later:
+        """The events that follow one, oldest first."""
+        given_up = any(event_id < self._horizon.get(topic, "") for topic in topics)
+        known = (*self._event_ids[:1], *self._horizon.values())
+        complete = not given_up and any(event_id >= each for each in known)
         start = bisect.bisect_right(self._event_ids, event_id)
         later = (self._events[each] for each in self._event_ids[start:])
         found = (event for event in later if selects(event, goal_id, action_name, topics))
-        return [event for event, _ in zip(found, range(limit), strict=False)]
+        return Later([event for event, _ in zip(found, range(limit), strict=False)], complete)
 
     async def events_of(
         self, goal_id: str, *, kinds: Collection[str], after: str = "", until: str = NEVER, limit: int

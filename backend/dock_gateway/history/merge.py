@@ -2,7 +2,7 @@
 
 from copy import copy
 
-from dock_gateway.goals import Goal, GoalStatus
+from dock_gateway.goals import NO_RESULT, Goal, GoalError, GoalStatus
 
 RANK = {status: rank for rank, status in enumerate(GoalStatus)}
 
@@ -13,7 +13,8 @@ def merge(stored: Goal, news: Goal) -> Goal:
     - The state moves forward, and a final one stays. Between `lost` and a state before it the later account counts.
     - `gateway`, who sent the goal, knows better than `external`, who saw it; and knows when it was sent.
     - What is known of goal, feedback, result and stage is never overwritten by nothing; nor is the error, unless it was
-      that of a `lost` goal that returned.
+      that of a `lost` goal that returned, or says that there is no result where there is one. A goal that succeeded has
+      no other error.
     """
     merged = copy(stored)
     status_from, other = (news, stored) if _supersedes(news, stored) else (stored, news)
@@ -21,9 +22,8 @@ def merge(stored: Goal, news: Goal) -> Goal:
     merged.status = status_from.status
     merged.finished_at = status_from.finished_at
     merged.stalled = latest.stalled and not merged.status.terminal
-    returned = other.status is GoalStatus.LOST and merged.status is not GoalStatus.LOST
-    merged.error = status_from.error or (None if returned else other.error)
     merged.result = status_from.result or other.result
+    merged.error = _error(status_from, other, merged)
     merged.goal = stored.goal or news.goal
     merged.feedback = latest.feedback or earlier.feedback
     merged.stage = latest.stage or earlier.stage
@@ -36,6 +36,14 @@ def merge(stored: Goal, news: Goal) -> Goal:
     elif news.origin == "gateway":
         merged.origin, merged.created_at = news.origin, news.created_at
     return merged
+
+
+def _error(status_from: Goal, other: Goal, merged: Goal) -> GoalError | None:
+    error = status_from.error
+    returned = other.status is GoalStatus.LOST and merged.status is not GoalStatus.LOST
+    if error is None and not returned and merged.status is not GoalStatus.SUCCEEDED:
+        error = other.error
+    return None if merged.result is not None and error is not None and error.code == NO_RESULT else error
 
 
 def _supersedes(news: Goal, stored: Goal) -> bool:

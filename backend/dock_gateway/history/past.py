@@ -7,12 +7,11 @@ from functools import partial
 
 import sqlalchemy as sa
 
-from dock_gateway.errors import Unavailable
 from dock_gateway.events import FEEDBACK, Event, kind_of
 from dock_gateway.goals import Goal
 from dock_gateway.history import battery_store, event_store
 from dock_gateway.history.buckets import BatterySpan, Bucket, add_events
-from dock_gateway.history.protocol import NEVER, selects
+from dock_gateway.history.protocol import NEVER, Later, selects
 from dock_gateway.history.reader import Reader
 from dock_gateway.history.waiting import Waiting
 from dock_gateway.history.whole import is_whole
@@ -34,21 +33,23 @@ class Past:
 
     async def after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
-    ) -> list[Event] | None:
-        """The events that follow one, oldest first; None where they are not all there."""
-        if any(self._waiting.gaps.get(topic, "") > event_id for topic in topics):
-            return None
+    ) -> Later:
+        """The events that follow one, oldest first, and whether they are all there.
+
+        Raises:
+            Unavailable: The database does not answer.
+        """
+        self._reader.require_everything()
+        given_up = any(self._waiting.gaps.get(topic, "") > event_id for topic in topics)
+        reaches_back = any((event.id or NEVER) <= event_id for event in self._all_that_wait())
         found = self._that_wait(
             lambda event: (event.id or "") > event_id and selects(event, goal_id, action_name, topics)
         )
-        known = self._waiting.find_event(event_id) is not None
-        try:
-            self._reader.require_everything()
-            read = partial(_after, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
-            later = await self._reader.read(read, event_id, known)
-        except Unavailable:
-            return None
-        return None if later is None else _joined(found, later, limit)
+        read = partial(
+            _after, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit, reaches_back=reaches_back
+        )
+        later = await self._reader.read(read, event_id)
+        return Later(_joined(found, later.events, limit), complete=later.complete and not given_up)
 
     async def of_goal(self, goal_id: str, *, kinds: Collection[str], after: str, until: str, limit: int) -> list[Event]:
         """The events of a goal between two, oldest first.
@@ -97,20 +98,18 @@ def _joined(waiting: dict[str, Event], stored: list[Event], limit: int) -> list[
 def _after(
     connection: sa.Connection,
     event_id: str,
-    known: bool,
     *,
     goal_id: str | None,
     action_name: str | None,
     topics: frozenset[str],
     limit: int,
-) -> list[Event] | None:
-    """The stored events that follow one; None where they are not all there."""
-    stored, whole = event_store.knows_all_after(connection, event_id, topics)
-    if not whole or not (known or stored):
-        return None
-    return event_store.events_after(
+    reaches_back: bool,
+) -> Later:
+    """The stored events that follow one, and whether they are all there."""
+    found = event_store.events_after(
         connection, event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit
     )
+    return Later(found, complete=event_store.is_complete_after(connection, event_id, topics, reaches_back=reaches_back))
 
 
 def _knows_all_of(connection: sa.Connection, goal: Goal, waiting: frozenset[str], gap: str) -> bool:

@@ -1,7 +1,7 @@
 """What the gateway asks of any place that keeps goals and events. docs/history.md says what is kept for how long."""
 
 import hashlib
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Protocol
@@ -41,6 +41,14 @@ class Acknowledgement:
 
     by: str
     at: datetime
+
+
+@dataclass(frozen=True)
+class Later:
+    """The events that follow one, in the order of their ids; `complete` where none of them was given up."""
+
+    events: list[Event]
+    complete: bool
 
 
 class AcknowledgementStore(Protocol):
@@ -98,11 +106,27 @@ class History(Protocol):
         One without an id is not kept.
         """
 
+    async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
+        """Store how a goal ended before anyone is told: a process that is killed then neither repeats nor forgets it.
+
+        Waits a tenth of a second at most, and never raises.
+
+        Returns:
+            The events of the end as they are stored: those of another gateway, where that was first.
+        """
+
+    @property
+    def newest(self) -> str:
+        """Id of the newest event that was stored when the history was opened; empty where there was none."""
+
     async def page(self, wanted: Wanted, *, limit: int, before: str | None = None) -> list[Goal]:
         """Goals, newest first, those older than the goal `before` where it is given."""
 
     async def get(self, goal_id: str) -> Goal | None:
         """One goal."""
+
+    async def known(self, goal_ids: Collection[str]) -> dict[str, Goal]:
+        """Those of these goals that are known, by id."""
 
     async def by_key(self, idempotency_key: str) -> Goal | None:
         """The goal that was sent with this key, within the last 24 hours."""
@@ -121,8 +145,8 @@ class History(Protocol):
 
     async def events_after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
-    ) -> list[Event] | None:
-        """The events that follow one, in the order of their ids; None where they are not all there (any more)."""
+    ) -> Later:
+        """The events that follow one, whether that one is stored or not."""
 
     async def events_of(
         self, goal_id: str, *, kinds: Collection[str], after: str = "", until: str = NEVER, limit: int

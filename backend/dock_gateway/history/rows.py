@@ -130,6 +130,7 @@ def event_row(event: Event) -> Row:
         "droppable": event.droppable,
         "size": len(event.data),
         "data": event.data,
+        "key": event.key,
     }
 
 
@@ -143,6 +144,7 @@ def event_of(row: Mapping[Any, Any]) -> Event:
         row["droppable"],
         id=row["id"],
         robot=row["robot"],
+        key=row.get("key"),  # a spool of before has none
     )
 
 

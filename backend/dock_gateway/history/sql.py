@@ -2,8 +2,9 @@
 
 import asyncio
 import logging
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from contextlib import suppress
+from copy import copy
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -13,13 +14,13 @@ import sqlalchemy as sa
 from dock_gateway.errors import Unavailable
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal
-from dock_gateway.history import store
+from dock_gateway.history import event_store, store
 from dock_gateway.history.acknowledgement_store import SqlAcknowledgements
 from dock_gateway.history.buckets import BatterySpan, Bucket
 from dock_gateway.history.database import Database
 from dock_gateway.history.merge import merge
 from dock_gateway.history.past import Past
-from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, fingerprint_of
+from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, Later, fingerprint_of
 from dock_gateway.history.reader import AWAY, Reader
 from dock_gateway.history.retention import Retention
 from dock_gateway.history.rows import Key
@@ -54,6 +55,7 @@ class SqlHistory:
         self._waiting = Waiting(max_waiting)
         self._writer = Writer(self._database, self._spool, self._waiting)
         self._keys: dict[str, Key] = {}
+        self.newest = ""
         self._reader = Reader(self._database, self._writer)
         self.acknowledgements = SqlAcknowledgements(self._database, self._reader, self._writer)
         self._past = Past(self._reader, self._waiting)
@@ -69,6 +71,7 @@ class SqlHistory:
                 await self._writer.answered.wait()
         with suppress(Unavailable):
             self._keys = {key.key: key for key in await self._reader.read(store.newest_keys, MAX_KEYS)}
+            self.newest = await self._reader.read(event_store.newest)
         for key in self._waiting.keys.values():
             self._keys.setdefault(key.key, key)
         self._tasks = [asyncio.create_task(self.retention.run())]
@@ -142,6 +145,11 @@ class SqlHistory:
             self._waiting.put_event(event)
             self._writer.notice(precious=not event.droppable)
 
+    async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
+        """Store how a goal ended before anyone is told."""
+        self.record(goal)
+        return await self._writer.seal(copy(goal), end)
+
     # ------------------------------------------------------------------ read
 
     async def page(self, wanted: Wanted, *, limit: int, before: str | None = None) -> list[Goal]:
@@ -165,6 +173,15 @@ class SqlHistory:
             self._reader.require_everything()
         return goal
 
+    async def known(self, goal_ids: Collection[str]) -> dict[str, Goal]:
+        """Those of these goals that are known."""
+        waiting = {goal_id: self._waiting.goals[goal_id] for goal_id in goal_ids if goal_id in self._waiting.goals}
+        stored = await self._reader.read(store.goals_by_id, list(goal_ids))
+        found = {**stored, **_merged(stored, waiting)}
+        if len(found) < len(goal_ids):
+            self._reader.require_everything()
+        return found
+
     async def by_key(self, idempotency_key: str) -> Goal | None:
         """The goal that was sent with this key."""
         key = self._held(idempotency_key)
@@ -186,8 +203,8 @@ class SqlHistory:
 
     async def events_after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
-    ) -> list[Event] | None:
-        """The events that follow one, oldest first; None where they are not all there."""
+    ) -> Later:
+        """The events that follow one, oldest first."""
         return await self._past.after(event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
 
     async def events_of(

@@ -5,14 +5,16 @@ Functions of a connection, for `Database`.
 
 import importlib
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
 import sqlalchemy as sa
 
+from dock_gateway.events import Event
 from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history.merge import merge
-from dock_gateway.history.rows import Batch, Key, event_row, goal_of, goal_row, key_row
+from dock_gateway.history.rows import Batch, Key, event_of, event_row, goal_of, goal_row, key_row
 from dock_gateway.history.tables import events, goals, horizons, idempotency_keys
 from dock_gateway.history.wanted import Wanted
 
@@ -41,10 +43,18 @@ def write(connection: sa.Connection, batch: Batch) -> None:
     if batch.goals:
         _write_goals(connection, {goal.goal_id: goal for goal in batch.goals})
     if batch.events:
-        rows = sorted(map(event_row, batch.events), key=lambda row: str(row["id"]))
+        rows = sorted(map(event_row, batch.events), key=lambda row: (str(row["key"]), str(row["id"])))
         connection.execute(insert_into(connection, events).on_conflict_do_nothing(), rows)
     if batch.gaps:
         raise_horizons(connection, batch.gaps)
+
+
+def seal(connection: sa.Connection, goal: Goal, end: Sequence[Event]) -> list[Event]:
+    """Store how a goal ended; returns the events of its end as they are stored, whoever was first."""
+    write(connection, Batch(goals=[goal], events=list(end)))
+    rows = connection.execute(sa.select(events).where(events.c.key.in_([event.key for event in end]))).mappings()
+    stored = {row["key"]: event_of(row) for row in rows}
+    return [replace(stored.get(event.key, event), ends_goal=event.ends_goal) for event in end]
 
 
 def _write_goals(connection: sa.Connection, news: dict[str, Goal]) -> None:

@@ -91,7 +91,9 @@ events = sa.Table(
     sa.Column("droppable", sa.Boolean, nullable=False),
     sa.Column("size", sa.Integer, nullable=False),
     sa.Column("data", JsonText, nullable=False),
+    sa.Column("key", identity()),  # what happened, by the same name at every gateway
     sa.Index("events_by_goal", "goal_id", "id"),
+    sa.Index("events_by_key", "key", unique=True),
     sa.Index("droppable_events", "id", "size"),
     sa.Index("battery_events", "robot", "id"),
 )

@@ -91,10 +91,6 @@ class Waiting:
         self.dropped += 1
         self.gaps[event.topic] = max(event.id or "", self.gaps.get(event.topic, ""))
 
-    def find_event(self, event_id: str) -> Event | None:
-        """One event that waits."""
-        return self.events.get(event_id) or self.droppable.get(event_id)
-
     def urgent(self, goal_ids: Iterable[str]) -> Batch:
         """These goals, and the keys that wait, ahead of all else; they go on waiting until they are `done`."""
         goals = {goal_id: self.goals[goal_id] for goal_id in goal_ids if goal_id in self.goals}

@@ -3,12 +3,14 @@
 import asyncio
 import logging
 import time
+from collections.abc import Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 
 import sqlalchemy.exc as sa_errors
 
 from dock_gateway.errors import Unavailable
+from dock_gateway.events import Event
 from dock_gateway.goals import Goal
 from dock_gateway.history import store
 from dock_gateway.history.database import Database
@@ -94,6 +96,18 @@ class Writer:
             raise Unavailable("the goal cannot be stored, so it must not run", code="history_unavailable") from error
         self._waiting.saved(entries)
         self._wake.set()
+
+    async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
+        """Store the end of a goal now, where the database answers; returns its events as they are stored."""
+        if not self.reachable or self.hesitates:
+            return list(end)
+        try:
+            async with asyncio.timeout(ANSWER_TIMEOUT):
+                # Not durable: what is recorded of the goal beside this is, a moment later.
+                return await self._database.write(store.seal, goal, end, durable=False)
+        except DATABASE_ERRORS as error:
+            log.warning("the end of goal %s is told before it is stored: %s", goal.goal_id, _brief(error))
+            return list(end)
 
     def _settle(self, batch: Batch, error: Exception | None) -> None:
         for goal in batch.goals:
