@@ -64,7 +64,7 @@ class GoalError:
 # The code of a goal that ended without its result.
 NO_RESULT = "result_unavailable"
 
-# The code of a goal whose gateway ended before the action server's answer was stored, and which the server does not know.
+# The code of a goal whose gateway ended before the server's answer was stored, and which the server does not know.
 UNCONFIRMED = "goal_unconfirmed"
 
 # What a goal is rejected for by the gateway itself, before it is sent.

@@ -95,6 +95,7 @@ export function advice(goal: Pick<AnyGoal, "status" | "error" | "stalled">): str
 
 const SHORT: Record<string, string> = {
   action_server_lost: "Action server went away",
+  goal_unconfirmed: "Never confirmed by the action server",
   action_server_timeout: "Action server did not answer",
   battery_lost: "Battery fell silent",
   blocked: "Robot was blocked",
