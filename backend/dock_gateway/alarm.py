@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import time
+from collections.abc import Callable
 from typing import Any
 
 from dock_gateway.acknowledgements import Acknowledgements
@@ -10,7 +11,7 @@ from dock_gateway.alerts import Alert, AlertWatch
 from dock_gateway.errors import NotFound
 from dock_gateway.events import fleet_event, utc_now
 from dock_gateway.goals import Goal, encode
-from dock_gateway.history import Acknowledgement
+from dock_gateway.history import Acknowledgement, Incident
 from dock_gateway.hub import Hub
 from dock_gateway.robot_state import RobotState
 from dock_gateway.tasks import cancel
@@ -31,12 +32,21 @@ class Alarm:
         hub: Where events go, and who wants them.
         acknowledgements: Who has acknowledged what.
         low_battery: Percentage (0 to 1) below which a battery is low.
+        incident: Tells what happened to the history.
     """
 
-    def __init__(self, hub: Hub, acknowledgements: Acknowledgements, *, low_battery: float) -> None:
+    def __init__(
+        self,
+        hub: Hub,
+        acknowledgements: Acknowledgements,
+        *,
+        low_battery: float,
+        incident: Callable[[], Incident | None] = lambda: None,
+    ) -> None:
         self._hub = hub
         self._acknowledgements = acknowledgements
         self._watch = AlertWatch(low_battery)
+        self._incident = incident
         self._alerts: dict[str, Alert] = {}
         self._told: bytes | None = None
         self._task = asyncio.create_task(self._sync())
@@ -48,12 +58,14 @@ class Alarm:
             states: The robots.
             strays: Lost goals on actions that belong to no robot.
         """
-        alerts = {alert.id: alert for alert in self._watch.look(states, strays, utc_now(), time.monotonic())}
+        found = self._watch.look(states, strays, utc_now(), time.monotonic(), self._incident())
+        alerts = {alert.id: alert for alert in found}
         for ended in self._alerts.keys() - alerts.keys():
-            log.info("alert over: %s of %s", self._alerts[ended].kind, self._alerts[ended].robot)
+            log.info("alert over: %s of %s", self._alerts[ended].kind, self._alerts[ended].robot or "the gateway")
             self._acknowledgements.put(ended, None)
         for came in alerts.keys() - self._alerts.keys():
-            log.warning("alert: %s of %s. %s", alerts[came].kind, alerts[came].robot, alerts[came].detail)
+            robot = alerts[came].robot or "the gateway"
+            log.warning("alert: %s of %s. %s", alerts[came].kind, robot, alerts[came].detail)
         self._alerts = alerts
         self._tell()
 

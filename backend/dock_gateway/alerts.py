@@ -9,7 +9,7 @@ from typing import Any
 
 from dock_gateway.battery import PowerSupply
 from dock_gateway.goals import Goal
-from dock_gateway.history import Acknowledgement
+from dock_gateway.history import Acknowledgement, Incident
 from dock_gateway.robot_state import CHARGES, RobotState
 
 # A robot on its dock may be without power for so many seconds: contacts bounce, chargers begin slowly.
@@ -32,19 +32,20 @@ class AlertKind(StrEnum):
     DISCHARGING_ON_DOCK = "discharging_on_dock"
     LOW_BATTERY = "low_battery"
     BATTERY_STALE = "battery_stale"
+    HISTORY_LOST = "history_lost"
 
     @property
     def critical(self) -> bool:
         """Whether somebody has to act."""
-        return self not in (AlertKind.LOW_BATTERY, AlertKind.BATTERY_STALE)
+        return self not in (AlertKind.LOW_BATTERY, AlertKind.BATTERY_STALE, AlertKind.HISTORY_LOST)
 
 
 @dataclass(frozen=True)
 class Alert:
-    """One of them. `since` is when it began; `detail` says what to do about it."""
+    """One of them. `since` is when it began; `detail` says what to do about it. One of no `robot` is of the gateway."""
 
     kind: AlertKind
-    robot: str
+    robot: str | None
     since: datetime
     title: str
     detail: str
@@ -70,9 +71,9 @@ class Alert:
         }
 
 
-def alert_id(kind: AlertKind, robot: str, goal_id: str | None = None) -> str:
+def alert_id(kind: AlertKind, robot: str | None, goal_id: str | None = None) -> str:
     """What names an alert in a path."""
-    return hashlib.sha256(f"{kind.value} {robot} {goal_id or ''}".encode()).hexdigest()[:16]
+    return hashlib.sha256(f"{kind.value} {robot or ''} {goal_id or ''}".encode()).hexdigest()[:16]
 
 
 class AlertWatch:
@@ -87,7 +88,14 @@ class AlertWatch:
         self._low_since: dict[str, datetime] = {}  # by robot
         self._without_power: dict[str, tuple[datetime, float]] = {}
 
-    def look(self, states: list[RobotState], strays: Iterable[Goal], now: datetime, seconds: float) -> list[Alert]:
+    def look(
+        self,
+        states: list[RobotState],
+        strays: Iterable[Goal],
+        now: datetime,
+        seconds: float,
+        incident: Incident | None = None,
+    ) -> list[Alert]:
         """The alerts, critical ones first, then the oldest first.
 
         Args:
@@ -95,8 +103,11 @@ class AlertWatch:
             strays: Lost goals on actions that belong to no robot.
             now: The time.
             seconds: The time on a clock that does not jump.
+            incident: What happened to the history.
         """
         alerts = [*_stops(states), *_lost(states, strays, now)]
+        if incident is not None:
+            alerts.append(Alert(AlertKind.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
         for state in states:
             alerts += self._discharging(state, now, seconds)
             alerts += self._low(state, now)

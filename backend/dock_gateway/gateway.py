@@ -176,6 +176,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         interlock = Interlock(hub, LatchFile(settings.stop_file), normalize_namespace(settings.namespace))
         outcomes = Outcomes(history)
         actions = ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock, on_end=outcomes.take)
+        history.on_loss = lambda: _record_unfinished(actions, history)
         robots = RobotRegistry(settings, bridge, hub, interlock, outcomes)
         stopper = Stopper(robots, actions, interlock)
         simulators = Simulators(settings, bridge, hub)
@@ -195,7 +196,12 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         names = settings.docking_actions()
         dock = await actions.open(names.dock, settings.dock_action_type, pinned=True)
         undock = await actions.open(names.undock, settings.undock_action_type, pinned=True)
-        alarm = Alarm(hub, Acknowledgements(history.acknowledgements), low_battery=settings.low_battery)
+        alarm = Alarm(
+            hub,
+            Acknowledgements(history.acknowledgements),
+            low_battery=settings.low_battery,
+            incident=lambda: history.incident,
+        )
         fleet = Fleet(
             settings,
             hub,
@@ -264,6 +270,12 @@ async def _expect(actions: ActionRegistry, history: History, began: datetime, *,
         return False
     actions.expect([goal for goal in unfinished if goal.created_at < began])
     return True
+
+
+def _record_unfinished(actions: ActionRegistry, history: History) -> None:
+    """Keep the goals that have not ended, where what was kept of them is lost."""
+    for goal in (*actions.running(), *actions.lost()):
+        history.record(goal)
 
 
 async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, absences: Absences) -> None:

@@ -173,6 +173,15 @@ describe("alerts", () => {
     expect(document.title).toBe("(2) Overview · dock-gateway");
   });
 
+  it("of the gateway itself lead to no robot", () => {
+    const ours = alert("ours", { kind: "history_lost", robot: null, title: "History lost", detail: "Look." });
+    renderPage(fakeGateway(), { robots, alerts: [ours] });
+    expect(items()[0]?.textContent).toMatch(/^History lostLook\.Warning, since/);
+    expect(within(items()[0] as HTMLElement).queryByRole("link")).toBeNull();
+    expect(screen.getByRole("button", { name: "Acknowledge: History lost" })).toBeDefined();
+    expect(rows()[0]).toMatch(/^\/robot1/);
+  });
+
   it("are counted elsewhere, too", () => {
     renderPage(fakeGateway(), { robots, alerts: [low] }, "/ui/robot");
     expect(screen.getByTestId("alert-count").textContent).toBe("1 alert");

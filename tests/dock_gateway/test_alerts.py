@@ -9,7 +9,7 @@ import pytest
 from dock_gateway.alerts import Alert, AlertKind, AlertWatch, alert_id
 from dock_gateway.battery import Reading
 from dock_gateway.goals import Goal, GoalError, GoalStatus
-from dock_gateway.history import Acknowledgement
+from dock_gateway.history import Acknowledgement, Incident
 from dock_gateway.liveness import ServerState
 from dock_gateway.robot_state import RobotState
 
@@ -165,6 +165,15 @@ def test_critical_ones_come_first_then_the_oldest() -> None:
     looks.alerts(-5, low)
     stopped = robot("/b", latched=True, stale_since=NOON - timedelta(seconds=20))
     assert looks.kinds(1, low, stopped) == ["stop_latched", "battery_stale", "low_battery"]
+
+
+def test_what_happened_to_the_history_is_an_alert_of_no_robot() -> None:
+    incident = Incident(NOON, "It was deleted.")
+    (alert,) = AlertWatch(0.2).look([], [], NOON + timedelta(hours=1), 1000.0, incident)
+    document = alert.document(None)
+    named = {name: document[name] for name in ("kind", "robot", "severity", "since", "detail")}
+    expected = {"kind": "history_lost", "robot": None, "severity": "warning", "since": NOON, "detail": incident.detail}
+    assert named == expected
 
 
 def test_ids_are_the_same_everywhere() -> None:

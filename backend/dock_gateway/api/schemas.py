@@ -218,12 +218,13 @@ class Acknowledgement(Schema):
 class Alert(Schema):
     """Something that an operator has to know of.
 
-    `robot` is the robot, or the namespace of an action that belongs to none. `detail` says what to do.
+    `robot` is the robot, the namespace of an action that belongs to none, or null where the gateway itself is
+    concerned. `detail` says what to do.
     """
 
     id: str
     kind: AlertKind
-    robot: str
+    robot: str | None
     severity: Literal["critical", "warning"]
     since: datetime
     title: str

@@ -11,6 +11,7 @@ from dock_gateway.history.protocol import (
     AcknowledgementStore,
     History,
     HistoryStats,
+    Incident,
     Later,
     fingerprint_of,
 )
@@ -23,6 +24,7 @@ __all__ = [
     "AcknowledgementStore",
     "History",
     "HistoryStats",
+    "Incident",
     "Later",
     "MemoryHistory",
     "Wanted",

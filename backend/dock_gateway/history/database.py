@@ -7,6 +7,7 @@ from typing import TypeVar, TypeVarTuple
 import sqlalchemy as sa
 
 from dock_gateway.history.migrate import migrate
+from dock_gateway.history.protocol import Incident
 
 CONNECT_TIMEOUT = 2.0
 # A few connections to write and a few to read, so that neither waits for the other.
@@ -20,11 +21,16 @@ class Database(ABC):
     """A database. The functions it is given must do no harm when they are carried out after all, when nobody waits.
 
     Attributes:
-        prepared: Whether its tables are up to date.
+        prepared: Whether it is open, and its tables are up to date.
+        incident: What happened to what was in it, as long as somebody has to know of that.
+        lost: Whether it is another one than before: what was in it is missing. Whoever knows some of it writes it
+            again, and sets this to False.
     """
 
     def __init__(self) -> None:
         self.prepared = False
+        self.incident: Incident | None = None
+        self.lost = False
 
     async def prepare(self) -> None:
         """Make the tables, or bring them up to date; several processes may do so at the same time."""

@@ -3,7 +3,7 @@
 import asyncio
 import bisect
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from copy import copy
 
 from dock_gateway.events import FEEDBACK, Event, kind_of
@@ -15,6 +15,7 @@ from dock_gateway.history.protocol import (
     NEVER,
     Acknowledgement,
     HistoryStats,
+    Incident,
     Later,
     fingerprint_of,
     selects,
@@ -49,9 +50,11 @@ class MemoryHistory:
     """
 
     newest = ""
+    incident: Incident | None = None
 
     def __init__(self, limit: int, event_limit: int = 10_000) -> None:
         self.acknowledgements = MemoryAcknowledgements()
+        self.on_loss: Callable[[], None] = lambda: None
         self._limit = limit
         self._event_limit = event_limit
         self._goals: dict[str, Goal] = {}

@@ -1,7 +1,7 @@
 """What the gateway asks of any place that keeps goals and events. docs/history.md says what is kept for how long."""
 
 import hashlib
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Protocol
@@ -25,7 +25,7 @@ class HistoryStats:
         spooled: Entries of the spool that are not in the database yet.
         dropped: Feedback and battery events that were given up since the start, for want of memory.
         database_reachable: Whether the database took what it was given last.
-        last_error: What it said when it did not.
+        last_error: What it said when it did not; else what happened to what was kept before.
     """
 
     waiting: int = 0
@@ -33,6 +33,14 @@ class HistoryStats:
     dropped: int = 0
     database_reachable: bool = True
     last_error: str | None = None
+
+
+@dataclass(frozen=True)
+class Incident:
+    """What was kept is kept no more, since when, and what to do about it."""
+
+    since: datetime
+    detail: str
 
 
 @dataclass(frozen=True)
@@ -79,6 +87,13 @@ class History(Protocol):
     @property
     def acknowledgements(self) -> AcknowledgementStore:
         """Who has acknowledged which alert."""
+
+    @property
+    def incident(self) -> Incident | None:
+        """What happened to what was kept, as long as somebody has to know of that."""
+
+    on_loss: Callable[[], None]
+    """Called when what was kept is lost, for goals that have not ended to be recorded again."""
 
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
         """Keep a new goal; it is safe once this returns: committed, or on this machine's disk.

@@ -2,7 +2,8 @@
 
 import asyncio
 import logging
-from collections.abc import Collection, Sequence
+import time
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from copy import copy
 from datetime import UTC, datetime
@@ -12,7 +13,7 @@ from pathlib import Path
 import sqlalchemy as sa
 
 from dock_gateway.errors import Unavailable
-from dock_gateway.events import Event
+from dock_gateway.events import Event, time_id
 from dock_gateway.goals import Goal
 from dock_gateway.history import event_store, store
 from dock_gateway.history.acknowledgement_store import SqlAcknowledgements
@@ -20,7 +21,7 @@ from dock_gateway.history.buckets import BatterySpan, Bucket
 from dock_gateway.history.database import Database
 from dock_gateway.history.merge import merge
 from dock_gateway.history.past import Past
-from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, Later, fingerprint_of
+from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, Incident, Later, fingerprint_of
 from dock_gateway.history.reader import AWAY, Reader
 from dock_gateway.history.retention import Retention
 from dock_gateway.history.rows import Key
@@ -34,6 +35,8 @@ log = logging.getLogger(__name__)
 
 OPEN_TIMEOUT = 2.0  # at the start, for the database
 CLOSE_TIMEOUT = 1.0
+LOOK_INTERVAL = 2.0
+KEPT_TOPICS = ("goals", "battery", "cmd_vel")
 KEY_TIMEOUT = 0.5  # a goal with an idempotency key waits so long to learn whether it is the first
 MAX_KEYS = 10_000
 
@@ -53,13 +56,14 @@ class SqlHistory:
         self._database = open_database(url)
         self._spool = spool
         self._waiting = Waiting(max_waiting)
-        self._writer = Writer(self._database, self._spool, self._waiting)
+        self._writer = Writer(self._database, self._spool, self._waiting, self._write_again)
         self._keys: dict[str, Key] = {}
         self.newest = ""
         self._reader = Reader(self._database, self._writer)
         self.acknowledgements = SqlAcknowledgements(self._database, self._reader, self._writer)
         self._past = Past(self._reader, self._waiting)
         self.retention = Retention(self._database, max_age, max_bytes)
+        self.on_loss: Callable[[], None] = lambda: None
         self._tasks: list[asyncio.Task[None]] = []
 
     async def open(self) -> None:
@@ -74,7 +78,27 @@ class SqlHistory:
             self.newest = await self._reader.read(event_store.newest)
         for key in self._waiting.keys.values():
             self._keys.setdefault(key.key, key)
-        self._tasks = [asyncio.create_task(self.retention.run())]
+        self._tasks = [asyncio.create_task(self.retention.run()), asyncio.create_task(self._look_after_database())]
+
+    async def _look_after_database(self) -> None:
+        """Find out that the database is away, or another one than before, also while there is nothing to write."""
+        while True:
+            await asyncio.sleep(LOOK_INTERVAL)
+            with suppress(Unavailable):
+                await self._reader.read(lambda _: None)
+
+    def _write_again(self) -> None:
+        """The database has lost what was in it: write what is known of it here, and say that the rest is missing."""
+        now = time_id(time.time_ns())
+        self._waiting.gaps |= dict.fromkeys(KEPT_TOPICS, now)
+        for key in self._keys.values():
+            self._waiting.put_key(key)
+        self.on_loss()
+
+    @property
+    def incident(self) -> Incident | None:
+        """What happened to what was in the database, as long as somebody has to know of that."""
+        return self._database.incident
 
     # ------------------------------------------------------------------ write
 
@@ -225,12 +249,13 @@ class SqlHistory:
 
     def stats(self) -> HistoryStats:
         """How the keeping goes."""
+        incident = self.incident
         return HistoryStats(
             waiting=len(self._waiting),
             spooled=self._spool.count,
             dropped=self._waiting.dropped,
             database_reachable=self._writer.reachable and not self._writer.hesitates,
-            last_error=self._writer.last_error,
+            last_error=self._writer.last_error or (incident.detail if incident else None),
         )
 
     async def close(self) -> None:

@@ -1,25 +1,46 @@
 """SQLite. A transaction is one piece of work for a thread.
 
-Its statements are short, and to come back to the event loop after each would cost more than they do.
+Its statements are short, and to come back to the event loop after each would cost more than they do. One thread
+writes: SQLite lets in one at a time anyway, and two would wait for each other by looking again and again.
+
+The file may be deleted, replaced or damaged while it is open. SQLite does not notice the first two, and writes on into
+a file that has no name. So each transaction looks whether the file is still the one that was opened. Where it is not,
+all connections are closed and a new file is begun.
 """
 
 import asyncio
+import logging
+import sqlite3
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import sqlalchemy as sa
-from sqlalchemy.engine.interfaces import DBAPIConnection
 
-from dock_gateway.history.database import CONNECT_TIMEOUT, READERS, WRITERS, Database, T, Ts
+from dock_gateway.history.damage import LOG_FILES, aside, beside, is_damage, set_aside
+from dock_gateway.history.database import CONNECT_TIMEOUT, READERS, Database, T, Ts
+from dock_gateway.history.files import identity, locked
+from dock_gateway.history.migrate import migrate
+from dock_gateway.history.protocol import Incident
 from dock_gateway.history.tables import prepare_for
 
-# How long another process may hold the lock before a statement fails, to be tried again
-BUSY_MS = 500
-# and for the tables to be made, when several start at the same time
+log = logging.getLogger(__name__)
+
+# Seconds that another process may hold the lock before a statement fails, to be tried again
+BUSY_TIMEOUT = 0.5
+# and while the tables are made, when several start at the same time
 LOCK_PATIENCE = 1.5
+# A file that was deleted or replaced is told of for so long; a damaged one until somebody has moved it.
+TOLD_FOR = timedelta(hours=24)
+
+
+class NotOpenError(OSError):
+    """The file that was opened is not there any more, or cannot be used; it is opened anew."""
 
 
 class SqliteDatabase(Database):
@@ -33,39 +54,36 @@ class SqliteDatabase(Database):
         super().__init__()
         prepare_for("sqlite")
         self._path = path
-        self._writer = _engine(path, WRITERS, write=True)
-        self._reader = _engine(path, READERS, write=False)
-        self._write_threads = ThreadPoolExecutor(WRITERS, thread_name_prefix="history-write")
+        self._files = tuple(beside(path, suffix) for suffix in ("", *LOG_FILES))
+        # Which ones those are: the file that was connected to, then it and what belongs to it once all was in order.
+        self._connected: object = None
+        self._opened: list[object] = []
+        self._damage: str | None = None
+        self._kept: Path | None = None  # a damaged file that the incident is about
+        self._writer = self._engine(1, write=True)
+        self._reader = self._engine(READERS, write=False)
+        self._write_thread = ThreadPoolExecutor(1, thread_name_prefix="history-write")
         self._read_threads = ThreadPoolExecutor(READERS, thread_name_prefix="history-read")
         self._running: set[Future[Any]] = set()
 
-    async def prepare(self) -> None:
-        """Make the tables, or bring them up to date; several processes may do so at the same time."""
-        self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        deadline = time.monotonic() + LOCK_PATIENCE
-        while not self.prepared:
-            try:
-                await super().prepare()
-            except sa.exc.OperationalError as error:
-                # SQLite does not wait for another process that is making the file; so this one does.
-                if "locked" not in str(error.orig) or time.monotonic() > deadline:
-                    raise
-                await asyncio.sleep(0.05)
+    # ------------------------------------------------------------------ transactions
 
     async def write(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, durable: bool = True) -> T:
         """A transaction that writes; one that is not `durable` may be lost in a power cut, never in a crash."""
 
         def transaction() -> T:
-            with self._writer.connect() as connection, connection.execution_options(durable=durable).begin():
+            self._require_open()
+            with self._begin(durable=durable) as connection:
                 return work(connection, *args)
 
-        return await self._run(self._write_threads, transaction)
+        return await self._run(self._write_thread, transaction)
 
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
         """A transaction that reads."""
 
         def transaction() -> T:
-            with self._reader.connect() as connection:
+            self._require_open()
+            with self._watching(), self._reader.connect() as connection:
                 return work(connection, *args)
 
         return await self._run(self._read_threads, transaction)
@@ -78,44 +96,182 @@ class SqliteDatabase(Database):
 
     async def close(self) -> None:
         """Close every connection, once nobody uses it any more: that takes as long as SQLite waits for a lock."""
-        running = [asyncio.wrap_future(future) for future in self._running.copy()]
-        await asyncio.gather(*running, return_exceptions=True)
-        await asyncio.wrap_future(self._write_threads.submit(self._dispose))
-        self._write_threads.shutdown(wait=False)
+        await self._all_done()
+        await asyncio.wrap_future(self._write_thread.submit(self._disconnect))
+        self._write_thread.shutdown(wait=False)
         self._read_threads.shutdown(wait=False)
 
-    def _dispose(self) -> None:
+    async def _all_done(self) -> None:
+        running = [asyncio.wrap_future(future) for future in self._running.copy()]
+        await asyncio.gather(*running, return_exceptions=True)
+
+    def _disconnect(self) -> None:
         self._writer.dispose()
         self._reader.dispose()
 
+    @contextmanager
+    def _begin(self, *, durable: bool = True) -> Iterator[sa.Connection]:
+        with (
+            self._watching(),
+            self._writer.connect() as connection,
+            connection.execution_options(durable=durable).begin(),
+        ):
+            yield connection
 
-def _engine(path: Path, connections: int, *, write: bool) -> sa.Engine:
-    engine = sa.create_engine(
-        sa.URL.create("sqlite", database=str(path)),
-        pool_size=connections,
-        max_overflow=0,
-        pool_timeout=CONNECT_TIMEOUT,
-        poolclass=sa.pool.QueuePool,
-        connect_args={"check_same_thread": False},  # a thread after the other, never two at the same time
-    )
+    @contextmanager
+    def _watching(self) -> Iterator[None]:
+        """See what SQLite says of the file."""
+        try:
+            yield
+        except sa.exc.DBAPIError as error:
+            if is_damage(error.orig):
+                self._damage, self.prepared = str(error.orig), False
+            elif _code(error) == sqlite3.SQLITE_READONLY:  # once it can be written, that takes another connection
+                self.prepared = False
+            raise
 
-    @sa.event.listens_for(engine, "connect")
-    def connected(connection: DBAPIConnection, _: object) -> None:
-        connection.isolation_level = None  # the driver must not begin transactions on its own
-        cursor = connection.cursor()
-        cursor.execute(f"PRAGMA busy_timeout={BUSY_MS}")
-        cursor.execute("PRAGMA journal_mode=WAL")
-        cursor.execute("PRAGMA synchronous=FULL")
-        if not write:
-            cursor.execute("PRAGMA query_only=ON")
-        cursor.close()
+    def _require_open(self) -> None:
+        """See that the file is the one that was opened.
 
-    @sa.event.listens_for(engine, "begin")
-    def began(connection: sa.Connection) -> None:
-        if write:
-            durable = connection.get_execution_options().get("durable", True)
-            connection.exec_driver_sql(f"PRAGMA synchronous={'FULL' if durable else 'NORMAL'}")
-        # A transaction that writes takes the lock first: one that had only read could not take it any more.
-        connection.exec_driver_sql("BEGIN IMMEDIATE" if write else "BEGIN")
+        Raises:
+            NotOpenError: It is not.
+        """
+        if self.prepared and self._identities() != self._opened:
+            self.prepared = False
+        if not self.prepared:
+            raise NotOpenError(f"{self._path} is not the file that it was; it is opened anew")
+        if self.incident is not None and not self._is_told(self.incident):
+            self.incident = None
 
-    return engine
+    # ------------------------------------------------------------------ the file
+
+    async def prepare(self) -> None:
+        """Open the file, or a new one in place of one that is gone or damaged, and see to its tables.
+
+        Several processes may do so at the same time.
+        """
+        if not self.prepared:
+            await self._all_done()
+            await self._run(self._write_thread, self._open)
+
+    def _open(self) -> None:
+        self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        self._make_way()
+        self._disconnect()
+        try:
+            self._make_tables()
+        except sa.exc.DBAPIError as error:
+            if not is_damage(error.orig):
+                raise
+            self._make_way()
+            self._disconnect()
+            self._make_tables()
+        self._opened = self._identities()
+        if self._opened[0] != self._connected:
+            raise NotOpenError(f"{self._path} was replaced while it was opened")
+        self.prepared = True
+        self._tell_of_earlier_damage()
+
+    def _make_way(self) -> None:
+        """Where the file is another one than before, or damaged, see that nothing of it is taken for a new one's."""
+        with locked(self._path.parent):
+            found = self._identities()
+            if self._damage is not None and found[0] == self._connected:
+                self._kept = set_aside(self._path)
+                self._lose(
+                    f"{self._path} was damaged ({self._damage}). It is kept as {self._kept}, and a new history was "
+                    "begun. Look at the disk; move the damaged file to end this alert."
+                )
+            elif self._opened and found[0] != self._opened[0]:
+                for path, opened, there in zip(self._files[1:], self._opened[1:], found[1:], strict=True):
+                    if there is not None and there == opened:
+                        path.unlink()  # SQLite would apply what is in it to the new file
+                what = "deleted" if found[0] is None else "replaced by another file"
+                self._kept = None
+                self._lose(f"{self._path} was {what} while the gateway ran. What was in it is not known any more.")
+            self._damage, self._opened = None, []
+
+    def _lose(self, detail: str) -> None:
+        log.error("%s", detail)
+        self.incident = Incident(datetime.now(UTC), detail)
+        self.lost = True
+
+    def _tell_of_earlier_damage(self) -> None:
+        if self.incident is None and (found := aside(self._path)):
+            since = max(found)
+            self._kept = found[since]
+            self.incident = Incident(
+                since,
+                f"{self._path} was damaged, and is kept as {self._kept}. Look at the disk; move the damaged file to "
+                "end this alert.",
+            )
+            log.warning("%s", self.incident.detail)
+
+    def _is_told(self, incident: Incident) -> bool:
+        if self._kept is not None:
+            return self._kept.exists()
+        return datetime.now(UTC) - incident.since < TOLD_FOR
+
+    def _make_tables(self) -> None:
+        deadline = time.monotonic() + LOCK_PATIENCE
+        while True:
+            try:
+                with self._begin() as connection:
+                    migrate(connection)
+            except sa.exc.OperationalError as error:
+                # SQLite does not wait for another process that is making the file; so this one does.
+                if _code(error) != sqlite3.SQLITE_BUSY or time.monotonic() > deadline:
+                    raise
+                time.sleep(0.05)
+            else:
+                return
+
+    def _identities(self) -> list[object]:
+        return [identity(path) for path in self._files]
+
+    def _connect(self, *, write: bool) -> sqlite3.Connection:
+        with locked(self._path.parent):
+            before = identity(self._path)
+            connection = sqlite3.connect(
+                self._path,
+                timeout=BUSY_TIMEOUT,
+                isolation_level=None,  # the driver must not begin transactions on its own
+                check_same_thread=False,  # a thread after the other, never two at the same time
+            )
+            try:
+                self._connected = identity(self._path)
+                if self._connected != (before or self._connected) or (self._opened and before != self._opened[0]):
+                    raise NotOpenError(f"{self._path} was replaced while it was opened")
+                connection.execute("PRAGMA journal_mode=WAL")
+                connection.execute("PRAGMA synchronous=FULL")
+                if not write:
+                    connection.execute("PRAGMA query_only=ON")
+            except BaseException:
+                connection.close()
+                raise
+        return connection
+
+    def _engine(self, connections: int, *, write: bool) -> sa.Engine:
+        engine = sa.create_engine(
+            "sqlite://",
+            creator=partial(self._connect, write=write),
+            poolclass=sa.pool.QueuePool,
+            pool_size=connections,
+            max_overflow=0,
+            pool_timeout=CONNECT_TIMEOUT,
+        )
+
+        @sa.event.listens_for(engine, "begin")
+        def began(connection: sa.Connection) -> None:
+            if write:
+                durable = connection.get_execution_options().get("durable", True)
+                connection.exec_driver_sql(f"PRAGMA synchronous={'FULL' if durable else 'NORMAL'}")
+            # A transaction that writes takes the lock first: one that had only read could not take it any more.
+            connection.exec_driver_sql("BEGIN IMMEDIATE" if write else "BEGIN")
+
+        return engine
+
+
+def _code(error: sa.exc.DBAPIError) -> int:
+    """What SQLite calls an error, without the details."""
+    return getattr(error.orig, "sqlite_errorcode", 0) & 0xFF

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 
@@ -33,9 +33,16 @@ RETRY_FIRST, RETRY_LAST = 0.1, 2.0
 
 
 class Writer:
-    """The only one who writes goals and events."""
+    """The only one who writes goals and events.
 
-    def __init__(self, database: Database, spool: Spool, waiting: Waiting) -> None:
+    Args:
+        database: Where they are written.
+        spool: Where they are kept while the database does not take them.
+        waiting: What is to be written.
+        on_loss: Called when the database has lost what was in it.
+    """
+
+    def __init__(self, database: Database, spool: Spool, waiting: Waiting, on_loss: Callable[[], None]) -> None:
         self.reachable = False
         self.hesitates = False  # it kept a goal waiting, and has not answered since
         self.last_error: str | None = None
@@ -44,6 +51,7 @@ class Writer:
         self._database = database
         self._spool = spool
         self._waiting = waiting
+        self._on_loss = on_loss
         self._waiting_since = 0.0
         self._tickets: dict[str, list[asyncio.Future[None]]] = {}
         self._wake = asyncio.Event()
@@ -143,6 +151,9 @@ class Writer:
             if not self._database.prepared:
                 async with asyncio.timeout(WRITE_TIMEOUT):
                     await self._database.prepare()
+            if self._database.lost:
+                self._database.lost = False
+                self._on_loss()
             while len(batch := self._waiting.urgent(self._tickets) if urgent else self._waiting.batch()) or (
                 not self.reachable
             ):

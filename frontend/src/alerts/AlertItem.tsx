@@ -15,7 +15,7 @@ import { SeverityMark } from "./SeverityMark";
 /** One alert: what it is, what to do, and who has seen it. */
 export const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
   const { id, robot, severity, title, detail, since, goal_id, acknowledged } = alert;
-  const what = `${title}: ${robot}`;
+  const what = robot === null ? title : `${title}: ${robot}`;
   return (
     <li
       className={classes.alert}
@@ -26,10 +26,14 @@ export const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
       <div className={classes.words}>
         <Text fw={600}>
           {title}
-          {": "}
-          <Anchor component={Link} to={robotPath(robot)} inherit underline="always">
-            {robot}
-          </Anchor>
+          {robot !== null && (
+            <>
+              {": "}
+              <Anchor component={Link} to={robotPath(robot)} inherit underline="always">
+                {robot}
+              </Anchor>
+            </>
+          )}
         </Text>
         <Text size="sm">{detail}</Text>
         <Text size="sm" c="dimmed">

@@ -22,6 +22,7 @@ export type Attention = 0 | 1 | 2 | 3;
 export function attentionOf(alerts: readonly Alert[]): ReadonlyMap<string, Attention> {
   const attention = new Map<string, Attention>();
   for (const { robot, severity, acknowledged } of alerts) {
+    if (robot === null) continue;
     const level: Attention = acknowledged !== null ? 1 : severity === "critical" ? 3 : 2;
     if (level > (attention.get(robot) ?? 0)) attention.set(robot, level);
   }

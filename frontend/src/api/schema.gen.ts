@@ -1084,14 +1084,15 @@ export interface components {
          * Alert
          * @description Something that an operator has to know of.
          *
-         *     `robot` is the robot, or the namespace of an action that belongs to none. `detail` says what to do.
+         *     `robot` is the robot, the namespace of an action that belongs to none, or null where the gateway itself is
+         *     concerned. `detail` says what to do.
          */
         Alert: {
             /** Id */
             id: string;
             kind: components["schemas"]["AlertKind"];
             /** Robot */
-            robot: string;
+            robot: string | null;
             /**
              * Severity
              * @enum {string}
@@ -1115,7 +1116,7 @@ export interface components {
          * @description Everything that is worth an alert.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_stale";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_stale" | "history_lost";
         /**
          * AlertList
          * @description The alerts, critical ones first, then the oldest first.
