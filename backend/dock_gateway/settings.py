@@ -26,6 +26,20 @@ class DockingActions(NamedTuple):
     undock: str
 
 
+def scope() -> str:
+    """Which robots are met: the ROS domain, and whether only those of this machine.
+
+    Robots of another scope are other robots: what the gateway keeps in the user's data directory has this in its name.
+    """
+    local = "-localhost" if os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST" else ""
+    return f"{os.environ.get('ROS_DOMAIN_ID') or 0}{local}"
+
+
+def data_file(name: str) -> Path:
+    """A path in the user's data directory."""
+    return platformdirs.user_data_path("dock-gateway", appauthor=False) / name
+
+
 class Settings(BaseSettings):
     """The gateway's settings, fixed once it runs. docs/configuration.md lists them; a test keeps the list complete."""
 
@@ -106,11 +120,12 @@ class Settings(BaseSettings):
         "",
         pattern=r"^(memory:|sqlite:///.+|postgres(ql)?://.*)?$",
         description="Where the history is kept: `postgresql://user@host/name`, `sqlite:////path/to/history.db`, "
-        "or `memory:`. Empty: SQLite in the user's data directory.",
+        "or `memory:`. Empty: SQLite, `history-<ROS_DOMAIN_ID>.db` in the user's data directory.",
     )
     spool_path: Path | None = Field(
         None,
-        description="Folder for goals that the database does not take at once. Empty: in the user's data directory.",
+        description="Folder for goals that the database does not take at once. Empty: `spool-<ROS_DOMAIN_ID>` in the "
+        "user's data directory.",
     )
     stop_path: Path | None = Field(
         None,
@@ -181,10 +196,18 @@ class Settings(BaseSettings):
 
     @property
     def stop_file(self) -> Path:
-        """Where latched stops are kept: robots of another domain, or of this machine alone, are other robots."""
-        local = "-localhost" if os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE") == "LOCALHOST" else ""
-        name = f"stops-{os.environ.get('ROS_DOMAIN_ID') or 0}{local}.json"
-        return self.stop_path or platformdirs.user_data_path("dock-gateway", appauthor=False) / name
+        """Where latched stops are kept."""
+        return self.stop_path or data_file(f"stops-{scope()}.json")
+
+    @property
+    def database(self) -> str:
+        """The URL of the history."""
+        return self.database_url or f"sqlite:///{data_file(f'history-{scope()}.db')}"
+
+    @property
+    def spool_folder(self) -> Path:
+        """Where goals go that the database does not take at once."""
+        return self.spool_path or data_file(f"spool-{scope()}")
 
     def resolve(self, name: str, namespace: str | None = None) -> str:
         """A ROS name as the graph has it: absolute, under the namespace (the configured one) where it was relative."""

@@ -12,13 +12,17 @@ from dock_gateway.settings import Settings
 from tests.support.history import make_goal
 
 
-async def test_in_the_data_directory_of_the_user(tmp_path: Path) -> None:
+async def test_in_the_data_directory_of_the_user(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_DOMAIN_ID", "7")
     async with open_history(Settings()) as history:
         await history.add(make_goal(1))
         assert history.stats().database_reachable
-    assert (tmp_path / "data" / "dock-gateway" / "history.db").exists()
+    assert (tmp_path / "data" / "dock-gateway" / "history-7-localhost.db").exists()
     async with open_history(Settings()) as history:
         assert await history.get("goal-0001") is not None
+    monkeypatch.setenv("ROS_DOMAIN_ID", "8")
+    async with open_history(Settings()) as history:
+        assert await history.get("goal-0001") is None
 
 
 async def test_where_the_settings_say(tmp_path: Path) -> None:

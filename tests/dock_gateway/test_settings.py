@@ -113,12 +113,23 @@ def test_help_names_every_setting() -> None:
     assert all(option_name(name) in text for name in Settings.model_fields)
 
 
-def test_a_simulated_robot_does_not_release_the_stop_of_a_real_one(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_kept_of_one_robot_is_kept_apart_from_another(monkeypatch: pytest.MonkeyPatch) -> None:
     """`dock-gateway up` and `serve` on one machine: each meets other robots, both may be called `/`."""
+
+    def names() -> tuple[str, ...]:
+        settings = Settings()
+        return settings.stop_file.name, Path(settings.database).name, settings.spool_folder.name
+
+    for name in ("ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_DOMAIN_ID"):
+        monkeypatch.delenv(name, raising=False)
+    assert names() == ("stops-0.json", "history-0.db", "spool-0")
     monkeypatch.setenv("ROS_DOMAIN_ID", "7")
-    monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE", raising=False)
-    served = Settings().stop_file
+    assert names() == ("stops-7.json", "history-7.db", "spool-7")
     monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    assert (served.name, Settings().stop_file.name) == ("stops-7.json", "stops-7-localhost.json")
-    chosen = Path("/tmp/stops.json")
-    assert Settings(stop_path=chosen).stop_file == chosen
+    assert names() == ("stops-7-localhost.json", "history-7-localhost.db", "spool-7-localhost")
+    chosen = Settings(stop_path=Path("/tmp/a"), spool_path=Path("/tmp/b"), database_url="sqlite:////tmp/c")
+    assert (chosen.stop_file, chosen.spool_folder, chosen.database) == (
+        Path("/tmp/a"),
+        Path("/tmp/b"),
+        "sqlite:////tmp/c",
+    )

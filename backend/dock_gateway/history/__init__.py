@@ -1,10 +1,11 @@
 """Where goals, their events and idempotency keys are kept: SQLite by default, PostgreSQL by URL, or memory."""
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
-import platformdirs
-
+from dock_gateway.history.handover import take_over_database, take_over_spool
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.history.protocol import (
     Acknowledgement,
@@ -17,7 +18,7 @@ from dock_gateway.history.protocol import (
 )
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.wanted import Wanted
-from dock_gateway.settings import Settings
+from dock_gateway.settings import Settings, data_file
 
 __all__ = [
     "Acknowledgement",
@@ -39,13 +40,13 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
     if settings.database_url == "memory:":
         yield MemoryHistory(settings.max_goals)
         return
-    folder = platformdirs.user_data_path("dock-gateway", appauthor=False)
+    await asyncio.to_thread(_take_over, settings)
 
     from dock_gateway.history.sql import SqlHistory  # noqa: PLC0415 - it loads SQLAlchemy
 
     history = SqlHistory(
-        settings.database_url or f"sqlite:///{folder / 'history.db'}",
-        Spool(settings.spool_path or folder / "spool"),
+        settings.database,
+        Spool(settings.spool_folder),
         max_waiting=settings.history_queue,
         max_age=settings.retention_hours * 3600,
         max_bytes=settings.retention_mb * 1_000_000,
@@ -55,3 +56,11 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
         yield history
     finally:
         await history.close()
+
+
+def _take_over(settings: Settings) -> None:
+    """Take over what all gateways of the user shared once, where this one keeps its own in the same folder."""
+    if not settings.database_url:
+        take_over_database(data_file("history.db"), Path(settings.database.removeprefix("sqlite:///")))
+    if settings.spool_path is None:
+        take_over_spool(data_file("spool"), settings.spool_folder)
