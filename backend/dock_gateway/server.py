@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import signal
 import socket
 
 import uvicorn
@@ -80,6 +81,8 @@ def run(settings: Settings) -> bool:
 
 async def _serve(server: Server, settings: Settings) -> bool:
     with server.capture_signals():  # from now on, and until everything is closed
+        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # `nohup` has it ignored
+            signal.signal(signal.SIGHUP, server.handle_exit)  # the end of the terminal, which uvicorn leaves out
         async with open_gateway(settings) as gateway:
             await server.serve_gateway(gateway, settings)
     return server.started

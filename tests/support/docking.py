@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -109,6 +110,11 @@ class Wheels:
     def moving(self) -> bool:
         """Whether the last message was a motion."""
         return bool(self.messages) and self.messages[-1] != Twist()
+
+    @property
+    def zeros(self) -> int:
+        """How many messages at the end were zero."""
+        return sum(1 for _ in takewhile(lambda message: message == Twist(), reversed(self.messages)))
 
     @property
     def standing(self) -> bool:

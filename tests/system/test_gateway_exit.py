@@ -45,7 +45,7 @@ def wait_gone(pids: list[int], timeout: float) -> None:
         time.sleep(0.05)
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_signal_with_streams_and_a_goal_and_a_waiting_request(domain: int, number: signal.Signals) -> None:
     answers: list[httpx2.Response] = []
     with running_dock_server(domain) as server, running_gateway(domain) as gateway, gateway.stream() as stream:

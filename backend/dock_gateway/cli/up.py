@@ -1,5 +1,7 @@
 """`dock-gateway up`: the whole, each part a process of its own, supervised; one Ctrl-C ends all."""
 
+import asyncio
+import contextlib
 import ctypes
 import os
 import shutil
@@ -7,9 +9,8 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
 import time
-from collections.abc import MutableMapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from pathlib import Path
 
 import click
@@ -80,6 +81,7 @@ def _end(parts: Sequence[Part]) -> None:
     for part in parts:
         if part.process.poll() is None:
             part.process.terminate()
+            part.process.send_signal(signal.SIGCONT)  # one that is frozen could not end
     for part in parts:
         try:
             part.process.wait(max(0.0, deadline - time.monotonic()))
@@ -97,15 +99,35 @@ def _find(name: str) -> str:
     return found
 
 
-def _announce(url: str, ended: threading.Event) -> None:
-    while not ended.wait(0.1):
-        try:
-            ready = httpx2.get(f"{url}/readyz", timeout=1.0, trust_env=False).json()["ready"]
-        except (httpx2.HTTPError, ValueError, KeyError):
-            continue
-        if ready:
-            click.secho(f"\n  dock-gateway is ready: open {url}   (Ctrl-C ends it)\n", bold=True)
-            return
+async def _announce(url: str) -> None:
+    async with httpx2.AsyncClient(timeout=1.0, trust_env=False) as http:
+        ready = False
+        while not ready:
+            await asyncio.sleep(0.1)
+            with contextlib.suppress(httpx2.HTTPError, ValueError, KeyError):
+                ready = (await http.get(f"{url}/readyz")).json()["ready"]
+    click.secho(f"\n  dock-gateway is ready: open {url}   (Ctrl-C ends it)\n", bold=True)
+
+
+async def _supervise(commands: Mapping[str, Sequence[str]], url: str) -> bool:
+    """Run the parts until a signal comes; False where the gateway, the first of them, could not be started."""
+    ended = asyncio.Event()
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # `nohup` has it ignored
+            asyncio.get_running_loop().add_signal_handler(number, ended.set)
+    parts = [Part(name, command) for name, command in commands.items()]
+    announcing = asyncio.create_task(_announce(url))
+    try:
+        while not ended.is_set():
+            if parts[0].never_started():
+                return False
+            for part in parts:
+                part.look()
+            await asyncio.sleep(0.1)
+    finally:
+        announcing.cancel()
+        _end(parts)
+    return True
 
 
 def stay_on_this_machine(environment: MutableMapping[str, str], *, always: bool) -> None:
@@ -180,21 +202,6 @@ def up(no_sim: bool, **options: str | None) -> None:
     arguments = [f"{option_name(name)}={value}" for name, value in options.items() if value is not None]
     commands = robot_commands(TUTORIAL if no_sim else SIMULATED, settings)
 
-    ended = threading.Event()
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda *_: ended.set())
-    gateway = Part("the gateway", [sys.executable, "-m", "dock_gateway", "serve", *arguments])
-    parts = [gateway, *(Part(name, command) for name, command in commands.items())]
-    threading.Thread(target=_announce, args=(own_url(settings), ended), daemon=True).start()
-    failed = False
-    try:
-        while not ended.wait(0.1):
-            if failed := gateway.never_started():
-                break
-            for part in parts:
-                part.look()
-    finally:
-        ended.set()
-        _end(parts)
-    if failed:
+    gateway = [sys.executable, "-m", "dock_gateway", "serve", *arguments]
+    if not asyncio.run(_supervise({"the gateway": gateway} | commands, own_url(settings))):
         raise click.ClickException("the gateway could not be started; the lines above say why")

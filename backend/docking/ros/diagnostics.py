@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
@@ -46,10 +45,6 @@ class Diagnostics:
         )
         array.header.stamp = self._node.get_clock().now().to_msg()
         self._publisher.publish(array)
-
-    def wait_until_heard(self, seconds: float) -> None:
-        """Wait until every reader has the last report, at most so long."""
-        self._publisher.wait_for_all_acked(Duration(seconds=seconds))
 
 
 def status_message(name: str, level: Level, message: str, values: Mapping[str, str]) -> DiagnosticStatus:

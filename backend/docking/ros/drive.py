@@ -5,7 +5,6 @@ import time
 import traceback
 
 from geometry_msgs.msg import Twist, Vector3
-from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
@@ -14,6 +13,8 @@ from docking.watchdog import Watchdog
 
 WATCHDOG_TIMEOUT = 0.5
 """Seconds that a motion goes on without being renewed."""
+RECENT = 1.0
+"""Seconds after a velocity in which the wheels still count as driven by us."""
 
 
 class Drive:
@@ -31,7 +32,7 @@ class Drive:
         """
         self._node = node
         self._velocity: Velocity | None = None
-        self._stopped_at = -math.inf  # by the watchdog
+        self._stopped_at = self._published_at = -math.inf
         qos = QoSOverridingOptions.with_default_policies()
         self._publisher = node.create_publisher(Twist, "cmd_vel", 10, qos_overriding_options=qos)
         self._watchdog = Watchdog(WATCHDOG_TIMEOUT, self._stop_left_alone)
@@ -46,7 +47,7 @@ class Drive:
         Args:
             velocity: What the wheels have to do until the next call.
             decided_at: The moment of what it was decided on, in seconds of the monotonic clock. A decision that took
-                too long, or until after the watchdog had stopped the robot, moves nothing any more.
+                too long, or until after the robot was stopped, moves nothing any more.
         """
         if decided_at < self._stopped_at or time.monotonic() - decided_at > WATCHDOG_TIMEOUT:
             velocity = STANDSTILL
@@ -57,30 +58,32 @@ class Drive:
         else:
             self._watchdog.feed()
         self._velocity = velocity
+        self._published_at = time.monotonic()
         self._publisher.publish(Twist(linear=Vector3(x=velocity.linear_x), angular=Vector3(z=velocity.angular_z)))
 
     def stop(self) -> None:
-        """Publish zero velocity. It never raises: those who call it have other things to end."""
+        """Publish zero velocity, from any thread. It never raises: those who call it have other things to end."""
         self._watchdog.sleep()
         self._velocity = STANDSTILL
         self._publish_zero()
 
+    @property
+    def recent(self) -> bool:
+        """Whether a velocity was published a moment ago."""
+        return time.monotonic() - self._published_at < RECENT
+
     def _stop_left_alone(self) -> None:
-        self._stopped_at = time.monotonic()
         self._publish_zero()
         self._node.get_logger().error(
             f"No control step for {WATCHDOG_TIMEOUT:g} s although the robot moves: the wheels stand still"
         )
 
     def _publish_zero(self) -> None:
+        self._stopped_at = self._published_at = time.monotonic()
         try:
             self._publisher.publish(Twist())
         except Exception:  # noqa: BLE001 - whatever it is, what follows must be done
             self._node.get_logger().fatal(f"Zero velocity could not be published: {traceback.format_exc()}")
-
-    def wait_until_heard(self, seconds: float) -> None:
-        """Wait until every reader has the last velocity, at most so long."""
-        self._publisher.wait_for_all_acked(Duration(seconds=seconds))
 
     def close(self) -> None:
         """End the watchdog."""

@@ -229,11 +229,8 @@ def run_client(make_node: Callable[[Context, Callable[[], None]], GoalClient], a
     with ros_context(args) as context:
         node = make_node(context, signals.wake)
         with Spinner(context, [node], on_failure=signals.wake) as spinner:
-            interrupts = 0
             while node.exit_code is None and spinner.failure is None:
-                signals.wait()
-                while interrupts < signals.count:
-                    interrupts += 1
+                for _ in range(signals.wait()):
                     spinner.call(node.interrupt)
             time.sleep(LINGER)  # for a last request and the log to go out
         return 1 if node.exit_code is None else int(node.exit_code)

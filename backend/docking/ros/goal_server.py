@@ -1,7 +1,6 @@
 """What the docking and the undocking node have in common: an action server that drives the robot."""
 
 import math
-import time
 import traceback
 from abc import abstractmethod
 from dataclasses import replace
@@ -36,7 +35,6 @@ Event = TypeVar("Event", Command, Outcome)
 
 FEEDBACK_PERIOD = 0.1
 DIAGNOSTICS_PERIOD = 1.0
-ACKNOWLEDGEMENT_TIMEOUT = 0.5
 SENSED = frozenset(
     {ErrorCode.FAILED_TO_DETECT_DOCK, ErrorCode.LOST_MARKER, ErrorCode.INFRARED_LOST, ErrorCode.ODOMETRY_LOST}
 )
@@ -266,7 +264,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         outcome = self._explained(outcome)
         self._helm.running = None
         self._control_timer.cancel()
-        self.stop_robot()
+        self._drive.stop()
         running.ended.set_result(outcome)
         self._report = report_on(outcome, running.goal_id)
         logger = self.get_logger()
@@ -279,10 +277,6 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
             logger.error(f"Goal {running.goal_id} aborted: {outcome.error_msg} [{outcome.error_code.value}]")
         self._publish_report(self._report)
         self._equip()
-
-    def stop_robot(self) -> None:
-        """Publish zero velocity. It never raises: those who call it have other things to end."""
-        self._drive.stop()
 
     # What is told.
 
@@ -312,7 +306,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         super().destroy_node()
 
     def close(self) -> None:
-        """Let no more goals in, stop the robot, abort the goal that runs, and wait until all readers know.
+        """Let no more goals in, and abort the one that runs, which stops the robot.
 
         The node must be spun for another moment, for the goal's result to go out.
         """
@@ -320,6 +314,11 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         running = self._running
         if running is not None:
             self._end(running.goal.abort(ErrorCode.SHUTTING_DOWN, "the action server is shutting down"))
-        deadline = time.monotonic() + ACKNOWLEDGEMENT_TIMEOUT
-        for told in (self._drive, self._diagnostics):
-            told.wait_until_heard(max(0.0, deadline - time.monotonic()))
+
+    def hold_still(self) -> None:
+        """Publish zero velocity if this server drives the robot or did a moment ago.
+
+        Any thread may call it. It never raises.
+        """
+        if self._running is not None or self._drive.recent:
+            self._drive.stop()

@@ -1,18 +1,18 @@
 """A ROS process: nodes spun in a thread of their own, signals awaited in the main thread.
 
-rclpy's wait cannot be interrupted by a signal handler of Python, an event's can; so rclpy gets the other thread.
-All that touches nodes runs there, which spares the nodes every lock.
+All that touches nodes runs in the spinning thread, which spares the nodes every lock.
 """
 
 import contextlib
 import os
 import signal
+import socket
 import sys
 import threading
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
-from types import FrameType, TracebackType
+from types import TracebackType
 from typing import Self, TypeVar
 
 import rclpy
@@ -31,29 +31,39 @@ EXIT_USAGE = 2
 
 
 class StopSignals:
-    """SIGINT and SIGTERM, counted; waiting for one also ends when `wake` is called.
+    """The signals that end a process; a wait for one also ends when `wake` is called.
 
-    The handlers stay until the process is gone, so that a second signal cannot cut its ending short.
+    The kernel may hand a signal to any thread, as it does after SIGSTOP. That does not wake a main thread that waits
+    for a lock or an event, and Python runs signal handlers in the main thread alone. So the main thread reads from a
+    socket, to which Python writes the number of each signal in whichever thread it comes.
+
+    The handlers stay until the process is gone, so that a second signal cannot cut its ending short. SIGHUP, the end of
+    the terminal, stays ignored where it was (`nohup`).
     """
 
     def __init__(self) -> None:
-        self.count = 0
-        self._event = threading.Event()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._handle)
+        self._receiver, self._sender = socket.socketpair()
+        self._sender.setblocking(False)
+        signal.set_wakeup_fd(self._sender.fileno(), warn_on_full_buffer=False)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+                signal.signal(number, self._handle)
 
-    def _handle(self, _number: int, _frame: FrameType | None) -> None:
-        self.count += 1
-        self._event.set()
+    def _handle(self, _number: int, _frame: object) -> None:
+        """Nothing is left to do, but Python writes the numbers of those signals only that have a handler."""
 
     def wake(self) -> None:
         """End a wait, from any thread."""
-        self._event.set()
+        with contextlib.suppress(BlockingIOError):  # the buffer is full, which ends a wait, too
+            self._sender.send(b"\0")
 
-    def wait(self) -> None:
-        """Wait for a signal, or for `wake`; each ends one wait."""
-        self._event.wait()
-        self._event.clear()
+    def wait(self) -> int:
+        """Wait for a signal or for `wake`.
+
+        Returns:
+            How many signals came since the last call.
+        """
+        return sum(number != 0 for number in self._receiver.recv(4096))
 
 
 @contextlib.contextmanager
@@ -132,7 +142,7 @@ class Spinner:
             except Exception as error:  # noqa: BLE001 - it is raised where the future is read
                 future.set_exception(error)
 
-        if self._thread.is_alive():
+        if self.failure is None and self._thread.is_alive():
             self._executor.create_task(run)
         else:
             run()

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import TimeoutError as CallTimeoutError
+from concurrent import futures
 
 from rclpy.context import Context
 
@@ -12,11 +12,14 @@ from docking.ros.goal_server import GoalServer
 from docking.ros.process import Spinner, StopSignals, ros_context
 
 CLOSE_TIMEOUT = 0.8
-LINGER = 0.2
+"""Seconds in which goals must be ended; a callback that hangs gets no more."""
+HOLD_TIME = 0.5
+"""Seconds for which zero velocity is repeated, and in which results go out."""
+HOLD_PERIOD = 0.05
 
 
 def serve(make_servers: Callable[[Battery, Context], Sequence[GoalServer]], args: Sequence[str] | None) -> int:
-    """Run servers and a battery subscriber until SIGINT or SIGTERM.
+    """Run servers and a battery subscriber until a signal ends them.
 
     Args:
         make_servers: Makes the servers.
@@ -31,13 +34,28 @@ def serve(make_servers: Callable[[Battery, Context], Sequence[GoalServer]], args
         servers = make_servers(battery, context)
         subscriber = BatteryStateSubscriber(battery, context=context)
         with Spinner(context, [*servers, subscriber], on_failure=signals.wake) as spinner:
-            signals.wait()
-            closed = [spinner.call(server.close) for server in servers]
-            deadline = time.monotonic() + CLOSE_TIMEOUT
-            for server, closing in zip(servers, closed, strict=True):
-                try:
-                    closing.result(max(0.0, deadline - time.monotonic()))
-                except CallTimeoutError:  # a callback hangs
-                    server.stop_robot()
-            time.sleep(LINGER)
+            try:
+                signals.wait()
+            finally:
+                _close(servers, spinner)
         return 0 if spinner.failure is None else 1
+
+
+def _close(servers: Sequence[GoalServer], spinner: Spinner) -> None:
+    """End the goals, and hold the robot still: a base that listens best-effort may miss a single zero velocity."""
+    closing = [spinner.call(server.close) for server in servers]
+    deadline = time.monotonic() + CLOSE_TIMEOUT
+    while futures.wait(closing, HOLD_PERIOD).not_done and time.monotonic() < deadline:
+        _hold_still(servers)
+    until = time.monotonic() + HOLD_TIME
+    while time.monotonic() < until:
+        _hold_still(servers)
+        time.sleep(HOLD_PERIOD)
+    for closed in closing:
+        if closed.done():
+            closed.result()
+
+
+def _hold_still(servers: Sequence[GoalServer]) -> None:
+    for server in servers:
+        server.hold_still()
