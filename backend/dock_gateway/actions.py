@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from dock_gateway.canceler import Canceler
 from dock_gateway.delivery import Delivery
 from dock_gateway.errors import GatewayError, NotFound, Unavailable
-from dock_gateway.events import status_event, system_event, utc_now
+from dock_gateway.events import loss_event, status_event, system_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import History
 from dock_gateway.hub import Hub
@@ -21,6 +21,7 @@ from dock_gateway.ros.actions import ActionPort
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
 from dock_gateway.ros.interfaces import install_hint
+from dock_gateway.ros.listener import Unread
 from dock_gateway.service import GoalService
 from dock_gateway.settings import Settings
 from dock_gateway.tasks import Tasks
@@ -35,7 +36,11 @@ Reasons = Later[GoalError]
 
 
 class Action:
-    """One action: its goals, what can be done with them, and whether its server lives."""
+    """One action: its goals, what can be done with them, and whether its server lives.
+
+    Attributes:
+        feedback_dropped: Feedback messages that were not read since the gateway started.
+    """
 
     def __init__(
         self,
@@ -48,16 +53,15 @@ class Action:
         interlock: Interlock,
         pinned: bool,
     ) -> None:
-        def tell(state: ServerState) -> None:
-            hub.publish(system_event("action_server", state, utc_now(), action_name=self.name))
-
         self.port = port
         self.name = port.action_name
         self.type = port.action_type
         self.pinned = pinned
         self.last_seen = time.monotonic()
+        self.feedback_dropped = 0
+        self._hub = hub
         self.tracker = GoalTracker(port, hub, history, reasons)
-        self.watch = ServerWatch(self.tracker, settings, tell, ping_idle=pinned)
+        self.watch = ServerWatch(self.tracker, settings, self._tell, ping_idle=pinned)
         canceler = Canceler(settings, self.tracker)
         delivery = Delivery(
             settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=canceler
@@ -65,6 +69,15 @@ class Action:
         self.goals = GoalService(settings, history, self.tracker, canceler, delivery)
         self._tasks = Tasks(f"looking after {self.name}")
         self._tasks.spawn(self.watch.run())
+
+    def _tell(self, state: ServerState) -> None:
+        self._hub.publish(system_event("action_server", state, utc_now(), action_name=self.name))
+
+    def on_loss(self, goal_id: str, why: Unread, count: int) -> None:
+        """Feedback was not read; it is a sign of life all the same."""
+        self.tracker.heard()
+        self.feedback_dropped += count
+        self._hub.publish(loss_event(goal_id, self.name, why, count, utc_now()))
 
     async def close(self) -> None:
         """Wait for nothing any more."""
@@ -146,7 +159,9 @@ class ActionRegistry:
         self._actions[name] = action
         for goal in self._unfinished.pop(name, {}).values():
             action.tracker.take_up(goal)
-        await self._bridge.call(lambda: port.listen(action.tracker.on_status, action.tracker.on_feedback))
+        await self._bridge.call(
+            lambda: port.listen(action.tracker.on_status, action.tracker.on_feedback, action.on_loss)
+        )
         log.info("action %s (%s)", name, type_name)
         return action
 

@@ -78,7 +78,7 @@ class Adoption:
             self._tasks.spawn(self._work())
 
     def _make_room(self, *, running: bool) -> bool:
-        """Give up the goal that matters least: one that has ended is told of again when the server's goals change."""
+        """Give up the goal that matters least, one that has ended; one that runs is told of again."""
         log.warning("more than %d unknown goals turned up at once; some are left out", MAX_NEWCOMERS)
         last = next(reversed(self._newcomers))
         if not running or self._newcomers[last].running:

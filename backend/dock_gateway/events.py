@@ -209,6 +209,19 @@ def system_event(
     return Event(encode(document), "system", robot=robot, action_name=action_name)
 
 
+def loss_event(goal_id: str, action_name: str, why: str, count: int, now: datetime) -> Event:
+    """Feedback of a goal was not read: `feedback_too_large`, or `feedback_too_fast` to follow."""
+    document = {
+        "type": "feedback_dropped",
+        "time": now,
+        "goal_id": goal_id,
+        "action_name": action_name,
+        "reason": f"feedback_{why}",
+        "count": count,
+    }
+    return Event(encode(document), "goals", goal_id, action_name)
+
+
 def fleet_event(kind: str, now: datetime, **payload: Any) -> Event:
     """A change of the fleet: `robots`, those of them that changed; `alerts`, all of them."""
     return Event(encode({"type": kind, "time": now, **payload}), "robots")

@@ -170,7 +170,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         newest=history.newest,
     )
     reasons: Later[GoalError] = Later(REASON_WAIT)
-    bridge = Bridge(settings.node_name, settings.namespace)
+    bridge = Bridge(settings.node_name, settings.namespace, settings.max_message_bytes)
     bridge.start()
     try:
         interlock = Interlock(hub, LatchFile(settings.stop_file), normalize_namespace(settings.namespace))

@@ -5,12 +5,12 @@ the status topic, and why it was aborted.
 """
 
 import asyncio
-from typing import Any, Protocol
+from typing import Protocol
 
 from dock_gateway.errors import Unavailable
 from dock_gateway.goals import NO_RESULT, Goal, GoalError, GoalStatus, Json
 from dock_gateway.later import Later
-from dock_gateway.ros.actions import ActionPort
+from dock_gateway.ros.actions import ActionPort, ResultAnswer
 from dock_gateway.ros.bridge import PendingCall
 from dock_gateway.tasks import Tasks
 
@@ -18,6 +18,7 @@ from dock_gateway.tasks import Tasks
 RESULT_WAIT = 2.0
 # A result waits so long for the status message of the end, whose timestamp is the same at every gateway.
 END_STAMP_WAIT = 0.2
+SAID_NOTHING = "the action server aborted the goal and did not say why"
 # Goals that end so have a result, which may come late.
 WITH_RESULT = frozenset({GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED})
 
@@ -89,19 +90,17 @@ class Results:
             if self._calls.get(goal.goal_id) is call:
                 del self._calls[goal.goal_id]
 
-    async def _take_answer(self, goal: Goal, response: Any) -> None:
+    async def _take_answer(self, goal: Goal, answer: ResultAnswer) -> None:
         self._goals.heard()
-        status, result = self._port.read_result(response)
-        if status is None:
+        if answer.status is None:
             if not goal.status.terminal:
                 self._goals.lose(goal, GoalError("action_server_lost", "the action server does not know the goal"))
             return
         stamp_ns = await self._end_stamps.of(goal.goal_id)
-        error = None
-        if status is GoalStatus.ABORTED:
-            error = await self._reasons.of(goal.goal_id)
-            error = error or GoalError("goal_aborted", "the action server aborted the goal and did not say why")
-        self._goals.end(goal, status, result=result, error=error, stamp_ns=stamp_ns)
+        error = answer.error
+        if answer.status is GoalStatus.ABORTED:
+            error = await self._reasons.of(goal.goal_id) or error or GoalError("goal_aborted", SAID_NOTHING)
+        self._goals.end(goal, answer.status, result=answer.result, error=error, stamp_ns=stamp_ns)
 
     def expect(self, goal: Goal, status: GoalStatus, stamp_ns: int) -> None:
         """The server says that the goal has ended: its result is due, and without one it ends when the time is up."""

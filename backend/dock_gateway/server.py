@@ -10,6 +10,7 @@ import uvicorn
 from dock_gateway.api.frames import FramesProtocol
 from dock_gateway.app import create_app
 from dock_gateway.gateway import Gateway, open_gateway
+from dock_gateway.log_limit import LogLimit
 from dock_gateway.settings import LOOPBACK_HOSTS, Settings
 
 log = logging.getLogger(__name__)
@@ -50,6 +51,9 @@ class Server(uvicorn.Server):
 
 def _log_config(level: str) -> None:
     logging.basicConfig(level=level.upper(), format="[%(levelname)s] [%(asctime)s] [%(name)s]: %(message)s")
+    if level != "debug":
+        for handler in logging.getLogger().handlers:
+            handler.addFilter(LogLimit())
     for noisy in ("alembic", "asyncio", "httpcore", "httpx2", "websockets"):
         logging.getLogger(noisy).setLevel(logging.WARNING)
     if level != "debug":

@@ -57,7 +57,11 @@ class Settings(BaseSettings):
         description="Origins of web pages that may use the gateway besides its own dashboard, "
         "separated by commas (`https://ops.example.com`); `*` for any.",
     )
-    log_level: str = Field("info", pattern="^(debug|info|warning|error)$", description="How much is logged.")
+    log_level: str = Field(
+        "info",
+        pattern="^(debug|info|warning|error)$",
+        description="How much is logged. Of one kind 20 lines in 10 s are, and the rest is counted, but with `debug`.",
+    )
     dashboard_dir: Path | None = Field(
         None,
         description="Folder of the built dashboard. Empty: the installed one, or `frontend/dist` of a checkout.",
@@ -144,6 +148,12 @@ class Settings(BaseSettings):
         256, ge=1, description="Megabytes of feedback and battery events that are kept; the oldest go first."
     )
 
+    max_message_bytes: int = Field(
+        1_000_000,
+        ge=1024,
+        description="Largest ROS message that is read, in bytes. Larger feedback is told as `feedback_dropped`; a goal "
+        "with a larger result ends without it (`result_too_large`).",
+    )
     max_body_bytes: int = Field(1_000_000, ge=1024, description="Largest request body, in bytes (413).")
     body_timeout: Seconds = Field(10.0, description="Seconds a client has to send its body (408).")
     max_pending_goals: int = Field(32, ge=1, description="Goals that may wait for acceptance at the same time (429).")

@@ -17,7 +17,8 @@ from dock_gateway.history import History
 from dock_gateway.hub import Hold, Hub
 from dock_gateway.later import Later
 from dock_gateway.results import Results
-from dock_gateway.ros.actions import ActionPort, StatusReport
+from dock_gateway.ros.actions import ActionPort
+from dock_gateway.ros.status import StatusReport
 from dock_gateway.tasks import Tasks
 
 log = logging.getLogger(__name__)

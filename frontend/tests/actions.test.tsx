@@ -21,6 +21,7 @@ const fibonacci: ActionInfo = {
   installed: true,
   hint: null,
   running_goals: 0,
+  feedback_dropped: 0,
 };
 const dock: ActionInfo = {
   ...fibonacci,

@@ -168,6 +168,18 @@ describe("other events", () => {
     expect(state.actionServer?.answering).toBe(false);
   });
 
+  it("add up what the gateway did not read", () => {
+    const lost: GatewayEvent = {
+      type: "feedback_dropped",
+      time: at(1),
+      goal_id: "a",
+      action_name: "/dock",
+      reason: "feedback_too_large",
+      count: 4,
+    };
+    expect(stateAfter([lost, lost]).unread).toBe(8);
+  });
+
   it("add up what was dropped", () => {
     const dropped = (count: number): GatewayEvent => ({ type: "dropped", time: at(1), count });
     expect(stateAfter([dropped(12), dropped(3)]).dropped).toBe(15);

@@ -40,7 +40,7 @@ class Parts:
         self.looks += 1
         return namespace in self.there
 
-    async def forget(self, namespace: str) -> None:
+    def forget(self, namespace: str) -> None:
         del self.robots[namespace]
 
     def running(self) -> list[Any]:

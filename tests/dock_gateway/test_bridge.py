@@ -25,7 +25,7 @@ DOCK_TYPE = "action_tutorials_interfaces/action/ConnectToChargingDock"
 @pytest.fixture
 async def bridge(domain: int, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Bridge]:
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    bridge = Bridge("tested", "")
+    bridge = Bridge("tested", "", 1_000_000)
     bridge.start()
     yield bridge
     await asyncio.to_thread(bridge.close)
@@ -126,7 +126,7 @@ async def test_zero_velocity_is_published_however_late(bridge: Bridge, observer:
 async def test_a_port_that_nobody_waits_for_any_more_is_never_made(bridge: Bridge) -> None:
     def make() -> ActionPort:
         port = ActionPort(bridge, "/dock", DOCK_TYPE)
-        port.listen(lambda *_: None, lambda *_: None)
+        port.listen(lambda *_: None, lambda *_: None, lambda *_: None)
         return port
 
     def entities() -> int:

@@ -142,3 +142,12 @@ def running_talker(domain: int, *arguments: str) -> Iterator[Process]:
     with Process(*command, env=ros_environment(domain)) as process:
         process.wait_for("talking")
         yield process
+
+
+@contextmanager
+def running_hostile_node(domain: int, *arguments: str) -> Iterator[Process]:
+    """A node that floods, see `tests/support/hostile_node.py`."""
+    command = (sys.executable, "-m", "tests.support.hostile_node", *arguments)
+    with Process(*command, env=ros_environment(domain)) as process:
+        process.wait_for("flooding")
+        yield process

@@ -18,6 +18,7 @@ from action_tutorials_interfaces.action import ConnectToChargingDock
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--feedbacks", type=int, default=10)
+    parser.add_argument("--result-bytes", type=int, default=0, help="bytes of a result")
     arguments = parser.parse_args()
     rclpy.init()
     node = rclpy.create_node("plain_action_server")
@@ -33,6 +34,7 @@ def main() -> None:
             handle.publish_feedback(feedback)
             time.sleep(0.05)
         desired = handle.request.desired_battery_state
+        desired.cell_voltage = [3.7] * (arguments.result_bytes // 4)
         result = ConnectToChargingDock.Result(final_battery_state=desired)
         if desired.power_supply_status == 8:
             handle.abort()

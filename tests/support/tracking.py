@@ -15,7 +15,8 @@ from dock_gateway.history import MemoryHistory
 from dock_gateway.hub import Hub, Subscriber
 from dock_gateway.interest import Interest
 from dock_gateway.later import Later
-from dock_gateway.ros.actions import StatusReport
+from dock_gateway.ros.actions import ResultAnswer
+from dock_gateway.ros.status import StatusReport
 from dock_gateway.tracker import GoalTracker
 from tests.support.calls import FakeCall
 
@@ -24,7 +25,7 @@ S = GoalStatus
 
 
 class FakePort:
-    """Answers to `request_result` are (status, result) pairs that the test sets."""
+    """The test sets the answers to `request_result`."""
 
     action_name = "/dock"
     action_type = "pkg/action/Dock"
@@ -37,11 +38,8 @@ class FakePort:
         self.calls.setdefault(goal_id, []).append(call)
         return call
 
-    def read_result(self, response: Any) -> Any:
-        return response
-
     def answer(self, goal_id: str, status: GoalStatus | None, result: bytes | None = None) -> None:
-        self.calls[goal_id][-1].response.set_result((status, result))
+        self.calls[goal_id][-1].response.set_result(ResultAnswer(status, result))
 
 
 class Scene:

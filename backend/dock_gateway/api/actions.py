@@ -36,6 +36,7 @@ def describe(action: Action) -> dict[str, object]:
         "installed": True,
         "hint": None,
         "running_goals": len(action.tracker.running()),
+        "feedback_dropped": action.feedback_dropped,
     }
 
 
@@ -51,6 +52,7 @@ async def list_actions(gateway: TheGateway) -> Response:
             "installed": False,
             "hint": entry.hint,
             "running_goals": 0,
+            "feedback_dropped": 0,
         }
         for entry in gateway.actions.uninstalled()
     ]

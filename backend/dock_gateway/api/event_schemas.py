@@ -216,6 +216,17 @@ class DroppedEvent(Schema):
     count: int
 
 
+class FeedbackDroppedEvent(Schema):
+    """Feedback of a goal that the gateway did not read: too large, or too fast to follow. Nobody got it."""
+
+    type: Literal["feedback_dropped"]
+    time: datetime
+    goal_id: str
+    action_name: str
+    reason: Literal["feedback_too_large", "feedback_too_fast"]
+    count: int
+
+
 class ResumedEvent(Schema):
     """The first message of a stream that goes on after an event: so many follow that were missed."""
 
@@ -257,6 +268,7 @@ EVENTS: tuple[type[BaseModel], ...] = (
     SceneEvent,
     HeartbeatEvent,
     DroppedEvent,
+    FeedbackDroppedEvent,
     ResumedEvent,
     GapEvent,
     ClosingEvent,

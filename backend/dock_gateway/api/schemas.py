@@ -246,6 +246,7 @@ class ActionInfo(ActionServer):
     installed: bool
     hint: str | None
     running_goals: int
+    feedback_dropped: int
 
 
 class ActionList(Schema):

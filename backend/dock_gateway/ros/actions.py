@@ -14,13 +14,17 @@ from typing import Any
 from action_msgs.srv import CancelGoal
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.serialization import serialize_message
 from rclpy.subscription import Subscription
 from unique_identifier_msgs.msg import UUID
 
-from dock_gateway.goals import FROM_ROS, GoalStatus, Json
+from dock_gateway.goals import FROM_ROS, GoalError, GoalStatus, Json
 from dock_gateway.ros.bridge import Bridge, PendingCall, guard
 from dock_gateway.ros.interfaces import load_action
+from dock_gateway.ros.listener import Unread
+from dock_gateway.ros.losses import Losses, OnLoss
 from dock_gateway.ros.messages import codec
+from dock_gateway.ros.status import StatusReader, StatusReport, text_of
 
 # At 3,000 Hz a depth of 10 lost messages on a busy machine; 1,000 lost none.
 FEEDBACK_DEPTH = 1000
@@ -28,14 +32,8 @@ FEEDBACK_DEPTH = 1000
 SERVICE_QOS = QoSProfile(depth=1000)
 
 
-@dataclass(frozen=True)
-class StatusReport:
-    """One goal in a message of `_action/status`. `accepted_ns`: when the server accepted it."""
-
-    goal_id: str
-    status: GoalStatus
-    accepted_ns: int
-
+# Bytes of a feedback message before the goal id, which comes first.
+HEADER, ID_SIZE = 4, 16
 
 OnStatus = Callable[[list[StatusReport], int], None]
 OnFeedback = Callable[[str, Json, int], None]
@@ -47,6 +45,15 @@ class CancelAnswer:
 
     goal_ids: frozenset[str]
     return_code: int
+
+
+@dataclass(frozen=True)
+class ResultAnswer:
+    """What the server said of how a goal ended. `status` is None where it does not know the goal."""
+
+    status: GoalStatus | None = None
+    result: Json | None = None
+    error: GoalError | None = None
 
 
 class ActionPort:
@@ -81,27 +88,33 @@ class ActionPort:
         # Last: once the server has answered a ping, it has matched what was announced before, too.
         self._cancel = make(CancelGoal, f"{action_name}/_action/cancel_goal")
 
-    def listen(self, on_status: OnStatus, on_feedback: OnFeedback) -> None:
+    def listen(self, on_status: OnStatus, on_feedback: OnFeedback, on_loss: OnLoss) -> None:
         """Hear of all goals from now on.
 
         Args:
-            on_status: Called on the loop with the reports of a status message and its source timestamp in ns.
+            on_status: Called on the loop with the news of a status message and its source timestamp in ns.
             on_feedback: Called on the loop with a goal id, the feedback as JSON and the source timestamp in ns.
+            on_loss: Called on the loop with a goal id, why feedback of it was not read, and how many messages.
         """
         node, overrides = self._bridge.node, QoSOverridingOptions.with_default_policies()
+        losses, statuses = Losses(self._bridge, on_loss), StatusReader()
+        inbox = self._bridge.inbox(lambda goal_id, *_: losses.count(goal_id, Unread.TOO_FAST))
 
         def hear_feedback(message: Any, info: dict[str, Any]) -> None:
             feedback = self._feedback_codec.encode(message.feedback)
-            self._bridge.to_loop(on_feedback, to_text(message.goal_id), feedback, info["source_timestamp"])
+            inbox.offer(len(feedback), on_feedback, to_text(message.goal_id), feedback, info["source_timestamp"])
 
-        def hear_status(message: Any, info: dict[str, Any]) -> None:
-            self._bridge.to_loop(on_status, read_status(message), info["source_timestamp"])
+        def refuse_feedback(message: bytes, why: Unread) -> None:
+            losses.count(text_of(message[HEADER : HEADER + ID_SIZE]), why)
+
+        def hear_status(message: bytes, info: dict[str, Any]) -> None:
+            inbox.put(on_status, statuses.read(message), info["source_timestamp"])
 
         self._subscriptions = [
             node.create_subscription(
                 self._impl.FeedbackMessage,
                 f"{self.action_name}/_action/feedback",
-                guard(hear_feedback),
+                guard(hear_feedback, refuse_feedback),
                 QoSProfile(depth=FEEDBACK_DEPTH),
                 qos_overriding_options=overrides,
             ),
@@ -111,6 +124,7 @@ class ActionPort:
                 guard(hear_status),
                 qos_profile_action_status_default,
                 qos_overriding_options=overrides,
+                raw=True,
             ),
         ]
 
@@ -132,13 +146,19 @@ class ActionPort:
         return self._bridge.request(self._send, self._goal_request)
 
     def request_result(self, goal_id: str) -> PendingCall:
-        """Ask for a goal's result; it is answered when the goal has ended, at once where the goal is unknown."""
-        return self._bridge.request(self._result, self._impl.GetResultService.Request(goal_id=to_ros(goal_id)))
+        """Ask for a goal's result, a `ResultAnswer`; it comes when the goal has ended, at once where it is unknown."""
+        request = self._impl.GetResultService.Request(goal_id=to_ros(goal_id))
+        return self._bridge.request(self._result, request, self._read_result)
 
-    def read_result(self, response: Any) -> tuple[GoalStatus | None, Json | None]:
-        """Status and result out of the answer to `request_result`; twice None where the goal is unknown."""
+    def _read_result(self, response: Any) -> "ResultAnswer":
         status = FROM_ROS.get(response.status)
-        return (None, None) if status is None else (status, self._result_codec.encode(response.result))
+        if status is None:
+            return ResultAnswer()
+        size, limit = len(serialize_message(response.result)), self._bridge.max_message_bytes
+        if size > limit:
+            detail = f"the result has {size} bytes; max_message_bytes is {limit}"
+            return ResultAnswer(status, error=GoalError("result_too_large", detail))
+        return ResultAnswer(status, self._result_codec.encode(response.result))
 
     def encode_goal(self, goal: Any) -> Json:
         """A goal message as JSON."""
@@ -153,14 +173,14 @@ class ActionPort:
         request = CancelGoal.Request()
         if goal_id is not None:
             request.goal_info.goal_id = to_ros(goal_id)
-        pending = self._bridge.request(self._cancel, request)
+        pending = self._bridge.request(self._cancel, request, _read_cancel)
         try:
             async with asyncio.timeout(timeout):
-                response = await asyncio.shield(pending.response)
+                answer: CancelAnswer = await asyncio.shield(pending.response)
         finally:
             if not pending.response.done():
                 pending.forget()
-        return CancelAnswer(frozenset(to_text(info.goal_id) for info in response.goals_canceling), response.return_code)
+        return answer
 
     async def ping(self, timeout: float) -> bool:
         """Whether the server answers: it is asked to cancel a goal that nobody has, which touches nothing."""
@@ -171,17 +191,8 @@ class ActionPort:
         return True
 
 
-def read_status(message: Any) -> list[StatusReport]:
-    """The goals in a message of `_action/status`."""
-    return [
-        StatusReport(
-            to_text(entry.goal_info.goal_id),
-            FROM_ROS[entry.status],
-            entry.goal_info.stamp.sec * 1_000_000_000 + entry.goal_info.stamp.nanosec,
-        )
-        for entry in message.status_list
-        if entry.status in FROM_ROS
-    ]
+def _read_cancel(response: Any) -> CancelAnswer:
+    return CancelAnswer(frozenset(to_text(info.goal_id) for info in response.goals_canceling), response.return_code)
 
 
 def to_ros(goal_id: str) -> UUID:
@@ -191,4 +202,4 @@ def to_ros(goal_id: str) -> UUID:
 
 def to_text(goal_id: UUID) -> str:
     """A goal id as JSON has it."""
-    return str(uuid.UUID(bytes=bytes(goal_id.uuid)))
+    return text_of(goal_id.uuid.tobytes())

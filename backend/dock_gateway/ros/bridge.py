@@ -23,7 +23,8 @@ from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future as RosFuture
 
 from dock_gateway.errors import Unavailable
-from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener
+from dock_gateway.ros.inbox import Inbox, Inboxes
+from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener, Unread
 from dock_gateway.ros.threads import RosThread
 
 log = logging.getLogger(__name__)
@@ -34,19 +35,39 @@ T = TypeVar("T")
 class PendingCall:
     """A service request that was sent; `response` is settled on the loop, whenever the answer comes.
 
+    Args:
+        bridge: Where the loop is.
+        client: Of the service.
+        request: What to send.
+        response: The future to settle.
+        read: Makes of the answer what is wanted of it, on the listener's thread.
+
     Raises:
         InvalidHandle: The client was destroyed.
     """
 
-    def __init__(self, bridge: "Bridge", client: Client, request: Any, response: "asyncio.Future[Any]") -> None:
+    def __init__(
+        self,
+        bridge: "Bridge",
+        client: Client,
+        request: Any,
+        response: "asyncio.Future[Any]",
+        read: Callable[[Any], Any],
+    ) -> None:
         self.response = response
+        self._read = read
         self._bridge = bridge
         self._client = client
         self._ros_future: RosFuture = client.call_async(request)
         self._ros_future.add_done_callback(self._answered)
 
     def _answered(self, ros_future: RosFuture) -> None:
-        self._bridge.to_loop(_settle, self.response, ros_future.result(), None)
+        try:
+            answer = self._read(ros_future.result())
+        except Exception as error:  # noqa: BLE001 - it is raised again where the answer is awaited
+            self._bridge.to_loop(_settle, self.response, None, error)
+        else:
+            self._bridge.to_loop(_settle, self.response, answer, None)
 
     def forget(self) -> None:
         """Stop waiting: an answer that comes later is dropped."""
@@ -60,19 +81,22 @@ class Bridge:
     Args:
         node_name: Name of the node.
         namespace: Namespace of the node.
+        max_message_bytes: The largest message that is read.
     """
 
-    def __init__(self, node_name: str, namespace: str) -> None:
+    def __init__(self, node_name: str, namespace: str, max_message_bytes: int) -> None:
         self._loop = asyncio.get_running_loop()
         self._context = Context()
         rclpy.init(args=None, context=self._context, signal_handler_options=SignalHandlerOptions.NO)
-        self._messages = MessageListener("ros-messages", self._context)
+        self._messages = MessageListener("ros-messages", self._context, max_message_bytes)
         self._answers = AnswerListener("ros-answers", self._context)
         self.node = ListeningNode(node_name, namespace or None, self._context, self._messages, self._answers)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._thread = RosThread("ros", self._executor.spin)
         self._waiting: deque[Callable[[], object]] = deque()
+        self._inboxes = Inboxes(self.to_loop)
+        self.max_message_bytes = max_message_bytes
 
     @property
     def alive(self) -> bool:
@@ -113,6 +137,14 @@ class Bridge:
         except RuntimeError:
             if not self._loop.is_closed():
                 raise
+
+    def inbox(self, on_drop: Callable[..., object] = lambda *_: None) -> Inbox:
+        """A way to the loop for what subscriptions hear.
+
+        Args:
+            on_drop: Called, on the listener's thread, with the arguments of each message that was dropped.
+        """
+        return Inbox(self._inboxes, on_drop)
 
     async def call(
         self,
@@ -167,8 +199,8 @@ class Bridge:
             decided.acquire(blocking=False)
             done.cancel()
 
-    def request(self, client: Client, request: Any) -> PendingCall:
-        """Send a service request.
+    def request(self, client: Client, request: Any, read: Callable[[Any], Any] = lambda answer: answer) -> PendingCall:
+        """Send a service request; `read` makes of the answer what is wanted of it, on the listener's thread.
 
         Raises:
             Unavailable: Nobody serves it, or the ROS thread is down (`ros_unavailable`).
@@ -177,7 +209,7 @@ class Bridge:
         try:
             if not client.service_is_ready():
                 raise Unavailable(f"nobody serves {client.service_name}")
-            return PendingCall(self, client, request, self._loop.create_future())
+            return PendingCall(self, client, request, self._loop.create_future(), read)
         except _rclpy.InvalidHandle:
             raise Unavailable("the action has left the ROS graph") from None
 
@@ -195,8 +227,15 @@ def _settle(future: "asyncio.Future[T]", result: T, error: BaseException | None)
         future.set_result(result)
 
 
-def guard(callback: Callable[..., None]) -> Callable[..., None]:
-    """Wrap a subscription's callback so that an exception in it is logged and harms nothing else."""
+def guard(
+    callback: Callable[..., None], unread: Callable[[bytes, Unread], None] = lambda *_: None
+) -> Callable[..., None]:
+    """Wrap a subscription's callback so that an exception in it is logged and harms nothing else.
+
+    Args:
+        callback: Called with each message and its `message_info`.
+        unread: Called with the bytes of each message that was not read, and why.
+    """
 
     def guarded(message: Any, info: Any) -> None:
         try:
@@ -205,6 +244,7 @@ def guard(callback: Callable[..., None]) -> Callable[..., None]:
             log.exception("an error in a ROS callback")
 
     guarded.guarded = True  # type: ignore[attr-defined]
+    guarded.unread = unread  # type: ignore[attr-defined]
     return guarded
 
 

@@ -5,11 +5,15 @@ hundred. Here a thread waits for entities of one kind alone, looks at them again
 all that has come before it waits again.
 """
 
+import logging
 import threading
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from contextlib import ExitStack, suppress
+from enum import StrEnum
 from typing import Any, Generic, TypeVar
+from weakref import WeakKeyDictionary
 
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import Client
@@ -18,12 +22,19 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
+from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
 from dock_gateway.ros.threads import RosThread
 
-# So many messages of one entity in a row, then it is the turn of the others.
-BURST = 100
+log = logging.getLogger(__name__)
+
+# Messages of one entity in a row, and seconds that they take, until it is the turn of the others.
+BURST, TURN = 100, 0.005
+# A message that takes longer than this (seconds) to read is followed by a rest, in which large ones are not read.
+SLOW, LARGE = 0.005, 10_000
+# The rest, as a multiple of the time that the message took.
+REST = 20
 
 
 E = TypeVar("E", Subscription, Client)
@@ -111,8 +122,9 @@ class Listener(ABC, Generic[E]):
             wait_set.add_guard_condition(self._wake.handle)
             wait_set.wait(-1)
             for pointer in self._ready(wait_set):
+                until = time.perf_counter() + TURN
                 for _ in range(BURST):
-                    if not self._take(entities[pointer]):
+                    if not self._take(entities[pointer]) or time.perf_counter() > until:
                         break
 
     @abstractmethod
@@ -132,8 +144,29 @@ class Listener(ABC, Generic[E]):
         """Take one message; False where there is none."""
 
 
+class Unread(StrEnum):
+    """Why a message was not read: it is too large itself, or others took too long before it."""
+
+    TOO_LARGE = "too_large"
+    TOO_FAST = "too_fast"
+
+
 class MessageListener(Listener[Subscription]):
-    """Calls the callbacks of subscriptions, `(message, info)`. They must not raise."""
+    """Calls the callbacks of subscriptions, `(message, info)`. They must not raise.
+
+    A message comes as bytes, so that one that is too large costs nothing but that. Where messages take long to read,
+    most of the time is left to others.
+
+    Args:
+        name: Of the thread.
+        context: Of the entities.
+        max_bytes: The largest message that is read.
+    """
+
+    def __init__(self, name: str, context: Context, max_bytes: int) -> None:
+        super().__init__(name, context)
+        self._max_bytes = max_bytes
+        self._rests_until: WeakKeyDictionary[Subscription, float] = WeakKeyDictionary()
 
     def _wait_set(self, size: int) -> Any:
         return _rclpy.WaitSet(size, 1, 0, 0, 0, 0, self._context.handle)
@@ -145,11 +178,36 @@ class MessageListener(Listener[Subscription]):
         return list(wait_set.get_ready_entities("subscription"))
 
     def _take(self, entity: Subscription) -> bool:
-        taken = entity.handle.take_message(entity.msg_type, entity.raw)
+        taken = entity.handle.take_message(entity.msg_type, True)
         if taken is None:
             return False
-        entity.callback(*taken)
+        data, info = taken
+        if entity.raw:
+            entity.callback(data, info)
+        elif (why := self._refuse(entity, data)) is not None:
+            log.warning("a message of %d bytes on %s is not read: %s", len(data), entity.topic_name, why)
+            entity.callback.unread(data, why)
+        else:
+            self._read(entity, data, info)
         return True
+
+    def _refuse(self, entity: Subscription, data: bytes) -> Unread | None:
+        if len(data) > self._max_bytes:
+            return Unread.TOO_LARGE
+        if len(data) > LARGE and time.monotonic() < self._rests_until.get(entity, 0.0):
+            return Unread.TOO_FAST
+        return None
+
+    def _read(self, entity: Subscription, data: bytes, info: dict[str, Any]) -> None:
+        began = time.thread_time()
+        try:
+            message = deserialize_message(data, entity.msg_type)
+        except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
+            log.warning("a message on %s cannot be read: %s", entity.topic_name, error)
+            return
+        entity.callback(message, info)
+        if (took := time.thread_time() - began) > SLOW:
+            self._rests_until[entity] = time.monotonic() + REST * took
 
 
 class AnswerListener(Listener[Client]):

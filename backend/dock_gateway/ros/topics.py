@@ -5,6 +5,7 @@ Ports are made and closed on the ROS thread; all else of them is for the loop.
 
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -28,6 +29,8 @@ LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability
 # A message that is stamped so many nanoseconds after we began to publish may be ours.
 OWN_WITHIN = 1_000_000_000
 
+# Facts about goals and simulators that are taken from one message.
+MAX_FACTS = 100
 # More digits than these are no number of retries.
 MAX_DIGITS = 6
 
@@ -52,8 +55,11 @@ class BatteryPort:
         overrides = QoSOverridingOptions.with_default_policies()
         self._publisher = bridge.node.create_publisher(BatteryState, topic, TALK, qos_overriding_options=overrides)
 
+        inbox = bridge.inbox()
+
         def hear(message: BatteryState, info: dict[str, Any]) -> None:
-            bridge.to_loop(on_battery, self.codec.encode(message), info["source_timestamp"])
+            state = self.codec.encode(message)
+            inbox.offer(len(state), on_battery, state, info["source_timestamp"])
 
         self._subscription = bridge.node.create_subscription(
             BatteryState, topic, guard(hear), LISTEN, qos_overriding_options=overrides
@@ -85,8 +91,11 @@ class VelocityPort:
         overrides = QoSOverridingOptions.with_default_policies()
         self._publisher = bridge.node.create_publisher(Twist, topic, TALK, qos_overriding_options=overrides)
 
+        inbox = bridge.inbox()
+
         def hear(message: Twist, info: dict[str, Any]) -> None:
-            bridge.to_loop(on_velocity, twist_codec.encode(message), info["source_timestamp"])
+            velocity = twist_codec.encode(message)
+            inbox.offer(len(velocity), on_velocity, velocity, info["source_timestamp"])
 
         self._subscription = bridge.node.create_subscription(
             Twist, topic, guard(hear), LISTEN, qos_overriding_options=overrides
@@ -116,11 +125,12 @@ class LatchPort:
         self._topic = topic
         self._own: tuple[tuple[int, int], ...] = ()  # when we published: the listener is another thread
         self._publisher = self._make_publisher()
+        inbox = bridge.inbox()
 
         def hear(message: Bool, info: dict[str, Any]) -> None:
             stamp = info["source_timestamp"]
             if not any(first <= stamp <= last for first, last in self._own):
-                bridge.to_loop(on_latch, message.data)
+                inbox.put(on_latch, message.data)
 
         self._subscription = bridge.node.create_subscription(Bool, topic, guard(hear), LATCHED)
 
@@ -177,20 +187,41 @@ class DiagnosticsPort:
         on_progress: OnProgress,
         on_simulator: OnSimulator,
     ) -> None:
+        inbox = bridge.inbox()
+
+        def tell(facts: list[Callable[[], None]]) -> None:
+            for fact in facts:
+                fact()
+
         def hear(message: DiagnosticArray, info: dict[str, Any]) -> None:
+            facts: list[Callable[[], None]] = []
             for status in message.status:
                 values = {pair.key: pair.value for pair in status.values}
                 namespace, _, name = f"/{status.name}".rpartition("/")
                 if name == SIMULATOR:
-                    bridge.to_loop(on_simulator, namespace or "/", values)
-                if not (goal_id := values.get("goal_id")):
-                    continue
-                code, stage, retries = values.get("error_code"), values.get("stage"), values.get("retries", "")
-                if code and code not in ("0", "NONE") and stage in (None, "ABORTED", "REJECTED"):
-                    error = GoalError(code.lower(), values.get("error_msg") or status.message)
-                    bridge.to_loop(on_reason, goal_id, error)
-                going_on = None if stage in ENDS else stage
-                count = int(retries) if retries.isdecimal() and len(retries) <= MAX_DIGITS else None
-                bridge.to_loop(on_progress, goal_id, going_on, count, info["source_timestamp"])
+                    facts.append(partial(on_simulator, namespace or "/", values))
+                if goal_id := values.get("goal_id"):
+                    if (error := _read_error(values, status.message)) is not None:
+                        facts.append(partial(on_reason, goal_id, error))
+                    facts.append(partial(on_progress, goal_id, *_read_progress(values), info["source_timestamp"]))
+                if len(facts) >= MAX_FACTS:
+                    break
+            if facts:
+                inbox.offer(len(facts), tell, facts)
 
         bridge.node.create_subscription(DiagnosticArray, topic, guard(hear), LISTEN)
+
+
+def _read_error(values: dict[str, str], message: str) -> GoalError | None:
+    """Why a goal was rejected or aborted, out of the values of a status."""
+    code = values.get("error_code")
+    if not code or code in ("0", "NONE") or values.get("stage") not in (None, "ABORTED", "REJECTED"):
+        return None
+    return GoalError(code.lower(), values.get("error_msg") or message)
+
+
+def _read_progress(values: dict[str, str]) -> tuple[str | None, int | None]:
+    """Stage and retries, likewise."""
+    stage, retries = values.get("stage"), values.get("retries", "")
+    count = int(retries) if retries.isdecimal() and len(retries) <= MAX_DIGITS else None
+    return None if stage in ENDS else stage, count

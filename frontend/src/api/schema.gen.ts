@@ -937,6 +937,8 @@ export interface components {
             hint: string | null;
             /** Running Goals */
             running_goals: number;
+            /** Feedback Dropped */
+            feedback_dropped: number;
         };
         /**
          * ActionInterface
@@ -1416,7 +1418,7 @@ export interface components {
         /** @description A message of /ws/topics. */
         EchoEvent: components["schemas"]["TopicEvent"] | components["schemas"]["MessageEvent"] | components["schemas"]["RateEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ClosingEvent"];
         /** @description A message of /ws/feedback. */
-        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
+        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * ExportedGoal
          * @description A goal with its events, oldest first; `complete` where none was given up.
@@ -1473,6 +1475,33 @@ export interface components {
             complete: boolean;
             /** Events */
             events: (components["schemas"]["ActionStatusEvent"] | components["schemas"]["ActionFeedbackEvent"] | components["schemas"]["ActionResultEvent"])[];
+        };
+        /**
+         * FeedbackDroppedEvent
+         * @description Feedback of a goal that the gateway did not read: too large, or too fast to follow. Nobody got it.
+         */
+        FeedbackDroppedEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "feedback_dropped";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Goal Id */
+            goal_id: string;
+            /** Action Name */
+            action_name: string;
+            /**
+             * Reason
+             * @enum {string}
+             */
+            reason: "feedback_too_large" | "feedback_too_fast";
+            /** Count */
+            count: number;
         };
         /**
          * FeedbackEvent

@@ -69,10 +69,12 @@ function FeedbackWords({ goal }: { goal: GoalCourse }) {
   const count = useTopicPart("goals", (goals) => goals.get(goal.goal_id)?.feedback_count ?? 0);
   const arrivals = useTopicPart("arrivals", (all) => all.get(goal.goal_id) ?? NONE);
   const dropped = useTopic("dropped");
+  const unread = useTopic("unread");
   return (
     <>
       <FeedbackCount count={count} arrivals={isTerminal(goal.status) ? null : arrivals} />
       {dropped > 0 && ` (${dropped} skipped: this page was too slow)`}
+      {unread > 0 && ` (${unread} not read: too large or too fast)`}
     </>
   );
 }

@@ -106,6 +106,7 @@ const SHORT: Record<string, string> = {
   failed_to_stage: "Staging pose was not reached",
   failed_to_undock: "Did not get off the dock",
   goal_aborted: "No reason given",
+  result_too_large: "Result too large to show",
   infrared_lost: "Beacon was lost",
   lost_marker: "Marker was lost",
   odometry_lost: "Odometry fell silent",

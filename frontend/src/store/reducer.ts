@@ -60,6 +60,8 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
       return { ...state, simulator: event.simulator.available ? event.simulator : null };
     case "dropped":
       return { ...state, dropped: state.dropped + event.count };
+    case "feedback_dropped":
+      return { ...state, unread: state.unread + event.count };
     default:
       return state;
   }

@@ -69,6 +69,8 @@ export interface State extends StreamState {
   simulator: Simulator | null;
   /** Feedback messages that the gateway did not send because this page was too slow. */
   dropped: number;
+  /** Feedback messages that the gateway did not read: too large, or too fast. */
+  unread: number;
 }
 
 export const initialState: State = {
@@ -84,6 +86,7 @@ export const initialState: State = {
   stop: { latched: false, since: null, by: null, robots: [] },
   simulator: null,
   dropped: 0,
+  unread: 0,
   clockSkew: 0,
   seen: new Set(),
 };

@@ -1,0 +1,65 @@
+"""Lines of the log that say the same again and again are limited: a flood of messages must not become one of lines."""
+
+import contextlib
+import logging
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+# Lines of one kind in so many seconds.
+MAX_LINES, PERIOD = 20, 10.0
+# Kinds that are counted at the same time.
+MAX_KINDS = 1000
+
+
+@dataclass
+class Count:
+    """Lines of one kind since a moment: those that were asked for, whether written or not."""
+
+    since: float
+    lines: int = 0
+
+
+class LogLimit(logging.Filter):
+    """Lets `MAX_LINES` lines of a kind through in each period and says how many it leaves out.
+
+    A kind is a logger with a message before its arguments are filled in.
+
+    Args:
+        clock: Seconds.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        super().__init__()
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._counts: dict[tuple[str, str], Count] = {}
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether a line is written."""
+        now, kind = self._clock(), (record.name, str(record.msg))
+        with self._lock:
+            count = self._counts.get(kind)
+            left_out = 0
+            if count is None or now - count.since >= PERIOD:
+                left_out = 0 if count is None else max(0, count.lines - MAX_LINES)
+                if len(self._counts) >= MAX_KINDS:
+                    self._forget(now)
+                count = self._counts[kind] = Count(now)
+            count.lines += 1
+        if left_out:
+            _add(record, f"{left_out} such lines were left out")
+        if count.lines == MAX_LINES:
+            _add(record, f"more such lines are left out for {PERIOD + count.since - now:.0f} s")
+        return count.lines <= MAX_LINES
+
+    def _forget(self, now: float) -> None:
+        self._counts = {kind: count for kind, count in self._counts.items() if now - count.since < PERIOD}
+        if len(self._counts) >= MAX_KINDS:
+            self._counts.clear()
+
+
+def _add(record: logging.LogRecord, remark: str) -> None:
+    with contextlib.suppress(TypeError, ValueError):  # the handler complains of arguments that do not fit
+        record.msg, record.args = f"{record.getMessage()} ({remark})", ()

@@ -1,0 +1,135 @@
+"""What ROS's threads have for the loop: bounded for each source, and handed over in turn, a portion at a time.
+
+`call_soon_threadsafe` knows no bounds. A node that sends faster than the loop follows would fill the memory, and the
+loop would do nothing else until it had caught up.
+"""
+
+import asyncio
+import logging
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+log = logging.getLogger(__name__)
+
+# Messages and bytes of one source that may wait.
+MAX_MESSAGES = 1000
+MAX_BYTES = 4_000_000
+# Seconds that a thread waits for room where nothing may be dropped.
+WAIT_FOR_ROOM = 0.1
+# Seconds that the loop takes messages before it does other work.
+PORTION = 0.002
+
+
+class Message(NamedTuple):
+    """A call for the loop; `size` in bytes where it may be dropped, else None."""
+
+    function: Callable[..., object]
+    args: tuple[Any, ...]
+    size: int | None
+
+
+class Inbox:
+    """The messages of one source, in order.
+
+    Args:
+        inboxes: All of them.
+        on_drop: Called with the arguments of each message that was dropped, on the thread that put another.
+    """
+
+    def __init__(self, inboxes: "Inboxes", on_drop: Callable[..., object]) -> None:
+        self._inboxes = inboxes
+        self._on_drop = on_drop
+        self._messages: deque[Message] = deque()
+        self._size = 0
+
+    def put(self, function: Callable[..., object], *args: object) -> None:
+        """Call a function on the loop. Where too much waits, the thread waits a moment, as DDS keeps what follows."""
+        with self._inboxes.changed:
+            self._inboxes.changed.wait_for(lambda: len(self._messages) < MAX_MESSAGES, WAIT_FOR_ROOM)
+            self._append(Message(function, args, None))
+
+    def offer(self, size: int, function: Callable[..., object], *args: object) -> None:
+        """Call a function on the loop, or drop the call, the oldest first, where too much waits.
+
+        Args:
+            size: Bytes in the arguments.
+            function: What to call.
+            args: Its arguments.
+        """
+        dropped: list[Message] = []
+        with self._inboxes.changed:
+            self._append(Message(function, args, size))
+            while (len(self._messages) > MAX_MESSAGES or self._size > MAX_BYTES) and (found := self._drop_oldest()):
+                dropped.append(found)
+        for message in dropped:
+            self._on_drop(*message.args)
+
+    def _append(self, message: Message) -> None:
+        self._messages.append(message)
+        self._size += message.size or 0
+        if len(self._messages) == 1:
+            self._inboxes.announce(self)
+
+    def _drop_oldest(self) -> Message | None:
+        for index, message in enumerate(self._messages):
+            if message.size is not None and index + 1 < len(self._messages):  # the newest stays
+                del self._messages[index]
+                self._size -= message.size
+                return message
+        return None
+
+    def take(self) -> tuple[Message, bool]:
+        """The oldest message, and whether there are more."""
+        message = self._messages.popleft()
+        self._size -= message.size or 0
+        return message, bool(self._messages)
+
+
+class Inboxes:
+    """Calls on the loop what waits in the inboxes, one message of each in turn.
+
+    Args:
+        call: Runs a function on the loop, soon; for any thread.
+
+    Attributes:
+        changed: Guards all inboxes; told when there is room again.
+    """
+
+    def __init__(self, call: Callable[[Callable[[], object]], object]) -> None:
+        self.changed = threading.Condition()
+        self._call = call
+        self._ready: deque[Inbox] = deque()
+        self._called = False
+
+    def announce(self, inbox: Inbox) -> None:
+        """An inbox is empty no longer; under the lock."""
+        self._ready.append(inbox)
+        if not self._called:
+            self._called = True
+            self._call(self._serve)
+
+    def _serve(self) -> None:
+        until = time.perf_counter() + PORTION
+        while (message := self._next()) is not None:
+            try:
+                message.function(*message.args)
+            except Exception:
+                log.exception("an error in what ROS has to say")
+            if time.perf_counter() > until:
+                asyncio.get_running_loop().call_soon(self._serve)
+                return
+
+    def _next(self) -> Message | None:
+        with self.changed:
+            if not self._ready:
+                self._called = False
+                return None
+            inbox = self._ready.popleft()
+            message, more = inbox.take()
+            if more:
+                self._ready.append(inbox)
+            self.changed.notify_all()
+            return message

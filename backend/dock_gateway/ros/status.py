@@ -1,0 +1,91 @@
+"""Messages of `_action/status`, read as bytes: what of them is news.
+
+An action server tells of every goal that it remembers, whenever one of them changes. Decoding a message of 3,000 goals
+takes rclpy 60 ms, in one go; to read them out of the bytes takes 2 ms. All but the news stays on the listener's thread.
+"""
+
+import heapq
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from operator import itemgetter
+
+from dock_gateway.goals import FROM_ROS, GoalStatus
+
+# Goals of one message that are told of. What is left out is told of with the next message.
+MAX_REPORTS = 1000
+
+# CDR and XCDR2, in both byte orders, as the first bytes of a message say.
+_ENCODINGS = {b"\0\0": ">", b"\0\1": "<", b"\0\6": ">", b"\0\7": "<"}
+# Where the body begins. Numbers of four bytes lie at multiples of four from there, so that the first goal is laid out
+# otherwise than those that follow: the id, when the goal was accepted (seconds, nanoseconds), the status.
+_BODY = 4
+
+
+@dataclass(frozen=True)
+class StatusReport:
+    """One goal in a message of `_action/status`. `accepted_ns`: when the server accepted it."""
+
+    goal_id: str
+    status: GoalStatus
+    accepted_ns: int
+
+
+class StatusReader:
+    """Reads the status messages of one action, and tells what is news of them.
+
+    News are the goals that run, as they live, and once those that have ended. Where there are more than `MAX_REPORTS`,
+    goals that run and changed come first, then those that ended, then those that run on; of each kind the newest.
+    """
+
+    def __init__(self) -> None:
+        self._told: dict[bytes, StatusReport] = {}
+
+    def read(self, message: bytes) -> list[StatusReport]:
+        """The news in a message, in its order.
+
+        Raises:
+            ValueError: It is no status message.
+        """
+        told, self._told = self._told, {}
+        news: list[tuple[int, int, int, bytes, StatusReport]] = []
+        for index, (goal_id, accepted_ns, status) in enumerate(_goals(message)):
+            report = told.get(goal_id)
+            known = report is not None and (report.status, report.accepted_ns) == (status, accepted_ns)
+            if report is None or not known:
+                report = StatusReport(text_of(goal_id), status, accepted_ns)
+            else:
+                self._told[goal_id] = report
+            if not (known and status.terminal):
+                rank = 2 if known else 1 if status.terminal else 0
+                news.append((rank, -accepted_ns, index, goal_id, report))
+        if len(news) > MAX_REPORTS:
+            news = sorted(heapq.nsmallest(MAX_REPORTS, news), key=itemgetter(2))
+        self._told.update((goal_id, report) for *_, goal_id, report in news)
+        return [report for *_, report in news]
+
+
+def _goals(message: bytes) -> Iterator[tuple[bytes, int, GoalStatus]]:
+    """Id, time of acceptance in ns and status of each goal."""
+    order = _ENCODINGS.get(message[:2])
+    if order is None:
+        raise ValueError(f"a message is encoded in an unknown way: {message[:2].hex()}")
+    try:
+        (count,) = struct.unpack_from(f"{order}I", message, _BODY)
+        first, rest = struct.Struct(f"{order}16siIb"), struct.Struct(f"{order}16s3xiIb")
+        begin = _BODY + 4 + first.size
+        entries = [first.unpack_from(message, _BODY + 4)] if count else []
+        entries += rest.iter_unpack(message[begin : begin + rest.size * (count - 1)] if count else b"")
+    except struct.error as error:
+        raise ValueError(f"this is no status message: {error}") from None
+    if len(entries) != count:
+        raise ValueError(f"a status message of {len(entries)} goals says that it has {count}")
+    for goal_id, seconds, nanoseconds, number in entries:
+        if (status := FROM_ROS.get(number)) is not None:
+            yield goal_id, seconds * 1_000_000_000 + nanoseconds, status
+
+
+def text_of(goal_id: bytes) -> str:
+    """A goal id as JSON has it."""
+    text = goal_id.hex()
+    return f"{text[:8]}-{text[8:12]}-{text[12:16]}-{text[16:20]}-{text[20:]}"

@@ -1,0 +1,83 @@
+"""One ROS node that sends too much, too fast or too large harms nobody else."""
+
+import sys
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from tests.support.gateway import ACTION, LOW, RunningGateway, running_gateway, running_hostile_node
+from tests.support.processes import Process, ros_environment
+
+pytestmark = pytest.mark.ros
+
+LIMIT = 20_000
+# Seconds that a stop may take on a busy machine.
+QUICK = 2.0
+
+
+@pytest.fixture(scope="module")
+def gateway(shared_domain: int) -> Iterator[RunningGateway]:
+    with running_gateway(shared_domain, max_message_bytes=str(LIMIT)) as gateway:
+        yield gateway
+
+
+def answers_while_flooded(gateway: RunningGateway, seconds: float = 2.0) -> None:
+    """Stops and a stream's battery events go on meanwhile."""
+    gateway.publish(LOW, rate_hz=20.0)
+    with gateway.stream("?include=battery") as stream:
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            began = time.monotonic()
+            gateway.stop_once()
+            assert time.monotonic() - began < QUICK
+            stream.until_type("battery", timeout=QUICK)
+
+
+def test_feedback_that_is_too_large_is_told_and_counted(gateway: RunningGateway, shared_domain: int) -> None:
+    arguments = ("big_feedback", "--size", str(10 * LIMIT), "--rate", "20")
+    with gateway.stream() as stream, running_hostile_node(shared_domain, *arguments):
+        event = stream.until_type("feedback_dropped")
+        assert (event["reason"], event["action_name"]) == ("feedback_too_large", ACTION)
+        assert event["count"] > 1
+        assert gateway.goal(event["goal_id"])["status"] == "executing"
+        answers_while_flooded(gateway)
+        action = gateway.http.get(f"/actions{ACTION}").json()
+        assert action["feedback_dropped"] >= event["count"]
+        assert not [event for event in stream.seen if event["type"] == "feedback"]
+
+
+def test_a_battery_state_that_is_too_large_is_not_read(gateway: RunningGateway, shared_domain: int) -> None:
+    arguments = ("battery", "--topic", "/large/battery_status", "--size", str(10 * LIMIT), "--rate", "20")
+    with running_hostile_node(shared_domain, *arguments):
+        answers_while_flooded(gateway)
+        assert gateway.http.get("/battery?robot=/large").json()["state"] is None
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("status_entries", "--count", "700", "--rate", "20"),
+        ("ended_entries", "--count", "700", "--rate", "20"),
+        ("unknown_goals", "--rate", "220"),
+        ("battery", "--rate", "3000", "--topic", "/hostile/battery_status"),
+        ("diagnostics", "--count", "50", "--rate", "200"),
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_a_flood(gateway: RunningGateway, shared_domain: int, arguments: tuple[str, ...]) -> None:
+    lines = len(gateway.process.output.splitlines())
+    with running_hostile_node(shared_domain, *arguments):
+        answers_while_flooded(gateway)
+    assert len(gateway.process.output.splitlines()) - lines < 500
+    assert gateway.http.get("/healthz").json()["status"] == "ok"
+
+
+def test_a_result_that_is_too_large_ends_the_goal_without_it(gateway: RunningGateway, shared_domain: int) -> None:
+    command = (sys.executable, "-m", "tests.support.plain_action_server", "--feedbacks", "1")
+    with Process(*command, "--result-bytes", str(2 * LIMIT), env=ros_environment(shared_domain)) as server:
+        server.wait_for("serving")
+        gateway.wait_until_ready()
+        goal = gateway.http.post("/dock", headers={"Prefer": "wait=10"}).json()
+        assert (goal["status"], goal["result"]) == ("succeeded", None)
+        assert goal["error"]["code"] == "result_too_large"
