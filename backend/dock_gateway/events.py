@@ -227,6 +227,6 @@ def fleet_event(kind: str, now: datetime, **payload: Any) -> Event:
     return Event(encode({"type": kind, "time": now, **payload}), "robots")
 
 
-def notice(kind: str, now: datetime, **payload: Any) -> Event:
+def notice(kind: str, now: datetime, *, ends_goal: bool = False, **payload: Any) -> Event:
     """A message of a stream about itself: `snapshot`, `resumed`, `gap`, `heartbeat`, `dropped`, `closing`."""
-    return Event(encode({"type": kind, "time": now, **payload}), "notice")
+    return Event(encode({"type": kind, "time": now, **payload}), "notice", ends_goal=ends_goal)

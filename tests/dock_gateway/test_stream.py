@@ -1,14 +1,24 @@
-"""The two sides of a connection, and readers that do not read."""
+"""The two sides of a connection, readers that do not read, and the end of a goal's stream."""
 
 import asyncio
 import logging
 from collections.abc import AsyncGenerator
-from typing import Any
+from copy import copy
+from types import SimpleNamespace
+from typing import Any, cast
 
+import orjson
 import pytest
 from starlette.types import Message
 
-from dock_gateway.api.stream import EventStream, until_one_ends
+from dock_gateway.api.stream import EventStream, _sse_chunks, until_one_ends
+from dock_gateway.gateway import Gateway
+from dock_gateway.goals import Goal
+from dock_gateway.interest import Interest
+from dock_gateway.liveness import ServerState
+from tests.support.tracking import A, S, Scene, scene
+
+__all__ = ["scene"]
 
 SCOPE = {"type": "http", "asgi": {"spec_version": "2.3"}}
 
@@ -117,3 +127,68 @@ async def test_a_side_that_breaks_is_logged(caplog: pytest.LogCaptureFixture, er
     with caplog.at_level(logging.ERROR):
         await until_one_ends(side(), never())
     assert len(caplog.records) == logged
+
+
+class OneGoal:
+    """What a stream asks of the gateway; its goal ends while it is looked up for the `ends_at`th time."""
+
+    def __init__(self, scene: Scene, ends_at: int) -> None:
+        self._scene, self._ends_at, self._looks = scene, ends_at, 0
+        self._goal = scene.send(A)
+        scene.tracker.move(self._goal, S.EXECUTING)
+        part = SimpleNamespace(document=dict)
+        robot = SimpleNamespace(namespace="/", battery=part, publisher=part)
+        self.hub, self.history = scene.hub, scene.history
+        self.settings = SimpleNamespace(heartbeat_interval=60.0)
+        self.robots = SimpleNamespace(get=lambda _: robot)
+        self.stopper = SimpleNamespace(state=lambda _: None)
+        self.simulators = SimpleNamespace(document=lambda _: None)
+
+    async def goal(self, _: str) -> Goal:
+        self._looks += 1
+        found = copy(self._goal)
+        if self._looks == self._ends_at:
+            self.end()
+            await asyncio.sleep(0.01)  # what was found in the history is old when it is there
+        return found
+
+    async def recent_goals(self, interest: Interest) -> list[Goal]:
+        return [await self.goal(interest.goal_id or "")]
+
+    def servers_of(self, _: str) -> tuple[ServerState, ServerState]:
+        server = ServerState("/dock", available=True, answering=True)
+        return server, server
+
+    def end(self) -> None:
+        self._scene.tracker.end(self._goal, S.SUCCEEDED, result=b'{"n":1}')
+
+
+BEFORE, LATER = 0, 99
+
+
+@pytest.mark.parametrize("resumes", [False, True])
+@pytest.mark.parametrize("ends_at", [BEFORE, 1, 2, 3, LATER])
+async def test_a_goals_stream_ends_with_the_goal_whenever_that_is(scene: Scene, ends_at: int, resumes: bool) -> None:
+    gateway = OneGoal(scene, ends_at)
+    executing = (await scene.subscriber.take(1))[0][-1].id
+    if ends_at == BEFORE:
+        gateway.end()
+        await asyncio.sleep(0.01)
+    told = []
+    async with asyncio.timeout(5):
+        async for chunk in _sse_chunks(cast("Gateway", gateway), {"goal_id": A}, executing if resumes else None, None):
+            told.append(orjson.loads(chunk.partition(b"data: ")[2]))
+            gateway.end()  # at the latest
+    last = told[-1] if told[-1]["type"] == "result" else told[-1]["goals"][0]
+    assert (last["status"], last["result"]) == ("succeeded", {"n": 1})
+    assert len(scene.hub) == 1  # the scene's own
+
+
+async def test_who_has_had_the_end_of_a_goal_gets_nothing_more(scene: Scene) -> None:
+    gateway = OneGoal(scene, BEFORE)
+    gateway.end()
+    await asyncio.sleep(0.01)
+    end = (await scene.subscriber.take(1))[0][-1].id
+    async with asyncio.timeout(5):
+        told = [chunk async for chunk in _sse_chunks(cast("Gateway", gateway), {"goal_id": A}, end, None)]
+    assert [orjson.loads(chunk.partition(b"data: ")[2])["type"] for chunk in told] == ["resumed"]

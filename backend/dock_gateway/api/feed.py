@@ -54,12 +54,16 @@ async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | Non
 
 
 async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> AsyncIterator[Event]:
-    """The first messages: how things stand, or what was missed since an event."""
+    """The first messages: how things stand, or what was missed since an event.
+
+    Where the reader wants one goal alone, the last of them says by `ends_goal` whether it now knows how that ended.
+    """
     subscriber.clear()  # all that happened up to now is in the snapshot, or in what is replayed
     if after is not None and gateway.hub.clock.is_past(after):
         missed = await _missed(gateway, subscriber, after)
         if missed.complete:
-            yield notice("resumed", utc_now(), after=after, count=len(missed.events))
+            over = await _ended_before(gateway, subscriber.interest, after)
+            yield notice("resumed", utc_now(), ends_goal=over, after=after, count=len(missed.events))
             for event in (*missed.events, *present(gateway, subscriber.interest)):
                 yield event
             return
@@ -69,6 +73,14 @@ async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> 
     elif after is not None:
         yield notice("gap", utc_now(), after=after, count=0)
     yield await snapshot(gateway, subscriber.interest)
+
+
+async def _ended_before(gateway: Gateway, interest: Interest, after: str) -> bool:
+    """Whether a reader of one goal that has had the event `after` knows how that goal ended."""
+    if interest.goal_id is None:
+        return False
+    goal = await gateway.goal(interest.goal_id)
+    return goal.status.terminal and (goal.last_event_id or "") <= after
 
 
 async def _missed(gateway: Gateway, subscriber: Subscriber, after: str) -> Later:

@@ -16,6 +16,7 @@ async def snapshot(gateway: Gateway, interest: Interest) -> Event:
     return notice(
         "snapshot",
         utc_now(),
+        ends_goal=interest.goal_id is not None and all(goal.status.terminal for goal in goals),
         goals=[goal.document() for goal in goals],
         battery=robot.battery.document(),
         battery_publisher=robot.publisher.document(),

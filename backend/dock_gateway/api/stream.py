@@ -10,7 +10,7 @@ from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.api.answers import GoalId, TheGateway
-from dock_gateway.api.feed import begin, feed
+from dock_gateway.api.feed import begin, feed, follow
 from dock_gateway.api.frames import short_way
 from dock_gateway.api.interests import QUERY, read_after, read_interest, read_max_rate
 from dock_gateway.api.paced import PacedResponse, send_in_time
@@ -132,14 +132,16 @@ async def _sse(request: Request, gateway: Gateway, goal_id: str) -> Response:
 async def _sse_chunks(
     gateway: Gateway, query: dict[str, str], after: str | None, max_rate: float | None
 ) -> AsyncGenerator[bytes]:
-    ended = (await gateway.goal(query["goal_id"])).status.terminal
     subscriber = gateway.hub.subscribe(await read_interest(gateway, query))
     try:
+        # Whether the goal has ended is read off what the client is sent: looked up on the side it could end in between.
+        ended = False
+        async for event in begin(gateway, subscriber, after):
+            yield event.sse
+            ended = event.ends_goal
         if ended:
-            async for event in begin(gateway, subscriber, after):
-                yield event.sse
             return
-        async for event in feed(gateway, subscriber, after=after, max_rate=max_rate):
+        async for event in follow(gateway, subscriber, max_rate):
             yield event.sse
             if event.ends_goal:
                 return
