@@ -97,10 +97,14 @@ class Echo:
         viewer.subscriber.put(self._topic_event())
         self._changed.set()
 
-    def remove(self, viewer: Viewer) -> bool:
-        """Show it no more; whether nobody looks any more."""
+    def remove(self, viewer: Viewer) -> None:
+        """Show it no more."""
         self._viewers.discard(viewer)
-        return not self._viewers
+
+    @property
+    def viewed(self) -> bool:
+        """Whether somebody looks."""
+        return bool(self._viewers)
 
     @property
     def _heard(self) -> Heard:

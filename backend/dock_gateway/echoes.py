@@ -46,8 +46,9 @@ class Echoes:
         try:
             yield
         finally:
+            echo.remove(viewer)
             async with self._changing:
-                if echo.remove(viewer):
+                if not echo.viewed and self._echoes.get(topic) is echo:
                     del self._echoes[topic]
                     await echo.close()
                     log.info("nobody looks at %s any more", topic)

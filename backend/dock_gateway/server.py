@@ -4,6 +4,7 @@ import asyncio
 import logging
 import signal
 import socket
+import time
 
 import uvicorn
 
@@ -15,8 +16,9 @@ from dock_gateway.settings import LOOPBACK_HOSTS, Settings
 
 log = logging.getLogger(__name__)
 
-# Seconds that answers under way get when the process is told to end.
+# Seconds that answers under way get when the process is told to end, and that streams get before to say goodbye.
 GRACE = 1
+FAREWELL = 0.5
 
 
 class Server(uvicorn.Server):
@@ -45,7 +47,9 @@ class Server(uvicorn.Server):
         """End every stream with a reason, then everything else."""
         if self._gateway is not None:
             self._gateway.say_goodbye()
-            await asyncio.sleep(0.1)
+            deadline = time.monotonic() + FAREWELL
+            while len(self._gateway.hub) and time.monotonic() < deadline:  # noqa: ASYNC110 - the last one does not say
+                await asyncio.sleep(0.01)
         await super().shutdown(sockets)
 
 

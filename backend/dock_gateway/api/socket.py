@@ -5,6 +5,7 @@ Goals belong to the gateway: a socket that breaks takes none with it, and no com
 
 import asyncio
 import logging
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,7 +20,15 @@ from dock_gateway.api.interests import read_after, read_interest, read_max_rate
 from dock_gateway.api.problems import problem_response
 from dock_gateway.api.requests import known_query
 from dock_gateway.api.stream import SERVICE_RESTART, TRY_AGAIN_LATER, send_text, until_one_ends
-from dock_gateway.errors import Conflict, FieldError, GatewayError, InvalidField, MalformedRequest, TooManyRequests
+from dock_gateway.errors import (
+    Conflict,
+    FieldError,
+    GatewayError,
+    InvalidField,
+    MalformedRequest,
+    TooManyRequests,
+    Unavailable,
+)
 from dock_gateway.gateway import Gateway
 from dock_gateway.goals import encode
 from dock_gateway.hub import Subscriber
@@ -33,6 +42,7 @@ router = APIRouter()
 MAX_SUBSCRIPTIONS = 32
 MAX_COMMANDS = 64
 MAX_STOPS = 64  # beside them: a stop does not queue behind goals that an action server does not answer
+INTERNAL = GatewayError("an error inside of the gateway; its log has the details")
 SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
 
@@ -55,13 +65,12 @@ async def socket(websocket: WebSocket, gateway: TheGateway) -> None:
         await session.close()
 
 
-@dataclass(frozen=True)
+@dataclass
 class Subscription:
-    """One subscription of a socket; its events flow once its ack has been sent."""
+    """One subscription of a socket, as long as its task runs, which has a place in the hub and gives it back."""
 
-    subscriber: Subscriber
-    acknowledged: asyncio.Event
-    pump: asyncio.Task[None]
+    task: asyncio.Task[None]
+    acknowledged: bool = False
 
 
 class Session:
@@ -73,21 +82,26 @@ class Session:
         self._sending = asyncio.Lock()
         self._subscriptions: dict[str, Subscription] = {}
         self._commands: set[asyncio.Task[None]] = set()
+        self._closed = False
 
     async def run(self, place: Subscriber) -> None:
         """Go on until the client leaves, does not read, or the gateway closes."""
         await until_one_ends(self._read(), self._farewell(place))
 
     async def close(self) -> None:
-        """End the subscriptions; commands that are under way go on without us."""
-        for identity in list(self._subscriptions):
-            await self._unsubscribe(identity)
+        """End the subscriptions; other commands that are under way go on without us."""
+        self._closed = True
+        await cancel(*self._tasks())
 
     async def _farewell(self, place: Subscriber) -> None:
         while not self._gateway.hub.closing:
             await place.take(60.0)
-        await asyncio.sleep(0)  # subscriptions say `closing` first
-        await self._websocket.close(SERVICE_RESTART, "shutting_down")
+        if tasks := self._tasks():  # each of them says `closing` first
+            await asyncio.wait(tasks)
+        await self._close(SERVICE_RESTART, "shutting_down")
+
+    def _tasks(self) -> list[asyncio.Task[None]]:
+        return [subscription.task for subscription in self._subscriptions.values()]
 
     async def _read(self) -> None:
         while True:
@@ -108,34 +122,29 @@ class Session:
         identity: str | None = None
         try:
             op, identity, fields = read_command(_decode(text))
-            await self._answer("ack", identity, await self._do(op, identity, fields))
-            if op == "subscribe" and (subscription := self._subscriptions.get(identity or "")):
-                subscription.acknowledged.set()
+            if op == "subscribe":
+                self._subscribe(identity, fields)  # it answers by itself
+            else:
+                await self._answer("ack", identity, await self._do(op, fields))
         except GatewayError as error:
             await self._answer_error(identity, error)
         except (WebSocketDisconnect, TimeoutError, RuntimeError) as error:
             log.debug("an answer could not be sent: %s", error)
         except Exception:
             log.exception("a command failed")
-            await self._answer_error(identity, GatewayError("an error inside of the gateway; its log has the details"))
+            await self._answer_error(identity, INTERNAL)
 
-    async def _do(self, op: str, identity: str | None, fields: Fields) -> Fields:
-        if op == "subscribe":
-            return await self._subscribe(identity, fields)
+    async def _do(self, op: str, fields: Fields) -> Fields:
         if op == "unsubscribe":
-            check_fields(fields, ("subscription",))
-            name = fields.get("subscription") or ""
-            if name not in self._subscriptions:
-                raise InvalidField([FieldError("subscription", "the id of a subscription", f"got {name[:60]!r}")])
-            await self._unsubscribe(name)
-            return {"subscription": name}
+            return await self._unsubscribe(fields)
         command = COMMANDS.get(op)
         if command is None:
             expected = f"one of subscribe, unsubscribe, {', '.join(COMMANDS)}"
             raise InvalidField([FieldError("op", expected, f"got {op[:60]!r}")])
         return await command(self._gateway, fields)
 
-    async def _subscribe(self, identity: str | None, fields: Fields) -> Fields:
+    def _subscribe(self, identity: str | None, fields: Fields) -> None:
+        """Begin a subscription. Nothing is awaited here: what was checked still holds when its name is taken."""
         check_fields(fields, SUBSCRIPTION_TEXTS, ("max_rate", "feedback"))
         if not identity:
             raise InvalidField([FieldError("id", "a string, which names the subscription", "got none")])
@@ -145,28 +154,42 @@ class Session:
             raise TooManyRequests(f"this socket has {MAX_SUBSCRIPTIONS} subscriptions already")
         query = {name: str(value) for name, value in fields.items() if value is not None}
         after, max_rate = read_after(query), read_max_rate(query)
-        subscriber = self._gateway.hub.subscribe(await read_interest(self._gateway, query))
-        acknowledged = asyncio.Event()
-        pump = asyncio.create_task(self._pump(subscriber, acknowledged, after, max_rate))
-        self._subscriptions[identity] = Subscription(subscriber, acknowledged, pump)
-        return {"subscription": identity}
+        if self._closed:
+            raise Unavailable("the socket is closed", code="shutting_down")
+        task = asyncio.create_task(self._run_subscription(identity, query, after, max_rate))
+        self._subscriptions[identity] = Subscription(task)
+        task.add_done_callback(lambda _: self._subscriptions.pop(identity))
 
-    async def _pump(
-        self, subscriber: Subscriber, acknowledged: asyncio.Event, after: str | None, max_rate: float | None
+    async def _run_subscription(
+        self, identity: str, query: dict[str, str], after: str | None, max_rate: float | None
     ) -> None:
-        await acknowledged.wait()
         try:
-            async for event in feed(self._gateway, subscriber, after=after, max_rate=max_rate):
-                await self._send(event.text)
-            if subscriber.overrun:
-                await self._websocket.close(TRY_AGAIN_LATER, "too_slow")
+            subscriber = self._gateway.hub.subscribe(await read_interest(self._gateway, query))
+            try:
+                await self._answer("ack", identity, {"subscription": identity})
+                self._subscriptions[identity].acknowledged = True
+                async for event in feed(self._gateway, subscriber, after=after, max_rate=max_rate):
+                    await self._send(event.text)
+                if subscriber.overrun:
+                    await self._close(TRY_AGAIN_LATER, "too_slow")
+            finally:
+                self._gateway.hub.unsubscribe(subscriber)
+        except GatewayError as error:
+            await self._answer_error(identity, error)
         except (WebSocketDisconnect, TimeoutError, RuntimeError):
-            await self._websocket.close(TRY_AGAIN_LATER, "too_slow")
+            await self._close(TRY_AGAIN_LATER, "too_slow")
+        except Exception:
+            log.exception("a subscription failed")
+            await self._answer_error(identity, INTERNAL)
 
-    async def _unsubscribe(self, identity: str) -> None:
-        subscription = self._subscriptions.pop(identity)
-        self._gateway.hub.unsubscribe(subscription.subscriber)
-        await cancel(subscription.pump)
+    async def _unsubscribe(self, fields: Fields) -> Fields:
+        check_fields(fields, ("subscription",))
+        identity = fields.get("subscription") or ""
+        subscription = self._subscriptions.get(identity)
+        if subscription is None or not subscription.acknowledged:
+            raise InvalidField([FieldError("subscription", "the id of a subscription", f"got {identity[:60]!r}")])
+        await cancel(subscription.task)
+        return {"subscription": identity}
 
     async def _answer(self, op: str, identity: str | None, fields: Fields) -> None:
         await self._send(encode({"op": op, "id": identity, **fields}).decode())
@@ -176,6 +199,10 @@ class Session:
             await self._answer("error", identity, error.problem())
         except (WebSocketDisconnect, TimeoutError, RuntimeError) as broken:
             log.debug("an answer could not be sent: %s", broken)
+
+    async def _close(self, code: int, reason: str) -> None:
+        with suppress(WebSocketDisconnect, RuntimeError):  # it is closed already
+            await self._websocket.close(code, reason)
 
     async def _send(self, text: str) -> None:
         async with self._sending:
