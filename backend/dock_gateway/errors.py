@@ -1,13 +1,15 @@
 """Everything that can be refused or go wrong, each with a stable `code`.
 
 GatewayError
-├── MalformedRequest            400 malformed_json, 408 request_timeout, 413 body_too_large, 415 unsupported_media_type
+├── MalformedRequest            400 malformed_json, 408 request_timeout, 413 body_too_large, 415 unsupported_media_type,
+│                               431 header_too_large
 ├── InvalidField                422 invalid_field
 ├── NotAllowed                  403 origin_not_allowed, host_not_allowed
 ├── NotFound                    404 goal_not_found, action_not_found, interface_not_found, topic_not_found, …
 ├── Conflict                    409 goal_rejected, dock_busy, goal_terminal, cancel_rejected, stop_latched, …
 ├── TooManyRequests             429 too_many_requests
-├── Unavailable                 503 action_server_unavailable, ros_unavailable, history_unavailable, shutting_down
+├── Unavailable                 503 action_server_unavailable, ros_unavailable, history_unavailable, shutting_down,
+│                               too_many_connections
 └── ServerTimeout               504 action_server_timeout
 
 The core raises these; `api/problems.py` turns them into problem+json, streams into a denial with the same body.

@@ -1,15 +1,20 @@
 """The server process: uvicorn with our farewell and our frame writer for WebSockets."""
 
 import asyncio
+import gc
 import logging
 import signal
 import socket
 import time
+from typing import cast
 
 import uvicorn
+from uvicorn.config import STARTUP_FAILURE
 
-from dock_gateway.api.frames import FramesProtocol
 from dock_gateway.app import create_app
+from dock_gateway.edge.limits import raise_file_limit
+from dock_gateway.edge.listener import Listener
+from dock_gateway.edge.options import edge_options
 from dock_gateway.gateway import Gateway, open_gateway
 from dock_gateway.log_limit import LogLimit
 from dock_gateway.settings import LOOPBACK_HOSTS, Settings
@@ -34,14 +39,26 @@ class Server(uvicorn.Server):
             return
         self._gateway = gateway
         self.config.app = create_app(settings, gateway)
+        gc.freeze()  # what is loaded stays: looking through it would stop everything else for 100 ms now and then
         await self.serve()
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, and log the address."""
-        await super().startup(sockets)
-        for listener in (listener for server in self.servers for listener in server.sockets):
-            host, port = listener.getsockname()[:2]
+        try:
+            listener = Listener(self.config.host, self.config.port)
+        except OSError as error:
+            log.error("cannot listen on %s, port %d: %s", self.config.host, self.config.port, error)
+            raise SystemExit(STARTUP_FAILURE) from error
+        await super().startup(sockets=[])
+        self.servers.append(cast("asyncio.Server", listener))
+        listener.start(self._connect)
+        for host, port, *_ in (bound.getsockname() for bound in listener.sockets):
             log.info("listening on http://%s:%d", f"[{host}]" if ":" in host else host, port)
+
+    def _connect(self) -> asyncio.BaseProtocol:
+        return self.config.http_protocol_class(  # type: ignore[call-arg]
+            config=self.config, server_state=self.server_state, app_state=self.lifespan.state
+        )
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End every stream with a reason, then everything else."""
@@ -67,6 +84,7 @@ def _log_config(level: str) -> None:
 def run(settings: Settings) -> bool:
     """Serve until a signal comes; False where the server could not be started."""
     _log_config(settings.log_level)
+    raise_file_limit()
     if settings.host not in LOOPBACK_HOSTS:
         log.warning(
             "listening on %s: everyone who reaches this machine on the network can move the robot",
@@ -76,12 +94,11 @@ def run(settings: Settings) -> bool:
         "",
         host=settings.host,
         port=settings.port,
-        ws=FramesProtocol,
-        ws_max_size=settings.max_body_bytes,
-        ws_per_message_deflate=False,
         timeout_graceful_shutdown=GRACE,
         log_config=None,
+        access_log=settings.log_level == "debug",
         server_header=False,
+        **edge_options(settings),
     )
     with asyncio.Runner(loop_factory=config.get_loop_factory()) as runner:
         return runner.run(_serve(Server(config), settings))

@@ -156,6 +156,33 @@ class Settings(BaseSettings):
     )
     max_body_bytes: int = Field(1_000_000, ge=1024, description="Largest request body, in bytes (413).")
     body_timeout: Seconds = Field(10.0, description="Seconds a client has to send its body (408).")
+    max_header_bytes: int = Field(
+        65_536,
+        ge=8192,
+        le=1_000_000,
+        description="Largest first line and headers of a request together, in bytes (431).",
+    )
+    header_timeout: Seconds = Field(10.0, description="Seconds a client has to send the head of a request (408).")
+    max_connections: int = Field(
+        4000,
+        ge=32,
+        description="Connections at the same time; fewer where the process may not open 100 files beside them.",
+    )
+    max_connections_per_address: int = Field(
+        2000,
+        ge=8,
+        description="Connections of one address at the same time. Behind a proxy all clients have its address.",
+    )
+    max_frames_per_second: int = Field(
+        1000,
+        ge=10,
+        description="Frames, pings among them, that may come on a WebSocket in a second; it is closed with 1008.",
+    )
+    max_frame_bytes_per_second: int = Field(
+        4_000_000,
+        ge=65_536,
+        description="Bytes that may come on a WebSocket in a second; it is closed with 1008.",
+    )
     max_pending_goals: int = Field(32, ge=1, description="Goals that may wait for acceptance at the same time (429).")
     max_goals: int = Field(1000, ge=10, description="Ended goals that `memory:` keeps; the oldest go first.")
     max_subscribers: int = Field(1000, ge=1, description="WebSocket subscribers at the same time (429).")

@@ -1,0 +1,76 @@
+"""Where connections are accepted."""
+
+import asyncio
+import logging
+import socket
+from collections.abc import Callable
+
+log = logging.getLogger(__name__)
+
+BACKLOG = 2048
+# Connections that are accepted in one turn of the loop. uvloop accepts one: behind 600 that came and went again, a stop
+# waited for 600 turns.
+AT_ONCE = 32
+# Seconds without accepting, where the process has run out of files.
+PAUSE = 0.1
+
+
+class Listener:
+    """Accepts connections on every address of a host. To uvicorn it is one of its servers.
+
+    Raises:
+        OSError: The address cannot be had.
+    """
+
+    def __init__(self, host: str, port: int) -> None:
+        self.sockets: list[socket.socket] = []
+        self._arriving: set[asyncio.Task[object]] = set()
+        addresses = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        try:
+            for family, _, _, _, address in dict.fromkeys(addresses):
+                listener = socket.create_server(address[:2], family=family, backlog=BACKLOG)
+                listener.setblocking(False)
+                self.sockets.append(listener)
+        except OSError:
+            self.close()
+            raise
+
+    def start(self, connect: Callable[[], asyncio.BaseProtocol]) -> None:
+        """Begin to accept; `connect` makes the protocol of a connection."""
+        for listener in self.sockets:
+            self._listen(listener, connect)
+
+    def _listen(self, listener: socket.socket, connect: Callable[[], asyncio.BaseProtocol]) -> None:
+        if listener in self.sockets:
+            asyncio.get_running_loop().add_reader(listener, self._accept, listener, connect)
+
+    def _accept(self, listener: socket.socket, connect: Callable[[], asyncio.BaseProtocol]) -> None:
+        loop = asyncio.get_running_loop()
+        while len(self._arriving) < AT_ONCE:
+            try:
+                connection, _ = listener.accept()
+            except (BlockingIOError, InterruptedError, ConnectionAbortedError):
+                return
+            except OSError as error:
+                log.error("no connection can be accepted: %s", error)
+                loop.remove_reader(listener)
+                loop.call_later(PAUSE, self._listen, listener, connect)
+                return
+            task = loop.create_task(loop.connect_accepted_socket(connect, connection))
+            self._arriving.add(task)
+            task.add_done_callback(self._arrived)
+
+    def _arrived(self, task: asyncio.Task[object]) -> None:
+        self._arriving.discard(task)
+        if not task.cancelled() and (error := task.exception()) is not None:
+            log.debug("a connection went before it was accepted: %s", error)
+
+    def close(self) -> None:
+        """Accept no more."""
+        while self.sockets:
+            listener = self.sockets.pop()
+            asyncio.get_running_loop().remove_reader(listener)
+            listener.close()
+
+    async def wait_closed(self) -> None:
+        """Nothing is left to wait for: connections are closed by uvicorn."""

@@ -1,0 +1,75 @@
+"""The gateway's own server in front of any ASGI application, in this process and event loop."""
+
+import asyncio
+import socket
+import struct
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass
+
+import uvicorn
+from starlette.types import ASGIApp
+
+from dock_gateway.edge.options import edge_options
+from dock_gateway.server import Server
+from dock_gateway.settings import Settings
+
+HOST = b"Host: localhost\r\n"
+
+
+@dataclass(frozen=True)
+class Edge:
+    """Where it listens."""
+
+    port: int
+
+    @property
+    def url(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    @property
+    def websocket(self) -> str:
+        return f"ws://127.0.0.1:{self.port}"
+
+    @asynccontextmanager
+    async def connect(self) -> AsyncIterator[tuple[asyncio.StreamReader, asyncio.StreamWriter]]:
+        """A connection whose bytes are written and read by hand."""
+        reader, writer = await asyncio.open_connection("127.0.0.1", self.port)
+        try:
+            yield reader, writer
+        finally:  # with a reset, so that nothing is left to be read of what was sent
+            with suppress(OSError):
+                linger = struct.pack("ii", 1, 0)
+                writer.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
+            writer.transport.abort()
+            with suppress(OSError):
+                await writer.wait_closed()
+
+    async def ask(self, *pieces: bytes) -> bytes:
+        """Send something and read to the end of the connection."""
+        async with self.connect() as (reader, writer):
+            for piece in pieces:
+                writer.write(piece)
+                with suppress(OSError):
+                    await writer.drain()
+            return await asyncio.wait_for(reader.read(), 10)
+
+
+@asynccontextmanager
+async def serving(app: ASGIApp, **settings: object) -> AsyncIterator[Edge]:
+    """Serve an application, with settings of the gateway's."""
+    options = edge_options(Settings.model_validate(settings))
+    config = uvicorn.Config(app, port=0, lifespan="off", log_config=None, server_header=False, **options)
+    config.load()
+    server = Server(config)
+    server.lifespan = config.lifespan_class(config)
+    await server.startup()
+    try:
+        yield Edge(server.servers[0].sockets[0].getsockname()[1])
+    finally:
+        server.force_exit = True
+        await server.shutdown()
+        while server.server_state.connections:
+            for connection in server.server_state.connections:
+                connection.transport.abort()
+            await asyncio.sleep(0)

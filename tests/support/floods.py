@@ -1,0 +1,200 @@
+"""Clients that attack a gateway, each in a process of its own so that it does not slow whoever measures.
+
+Each flood runs until it is ended. A connection that the gateway closes is opened again, as an attacker would.
+`python -m tests.support.floods NAME HOST PORT` runs one by hand.
+"""
+
+import base64
+import contextlib
+import os
+import resource
+import selectors
+import socket
+import struct
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from urllib.parse import urlsplit
+
+from tests.support.processes import Process
+
+Address = tuple[str, int]
+Flood = Callable[[Address], None]
+
+HOST = b"Host: localhost\r\n"
+CONTINUATION, TEXT, PING = 0, 1, 9
+FIN = 0x80
+
+
+def frame(opcode: int, payload: bytes = b"", *, fin: bool = True) -> bytes:
+    """A WebSocket frame of a client, masked with zeros."""
+    head = opcode | (FIN if fin else 0)
+    if len(payload) < 126:
+        return bytes((head, 0x80 | len(payload))) + bytes(4) + payload
+    return struct.pack("!BBH", head, 0x80 | 126, len(payload)) + bytes(4) + payload
+
+
+def open_websocket(address: Address, path: str) -> socket.socket:
+    """A WebSocket whose frames are written and read by hand.
+
+    Raises:
+        OSError: It was refused.
+    """
+    connection = socket.create_connection(address, timeout=10)
+    key = base64.b64encode(os.urandom(16))
+    upgrade = b"Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: %s\r\n\r\n"
+    connection.sendall(b"GET %s HTTP/1.1\r\n" % path.encode() + HOST + upgrade % key)
+    if b" 101 " not in connection.recv(1024).partition(b"\r\n")[0]:
+        connection.close()
+        raise ConnectionRefusedError("the WebSocket was refused")
+    return connection
+
+
+def _websocket(path: str, first: bytes, then: bytes, *, read: bool = True) -> Flood:
+    """Open a WebSocket, send `first`, then `then` for ever; on `read`, take what the gateway answers."""
+
+    def flood(address: Address) -> None:
+        with open_websocket(address, path) as connection:
+            connection.sendall(first)
+            connection.setblocking(False)
+            with selectors.DefaultSelector() as selector:
+                selector.register(connection, selectors.EVENT_WRITE | (selectors.EVENT_READ if read else 0))
+                _exchange(connection, selector, then)
+
+    return flood
+
+
+def _exchange(connection: socket.socket, selector: selectors.BaseSelector, data: bytes) -> None:
+    rest = memoryview(data)
+    while True:
+        for _, events in selector.select():
+            if events & selectors.EVENT_READ and not connection.recv(1 << 20):
+                return
+            if events & selectors.EVENT_WRITE:
+                with contextlib.suppress(BlockingIOError):
+                    rest = rest[connection.send(rest) :] or memoryview(data)
+
+
+def _request(first: bytes, then: bytes, *, pause: float = 0.0) -> Flood:
+    """Send the beginning of a request, then `then` for ever."""
+
+    def flood(address: Address) -> None:
+        with socket.create_connection(address, timeout=10) as connection:
+            connection.sendall(first)
+            while True:
+                connection.sendall(then)
+                time.sleep(pause)
+
+    return flood
+
+
+def _many(count: int, first: bytes, then: bytes = b"", pause: float = 0.5) -> Flood:
+    """Hold `count` connections, each of which sent `first`, and sends `then` now and then."""
+
+    def flood(address: Address) -> None:
+        _raise_limit()
+        held: list[socket.socket] = []
+        while True:
+            while len(held) < count:
+                held.append(_connect(address, first))
+            held = [connection for connection in held if _goes_on(connection, then)]
+            time.sleep(pause)
+
+    return flood
+
+
+def _connect(address: Address, first: bytes) -> socket.socket:
+    connection = socket.socket()
+    connection.settimeout(2)
+    with contextlib.suppress(OSError):
+        connection.connect(address)
+        connection.sendall(first)
+    connection.setblocking(False)
+    return connection
+
+
+def _goes_on(connection: socket.socket, then: bytes) -> bool:
+    try:
+        connection.send(then)
+        if connection.recv(4096):
+            return True
+    except BlockingIOError:
+        return True
+    except OSError:
+        pass
+    connection.close()
+    return False
+
+
+def _slow_readers(path: str, count: int) -> Flood:
+    """Ask for a stream on many connections, and read none of them."""
+    return _many(count, b"GET %s HTTP/1.1\r\n%s\r\n" % (path.encode(), HOST))
+
+
+def _slow_websockets(address: Address) -> None:
+    """Open event streams and read none of them."""
+    _raise_limit()
+    held = [open_websocket(address, "/ws/feedback?include=battery,cmd_vel,system,robots,scene") for _ in range(100)]
+    while all(_goes_on(connection, frame(PING, b"x" * 125)) or True for connection in held):
+        time.sleep(0.1)
+
+
+def _raise_limit() -> None:
+    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))
+
+
+START = b"GET /healthz HTTP/1.1\r\n" + HOST
+CHUNKED = b"POST /dock HTTP/1.1\r\n" + HOST + b"Content-Type: application/json\r\nTransfer-Encoding: chunked\r\n\r\n"
+ENDLESS = b"GET /healthz HTTP/1.1\r\n" + HOST + b"Content-Length: 100000000000\r\n\r\n"
+FRAGMENTS = frame(CONTINUATION, fin=False) * 5_000
+PINGS = frame(PING, b"x" * 100) * 1_000
+
+FLOODS: dict[str, Flood] = {
+    "fragments on /ws": _websocket("/ws", frame(TEXT, b"{", fin=False), FRAGMENTS),
+    "fragments on /ws/feedback": _websocket("/ws/feedback", frame(TEXT, b"{", fin=False), FRAGMENTS),
+    "fragments on /ws/topics": _websocket("/ws/topics?topic=/rosout", frame(TEXT, b"{", fin=False), FRAGMENTS),
+    "an endless header": _request(START + b"X: ", b"x" * 65_536),
+    "endless headers": _request(START, b"a: b\r\n" * 10_000),
+    "a header of 5 MB": _request(START + b"X: " + b"x" * 5_000_000, b"\r\n\r\n", pause=0.05),
+    "a byte a second": _many(200, START, b"x", pause=1.0),
+    "half-open connections": _many(1_000, b""),
+    "half-sent requests": _many(1_000, START),
+    "pings": _websocket("/ws/feedback", b"", PINGS),
+    "empty pings": _websocket("/ws", b"", frame(PING) * 10_000),
+    "unread pings": _websocket("/ws/feedback", b"", PINGS, read=False),
+    "commands": _websocket("/ws", b"", frame(TEXT, b'{"op":"ping"}') * 1_000),
+    "unread commands": _websocket("/ws", b"", frame(TEXT, b'{"op":"ping"}') * 1_000, read=False),
+    "tiny chunks": _request(CHUNKED, b"1\r\n \r\n" * 10_000),
+    "a body nobody wants": _request(ENDLESS, b"x" * 65_536),
+    "pipelined requests": _request(b"", (START + b"\r\n") * 100),
+    "connections": _many(100, START + b"Connection: close\r\n\r\n", pause=0.0),
+    "answers nobody reads": _slow_readers("/openapi.json", 200),
+    "slow event streams": _slow_websockets,
+}
+
+
+def run(name: str, address: Address) -> None:
+    """Flood a gateway until this process is ended."""
+    print("flooding", flush=True)
+    flood = FLOODS[name]
+    while True:
+        with contextlib.suppress(OSError):
+            flood(address)
+
+
+@contextmanager
+def flooding(name: str, url: str, processes: int = 1) -> Iterator[None]:
+    """Flood the gateway at `url` by some attackers at once."""
+    address = urlsplit(url)
+    with contextlib.ExitStack() as stack:
+        for _ in range(processes):
+            command = (sys.executable, "-m", __spec__.name, name, str(address.hostname), str(address.port))
+            process = stack.enter_context(Process(*command, env=dict(os.environ)))
+            process.wait_for("flooding")
+        yield
+
+
+if __name__ == "__main__":
+    run(sys.argv[1], (sys.argv[2], int(sys.argv[3])))
