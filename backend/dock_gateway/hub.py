@@ -19,7 +19,7 @@ class Subscriber:
     Attributes:
         at_once: Sends an event without the detour by the queue and the task that takes from it, or says False. Used
             only while that task waits and nothing is queued, so that the order stays.
-        after: Id of the last event that the reader has had, at whatever gateway; none up to it is sent again.
+        after: Id of the last event that the reader has had, at whatever gateway; none up to it is queued.
     """
 
     HARD_LIMIT = 10_000
@@ -77,9 +77,10 @@ class Subscriber:
         self._queue.clear()
         self._droppable = self._dropped = 0
 
-    def forget(self, ids: set[str | None]) -> None:
-        """Take events out of the queue that the reader gets another way."""
-        kept = [event for event in self._queue if event.id not in ids]
+    def catch_up(self, event_id: str) -> None:
+        """The reader gets all events up to this one another way."""
+        self.after = event_id
+        kept = [event for event in self._queue if event.id is None or event.id > event_id]
         self._queue = deque(kept)
         self._droppable = sum(event.droppable for event in kept)
 
@@ -100,13 +101,19 @@ class Subscriber:
 
 
 class Hold:
-    """A place in the order of publication for events that are being stored; what comes later waits behind it."""
+    """A place in the order of publication for events that are being stored; what comes later waits behind it.
 
-    def __init__(self, hub: "Hub") -> None:
-        self._hub = hub
+    Attributes:
+        stamp: That of the events.
+        events: What is published here, once that is known.
+    """
+
+    def __init__(self, hub: "Hub", stamp: int) -> None:
+        self.stamp = stamp
         self.events: Iterable[Event] | None = None
+        self._hub = hub
 
-    def release(self, events: Iterable[Event]) -> None:
+    def release(self, events: Iterable[Event] = ()) -> None:
         """Publish these, and what has waited."""
         self.events = events
         self._hub.advance()
@@ -188,9 +195,9 @@ class Hub:
         else:
             self._deliver(event)
 
-    def hold(self) -> Hold:
+    def hold(self, source_ns: int) -> Hold:
         """Reserve a place for events that have to be stored before anyone is told; to be released soon."""
-        place = Hold(self)
+        place = Hold(self, self.clock.stamp(source_ns))
         self._line.append(place)
         return place
 

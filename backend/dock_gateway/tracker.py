@@ -26,6 +26,8 @@ log = logging.getLogger(__name__)
 # Ids of ended goals that are remembered: an action server may go on telling of them for a while.
 MAX_REMEMBERED = 10_000
 MAX_LOST = 100
+# Seconds that a result is waited for, at most, before what follows is told.
+RESERVE_FOR = 0.25
 
 # Makes an event of a goal as it stands, with the stamp of its id and that of its source.
 MakeEvent = Callable[[Goal, int, int], Event]
@@ -66,6 +68,8 @@ class GoalTracker:
         self._adoption = Adoption(history, self._adopt)
         self._seals = Tasks("storing how goals ended")
         self._ended: OrderedDict[str, None] = OrderedDict()
+        self._places: dict[str, Hold] = {}
+        self._started = utc_now()
         self._waiters: dict[str, asyncio.Event] = {}
         self._goal_heard: dict[str, float] = {}
 
@@ -89,6 +93,8 @@ class GoalTracker:
         for report in reports:
             take = partial(self._take_report, report=report, stamp_ns=stamp_ns)
             running = not report.status.terminal
+            if not running:
+                self._reserve(report.goal_id, stamp_ns)
             self._hear(report.goal_id, take, created_ns=report.accepted_ns or stamp_ns, running=running)
 
     def on_feedback(self, goal_id: str, feedback: Json, stamp_ns: int) -> None:
@@ -148,9 +154,15 @@ class GoalTracker:
             self._history.record(adopted)
 
     def _adopt(self, goal_id: str, known: Goal | None, newcomer: Newcomer) -> None:
-        """Take up a goal that turned up, as the history knows it. One that has ended is left as it is."""
+        """Take up a goal that turned up, as the history knows it. One that has ended is left as it is.
+
+        Where another gateway saw it end since this one was started, its readers have been told, and ours have not.
+        """
         if known is not None and known.status.final:
             self._note_ended(goal_id)
+            if known.finished_at is not None and known.finished_at > self._started:
+                self._tell_end(known, time.time_ns())
+            self._let_go(goal_id)
             return
         created_at = moment(newcomer.created_ns)
         goal = known or Goal(goal_id, self.port.action_name, self.port.action_type, created_at, origin="external")
@@ -213,14 +225,33 @@ class GoalTracker:
         goal.result = result
         goal.error = error or (None if status is GoalStatus.SUCCEEDED else goal.error)
         source_ns = stamp_ns or time.time_ns()
-        stamp_ns = self._hub.clock.stamp(source_ns)
-        end = [status_event(goal, stamp_ns, source_ns)]
-        if status is not GoalStatus.REJECTED:
-            end.append(result_event(goal, stamp_ns, source_ns))
         self._history.record(goal)
-        self._seals.spawn(self._seal(goal, end, self._hub.hold()))
+        self._tell_end(goal, source_ns)
         self._retire(goal)
         self._note_ended(goal.goal_id)
+
+    def _tell_end(self, goal: Goal, source_ns: int) -> None:
+        """Store the events of the end, then tell them: as they are stored, should another gateway have been first."""
+        place = self._places.pop(goal.goal_id, None) or self._hub.hold(source_ns)
+        end = [status_event(goal, place.stamp, source_ns)]
+        if goal.status is not GoalStatus.REJECTED:
+            end.append(result_event(goal, place.stamp, source_ns))
+        self._seals.spawn(self._seal(goal, end, place))
+
+    def _reserve(self, goal_id: str, stamp_ns: int) -> None:
+        """A goal has ended, and its result is awaited: until it is here nothing is told that comes after.
+
+        Only where another gateway may tell of the end first: a reader of ours that goes there must not have had
+        anything that follows it.
+        """
+        if self._history.shared and goal_id not in self._ended and goal_id not in self._places:
+            self._places[goal_id] = self._hub.hold(stamp_ns)
+            asyncio.get_running_loop().call_later(RESERVE_FOR, self._let_go, goal_id)
+
+    def _let_go(self, goal_id: str) -> None:
+        """The result is not here yet, or has been told before: what waits for it is told."""
+        if (place := self._places.pop(goal_id, None)) is not None:
+            place.release()
 
     async def _seal(self, goal: Goal, end: list[Event], place: Hold) -> None:
         told = end

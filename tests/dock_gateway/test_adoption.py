@@ -199,3 +199,12 @@ async def test_what_waits_of_a_goal_is_bounded() -> None:
     await until(lambda: bool(taken))
     assert taken == list(range(900, 1000))
     await adoption.close()
+
+
+async def test_the_end_that_another_gateway_saw_first_is_told_here_too(scene: Scene) -> None:
+    """It was quicker than our look-up. Readers of this gateway have not been told."""
+    scene.history.record(goal_of_before(status=S.SUCCEEDED, result=b"{}", finished_at=datetime.now(UTC)))
+    for _ in range(2):
+        scene.status((B, S.EXECUTING))
+        scene.status((B, S.SUCCEEDED))
+    assert await scene.events() == ["status:succeeded", "result:succeeded"]

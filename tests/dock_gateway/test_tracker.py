@@ -6,6 +6,7 @@ import pytest
 
 from dock_gateway import later as later_module
 from dock_gateway import tracker as tracker_module
+from dock_gateway.events import message_event
 from dock_gateway.goals import GoalError
 from tests.support.history import until
 from tests.support.tracking import A, B, S, Scene, scene
@@ -116,3 +117,23 @@ async def test_memory_is_bounded(scene: Scene, monkeypatch: pytest.MonkeyPatch) 
     assert len(scene.tracker.live) == 5
     assert len(scene.tracker._ended) <= 10
     assert len(scene.reasons) <= 10
+
+
+async def test_nothing_that_follows_an_end_is_told_before_it_where_a_history_is_shared(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another gateway may tell of the end first; a reader of ours that goes there resumes after what it had here."""
+    monkeypatch.setattr(scene.history, "shared", True)
+    first, second = scene.send(A), scene.send(B)
+    for goal in (first, second):
+        scene.tracker.move(goal, S.EXECUTING)
+    scene.status((A, S.SUCCEEDED))
+    scene.feedback(1, B)
+    await asyncio.sleep(0)
+    scene.port.answer(A, S.SUCCEEDED, b"{}")
+    assert (await scene.events())[-3:] == ["status:succeeded", "result:succeeded", "feedback:1"]
+    monkeypatch.setattr(tracker_module, "RESERVE_FOR", 0.01)
+    scene.status((B, S.SUCCEEDED))
+    scene.hub.publish(message_event("battery", b"{}", scene.hub.clock.stamp(0)))
+    await asyncio.sleep(0.05)
+    assert not scene.hub._line, "a result that does not come holds nothing up for long"

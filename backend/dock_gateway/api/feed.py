@@ -90,7 +90,8 @@ async def _missed(gateway: Gateway, subscriber: Subscriber, after: str) -> Later
     if missed is not None:
         return Later(missed, complete=True)
     later = await _from_history(gateway, subscriber.interest, after)
-    subscriber.forget({event.id for event in later.events})
+    if later.events:
+        subscriber.catch_up(later.events[-1].id or after)
     return later
 
 

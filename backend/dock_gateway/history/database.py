@@ -10,8 +10,8 @@ from dock_gateway.history.migrate import migrate
 from dock_gateway.history.protocol import Incident
 
 CONNECT_TIMEOUT = 2.0
-# A few connections to write and a few to read, so that neither waits for the other.
-WRITERS, READERS = 2, 3
+# A few connections to write (what waits, new keys, ends of goals) and a few to read, so that none waits for another.
+WRITERS, READERS = 3, 3
 
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
@@ -25,7 +25,10 @@ class Database(ABC):
         incident: What happened to what was in it, as long as somebody has to know of that.
         lost: Whether it is another one than before: what was in it is missing. Whoever knows some of it writes it
             again, and sets this to False.
+        shared: Whether it is made to be used by several gateways.
     """
+
+    shared = False
 
     def __init__(self) -> None:
         self.prepared = False

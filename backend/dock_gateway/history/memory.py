@@ -49,6 +49,7 @@ class MemoryHistory:
     `event_limit`, feedback and battery first.
     """
 
+    shared = False
     newest = ""
     incident: Incident | None = None
 

@@ -20,6 +20,8 @@ class PostgresqlDatabase(Database):
         url: `postgresql://…`, as asyncpg takes it.
     """
 
+    shared = True
+
     def __init__(self, url: str) -> None:
         super().__init__()
         prepare_for("postgresql")
@@ -54,8 +56,10 @@ class PostgresqlDatabase(Database):
             raise ConnectionError(str(error)) from error
 
     async def write(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, durable: bool = True) -> T:
-        """A transaction that writes, always durable."""
+        """A transaction that writes; one that is not `durable` may be lost when the server loses power."""
         async with self._writer.begin() as connection:
+            if not durable:
+                await connection.execute(sa.text("SET LOCAL synchronous_commit TO off"))
             return await connection.run_sync(work, *args)
 
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:

@@ -131,6 +131,10 @@ class History(Protocol):
         """
 
     @property
+    def shared(self) -> bool:
+        """Whether other gateways may keep the same goals there."""
+
+    @property
     def newest(self) -> str:
         """Id of the newest event that was stored when the history was opened; empty where there was none."""
 

@@ -59,6 +59,7 @@ class SqlHistory:
         self._writer = Writer(self._database, self._spool, self._waiting, self._write_again)
         self._keys: dict[str, Key] = {}
         self.newest = ""
+        self.shared = self._database.shared
         self._reader = Reader(self._database, self._writer)
         self.acknowledgements = SqlAcknowledgements(self._database, self._reader, self._writer)
         self._past = Past(self._reader, self._waiting)

@@ -5,7 +5,6 @@ Functions of a connection, for `Database`.
 
 import importlib
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING
 
@@ -40,21 +39,22 @@ def write(connection: sa.Connection, batch: Batch) -> None:
     if batch.keys:
         for key in sorted(batch.keys, key=lambda key: key.key):
             claim(connection, key)
-    if batch.goals:
-        _write_goals(connection, {goal.goal_id: goal for goal in batch.goals})
     if batch.events:
         rows = sorted(map(event_row, batch.events), key=lambda row: (str(row["key"]), str(row["id"])))
         connection.execute(insert_into(connection, events).on_conflict_do_nothing(), rows)
     if batch.gaps:
         raise_horizons(connection, batch.gaps)
+    if batch.goals:  # last: another gateway that has news of a goal waits until this transaction has ended
+        _write_goals(connection, {goal.goal_id: goal for goal in batch.goals})
 
 
-def seal(connection: sa.Connection, goal: Goal, end: Sequence[Event]) -> list[Event]:
-    """Store how a goal ended; returns the events of its end as they are stored, whoever was first."""
-    write(connection, Batch(goals=[goal], events=list(end)))
-    rows = connection.execute(sa.select(events).where(events.c.key.in_([event.key for event in end]))).mappings()
-    stored = {row["key"]: event_of(row) for row in rows}
-    return [replace(stored.get(event.key, event), ends_goal=event.ends_goal) for event in end]
+def seal(connection: sa.Connection, batch: Batch) -> dict[str, Event]:
+    """Write a batch; returns its events as they are stored, by key: those of another gateway, where that was first."""
+    write(connection, batch)
+    if not batch.events:
+        return {}
+    query = sa.select(events).where(events.c.key.in_([event.key for event in batch.events]))
+    return {row["key"]: event_of(row) for row in connection.execute(query).mappings()}
 
 
 def _write_goals(connection: sa.Connection, news: dict[str, Goal]) -> None:

@@ -5,6 +5,7 @@ import logging
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
 import sqlalchemy.exc as sa_errors
@@ -24,12 +25,22 @@ log = logging.getLogger(__name__)
 DATABASE_ERRORS = (sa_errors.SQLAlchemyError, OSError, TimeoutError, RuntimeError)
 
 ANSWER_TIMEOUT = 0.1  # a new goal waits so long for the database, then it goes to the spool
+SEAL_TIMEOUT = 0.25  # the end of a goal waits so long for the database, and with it what is published later
 WRITE_TIMEOUT = 10.0
 BATCH_INTERVAL = 0.2
 BATCH_PATIENCE = 0.3  # new goals are written ahead of all else, but hold it up no longer than this
 # What is precious and not in the database after so long goes to the spool.
 SPOOL_AFTER = 0.5
 RETRY_FIRST, RETRY_LAST = 0.1, 2.0
+
+
+@dataclass(frozen=True)
+class Seal:
+    """A goal whose state has to be stored before it is told; `stored` are the events as they are stored, by key."""
+
+    goal: Goal
+    end: Sequence[Event]
+    stored: "asyncio.Future[dict[str, Event]]"
 
 
 class Writer:
@@ -57,11 +68,14 @@ class Writer:
         self._wake = asyncio.Event()
         self._urgent = asyncio.Event()
         self._guard = asyncio.Event()
+        self._seals: list[Seal] = []
+        self._seal_wake = asyncio.Event()
         self._tasks: list[asyncio.Task[None]] = []
 
     def start(self) -> None:
         """Begin to write."""
-        self._tasks = [asyncio.create_task(self._write_on()), asyncio.create_task(self._spool_on())]
+        work = (self._write_on(), self._spool_on(), self._seal_on())
+        self._tasks = [asyncio.create_task(each) for each in work]
 
     def notice(self, *, precious: bool) -> None:
         """Something has been put among what waits."""
@@ -105,17 +119,43 @@ class Writer:
         self._waiting.saved(entries)
         self._wake.set()
 
+    # ------------------------------------------------------------------ the end of a goal
+
     async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
         """Store the end of a goal now, where the database answers; returns its events as they are stored."""
         if not self.reachable or self.hesitates:
             return list(end)
+        seal = Seal(goal, end, asyncio.get_running_loop().create_future())
+        self._seals.append(seal)
+        self._seal_wake.set()
         try:
-            async with asyncio.timeout(ANSWER_TIMEOUT):
-                # Not durable: what is recorded of the goal beside this is, a moment later.
-                return await self._database.write(store.seal, goal, end, durable=False)
+            async with asyncio.timeout(SEAL_TIMEOUT):
+                stored = await seal.stored
         except DATABASE_ERRORS as error:
-            log.warning("the end of goal %s is told before it is stored: %s", goal.goal_id, _brief(error))
+            log.warning("goal %s: its state is told before it is stored: %s", goal.goal_id, _brief(error))
             return list(end)
+        return [replace(stored.get(event.key or "", event), ends_goal=event.ends_goal) for event in end]
+
+    async def _seal_on(self) -> None:
+        """Store the ends of goals, all that wait in one transaction."""
+        while True:
+            await self._seal_wake.wait()
+            self._seal_wake.clear()
+            seals, self._seals = self._seals, []
+            goals = {seal.goal.goal_id: seal.goal for seal in seals}
+            batch = Batch(goals=list(goals.values()), events=[event for seal in seals for event in seal.end])
+            try:
+                async with asyncio.timeout(WRITE_TIMEOUT):
+                    # Not durable: what is recorded of the goal beside this is, a moment later.
+                    stored = await self._database.write(store.seal, batch, durable=False)
+            except DATABASE_ERRORS as error:
+                for seal in seals:
+                    if not seal.stored.done():
+                        seal.stored.set_exception(error)
+            else:
+                for seal in seals:
+                    if not seal.stored.done():
+                        seal.stored.set_result(stored)
 
     def _settle(self, batch: Batch, error: Exception | None) -> None:
         for goal in batch.goals:

@@ -1,0 +1,196 @@
+"""Gateways that are killed at random moments under load: no goal is missing, repeated or told twice."""
+
+import contextlib
+import os
+import random
+import re
+import signal
+import socket
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Self
+
+import httpx2
+import pytest
+
+from tests.chaos.load import FINAL, Load
+from tests.chaos.report import report
+from tests.support.gateway import RunningGateway, running_gateway
+from tests.support.postgresql import binaries, running_postgresql
+from tests.support.processes import Process, ros_environment
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(3600)]
+
+UUID = r"[0-9a-f]{8}-[0-9a-f-]{27}"
+ROUNDS = int(os.environ.get("CHAOS_ROUNDS", "4"))
+
+
+def free_port() -> int:
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        port: int = listener.getsockname()[1]
+        return port
+
+
+@pytest.fixture
+def executed(domain: int, tmp_path: Path) -> Iterator[Path]:
+    """What the action server notes of each goal that it executes."""
+    notes = tmp_path / "executed"
+    command = (sys.executable, "-m", "tests.support.busy_action_server", "--executed", str(notes))
+    with Process(*command, env=ros_environment(domain)) as process:
+        process.wait_for("serving")
+        yield notes
+
+
+class Fleet:
+    """Gateways that share a database, each on a port of its own, killed and started again."""
+
+    def __init__(self, domain: int, count: int, **settings: str) -> None:
+        self._domain = domain
+        self._settings = settings
+        self._ports = [free_port() for _ in range(count)]
+        self._stacks = [contextlib.ExitStack() for _ in range(count)]
+        self.running: dict[int, RunningGateway] = {}
+        self.processes: list[Process] = []
+
+    def __enter__(self) -> Self:
+        for number in range(len(self._ports)):
+            self.start(number)
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        for stack in self._stacks:
+            stack.close()
+
+    def url(self) -> str:
+        """A gateway that runs, as far as is known."""
+        ports = [self._ports[number] for number in list(self.running)] or self._ports
+        return f"http://127.0.0.1:{random.choice(ports)}"
+
+    def start(self, number: int) -> None:
+        settings = {**self._settings, "port": str(self._ports[number])}
+        settings["spool_path"] += f"-{number}"
+        gateway = self._stacks[number].enter_context(running_gateway(self._domain, **settings))
+        self.running[number] = gateway
+        self.processes.append(gateway.process)
+
+    def kill(self, number: int) -> None:
+        gateway = self.running.pop(number)
+        gateway.process.send_signal(signal.SIGKILL)
+        gateway.process.wait()
+        self._stacks[number].close()
+
+    def warnings(self) -> Counter[str]:
+        """What the gateways warned of, whichever goal it was about."""
+        lines = "\n".join(process.output for process in self.processes).splitlines()
+        said = (line.partition("]: ")[2] for line in lines if line.startswith(("[WARNING]", "[ERROR]")))
+        return Counter(re.sub(UUID, "…", text)[:120] for text in said)
+
+    def any(self) -> RunningGateway:
+        return next(iter(self.running.values()))
+
+
+def check(load: Load, fleet: Fleet, executed: Path, kills: int, title: str) -> None:
+    """What must hold after any number of kills."""
+    accepted, reader = load.accepted, load.reader
+    began = Counter(map(int, executed.read_text().split()))
+    http = fleet.any().http
+    missing, wrong, histories, stored = [], [], Counter[int](), {}
+    for number, goal_id in accepted.items():
+        answer = http.get(f"/goals/{goal_id}")
+        if answer.status_code != 200:
+            missing.append(goal_id)
+            continue
+        goal = answer.json()
+        if (goal["status"], goal["error"], goal["result"], goal["origin"]) != (
+            "succeeded",
+            None,
+            {"sequence": [number]},
+            "gateway",
+        ):
+            wrong.append(goal)
+        events = http.get(f"/goals/{goal_id}/history?type=result&type=status").json()["events"]
+        ends = [e["type"] for e in events if e["status"] in FINAL]
+        stored[goal_id] = [e["id"] for e in events]
+        histories[ends == ["status", "result"]] += 1
+    goals = set(accepted.values())
+    results, statuses = reader.ends("result"), reader.ends("status")
+    ids = Counter(event["id"] for event in reader.events)
+    answers = sum((sender.answers for sender in load.senders), Counter[str]())
+    report(
+        title,
+        {
+            "kills": kills,
+            "goals accepted": len(accepted),
+            "goals missing": len(missing),
+            "goals that did not end as the server ended them": len(wrong),
+            "goals executed twice": sum(count > 1 for count in began.values()),
+            "results told": sum(results[goal_id] for goal_id in goals),
+            "goals whose end was told twice": sum(results[g] > 1 or statuses[g] > 1 for g in goals),
+            "goals whose end was not told": sum(not results[g] or not statuses[g] for g in goals),
+            "goals with another number of ends in the history": histories[False],
+            "events read": len(reader.events),
+            "event ids read twice": sum(count > 1 for count in ids.values()),
+            "events older than `after`": len(reader.older),
+            "streams resumed": reader.notices["resumed"],
+            "streams with a gap": reader.notices["gap"],
+            "answers": dict(answers),
+            "warnings": dict(fleet.warnings()),
+        },
+    )
+    assert len(accepted) > kills
+    assert missing == []
+    assert wrong == [], wrong
+    assert [number for number, count in began.items() if count > 1] == []
+    assert {g: (results[g], stored[g]) for g in goals if results[g] != 1} == {}, reader.resumed
+    assert {g: statuses[g] for g in goals if statuses[g] != 1} == {}
+    assert histories[False] == 0
+    assert [identity for identity, count in ids.items() if count > 1] == []
+    assert reader.older == []
+    assert reader.notices["gap"] == 0, "nothing has been deleted"
+
+
+def wait_for_action(fleet: Fleet) -> None:
+    deadline = time.monotonic() + 30
+    with httpx2.Client(trust_env=False) as http:
+        while http.get(f"{fleet.url()}/actions/fibonacci").status_code != 200:
+            assert time.monotonic() < deadline, "the action is not found"
+
+
+def test_a_gateway_that_is_killed_under_load(domain: int, executed: Path, tmp_path: Path) -> None:
+    settings = {"database_url": f"sqlite:///{tmp_path}/history.db", "spool_path": f"{tmp_path}/spool"}
+    with Fleet(domain, 1, **settings) as fleet:
+        wait_for_action(fleet)
+        with Load(fleet.url) as load:
+            for _ in range(ROUNDS):
+                time.sleep(random.uniform(0.1, 2.5))
+                fleet.kill(0)
+                fleet.start(0)
+            time.sleep(1)
+            load.stop_sending()
+            load.wait_for_all_ends()
+            check(load, fleet, executed, ROUNDS, "One gateway on SQLite, killed under load")
+
+
+@pytest.mark.skipif(binaries() is None, reason="no PostgreSQL is installed")
+def test_gateways_that_are_killed_in_turn_while_a_reader_resumes_at_the_other(
+    domain: int, executed: Path, tmp_path: Path
+) -> None:
+    with (
+        running_postgresql() as server,
+        Fleet(domain, 2, database_url=server.url, spool_path=f"{tmp_path}/spool") as fleet,
+    ):
+        wait_for_action(fleet)
+        with Load(fleet.url) as load:
+            for turn in range(ROUNDS):
+                time.sleep(random.uniform(0.1, 2.5))
+                fleet.kill(turn % 2)
+                time.sleep(random.uniform(0.0, 0.5))
+                fleet.start(turn % 2)
+            time.sleep(1)
+            load.stop_sending()
+            load.wait_for_all_ends()
+            check(load, fleet, executed, ROUNDS, "Two gateways on PostgreSQL, killed in turn")
