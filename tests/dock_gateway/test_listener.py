@@ -209,3 +209,9 @@ def test_clients_come_and_go_while_answers_do(node: ListeningNode, server: Any) 
 
         wait_for(answered)
         assert node.destroy_client(client)
+
+
+def test_publishers_give_the_executor_nothing_to_look_at(node: ListeningNode) -> None:
+    before = len(list(node.waitables))
+    node.create_publisher(Int32, "numbers", 10)
+    assert len(list(node.waitables)) == before

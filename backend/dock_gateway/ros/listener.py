@@ -18,10 +18,11 @@ from weakref import WeakKeyDictionary
 from rclpy.callback_groups import CallbackGroup
 from rclpy.client import Client
 from rclpy.context import Context
-from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.guard_condition import GuardCondition
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 
@@ -249,6 +250,11 @@ class ListeningNode(Node):  # type: ignore[misc]
         self._messages = messages
         self._answers = answers
         super().__init__(name, namespace=namespace, context=context)
+
+    def create_publisher(self, msg_type: Any, topic: str, *args: Any, **options: Any) -> Publisher:
+        """As rclpy has it, but that nobody is told of its events, which the executor would look at again and again."""
+        options["event_callbacks"] = PublisherEventCallbacks(use_default_callbacks=False)
+        return super().create_publisher(msg_type, topic, *args, **options)
 
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, *args: Any, **options: Any) -> Subscription:
         """As rclpy has it."""
