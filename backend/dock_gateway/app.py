@@ -5,7 +5,6 @@ from contextlib import asynccontextmanager, nullcontext
 from typing import TypedDict
 
 from fastapi import FastAPI
-from fastapi_swagger import patch_fastapi
 from starlette.middleware.cors import CORSMiddleware
 
 from dock_gateway import __version__
@@ -29,6 +28,8 @@ from dock_gateway.api import (
     topics,
 )
 from dock_gateway.api.dashboard import install_dashboard
+from dock_gateway.api.docs import install_docs
+from dock_gateway.api.methods import allowed_methods
 from dock_gateway.api.openapi import install_openapi
 from dock_gateway.api.origin import OriginGuard
 from dock_gateway.api.problems import install_problems
@@ -68,10 +69,7 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
         swagger_ui_oauth2_redirect_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
-    install_problems(app)
-    for router in dock.routers:
-        app.include_router(router)
-    for module in (
+    modules = (
         stop,
         stream,
         exports,  # before the goals: `export` is no id of one
@@ -88,11 +86,14 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
         health,
         socket,
         topics,
-    ):
-        app.include_router(module.router)
+    )
+    routers = (*dock.routers, *(module.router for module in modules))
+    for router in routers:
+        app.include_router(router)
     install_openapi(app)
-    patch_fastapi(app, redirect_from_root_to_docs=False)  # /docs without a CDN: robots are often offline
+    install_docs(app)
     install_dashboard(app, settings)
+    install_problems(app, allowed_methods([*(route for router in routers for route in router.routes), *app.routes]))
     if settings.allowed_origins:
         app.add_middleware(
             CORSMiddleware,

@@ -15,6 +15,7 @@ from dock_gateway.app import create_app
 from dock_gateway.edge.limits import raise_file_limit
 from dock_gateway.edge.listener import Listener
 from dock_gateway.edge.options import edge_options
+from dock_gateway.edge.security import SecurityHeaders
 from dock_gateway.gateway import Gateway, open_gateway
 from dock_gateway.log_limit import LogLimit
 from dock_gateway.settings import LOOPBACK_HOSTS, Settings
@@ -38,7 +39,7 @@ class Server(uvicorn.Server):
         if self.should_exit:
             return
         self._gateway = gateway
-        self.config.app = create_app(settings, gateway)
+        self.config.app = SecurityHeaders(create_app(settings, gateway))
         gc.freeze()  # what is loaded stays: looking through it would stop everything else for 100 ms now and then
         await self.serve()
 

@@ -1,25 +1,17 @@
 """The dashboard's files. API paths never answer HTML, and pages never shadow them."""
 
+from functools import partial
 from pathlib import Path
 
 from fastapi import FastAPI
-from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, Response
 from starlette.staticfiles import StaticFiles
 
+from dock_gateway.edge.security import CONTENT_SECURITY_POLICY, PAGE_POLICY
 from dock_gateway.settings import Settings
 
-CONTENT_SECURITY_POLICY = (
-    "default-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
-    "connect-src 'self'; object-src 'none'; base-uri 'self'; frame-ancestors 'none'"
-)
-PAGE_HEADERS = {
-    "Cache-Control": "no-cache",
-    "Content-Security-Policy": CONTENT_SECURITY_POLICY,
-    "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "same-origin",
-}
+PAGE_HEADERS = {"Cache-Control": "no-cache", CONTENT_SECURITY_POLICY: PAGE_POLICY}
 NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>dock-gateway</title>
 <h1>dock-gateway runs; its dashboard has not been built</h1>
 <p>In the checkout, run <code>make run</code>, or <code>make setup</code> and reload this page.
@@ -33,7 +25,6 @@ class Assets(StaticFiles):
         """Add the header that says so."""
         response = super().file_response(*args, **kwargs)  # type: ignore[arg-type]
         response.headers["Cache-Control"] = "public, max-age=31536000, immutable"
-        response.headers["X-Content-Type-Options"] = "nosniff"
         return response
 
 
@@ -47,7 +38,7 @@ def find_dashboard(settings: Settings) -> Path | None:
 def install_dashboard(app: FastAPI, settings: Settings) -> None:
     """Serve the page at `/` and `/ui/…`, and its assets; comes after every API route."""
     folder = find_dashboard(settings)
-    files = {path.name: path for path in folder.iterdir() if "." in path.name and path.is_file()} if folder else {}
+    files = [path for path in folder.iterdir() if "." in path.name and path.is_file()] if folder else []
 
     def page() -> Response:
         if folder is None:
@@ -62,10 +53,9 @@ def install_dashboard(app: FastAPI, settings: Settings) -> None:
     if folder is not None and (folder / "assets").is_dir():
         app.mount("/assets", Assets(directory=folder / "assets"))
 
-    @app.get("/{name}", include_in_schema=False)
-    async def file(name: str) -> Response:
-        """Files beside the page, such as its icon."""
-        path = files.get(name)
-        if path is None:
-            raise HTTPException(404, f"there is nothing at /{name[:100]}")
-        return FileResponse(path, headers={"Cache-Control": "no-cache", "X-Content-Type-Options": "nosniff"})
+    for path in files:  # beside the page, such as its icon
+        app.add_api_route(f"/{path.name}", partial(_file, path), include_in_schema=False)
+
+
+async def _file(path: Path) -> Response:
+    return FileResponse(path, headers={"Cache-Control": "no-cache"})

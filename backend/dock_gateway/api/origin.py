@@ -4,8 +4,9 @@ A page of another site must not move the robot behind its user's back: neither b
 name that it lets point to this machine (Host, DNS rebinding). Programs that are not browsers send no Origin and pass.
 """
 
+import re
 from ipaddress import ip_address
-from urllib.parse import SplitResult, urlsplit
+from typing import NamedTuple
 
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
@@ -17,6 +18,9 @@ from dock_gateway.settings import LOOPBACK_HOSTS, Settings
 
 # OPTIONS is not among them: a preflight is answered (CORS) to the pages that are allowed.
 SAFE_METHODS = frozenset({"GET", "HEAD"})
+PORTS = {"http": 80, "https": 443}
+# No user, no blank, nothing empty, no port that is not a number (RFC 9110, 7.2).
+HOST = re.compile(r"(?P<name>[a-z0-9_.-]+|\[[0-9a-f:.]+\])(:(?P<port>[0-9]{1,5}))?")
 
 
 class OriginGuard:
@@ -45,21 +49,48 @@ class OriginGuard:
 
     def _check(self, scope: Scope) -> None:
         headers = Headers(scope=scope)
-        host = headers.get("host", "")
-        name = _split(f"//{host}").hostname or ""
-        if not ({name, "*"} & self._hosts or _is_address(name)):
+        hosts, origins = headers.getlist("host"), headers.getlist("origin")
+        address = _read_address(scope["scheme"].replace("ws", "http"), hosts[0]) if len(hosts) == 1 else None
+        if address is None or not ({address.name, "*"} & self._hosts or _is_address(address.name)):
             raise NotAllowed(
-                f"this gateway does not answer to the name {name[:100]!r}; DOCK_GATEWAY_ALLOWED_HOSTS can allow it",
+                f"this gateway does not answer to the name {', '.join(hosts)[:100]!r}; "
+                "DOCK_GATEWAY_ALLOWED_HOSTS can allow it",
                 code="host_not_allowed",
             )
-        origin = headers.get("origin")
-        if origin is None or (scope["type"] == "http" and scope["method"] in SAFE_METHODS):
+        if len(origins) < 2 and scope["type"] == "http" and scope["method"] in SAFE_METHODS:
             return
-        if "*" in self._origins or origin in self._origins or _split(origin).netloc == host:
+        if not origins and "cross-site" not in headers.getlist("sec-fetch-site"):
+            return
+        origin = origins[0].lower() if len(origins) == 1 else None
+        if origin is not None and ("*" in self._origins or origin in self._origins or _read_origin(origin) == address):
             return
         raise NotAllowed(
-            f"pages of {origin[:100]!r} may not use this gateway; DOCK_GATEWAY_ALLOWED_ORIGINS can allow them"
+            f"pages of {', '.join(origins)[:100] or 'another site'!r} may not use this gateway, which is at "
+            f"{address.scheme}://{hosts[0]}; DOCK_GATEWAY_ALLOWED_ORIGINS can allow them, and a proxy that speaks TLS "
+            "has to send X-Forwarded-Proto"
         )
+
+
+class Address(NamedTuple):
+    """What browsers call an origin."""
+
+    scheme: str
+    name: str
+    port: int
+
+
+def _read_origin(origin: str) -> Address | None:
+    scheme, separator, host = origin.partition("://")
+    return _read_address(scheme, host) if separator else None
+
+
+def _read_address(scheme: str, host: str) -> Address | None:
+    """The address that `Host` names; None where it is not a name or an IP address, with or without a port."""
+    match = HOST.fullmatch(host.lower())
+    if match is None or scheme not in PORTS:
+        return None
+    port = int(match["port"] or PORTS[scheme])
+    return Address(scheme, match["name"].strip("[]"), port) if 0 < port < 65536 else None
 
 
 def _is_address(name: str) -> bool:
@@ -69,10 +100,3 @@ def _is_address(name: str) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _split(url: str) -> SplitResult:
-    try:
-        return urlsplit(url)
-    except ValueError:  # such as a bracket that is not closed
-        return SplitResult("", "", "", "", "")

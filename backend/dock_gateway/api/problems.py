@@ -8,6 +8,7 @@ from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
+from dock_gateway.api.methods import AllowedMethods
 from dock_gateway.errors import FieldError, GatewayError, InvalidField
 from dock_gateway.goals import encode
 
@@ -31,8 +32,8 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     return {status: {"description": HTTPStatus(status).phrase, "content": content} for status in statuses}
 
 
-def install_problems(app: FastAPI) -> None:
-    """Register the handlers."""
+def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> None:
+    """Register the handlers; `allowed` says which methods a path has."""
 
     @app.exception_handler(GatewayError)
     async def gateway_error(_: Request, error: GatewayError) -> Response:
@@ -43,10 +44,15 @@ def install_problems(app: FastAPI) -> None:
         return problem_response(InvalidField([_field_error(item) for item in error.errors()[:20]]))
 
     @app.exception_handler(HTTPException)
-    async def http_error(_: Request, error: HTTPException) -> Response:
+    async def http_error(request: Request, error: HTTPException) -> Response:
+        headers = dict(error.headers or {})
+        if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+            headers["Allow"] = allowed(request.scope["path"]) or headers.get("Allow", "")
+            if request.method == "OPTIONS":
+                return Response(status_code=HTTPStatus.NO_CONTENT, headers=headers)
         code = CODES.get(error.status_code, "malformed_request")
         response = problem_response(GatewayError(str(error.detail), code=code, status=HTTPStatus(error.status_code)))
-        response.headers.update(error.headers or {})
+        response.headers.update(headers)
         return response
 
     @app.exception_handler(Exception)
