@@ -142,10 +142,21 @@ class Settings(BaseSettings):
         description="Feedback and battery events that wait for the database before the oldest are dropped.",
     )
     retention_hours: float = Field(
-        168.0, gt=0, description="Hours that feedback and battery events are kept. Goals, status and results stay."
+        168.0, gt=0, description="Hours that feedback and battery events are kept; status and results stay as goals do."
     )
     retention_mb: int = Field(
         256, ge=1, description="Megabytes of feedback and battery events that are kept; the oldest go first."
+    )
+    goal_retention_days: float = Field(
+        365.0,
+        ge=1,
+        description="Days that goals are kept, with their status and result events; those that have not ended stay.",
+    )
+    goal_retention_mb: int = Field(
+        1000,
+        ge=1,
+        description="Megabytes that goals may take, with their status and result events; the oldest that have ended go "
+        "first.",
     )
 
     max_message_bytes: int = Field(

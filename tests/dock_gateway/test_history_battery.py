@@ -14,9 +14,7 @@ from dock_gateway.errors import Unavailable
 from dock_gateway.events import Event, message_event
 from dock_gateway.history import battery_store, reader
 from dock_gateway.history.buckets import FIELDS, BatterySpan, Bucket
-from dock_gateway.history.spool import Spool
-from dock_gateway.history.sql import SqlHistory
-from tests.support.history import START_NS, make_event, open_at, open_place, settled, written
+from tests.support.history import START_NS, history_at, make_event, open_at, open_place, settled, written
 
 SECOND = 10**9
 START = START_NS // (30 * SECOND) * (30 * SECOND)
@@ -148,6 +146,6 @@ async def test_what_takes_too_long_does_not_stop_the_rest(
 
 
 async def test_a_database_that_is_away_is_said_to_be(sqlite_url: str, tmp_path: Path) -> None:
-    history = SqlHistory(sqlite_url, Spool(tmp_path / "spool"), max_waiting=10, max_age=1, max_bytes=1)
+    history = history_at(sqlite_url, tmp_path, max_waiting=10)
     with pytest.raises(Unavailable, match="does not answer"):
         await history.battery(span(0, 10))

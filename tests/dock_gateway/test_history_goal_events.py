@@ -68,7 +68,7 @@ async def test_nothing_is_missing_of_a_goal_whose_events_are_there(place: str, t
 
 async def test_what_retention_has_taken_is_missing(database_url: str, tmp_path: Path) -> None:
     size = len(make_event(1, droppable=True).data)
-    async with open_at(database_url, tmp_path, max_bytes=5 * size) as history:
+    async with open_at(database_url, tmp_path, event_bytes=5 * size) as history:
         for number in range(11):
             history.record_event(make_event(number, droppable=number > 0))
         history.record_event(make_event(3, goal_id="g2"))

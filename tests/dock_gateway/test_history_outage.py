@@ -15,10 +15,9 @@ import sqlalchemy as sa
 from dock_gateway.errors import Unavailable
 from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import Wanted, store
-from dock_gateway.history.spool import Spool
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.sqlite import SqliteDatabase
-from tests.support.history import EVERYTHING, make_event, make_goal, open_at, timed, until, written
+from tests.support.history import EVERYTHING, history_at, make_event, make_goal, open_at, timed, until, written
 from tests.support.postgresql import PostgreSQL
 
 # 100 ms for the database, and what a busy machine needs for the file
@@ -242,7 +241,7 @@ async def test_a_goal_that_nothing_takes_is_refused(sqlite_url: str, tmp_path: P
         pass
     (tmp_path / "spool").touch()
     with locked(f"{tmp_path}/history.db"):
-        history = SqlHistory(sqlite_url, Spool(tmp_path / "spool"), max_waiting=10, max_age=1, max_bytes=1)
+        history = history_at(sqlite_url, tmp_path, max_waiting=10)
         await history.open()
         with pytest.raises(Unavailable, match="must not run"):
             await history.add(make_goal(1))

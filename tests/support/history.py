@@ -12,6 +12,7 @@ from typing import Any
 from dock_gateway.events import Event, event_id
 from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import History, MemoryHistory, Wanted
+from dock_gateway.history.retention import Limits
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.sql import SqlHistory
 
@@ -38,12 +39,17 @@ def make_event(number: int, topic: str = "goals", *, droppable: bool = False, go
 START_NS = time.time_ns()
 
 
+def history_at(url: str, folder: Path, *, max_waiting: int = 1000, **limits: float) -> SqlHistory:
+    """A history that is not open yet; limits as `Limits` has them."""
+    generous = {"event_age": 3600.0, "event_bytes": 10**9, "goal_age": 10**9, "goal_bytes": 10**12}
+    keep = Limits(**generous | limits)  # type: ignore[arg-type]
+    return SqlHistory(url, Spool(folder / "spool"), max_waiting=max_waiting, limits=keep)
+
+
 @asynccontextmanager
-async def open_at(
-    url: str, folder: Path, *, max_waiting: int = 1000, max_age: float = 3600.0, max_bytes: int = 10**9
-) -> AsyncIterator[SqlHistory]:
+async def open_at(url: str, folder: Path, *, max_waiting: int = 1000, **limits: float) -> AsyncIterator[SqlHistory]:
     """A history, closed in the end."""
-    history = SqlHistory(url, Spool(folder / "spool"), max_waiting=max_waiting, max_age=max_age, max_bytes=max_bytes)
+    history = history_at(url, folder, max_waiting=max_waiting, **limits)
     await history.open()
     try:
         yield history

@@ -13,11 +13,10 @@ from sensor_msgs.msg import BatteryState
 
 from dock_gateway.events import utc_now
 from dock_gateway.goals import Goal
-from dock_gateway.history.spool import Spool
-from dock_gateway.history.sql import SqlHistory
 from dock_gateway.ros.messages import codec
 from dock_gateway.settings import Settings
 from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.history import open_at
 from tests.support.observer import Observer, ros_observer, wait_until
 from tests.support.processes import BIN, Process, ros_environment
 
@@ -124,12 +123,8 @@ async def test_a_goal_that_was_stored_and_not_sent_is_sent_by_a_retry(
     asked = codec(BatteryState).encode(codec(BatteryState).parse(CHARGING))
     message = b'{"desired_battery_state":%s}' % asked
     goal = Goal(str(uuid.uuid4()), ACTION, Settings().dock_action_type, utc_now(), goal=message)
-    history = SqlHistory(
-        kept["database_url"], Spool(Path(kept["spool_path"])), max_waiting=10, max_age=60, max_bytes=10**6
-    )
-    await history.open()
-    await history.add(goal, "dock-once")
-    await history.close()
+    async with open_at(kept["database_url"], Path(kept["spool_path"]).parent) as history:
+        await history.add(goal, "dock-once")
     with running_dock_server(domain), battery(domain, 1), running_gateway(domain, **kept) as gateway:
         gateway.wait_until_ready()
         lost = gateway.wait_for_goal(goal.goal_id, "lost")

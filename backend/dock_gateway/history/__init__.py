@@ -42,14 +42,19 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
         return
     await asyncio.to_thread(_take_over, settings)
 
-    from dock_gateway.history.sql import SqlHistory  # noqa: PLC0415 - it loads SQLAlchemy
+    from dock_gateway.history.retention import Limits  # noqa: PLC0415 - it loads SQLAlchemy
+    from dock_gateway.history.sql import SqlHistory  # noqa: PLC0415
 
     history = SqlHistory(
         settings.database,
         Spool(settings.spool_folder),
         max_waiting=settings.history_queue,
-        max_age=settings.retention_hours * 3600,
-        max_bytes=settings.retention_mb * 1_000_000,
+        limits=Limits(
+            event_age=settings.retention_hours * 3600,
+            event_bytes=settings.retention_mb * 1_000_000,
+            goal_age=settings.goal_retention_days * 86_400,
+            goal_bytes=settings.goal_retention_mb * 1_000_000,
+        ),
     )
     try:
         await history.open()

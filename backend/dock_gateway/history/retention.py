@@ -1,24 +1,61 @@
-"""Feedback and battery events are kept for a while, and up to a size; goals, status and results always."""
+"""Feedback and battery events are kept for a while, and up to a size; so are goals that have ended, and for longer."""
 
 import asyncio
 import logging
 import time
-from datetime import UTC, datetime
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from functools import partial
 
 import sqlalchemy as sa
 
 from dock_gateway.events import time_id
+from dock_gateway.goals import GoalStatus
 from dock_gateway.history import store
 from dock_gateway.history.database import Database
-from dock_gateway.history.tables import events, idempotency_keys
+from dock_gateway.history.tables import IS_KEPT, events, goals, idempotency_keys
 from dock_gateway.history.writer import DATABASE_ERRORS
 
 log = logging.getLogger(__name__)
 
 INTERVAL = 60.0
 TIMEOUT = 10.0
-# Deleted in one transaction, so that nobody waits long for it.
-CHUNK = 1000
+# Deleted in one transaction, so that nobody waits long for it: events, and goals, each of which has some of them.
+CHUNK, GOAL_CHUNK = 1000, 20
+# What a status or result event takes in the file besides its text: its ids, indexes and its share of the goal's row.
+OVERHEAD = 1000
+# After each transaction it pauses for so many seconds, or so many times as long as the transaction took: those who
+# want to write have their turn, and the disk time for what they write.
+PAUSE, REST = 0.05, 4
+
+_UNFINISHED = [status.value for status in GoalStatus if not status.final]
+
+
+@dataclass(frozen=True)
+class Deleted:
+    """What a transaction has deleted, and the size of it."""
+
+    events: int = 0
+    goals: int = 0
+    size: int = 0
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How much is kept.
+
+    Attributes:
+        event_age: Of feedback and battery events, in seconds.
+        event_bytes: Of encoded feedback and battery events, without what the database needs besides.
+        goal_age: Of goals with their events, in seconds.
+        goal_bytes: Of goals with their status and result events, about as much as they take in the file.
+    """
+
+    event_age: float
+    event_bytes: int
+    goal_age: float
+    goal_bytes: int
 
 
 class Retention:
@@ -26,14 +63,12 @@ class Retention:
 
     Args:
         database: Where.
-        max_age: In seconds.
-        max_bytes: Of encoded feedback and battery events, without what the database needs besides.
+        limits: How much is kept.
     """
 
-    def __init__(self, database: Database, max_age: float, max_bytes: int) -> None:
+    def __init__(self, database: Database, limits: Limits) -> None:
         self._database = database
-        self._max_age = max_age
-        self._max_bytes = max_bytes
+        self._limits = limits
 
     async def run(self) -> None:
         """Delete now and then, until canceled."""
@@ -43,69 +78,106 @@ class Retention:
                 try:
                     await self.enforce()
                 except DATABASE_ERRORS as error:
-                    log.warning("old events could not be deleted, and will be later: %s", error)
+                    log.warning("what is too old could not be deleted, and will be later: %s", error)
 
     async def enforce(self) -> int:
         """Delete all that has to go; returns how many events those were."""
-        cutoff = time_id(time.time_ns() - int(self._max_age * 1e9))
-        deleted = 0
-        while count := (await self._delete(before=cutoff))[0]:
-            deleted += count
-        excess = await self._size() - self._max_bytes
-        while excess > 0:
-            count, size = await self._delete(excess=excess)
-            if not count:
-                break
-            deleted += count
-            excess -= size
+        limits = self._limits
+        event_id = time_id(time.time_ns() - int(limits.event_age * 1e9))
+        created = datetime.now(UTC) - timedelta(seconds=limits.goal_age)
+        deleted = await self._delete(partial(_delete_events, before=event_id))
+        deleted += await self._delete(_delete_events, await self._read(_event_bytes) - limits.event_bytes)
+        deleted += await self._delete(partial(_delete_goals, before=created))
+        deleted += await self._delete(_delete_goals, await self._read(_goal_bytes) - limits.goal_bytes)
         async with asyncio.timeout(TIMEOUT):
             await self._database.write(_delete_old_keys, durable=False)
         return deleted
 
-    async def _size(self) -> int:
+    async def _read(self, size: Callable[[sa.Connection], int]) -> int:
         async with asyncio.timeout(TIMEOUT):
-            return await self._database.read(_size)
+            return await self._database.read(size)
 
-    async def _delete(self, *, before: str | None = None, excess: int | None = None) -> tuple[int, int]:
-        async with asyncio.timeout(TIMEOUT):
-            deleted = await self._database.write(_delete_oldest, before, excess, durable=False)
-        if deleted[0]:
-            await asyncio.sleep(0.01)  # for others who want to write
-        return deleted
+    async def _delete(self, delete: Callable[[sa.Connection, int | None], Deleted], excess: int | None = None) -> int:
+        """Delete, in small transactions, all that there is, or until so many bytes are gone."""
+        events = 0
+        while excess is None or excess > 0:
+            start = time.monotonic()
+            async with asyncio.timeout(TIMEOUT):
+                deleted = await self._database.write(delete, excess, durable=False)
+            if not (deleted.events or deleted.goals):
+                break
+            events += deleted.events
+            excess = None if excess is None else excess - deleted.size
+            await asyncio.sleep(max(PAUSE, REST * (time.monotonic() - start)))
+        return events
 
 
 def _delete_old_keys(connection: sa.Connection) -> None:
     connection.execute(sa.delete(idempotency_keys).where(idempotency_keys.c.expires_at <= datetime.now(UTC)))
 
 
-def _size(connection: sa.Connection) -> int:
+def _event_bytes(connection: sa.Connection) -> int:
     return connection.scalar(sa.select(sa.func.sum(events.c.size)).where(events.c.droppable)) or 0
 
 
-def _delete_oldest(connection: sa.Connection, before: str | None, excess: int | None) -> tuple[int, int]:
-    doomed = _oldest(connection, before, excess)
-    if doomed:
-        # First say that they are missing, then delete them: both or neither.
-        gaps: dict[str, str] = {}
-        for event_id, topic, _ in doomed:
-            gaps[topic] = max(event_id, gaps.get(topic, ""))
-        store.raise_horizons(connection, gaps)
-        connection.execute(sa.delete(events).where(events.c.id.in_([event_id for event_id, *_ in doomed])))
-    return len(doomed), sum(size for *_, size in doomed)
+def _goal_bytes(connection: sa.Connection) -> int:
+    size = sa.func.sum(events.c.size) + OVERHEAD * sa.func.count()
+    return connection.scalar(sa.select(size).where(IS_KEPT)) or 0
 
 
-def _oldest(connection: sa.Connection, before: str | None, excess: int | None) -> list[tuple[str, str, int]]:
+# ---------------------------------------------------------------------- feedback and battery events
+
+
+def _delete_events(connection: sa.Connection, excess: int | None, before: str | None = None) -> Deleted:
+    """The oldest ones; as many as the excess asks for, or those before an id."""
     query = sa.select(events.c.id, events.c.topic, events.c.size).where(events.c.droppable)
     if before is not None:
         query = query.where(events.c.id < before)
     query = query.order_by(events.c.id).limit(CHUNK).with_for_update(skip_locked=True)
-    rows = [(row.id, row.topic, row.size) for row in connection.execute(query)]
-    if excess is None:
-        return rows
-    taken: list[tuple[str, str, int]] = []
-    for row in rows:
-        if excess <= 0:
+    doomed: dict[str, str] = {}
+    size = 0
+    for row in connection.execute(query):
+        if excess is not None and size >= excess:
             break
-        taken.append(row)
-        excess -= row[2]
-    return taken
+        doomed[row.id] = row.topic
+        size += row.size
+    _delete_by_id(connection, doomed)
+    return Deleted(events=len(doomed), size=size)
+
+
+def _delete_by_id(connection: sa.Connection, doomed: dict[str, str]) -> None:
+    """Say that events are missing and delete them: both or neither. By id, with their topics."""
+    gaps: dict[str, str] = {}
+    for event_id, topic in doomed.items():
+        gaps[topic] = max(event_id, gaps.get(topic, ""))
+    store.raise_horizons(connection, gaps)
+    connection.execute(sa.delete(events).where(events.c.id.in_(list(doomed))))
+
+
+# ---------------------------------------------------------------------- goals
+
+
+def _delete_goals(connection: sa.Connection, excess: int | None, before: datetime | None = None) -> Deleted:
+    """The oldest ones that have ended, with their events; or those before a time, also where they were lost then.
+
+    One whose idempotency key still holds stays: a retry would send it once more. Of one with more events than a
+    transaction takes these go first.
+    """
+    # Not `in` the others: SQLite would go through all of them by the index on the status, and sort them.
+    gone: sa.ColumnElement[bool] = goals.c.status.not_in(_UNFINISHED)
+    if before is not None:
+        lost = sa.and_(goals.c.status == GoalStatus.LOST.value, goals.c.updated_at < before)
+        gone = sa.and_(goals.c.created_at < before, sa.or_(gone, lost))
+    key = sa.exists().where(
+        idempotency_keys.c.goal_id == goals.c.goal_id, idempotency_keys.c.expires_at > datetime.now(UTC)
+    )
+    query = sa.select(goals.c.goal_id).where(gone, ~key).order_by(goals.c.created_at, goals.c.goal_id)
+    doomed = list(connection.scalars(query.limit(GOAL_CHUNK).with_for_update(skip_locked=True)))
+    of_doomed = sa.select(events.c.id, events.c.topic, events.c.size, events.c.droppable)
+    rows = connection.execute(of_doomed.where(events.c.goal_id.in_(doomed)).limit(CHUNK)).all()
+    _delete_by_id(connection, {row.id: row.topic for row in rows})
+    size = sum(row.size + OVERHEAD for row in rows if not row.droppable)
+    if len(rows) == CHUNK:
+        return Deleted(events=len(rows), size=size)
+    connection.execute(sa.delete(goals).where(goals.c.goal_id.in_(doomed)))
+    return Deleted(len(rows), len(doomed), size)

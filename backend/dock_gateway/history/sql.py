@@ -23,7 +23,7 @@ from dock_gateway.history.merge import merge
 from dock_gateway.history.past import Past
 from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, Incident, Later, fingerprint_of
 from dock_gateway.history.reader import AWAY, Reader
-from dock_gateway.history.retention import Retention
+from dock_gateway.history.retention import Limits, Retention
 from dock_gateway.history.rows import Key
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.waiting import Waiting
@@ -48,11 +48,10 @@ class SqlHistory:
         url: `sqlite:///path` or `postgresql://…`.
         spool: For when the database does not answer.
         max_waiting: So many events, and so many goals, may wait in memory.
-        max_age: Seconds that feedback and battery events are kept.
-        max_bytes: How much of them is kept.
+        limits: How much is kept, and for how long.
     """
 
-    def __init__(self, url: str, spool: Spool, *, max_waiting: int, max_age: float, max_bytes: int) -> None:
+    def __init__(self, url: str, spool: Spool, *, max_waiting: int, limits: Limits) -> None:
         self._database = open_database(url)
         self._spool = spool
         self._waiting = Waiting(max_waiting)
@@ -63,7 +62,7 @@ class SqlHistory:
         self._reader = Reader(self._database, self._writer)
         self.acknowledgements = SqlAcknowledgements(self._database, self._reader, self._writer)
         self._past = Past(self._reader, self._waiting)
-        self.retention = Retention(self._database, max_age, max_bytes)
+        self.retention = Retention(self._database, limits)
         self.on_loss: Callable[[], None] = lambda: None
         self._tasks: list[asyncio.Task[None]] = []
 

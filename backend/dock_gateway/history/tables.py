@@ -53,6 +53,7 @@ metadata = sa.MetaData()
 
 # As text, not as a parameter: what a database is asked has to say the same as the index, to be found by it.
 IS_BATTERY = sa.text("topic = 'battery'")
+IS_KEPT = sa.text("NOT droppable")
 
 goals = sa.Table(
     "goals",
@@ -96,6 +97,7 @@ events = sa.Table(
     sa.Index("events_by_key", "key", unique=True),
     sa.Index("droppable_events", "id", "size"),
     sa.Index("battery_events", "robot", "id"),
+    sa.Index("kept_events", "size"),
 )
 
 idempotency_keys = sa.Table(
@@ -106,6 +108,7 @@ idempotency_keys = sa.Table(
     sa.Column("fingerprint", sa.Text, nullable=False),
     sa.Column("expires_at", UtcTime, nullable=False),
     sa.Index("keys_by_expiry", "expires_at"),
+    sa.Index("keys_by_goal", "goal_id"),
 )
 
 acknowledgements = sa.Table(
@@ -127,7 +130,7 @@ horizons = sa.Table(
 
 def prepare_for(dialect: str) -> None:
     """Say to a dialect, `sqlite` or `postgresql`, of which rows an index is; the other need not be loaded."""
-    parts = {"droppable_events": sa.text("droppable"), "battery_events": IS_BATTERY}
+    parts = {"droppable_events": sa.text("droppable"), "battery_events": IS_BATTERY, "kept_events": IS_KEPT}
     for index in events.indexes:
         if index.name in parts:
             index.dialect_kwargs[f"{dialect}_where"] = parts[str(index.name)]
