@@ -3,6 +3,7 @@
 import logging
 
 from dock_gateway.actions import ActionRegistry
+from dock_gateway.errors import GatewayError
 from dock_gateway.interlock import Interlock
 from dock_gateway.robots import Robot, RobotRegistry
 from dock_gateway.ros.graph import Scan
@@ -48,10 +49,17 @@ class Absences:
             return
         self._looked_at = seconds
         for robot in self._robots.all():
-            if robot.namespace != self._robots.default_namespace and await self._is_overdue(robot, scan, seconds):
-                log.info("robot %s has gone", robot.namespace)
-                self._seen.pop(robot.namespace, None)
-                self._robots.forget(robot.namespace)
+            if robot.namespace == self._robots.default_namespace:
+                continue
+            try:
+                if await self._is_overdue(robot, scan, seconds):
+                    log.info("robot %s has gone", robot.namespace)
+                    self._seen.pop(robot.namespace, None)
+                    self._robots.forget(robot.namespace)
+            except GatewayError:  # it would be the same with the others
+                raise
+            except Exception:
+                log.exception("while looking whether robot %s has gone", robot.namespace)
 
     async def _is_overdue(self, robot: Robot, scan: Scan, seconds: float) -> bool:
         name, age = robot.namespace, robot.battery.age

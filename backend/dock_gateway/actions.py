@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from dock_gateway.canceler import Canceler
 from dock_gateway.delivery import Delivery
+from dock_gateway.discovery import Discovery
 from dock_gateway.errors import GatewayError, NotFound, Unavailable
 from dock_gateway.events import loss_event, status_event, system_event, utc_now
 from dock_gateway.goals import Goal, GoalError, GoalStatus
@@ -17,10 +18,9 @@ from dock_gateway.interlock import Interlock
 from dock_gateway.later import Later
 from dock_gateway.liveness import ServerState, ServerWatch
 from dock_gateway.namespaces import prefix_of
-from dock_gateway.ros.actions import ActionPort
+from dock_gateway.ros.actions import ActionKind, ActionPort
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
-from dock_gateway.ros.interfaces import install_hint
 from dock_gateway.ros.listener import Unread
 from dock_gateway.service import GoalService
 from dock_gateway.settings import Settings
@@ -87,7 +87,7 @@ class Action:
 
 @dataclass(frozen=True)
 class Uninstalled:
-    """An action on the graph whose interface package is not installed here."""
+    """An action on the graph that cannot be used, most often as its interface package is not installed here."""
 
     name: str
     type: str
@@ -126,7 +126,8 @@ class ActionRegistry:
         self._hub = hub
         self._history = history
         self._actions: dict[str, Action] = {}
-        self._uninstalled: dict[str, Uninstalled] = {}
+        self._types: dict[str, list[str]] = {}  # on the graph, by action
+        self._discovery = Discovery("action", settings.max_actions, "max_actions")
         self._changed = asyncio.Event()
         self._unfinished: dict[str, dict[str, Goal]] = {}  # by action and id
         self._started = time.monotonic()
@@ -150,37 +151,51 @@ class ActionRegistry:
         Raises:
             ImportError: The type's package is not installed.
             TypeError: The type has fields that no .msg file can have.
+            Unavailable: The ROS thread is down.
         """
-        port = await self._bridge.call(
-            lambda: ActionPort(self._bridge, name, type_name), undo=lambda port: port.close()
-        )
+        kind = await asyncio.to_thread(ActionKind, type_name)
+        port = await self._bridge.call(lambda: ActionPort(self._bridge, name, kind), undo=ActionPort.close)
         action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
         action.tracker.on_end.append(self._on_end)
         self._actions[name] = action
-        for goal in self._unfinished.pop(name, {}).values():
-            action.tracker.take_up(goal)
-        await self._bridge.call(
-            lambda: port.listen(action.tracker.on_status, action.tracker.on_feedback, action.on_loss)
-        )
+        unfinished = self._unfinished.pop(name, {})
+        try:
+            for goal in unfinished.values():
+                action.tracker.take_up(goal)
+            await self._bridge.call(
+                lambda: port.listen(action.tracker.on_status, action.tracker.on_feedback, action.on_loss)
+            )
+        except BaseException:
+            await self._forget(action)
+            self.expect(list(unfinished.values()))
+            raise
         log.info("action %s (%s)", name, type_name)
         return action
 
-    async def update(self, scan: Scan) -> None:
-        """Take up actions that have appeared, forget those that have gone."""
-        for name, types in scan.actions.items():
-            if action := self._actions.get(name):
-                action.last_seen = time.monotonic()
-            elif name not in self._uninstalled:
-                await self._take_up(name, types)
-        self._uninstalled = {name: entry for name, entry in self._uninstalled.items() if name in scan.actions}
+    async def update(self, scan: Scan) -> bool:
+        """Take up actions that have appeared, forget those that have gone; whether some are still to be taken up.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+        self._types = scan.actions
         for action in list(self._actions.values()):
+            if types := scan.actions.get(action.name):
+                action.last_seen = time.monotonic()
             unseen = time.monotonic() - action.last_seen > FORGET_AFTER
-            if unseen and not action.pinned and not action.tracker.live:
+            replaced = types is not None and action.type not in types
+            if (unseen or replaced) and not action.pinned and not action.tracker.live:
                 await self._forget(action)
         if self._unfinished and time.monotonic() - self._started > FORGET_AFTER:
             self._give_up()
-        self._changed.set()
-        self._changed.clear()
+        self._discovery.keep(scan.actions)
+        new = [name for name in scan.actions if name not in self._actions]
+        new.sort(key=lambda name: self._docking_type(name) is None)
+        try:
+            return await self._discovery.take_up(new, self._actions, self._take_up)
+        finally:
+            self._changed.set()
+            self._changed.clear()
 
     def _give_up(self) -> None:
         """Goals whose action has not come back are lost, until it does."""
@@ -190,15 +205,24 @@ class ActionRegistry:
                 self._hub.publish(status_event(goal, self._hub.clock.stamp(now_ns), now_ns))
                 self._history.record(goal)
 
-    async def _take_up(self, name: str, types: list[str]) -> None:
+    async def _take_up(self, name: str) -> None:
+        types = self._types[name]
+        type_name = self._type_of(name)
         if len(types) > 1:
-            log.warning("action %s has more than one type: %s; the first counts", name, ", ".join(types))
-        try:
-            await self.open(name, types[0])
-        except (ImportError, TypeError) as error:
-            hint = install_hint(types[0].partition("/")[0]) if isinstance(error, ImportError) else str(error)
-            self._uninstalled[name] = Uninstalled(name, types[0], hint)
-            log.info("action %s is there and cannot be used: %s", name, error)
+            log.warning("action %s has more than one type: %s; %s counts", name, ", ".join(types), type_name)
+        await self.open(name, type_name)
+
+    def _type_of(self, name: str) -> str:
+        """The type of an action on the graph. Where it has several, which is a mistake, the expected one counts."""
+        types, expected = self._types[name], self._docking_type(name)
+        return expected if expected in types else types[0]
+
+    def _docking_type(self, name: str) -> str | None:
+        """The type of a docking or undocking action, by its name."""
+        settings = self._settings
+        if name.endswith(f"/{settings.dock_action}"):
+            return settings.dock_action_type
+        return settings.undock_action_type if name.endswith(f"/{settings.undock_action}") else None
 
     async def _forget(self, action: Action) -> None:
         log.info("action %s has gone", action.name)
@@ -211,8 +235,9 @@ class ActionRegistry:
         return sorted(self._actions.values(), key=lambda action: action.name)
 
     def uninstalled(self) -> list[Uninstalled]:
-        """The actions on the graph whose package is missing, by name."""
-        return sorted(self._uninstalled.values(), key=lambda entry: entry.name)
+        """The actions on the graph that cannot be used, by name."""
+        failed = sorted(self._discovery.failed.items())
+        return [Uninstalled(name, self._type_of(name), failure.why) for name, failure in failed]
 
     def get(self, name: str) -> Action | None:
         """An action by its absolute name, where it is known and can be used."""
@@ -228,16 +253,17 @@ class ActionRegistry:
 
         Raises:
             NotFound: `action_not_found`: nobody serves it.
-            Unavailable: `interface_not_installed`: its package is missing.
+            Unavailable: `interface_not_installed`: it cannot be used, and why.
         """
         try:
             async with asyncio.timeout(self._settings.server_wait):
-                while name not in self._actions and name not in self._uninstalled:
+                while name not in self._actions and name not in self._discovery.failed:
                     await self._changed.wait()
         except TimeoutError:
             raise NotFound(f"nobody serves an action {name}", code="action_not_found") from None
-        if entry := self._uninstalled.get(name):
-            raise Unavailable(f"{name} is of type {entry.type}: {entry.hint}", code="interface_not_installed")
+        if failure := self._discovery.failed.get(name):
+            detail = f"{name} is of type {self._type_of(name)}: {failure.why}"
+            raise Unavailable(detail, code="interface_not_installed")
         return self._actions[name]
 
     def goal(self, goal_id: str) -> Goal | None:

@@ -3,8 +3,8 @@
 import asyncio
 import logging
 import time
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -29,7 +29,7 @@ from dock_gateway.lookout import Lookout
 from dock_gateway.outcomes import Outcomes
 from dock_gateway.robots import RobotRegistry, normalize_namespace
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.graph import scan
+from dock_gateway.ros.graph import Scan, scan
 from dock_gateway.ros.topics import DiagnosticsPort
 from dock_gateway.scenes import Scenes
 from dock_gateway.settings import DockingActions, Settings
@@ -39,8 +39,8 @@ from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
-# The graph is looked at so often, in seconds.
-SCAN_INTERVAL = 1.0
+# Seconds between two looks at the graph, and where there is more to take up.
+SCAN_INTERVAL, PAUSE = 1.0, 0.1
 # A rejected or aborted goal waits so many seconds for a server that says why.
 REASON_WAIT = 0.3
 # A new subscriber is shown so many ended goals.
@@ -280,14 +280,27 @@ def _record_unfinished(actions: ActionRegistry, history: History) -> None:
 
 async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, absences: Absences) -> None:
     """See who comes and goes."""
+    steps: tuple[Callable[[Scan], Awaitable[bool | None]], ...] = (
+        actions.update,
+        robots.update,
+        lambda found: absences.look(found, time.monotonic()),
+    )
     while True:
-        try:
+        more = False
+        with _logged():
             found = await bridge.call(lambda: scan(bridge.node))
-            await actions.update(found)
-            await robots.update(found)
-            await absences.look(found, time.monotonic())
-        except GatewayError as error:
-            log.warning("cannot look at the ROS graph: %s", error.detail)
-        except Exception:
-            log.exception("while looking at the ROS graph")
-        await asyncio.sleep(SCAN_INTERVAL)
+            for step in steps:
+                with _logged():
+                    more = bool(await step(found)) or more
+        await asyncio.sleep(PAUSE if more else SCAN_INTERVAL)
+
+
+@contextmanager
+def _logged() -> Iterator[None]:
+    """What fails here harms nothing else."""
+    try:
+        yield
+    except GatewayError as error:
+        log.warning("cannot look at the ROS graph: %s", error.detail)
+    except Exception:
+        log.exception("while looking at the ROS graph")

@@ -1,9 +1,11 @@
 """A robot is a namespace: its battery topic, its velocity topic, its actions."""
 
 import logging
+from contextlib import ExitStack
 from dataclasses import dataclass
 
 from dock_gateway.battery import Battery, BatteryPublisher
+from dock_gateway.discovery import Discovery
 from dock_gateway.errors import FieldError, InvalidField, NotFound
 from dock_gateway.events import message_event
 from dock_gateway.goals import Json
@@ -45,6 +47,7 @@ class RobotRegistry:
         self._outcomes = outcomes
         self._robots: dict[str, Robot] = {}
         self._forgotten: set[str] = set()
+        self._discovery = Discovery("robot", settings.max_robots, "max_robots")
         self.default_namespace = normalize_namespace(settings.namespace)
 
     async def open(self, namespace: str) -> Robot:
@@ -61,11 +64,15 @@ class RobotRegistry:
         def make() -> Ports:
             battery_topic = settings.resolve(settings.battery_topic, namespace)
             velocity_topic = settings.resolve(settings.cmd_vel_topic, namespace)
-            return (
-                BatteryPort(self._bridge, battery_topic, battery.on_battery),
-                VelocityPort(self._bridge, velocity_topic, hear_velocity),
-                LatchPort(self._bridge, settings.resolve(settings.stop_topic, namespace), hear_latch),
-            )
+            stop_topic = settings.resolve(settings.stop_topic, namespace)
+            with ExitStack() as undo:
+                battery_port = BatteryPort(self._bridge, battery_topic, battery.on_battery)
+                undo.callback(battery_port.close)
+                velocity_port = VelocityPort(self._bridge, velocity_topic, hear_velocity)
+                undo.callback(velocity_port.close)
+                ports = battery_port, velocity_port, LatchPort(self._bridge, stop_topic, hear_latch)
+                undo.pop_all()
+            return ports
 
         ports = await self._bridge.call(make, undo=_leave)
         battery_port, velocity, latch = ports
@@ -77,19 +84,26 @@ class RobotRegistry:
         log.info("robot %s", namespace)
         return robot
 
-    async def update(self, scan: Scan) -> None:
-        """Take up robots that have appeared, or are back.
+    async def update(self, scan: Scan) -> bool:
+        """Take up robots that have appeared, or are back; whether some are still to be taken up.
 
         One that was forgotten is not back for a topic that merely another gateway is at.
+
+        Raises:
+            Unavailable: The ROS thread is down.
         """
         settings = self._settings
         suffixes = tuple(f"/{name}" for name in (settings.dock_action, settings.undock_action, settings.battery_topic))
-        for name in (*scan.actions, *scan.topics):
-            for suffix in suffixes:
-                if not name.endswith(suffix) or (namespace := name.removesuffix(suffix) or "/") in self._robots:
-                    continue
-                if namespace not in self._forgotten or await self.is_there(namespace, scan):
-                    await self.open(namespace)
+        names = (*scan.actions, *scan.topics)
+        found = (name.removesuffix(suffix) or "/" for name in names for suffix in suffixes if name.endswith(suffix))
+        new = [namespace for namespace in dict.fromkeys(found) if namespace not in self._robots]
+
+        async def take_up(namespace: str) -> None:
+            if namespace not in self._forgotten or await self.is_there(namespace, scan):
+                await self.open(namespace)
+
+        self._discovery.keep(new)
+        return await self._discovery.take_up(new, self._robots, take_up)
 
     async def is_there(self, namespace: str, scan: Scan) -> bool:
         """Whether somebody other than gateways is in a namespace, and not in that of a robot below.

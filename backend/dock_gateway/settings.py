@@ -159,6 +159,10 @@ class Settings(BaseSettings):
         "first.",
     )
 
+    max_actions: int = Field(
+        1000, ge=2, description="Actions on the ROS graph that are taken up; each takes 0.7 MB. Docking comes first."
+    )
+    max_robots: int = Field(500, ge=1, description="Robots that are taken up.")
     max_message_bytes: int = Field(
         1_000_000,
         ge=1024,

@@ -127,3 +127,17 @@ async def test_it_is_not_looked_for_too_often_and_not_at_all_at_0(parts: Parts) 
     await never.look(SCAN, 1e9)
     assert parts.looks == 2
     assert "/robot1" in parts.robots
+
+
+async def test_one_robot_that_cannot_be_looked_at_keeps_no_other_from_being_forgotten(parts: Parts) -> None:
+    class Broken:
+        def __getattr__(self, name: str) -> Any:
+            if name == "namespace":
+                return "/broken"
+            raise RuntimeError
+
+    parts.robots = {"/broken": Broken(), **parts.robots}
+    absences = absences_of(parts)
+    await absences.look(SCAN, 1000.0)
+    await absences.look(SCAN, 1020.0 + AFTER)
+    assert set(parts.robots) == {"/", "/broken"}

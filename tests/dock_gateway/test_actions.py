@@ -64,6 +64,26 @@ async def test_a_type_with_fields_that_no_msg_file_can_have(
     def refuse(*_: object) -> None:
         raise TypeError("fields of type long double are not supported")
 
-    monkeypatch.setattr(actions, "ActionPort", refuse)
+    monkeypatch.setattr(actions, "ActionKind", refuse)
     await registry.update(Scan({"/odd": ["odd_msgs/action/Odd"]}))
     assert [entry.hint for entry in registry.uninstalled()] == ["fields of type long double are not supported"]
+
+
+async def test_whatever_is_wrong_with_one_action_the_others_are_tried(
+    registry: ActionRegistry, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tried: list[str] = []
+
+    class Failing:
+        def __init__(self, _: object, name: str, __: object) -> None:
+            tried.append(name)
+            raise RuntimeError("no type support")
+
+        def close(self) -> None:
+            """Never called."""
+
+    monkeypatch.setattr(actions, "ActionPort", Failing)
+    kind = "action_tutorials_interfaces/action/Fibonacci"
+    await registry.update(Scan({"/a": [kind], "/b": [kind], "/c/connect_to_charging_dock": [kind]}))
+    assert tried == ["/c/connect_to_charging_dock", "/a", "/b"], "docking comes first"
+    assert {entry.hint for entry in registry.uninstalled()} == {"no type support"}

@@ -1,11 +1,15 @@
 """The graph put together from what was seen."""
 
+from typing import Any
+
 import orjson
 import pytest
+from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from dock_gateway.api.graph import is_known
 from dock_gateway.goals import encode
 from dock_gateway.graph import Endpoint, Quality, Seen, Service, Topic, graph_document, is_noise
+from dock_gateway.ros.graph import scan
 
 QOS = Quality("reliable", "volatile", "unknown", None, None, None, "automatic")
 SENSOR = Quality("best_effort", "volatile", "unknown", None, 0.5, None, "automatic")
@@ -147,3 +151,28 @@ def test_noise(name: str, types: list[str], noise: bool) -> None:
 )
 def test_conditions(condition: str | None, known: bool) -> None:
     assert is_known(condition, '"abc"') is known
+
+
+class OddNode:
+    """Sees topics as programs of DDS that are no ROS nodes may name them."""
+
+    def __init__(self, *names: str) -> None:
+        self._names = names
+
+    def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
+        return [(name, [f"{FIBONACCI}_FeedbackMessage"]) for name in self._names]
+
+    @staticmethod
+    def count_publishers(name: str) -> int:
+        validate_full_topic_name(name)  # as the real one does
+        return 1
+
+
+def test_odd_names_keep_nothing_from_being_found() -> None:
+    odd = ("/a b", "/0robot", "//", "/robot/", "/röbot", "", "/" + "x" * 300, "/a__b")
+    names = (name + part for name in (*odd, "/fibonacci") for part in ("/_action/feedback", "/battery_status"))
+    node: Any = OddNode(*names)
+    found = scan(node)
+    assert list(found.actions) == ["/a__b", "/fibonacci"] or list(found.actions) == ["/fibonacci"]
+    assert "/fibonacci/battery_status" in found.topics
+    assert not [name for name in found.topics if " " in name or "//" in name]

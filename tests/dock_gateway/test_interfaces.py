@@ -58,6 +58,20 @@ def test_names_that_are_no_action_type(type_name: str, message: str) -> None:
         load_action(type_name)
 
 
+@pytest.mark.parametrize("line", ["raise RuntimeError('built for another Python')", "raise SystemExit(3)", "def"])
+def test_a_package_that_fails_when_it_is_imported(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "broken_msgs"
+    for file in ("__init__.py", "broken_msgs_s__rosidl_typesupport_c.so", "action/__init__.py"):
+        package.joinpath(file).parent.mkdir(parents=True, exist_ok=True)
+        package.joinpath(file).write_text(line if "action" in file else "")
+    monkeypatch.syspath_prepend(tmp_path)
+    for _ in range(2):
+        with pytest.raises(ImportError, match=r"broken_msgs\.action cannot be imported"):
+            load_action("broken_msgs/action/Broken")
+    for name in [name for name in sys.modules if name.startswith("broken_msgs")]:
+        del sys.modules[name]
+
+
 def test_message_types_by_name() -> None:
     assert load_message("std_msgs/msg/String") is String
     assert load_message("test_msgs/action/NestedMessage_FeedbackMessage") is NestedMessage.Impl.FeedbackMessage

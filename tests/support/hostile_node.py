@@ -16,6 +16,7 @@ import rclpy
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Twist
+from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
@@ -138,7 +139,9 @@ def odd_actions(node: Node, _: argparse.Namespace) -> Callable[[], None]:
     """Actions of types that do not work everywhere, of two types at once, and with a name of 200 characters."""
     _publish_topics(node, "/a_first/other", OtherFibonacci)
     _publish_topics(node, "/b_second/two_types", Fibonacci)
-    _publish_topics(node, "/b_second/two_types", OtherFibonacci)
+    another = Context()  # a process cannot have a topic with two types in one
+    rclpy.init(context=another)
+    _publish_topics(rclpy.create_node("another", context=another), "/b_second/two_types", OtherFibonacci)
     _publish_topics(node, f"/c_third/{'long' * 45}", Fibonacci)
     _publish_topics(node, "/d_fourth/_action/_action/feedback", Fibonacci)
     return lambda: None

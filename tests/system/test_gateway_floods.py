@@ -1,12 +1,24 @@
 """One ROS node that sends too much, too fast or too large harms nobody else."""
 
+import shutil
 import sys
 import time
 from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
+import test_msgs
 
-from tests.support.gateway import ACTION, LOW, RunningGateway, running_gateway, running_hostile_node
+from tests.support.gateway import (
+    ACTION,
+    LOW,
+    RunningGateway,
+    running_dock_server,
+    running_gateway,
+    running_hostile_node,
+)
+from tests.support.observer import wait_until
 from tests.support.processes import Process, ros_environment
 
 pytestmark = pytest.mark.ros
@@ -81,3 +93,50 @@ def test_a_result_that_is_too_large_ends_the_goal_without_it(gateway: RunningGat
         goal = gateway.http.post("/dock", headers={"Prefer": "wait=10"}).json()
         assert (goal["status"], goal["result"]) == ("succeeded", None)
         assert goal["error"]["code"] == "result_too_large"
+
+
+@pytest.fixture(params=["raises", "no type support"])
+def broken_package(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """A folder with a `test_msgs` that does not work, as if it were built for another Python."""
+    package = tmp_path / "test_msgs"
+    shutil.copytree(Path(test_msgs.__path__[0]), package, ignore=shutil.ignore_patterns("*.so", "__pycache__"))
+    package.joinpath("test_msgs_s__rosidl_typesupport_c.cpython-27.so").touch()
+    if request.param == "raises":
+        package.joinpath("action", "__init__.py").write_text("raise RuntimeError('for another Python')")
+    return tmp_path
+
+
+def test_actions_that_cannot_be_used_keep_no_other_from_being_found(
+    domain: int, broken_package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with running_hostile_node(domain, "odd_actions"):
+        monkeypatch.setenv("PYTHONPATH", str(broken_package))
+        with running_gateway(domain) as gateway:
+            monkeypatch.undo()
+            found = wait_until(lambda: odd_ones(gateway, 3), "the actions", 30)
+            assert found["/a_first/other"]["installed"] is False
+            assert "test_msgs" in found["/a_first/other"]["hint"]
+            assert found["/b_second/two_types"]["action_type"].endswith("Fibonacci")
+            with running_dock_server(domain, "-r", "__ns:=/z_last"):
+                wait_until(lambda: gateway.http.get("/battery?robot=/z_last").status_code == 200, "the robot", 30)
+                assert gateway.http.post("/dock?robot=/z_last").status_code in (202, 409)
+
+
+def odd_ones(gateway: RunningGateway, count: int) -> dict[str, Any]:
+    actions = gateway.http.get("/actions").json()["actions"]
+    found = {action["action_name"]: action for action in actions if action["action_name"].count("/") > 1}
+    return found if len(found) >= count else {}
+
+
+def test_hundreds_of_actions_at_once(domain: int) -> None:
+    with (
+        running_gateway(domain, max_actions="60", max_robots="20") as gateway,
+        running_hostile_node(domain, "actions", "--count", "100"),
+    ):
+        found = wait_until(lambda: odd_ones(gateway, 100), "the actions", 60)
+        answers_while_flooded(gateway)
+        assert sum(action["installed"] for action in found.values()) == 58
+        assert {action["hint"] for action in found.values() if not action["installed"]} == {
+            "there are 60 already, see max_actions"
+        }
+        assert len(gateway.http.get("/robots").json()["robots"]) == 20

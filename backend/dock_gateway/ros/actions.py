@@ -8,10 +8,10 @@ import asyncio
 import uuid
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from action_msgs.srv import CancelGoal
+from rclpy.client import Client
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import serialize_message
@@ -56,6 +56,21 @@ class ResultAnswer:
     error: GoalError | None = None
 
 
+class ActionKind:
+    """A type of actions by its name, `package/action/Name`; making one imports its package and takes a moment.
+
+    Raises:
+        ImportError: Its package is not installed, or cannot be imported.
+        TypeError: It has fields that no .msg file can have.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.action = load_action(name)
+        for part in (self.action.Goal, self.action.Result, self.action.Feedback):
+            codec(part)
+
+
 class ActionPort:
     """Sends goals, cancels and result requests to one action, and hears of all its goals.
 
@@ -64,29 +79,35 @@ class ActionPort:
     Args:
         bridge: Where the ROS thread is.
         action_name: Absolute name of the action.
-        action_type: Its type, `package/action/Name`.
-
-    Raises:
-        ImportError: The type's package is not installed.
+        kind: Its type.
     """
 
-    def __init__(self, bridge: Bridge, action_name: str, action_type: str) -> None:
+    def __init__(self, bridge: Bridge, action_name: str, kind: ActionKind) -> None:
         self.action_name = action_name
-        self.action_type = action_type
+        self.action_type = kind.name
+        self.goal_codec = codec(kind.action.Goal)
         self._bridge = bridge
         self._subscriptions: list[Subscription] = []
-        action = load_action(action_type)
-        self._impl = action.Impl
-        self.goal_codec = codec(action.Goal)
-        self._result_codec = codec(action.Result)
-        self._feedback_codec = codec(action.Feedback)
+        self._clients: list[Client] = []
+        self._impl = kind.action.Impl
+        self._result_codec = codec(kind.action.Result)
+        self._feedback_codec = codec(kind.action.Feedback)
         # A request is read while it is sent, so that one can be sent again and again: it is costly to make.
         self._goal_request = self._impl.SendGoalService.Request()
-        make = partial(bridge.node.create_client, qos_profile=SERVICE_QOS)
-        self._send = make(self._impl.SendGoalService, f"{action_name}/_action/send_goal")
-        self._result = make(self._impl.GetResultService, f"{action_name}/_action/get_result")
-        # Last: once the server has answered a ping, it has matched what was announced before, too.
-        self._cancel = make(CancelGoal, f"{action_name}/_action/cancel_goal")
+        try:
+            self._send = self._make_client(self._impl.SendGoalService, "send_goal")
+            self._result = self._make_client(self._impl.GetResultService, "get_result")
+            # Last: once the server has answered a ping, it has matched what was announced before, too.
+            self._cancel = self._make_client(CancelGoal, "cancel_goal")
+        except Exception:
+            self.close()
+            raise
+
+    def _make_client(self, service: Any, name: str) -> Client:
+        path = f"{self.action_name}/_action/{name}"
+        client = self._bridge.node.create_client(service, path, qos_profile=SERVICE_QOS)
+        self._clients.append(client)
+        return client
 
     def listen(self, on_status: OnStatus, on_feedback: OnFeedback, on_loss: OnLoss) -> None:
         """Hear of all goals from now on.
@@ -110,35 +131,34 @@ class ActionPort:
         def hear_status(message: bytes, info: dict[str, Any]) -> None:
             inbox.put(on_status, statuses.read(message), info["source_timestamp"])
 
-        self._subscriptions = [
-            node.create_subscription(
-                self._impl.FeedbackMessage,
-                f"{self.action_name}/_action/feedback",
-                guard(hear_feedback, refuse_feedback),
-                QoSProfile(depth=FEEDBACK_DEPTH),
-                qos_overriding_options=overrides,
-            ),
-            node.create_subscription(
-                self._impl.GoalStatusMessage,
-                f"{self.action_name}/_action/status",
-                guard(hear_status),
-                qos_profile_action_status_default,
-                qos_overriding_options=overrides,
-                raw=True,
-            ),
-        ]
+        feedback = node.create_subscription(
+            self._impl.FeedbackMessage,
+            f"{self.action_name}/_action/feedback",
+            guard(hear_feedback, refuse_feedback),
+            QoSProfile(depth=FEEDBACK_DEPTH),
+            qos_overriding_options=overrides,
+        )
+        self._subscriptions.append(feedback)
+        status = node.create_subscription(
+            self._impl.GoalStatusMessage,
+            f"{self.action_name}/_action/status",
+            guard(hear_status),
+            qos_profile_action_status_default,
+            qos_overriding_options=overrides,
+            raw=True,
+        )
+        self._subscriptions.append(status)
 
     def close(self) -> None:
         """Leave the action."""
         for subscription in self._subscriptions:
             self._bridge.node.destroy_subscription(subscription)
-        for client in (self._send, self._result, self._cancel):
+        for client in self._clients:
             self._bridge.node.destroy_client(client)
 
     async def available(self) -> bool:
         """Whether a server of all three services is on the graph."""
-        clients = (self._send, self._result, self._cancel)
-        return await self._bridge.call(lambda: all(client.service_is_ready() for client in clients))
+        return await self._bridge.call(lambda: all(client.service_is_ready() for client in self._clients))
 
     def send(self, goal_id: str, goal: Any) -> PendingCall:
         """Send a goal; the response says whether it was accepted."""

@@ -53,11 +53,20 @@ def scan(node: Node) -> Scan:
     result = Scan()
     for topic, types in node.get_topic_names_and_types():
         name, separator, part = topic.partition(ACTION_PART)
+        if not TOPIC_NAME.fullmatch(name):  # a program of DDS that is no ROS node may use any name
+            continue
         if not separator:
             result.topics[topic] = list(types)
-        elif part == FEEDBACK and node.count_publishers(f"{name}{ACTION_PART}{STATUS}"):
+        elif part == FEEDBACK and _publishers(node, f"{name}{ACTION_PART}{STATUS}"):
             result.actions[name] = [text.removesuffix(FEEDBACK_TYPE) for text in types]
     return result
+
+
+def _publishers(node: Node, topic: str) -> int:
+    try:
+        return int(node.count_publishers(topic))
+    except InvalidTopicNameException:  # it is too long
+        return 0
 
 
 class Survey:

@@ -59,10 +59,15 @@ def load_message(type_name: str) -> Any:
 def _load(package: str, kind: str, name: str) -> Any:
     if not is_installed(package):
         raise ImportError(f"{package} is not installed: {install_hint(package)}")
+    module = f"{package}.{kind}"
     try:
-        return getattr(importlib.import_module(f"{package}.{kind}"), name)
-    except (ModuleNotFoundError, AttributeError):
-        return None
+        return getattr(importlib.import_module(module), name, None)
+    except ModuleNotFoundError as error:
+        if error.name == module:
+            return None
+        raise
+    except (Exception, SystemExit) as error:
+        raise ImportError(f"{module} cannot be imported: {error!r}") from error
 
 
 def is_installed(package: str) -> bool:
