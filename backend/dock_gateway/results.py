@@ -5,6 +5,7 @@ the status topic, and why it was aborted.
 """
 
 import asyncio
+import time
 from typing import Protocol
 
 from dock_gateway.errors import Unavailable
@@ -14,8 +15,8 @@ from dock_gateway.ros.actions import ActionPort, ResultAnswer
 from dock_gateway.ros.bridge import PendingCall
 from dock_gateway.tasks import Tasks
 
-# A goal that the status topic says has ended waits so long for its result.
-RESULT_WAIT = 2.0
+# Seconds that a goal which the status topic says has ended waits for its result, and after which it is asked for again.
+RESULT_WAIT, ASK_AGAIN_AFTER = 4.0, 0.5
 # A result waits so long for the status message of the end, whose timestamp is the same at every gateway.
 END_STAMP_WAIT = 0.2
 SAID_NOTHING = "the action server aborted the goal and did not say why"
@@ -109,7 +110,12 @@ class Results:
             self._tasks.spawn(self._end_without_result(goal, status))
 
     async def _end_without_result(self, goal: Goal, status: GoalStatus) -> None:
-        await asyncio.sleep(RESULT_WAIT)
+        deadline = time.monotonic() + RESULT_WAIT
+        while not goal.status.final and time.monotonic() < deadline:
+            await asyncio.sleep(ASK_AGAIN_AFTER)
+            # An answer is lost where the server does not know our client yet, as just after a start.
+            if not goal.status.final:
+                self.request_again(goal)
         if not goal.status.final:
             error = GoalError(NO_RESULT, "the goal ended and the action server did not give its result")
             self._goals.end(goal, status, error=error, stamp_ns=await self._end_stamps.of(goal.goal_id))

@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 MAX_REMEMBERED = 10_000
 MAX_LOST = 100
 # Seconds that a result is waited for, at most, before what follows is told.
-RESERVE_FOR = 0.25
+RESERVE_FOR = 1.0
 
 # Makes an event of a goal as it stands, with the stamp of its id and that of its source.
 MakeEvent = Callable[[Goal, int, int], Event]

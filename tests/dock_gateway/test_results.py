@@ -8,6 +8,7 @@ import pytest
 from dock_gateway.errors import Unavailable
 from dock_gateway.events import time_id
 from dock_gateway.goals import Goal, GoalError, GoalStatus
+from tests.support.history import until
 from tests.support.tracking import A, B, S, Scene, scene
 
 __all__ = ["scene"]
@@ -121,3 +122,13 @@ async def test_a_goal_of_before_is_asked_for_though_its_server_answered_long_ago
     scene.tracker.take_up(known)
     scene.port.answer(B, None)
     assert await scene.events() == ["status:lost"]
+
+
+async def test_a_result_whose_answer_was_lost_is_asked_for_again(scene: Scene) -> None:
+    """As just after a start, when the server does not know our client yet."""
+    goal = scene.send()
+    scene.status((A, S.SUCCEEDED))
+    await until(lambda: len(scene.port.calls.get(A, ())) == 2)
+    scene.port.answer(A, S.SUCCEEDED, b'{"n":1}')
+    assert (await scene.events())[-1] == "result:succeeded"
+    assert (goal.result, goal.error) == (b'{"n":1}', None)

@@ -85,6 +85,7 @@ class Scene:
 @pytest.fixture
 async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
     monkeypatch.setattr(results_module, "RESULT_WAIT", 0.05)
+    monkeypatch.setattr(results_module, "ASK_AGAIN_AFTER", 0.03)
     monkeypatch.setattr(results_module, "END_STAMP_WAIT", 0.01)
     scene = Scene()
     yield scene

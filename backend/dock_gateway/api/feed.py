@@ -1,5 +1,6 @@
 """What one reader of events gets, in order: a snapshot or what it missed, then everything as it happens."""
 
+import asyncio
 import time
 from collections.abc import AsyncIterator
 
@@ -14,6 +15,8 @@ from dock_gateway.interest import Interest
 
 # What was missed is fetched from the history in pieces of so many events, and not more than so many pieces.
 PIECE, MAX_PIECES = 1000, 100
+# Seconds that a reader which resumes waits for a history that does not answer.
+PATIENCE = 3.0
 
 
 async def feed(
@@ -97,18 +100,26 @@ async def _missed(gateway: Gateway, subscriber: Subscriber, after: str) -> Later
 
 async def _from_history(gateway: Gateway, interest: Interest, after: str) -> Later:
     """What followed an event that this process has not seen, or has forgotten, as far as it is stored."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            return await _read_history(gateway, interest, after)
+        except GatewayError:
+            if time.monotonic() >= deadline or gateway.hub.closing:
+                return Later([], complete=False)
+            await asyncio.sleep(0.1)
+
+
+async def _read_history(gateway: Gateway, interest: Interest, after: str) -> Later:
     missed: list[Event] = []
     complete, last = True, after
-    try:
-        for _ in range(MAX_PIECES):
-            piece = await gateway.history.events_after(
-                last, goal_id=interest.goal_id, action_name=interest.action_name, topics=interest.topics, limit=PIECE
-            )
-            complete = complete and piece.complete
-            missed.extend(event for event in piece.events if interest.covers(event))
-            if len(piece.events) < PIECE:
-                return Later(missed, complete)
-            last = piece.events[-1].id or last
-    except GatewayError:
-        pass
+    for _ in range(MAX_PIECES):
+        piece = await gateway.history.events_after(
+            last, goal_id=interest.goal_id, action_name=interest.action_name, topics=interest.topics, limit=PIECE
+        )
+        complete = complete and piece.complete
+        missed.extend(event for event in piece.events if interest.covers(event))
+        if len(piece.events) < PIECE:
+            return Later(missed, complete)
+        last = piece.events[-1].id or last
     return Later([], complete=False)

@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 DATABASE_ERRORS = (sa_errors.SQLAlchemyError, OSError, TimeoutError, RuntimeError)
 
 ANSWER_TIMEOUT = 0.1  # a new goal waits so long for the database, then it goes to the spool
-SEAL_TIMEOUT = 0.25  # the end of a goal waits so long for the database, and with it what is published later
+SEAL_TIMEOUT = 1.0  # the end of a goal waits so long for the database, and with it what is published later
 WRITE_TIMEOUT = 10.0
 BATCH_INTERVAL = 0.2
 BATCH_PATIENCE = 0.3  # new goals are written ahead of all else, but hold it up no longer than this
