@@ -5,6 +5,7 @@ the status topic, and why it was aborted.
 """
 
 import asyncio
+import logging
 import time
 from typing import Protocol
 
@@ -14,6 +15,8 @@ from dock_gateway.later import Later
 from dock_gateway.ros.actions import ActionPort, ResultAnswer
 from dock_gateway.ros.bridge import PendingCall
 from dock_gateway.tasks import Tasks
+
+log = logging.getLogger(__name__)
 
 # Seconds that a goal which the status topic says has ended waits for its result, and after which it is asked for again.
 RESULT_WAIT, ASK_AGAIN_AFTER = 4.0, 0.5
@@ -96,6 +99,9 @@ class Results:
         if answer.status is None:
             if not goal.status.terminal:
                 self._goals.lose(goal, GoalError("action_server_lost", "the action server does not know the goal"))
+            return
+        if not answer.status.terminal:
+            log.warning("goal %s: the action server gave a result and says %s", goal.goal_id, answer.status.value)
             return
         stamp_ns = await self._end_stamps.of(goal.goal_id)
         error = answer.error

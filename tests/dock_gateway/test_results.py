@@ -132,3 +132,16 @@ async def test_a_result_whose_answer_was_lost_is_asked_for_again(scene: Scene) -
     scene.port.answer(A, S.SUCCEEDED, b'{"n":1}')
     assert (await scene.events())[-1] == "result:succeeded"
     assert (goal.result, goal.error) == (b'{"n":1}', None)
+
+
+async def test_an_answer_that_does_not_end_the_goal_is_not_its_end(scene: Scene) -> None:
+    goal = scene.send()
+    scene.status((A, S.EXECUTING))
+    await asyncio.sleep(0)
+    scene.port.answer(A, S.ACCEPTED, b'{"n":1}')
+    await asyncio.sleep(0.02)
+    assert goal.status is S.EXECUTING
+    scene.status((A, S.SUCCEEDED))
+    await until(lambda: len(scene.port.calls[A]) == 2)
+    scene.port.answer(A, S.SUCCEEDED, b'{"n":2}')
+    assert (await scene.events())[-1] == "result:succeeded"

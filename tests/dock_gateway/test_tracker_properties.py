@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from dock_gateway import adoption as adoption_module
 from dock_gateway import results as results_module
 from dock_gateway import tracker as tracker_module
-from dock_gateway.errors import Unavailable
 from dock_gateway.events import Event
 from dock_gateway.goals import FROM_ROS, Goal, GoalError, GoalStatus
 from dock_gateway.history import MemoryHistory
@@ -32,20 +31,8 @@ STEPS = st.one_of(
     st.tuples(st.just("answer"), GOALS, STATUSES | st.none()),
     st.tuples(st.just("lose"), GOALS),
     st.tuples(st.just("wait"), st.sampled_from([0.0, 0.02])),
-    st.tuples(st.just("outage"), st.booleans()),
     st.tuples(st.just("restart")),
 )
-
-
-class Flaky(MemoryHistory):
-    """A history that does not answer now and then; what it is given is kept all the same, as by a spool."""
-
-    away = False
-
-    async def known(self, goal_ids: Any) -> dict[str, Goal]:
-        if self.away:
-            raise Unavailable("away", code="history_unavailable")
-        return await super().known(goal_ids)
 
 
 class World:
@@ -53,7 +40,7 @@ class World:
 
     def __init__(self) -> None:
         self.told: list[Event] = []
-        self.history = Flaky(100)
+        self.history = MemoryHistory(100)
         self.start()
 
     def start(self) -> None:
@@ -77,8 +64,6 @@ class World:
             await self.restart()
         elif name == "wait":
             await asyncio.sleep(details[0])
-        elif name == "outage":
-            self.history.away = details[0]
         else:
             await self.step_of(name, *details)
 
