@@ -181,7 +181,7 @@ class Settings(BaseSettings):
     max_connections: int = Field(
         4000,
         ge=32,
-        description="Connections at the same time; fewer where the process may not open 100 files beside them.",
+        description="Connections at the same time; fewer where the process may not open 128 files beside them.",
     )
     max_connections_per_address: int = Field(
         2000,

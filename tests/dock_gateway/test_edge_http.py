@@ -5,7 +5,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import AsyncExitStack, suppress
 from http.client import HTTPConnection
 
 import httpx2
@@ -241,6 +241,22 @@ async def test_who_does_not_read_the_answer_is_let_go() -> None:
         await asyncio.sleep(1.5)
         writer.transport.resume_reading()
         assert len(await asyncio.wait_for(reader.read(), 10)) < PAGE
+
+
+async def test_all_clients_together_send_too_much() -> None:
+    head = b"POST /echo HTTP/1.1\r\nConnection: close\r\nContent-Length: %d\r\n" + HOST + b"\r\n"
+    async with serving(app, max_body_bytes=125_000) as edge, AsyncExitStack() as stack:
+        for _ in range(10):
+            _, writer = await stack.enter_async_context(edge.connect())
+            writer.write(head % 1_000_000 + b"x" * 99_000)
+        while b" 503 " not in (answer := await edge.ask(head % 200_000 + b"x" * 200_000)):
+            assert answer.endswith(b"200000")  # what the others sent has not been read yet
+        assert code(answer) == (503, "too_much_input")
+        assert (await edge.ask(head % 15_000 + b"x" * 15_000)).endswith(b"15000")
+        await stack.aclose()
+        while b" 503 " in (answer := await edge.ask(head % 200_000 + b"x" * 200_000)):
+            pass
+        assert answer.endswith(b"200000")
 
 
 async def test_tiny_chunks_do_not_keep_others_waiting() -> None:

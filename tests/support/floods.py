@@ -147,6 +147,7 @@ def _raise_limit() -> None:
 
 START = b"GET /healthz HTTP/1.1\r\n" + HOST
 CHUNKED = b"POST /dock HTTP/1.1\r\n" + HOST + b"Content-Type: application/json\r\nTransfer-Encoding: chunked\r\n\r\n"
+LARGE = b"POST /dock HTTP/1.1\r\n" + HOST + b"Content-Type: application/json\r\nContent-Length: 990000\r\n\r\n"
 ENDLESS = b"GET /healthz HTTP/1.1\r\n" + HOST + b"Content-Length: 100000000000\r\n\r\n"
 FRAGMENTS = frame(CONTINUATION, fin=False) * 5_000
 PINGS = frame(PING, b"x" * 100) * 1_000
@@ -167,6 +168,7 @@ FLOODS: dict[str, Flood] = {
     "commands": _websocket("/ws", b"", frame(TEXT, b'{"op":"ping"}') * 1_000),
     "unread commands": _websocket("/ws", b"", frame(TEXT, b'{"op":"ping"}') * 1_000, read=False),
     "tiny chunks": _request(CHUNKED, b"1\r\n \r\n" * 10_000),
+    "bodies without end": _many(100, LARGE, b"x" * 20_000, pause=0.1),
     "a body nobody wants": _request(ENDLESS, b"x" * 65_536),
     "pipelined requests": _request(b"", (START + b"\r\n") * 100),
     "connections": _many(100, START + b"Connection: close\r\n\r\n", pause=0.0),

@@ -14,15 +14,24 @@ log = logging.getLogger(__name__)
 
 # So many bytes that a client still sends after its answer are read and thrown away, so that the answer reaches it.
 LINGER_BYTES = 64_000_000
+# All clients together may have sent so many of the largest bodies in part. Then one that has sent more than its share,
+# in bytes, is refused, and small requests still pass.
+UNFINISHED_BODIES = 8
+SHARE = 16_384
 
 
-@dataclass(frozen=True)
+@dataclass
 class Edge:
-    """What all connections share."""
+    """What all connections share.
+
+    Attributes:
+        unfinished: Bytes of requests and messages that have arrived in part.
+    """
 
     settings: Settings
     limits: ConnectionLimits
     scheduler: InputScheduler = field(default_factory=InputScheduler)
+    unfinished: int = 0
 
 
 class InnerProtocol(Protocol):
@@ -35,6 +44,13 @@ class InnerProtocol(Protocol):
     @property
     def unread(self) -> bool:
         """Whether the client is still sending something that nobody is going to read."""
+
+    @property
+    def receiving(self) -> bool:
+        """Whether a request or a message has arrived in part."""
+
+    def refuse_input(self) -> None:
+        """Tell the client that its request or message cannot be taken now."""
 
     def is_urgent(self, data: bytes) -> bool:
         """Whether this piece is to be handled before everything else."""
@@ -73,6 +89,7 @@ class Connection(asyncio.BufferedProtocol):
         self._edge = edge
         self._transport: asyncio.Transport = None  # type: ignore[assignment]
         self._pending = b""  # received, and not handled yet
+        self._unfinished = 0  # bytes of a request or message that has arrived in part
         self._queued = False
         self._paused = False  # by the protocol
         self._lingering = 0  # bytes that may still come; 0: it does not linger
@@ -93,6 +110,7 @@ class Connection(asyncio.BufferedProtocol):
     def connection_lost(self, exc: Exception | None) -> None:
         """Tell the limits and the protocol."""
         self._edge.limits.release(self)
+        self._count_unfinished(-self._unfinished)
         self._pending = b""
         if self._timer is not None:
             self._timer.cancel()
@@ -126,6 +144,7 @@ class Connection(asyncio.BufferedProtocol):
             return
         self._lingering = LINGER_BYTES
         self._pending = b""
+        self._count_unfinished(-self._unfinished)
         self._transport.write_eof()
         self._arrange_reading()
         self._abort_in(self._edge.settings.header_timeout)
@@ -148,13 +167,8 @@ class Connection(asyncio.BufferedProtocol):
 
     def buffer_updated(self, nbytes: int) -> None:
         """Handle a piece, now or in turn."""
-        if self._lingering:
-            self._lingering -= nbytes
-            if self._lingering <= 0:
-                self._transport.abort()
-            return
         data = bytes(self._edge.scheduler.buffer[:nbytes])
-        urgent = not self._pending and self.protocol.is_urgent(data)
+        urgent = not self._pending and not self._lingering and self.protocol.is_urgent(data)
         self._pending += data
         if not self._queued and (urgent or self._edge.scheduler.free):
             self._edge.scheduler.run(self._handle)
@@ -177,14 +191,31 @@ class Connection(asyncio.BufferedProtocol):
         data, self._pending = self._pending, b""
         if self._transport.is_closing():
             return
+        if self._lingering:
+            self._lingering -= len(data)
+            if self._lingering <= 0:
+                self._transport.abort()
+            return
         try:
             if data:
                 self.protocol.data_received(data)
+                self._limit_unfinished(len(data))
             else:
                 self.protocol.handle_events()
         except Exception:
             log.exception("a connection broke")
             self._transport.abort()
+
+    def _limit_unfinished(self, size: int) -> None:
+        receiving = self.protocol.receiving and not self.closing
+        self._count_unfinished(size if receiving else -self._unfinished)
+        most = UNFINISHED_BODIES * self._edge.settings.max_body_bytes
+        if self._unfinished > SHARE and self._edge.unfinished > most:
+            self.protocol.refuse_input()
+
+    def _count_unfinished(self, size: int) -> None:
+        self._unfinished += size
+        self._edge.unfinished += size
 
     def pause_reading(self) -> None:
         """Read nothing, until the protocol wants more."""
@@ -199,7 +230,7 @@ class Connection(asyncio.BufferedProtocol):
     def _arrange_reading(self) -> None:
         if self._transport.is_closing():
             return
-        if (self._paused or self._queued) and not self._lingering:
+        if self._queued or (self._paused and not self._lingering):
             self._transport.pause_reading()
         else:
             self._transport.resume_reading()

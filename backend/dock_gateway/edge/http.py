@@ -26,6 +26,8 @@ STOP_LINE = b"POST /stop"
 STOP_PIECES = 4
 # Seconds that a request costs beside being read: its route, its validation, its answer.
 REQUEST_COST = 0.001
+# Seconds that a piece of a body costs beside being read: the route wakes up and takes it.
+PIECE_COST = 0.0001
 
 
 def create_connection(edge: Edge, **options: Any) -> Connection:
@@ -87,6 +89,20 @@ class HttpProtocol(H11Protocol):
         answered = self.cycle is None or self.cycle.response_complete
         return self._refused or (answered and self.conn.their_state is h11.SEND_BODY)
 
+    @property
+    def receiving(self) -> bool:
+        """Whether a request has arrived in part."""
+        sending = self.cycle is not None and self.cycle.more_body and not self.cycle.response_complete
+        return self._has_begun or sending
+
+    @property
+    def _has_begun(self) -> bool:
+        return self.conn.their_state is h11.IDLE and bool(self.conn.trailing_data[0])
+
+    def refuse_input(self) -> None:
+        """Tell the client that its request cannot be taken now."""
+        self._answer(Unavailable("too many clients are sending too much at the same time", code="too_much_input"))
+
     def data_received(self, data: bytes) -> None:
         """Read a piece."""
         if self.conn.their_state is h11.IDLE and self._count_headers(data) > MAX_HEADERS:
@@ -97,6 +113,8 @@ class HttpProtocol(H11Protocol):
             if self._unwanted > LINGER_BYTES:
                 self.transport.abort()
                 return
+        if self.receiving:
+            self._edge.scheduler.charge(PIECE_COST)
         super().data_received(data)
 
     def _count_headers(self, data: bytes) -> int:
@@ -123,8 +141,7 @@ class HttpProtocol(H11Protocol):
             if not self.transport.connection.regular:
                 self.cycle.keep_alive = False
         if self.transport.connection.protocol is self:
-            begun = self.conn.their_state is h11.IDLE and bool(self.conn.trailing_data[0])
-            self._watch(incomplete=begun or self.unread)
+            self._watch(incomplete=self._has_begun or self.unread)
 
     def _watch(self, *, incomplete: bool) -> None:
         if incomplete and self._deadline is None and not self._refused:
@@ -135,7 +152,7 @@ class HttpProtocol(H11Protocol):
 
     def _too_late(self) -> None:
         self._deadline = None
-        if self.conn.their_state is h11.IDLE and self.conn.trailing_data[0]:
+        if self._has_begun:
             seconds = f"{self._edge.settings.header_timeout:g} s"
             self._refuse(HTTPStatus.REQUEST_TIMEOUT, f"the head of the request did not arrive within {seconds}")
         else:

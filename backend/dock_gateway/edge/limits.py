@@ -12,7 +12,7 @@ from dock_gateway.settings import Settings
 
 RESERVE = 64
 # File descriptors that are not for connections: DDS, the database, files.
-OTHER_FILES = 100
+OTHER_FILES = 128
 # Seconds that a stop in the reserve has to be answered.
 STOP_TAKES = 2.0
 

@@ -56,6 +56,7 @@ class Listener:
                 loop.remove_reader(listener)
                 loop.call_later(PAUSE, self._listen, listener, connect)
                 return
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             task = loop.create_task(loop.connect_accepted_socket(connect, connection))
             self._arriving.add(task)
             task.add_done_callback(self._arrived)

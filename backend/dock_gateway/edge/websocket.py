@@ -103,6 +103,15 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         """Whether the client is still sending something that nobody is going to read."""
         return self._failed
 
+    @property
+    def receiving(self) -> bool:
+        """Whether a message has arrived in part."""
+        return not self._failed and bool(self.frames or self.conn.reader.buffer)
+
+    def refuse_input(self) -> None:
+        """Tell the client that its message cannot be taken now."""
+        self._fail(CloseCode.TRY_AGAIN_LATER, "too many clients are sending too much at the same time")
+
     def data_received(self, data: bytes) -> None:
         """Read a piece."""
         if self._bytes.exceeded(len(data)):
@@ -111,7 +120,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         super().data_received(data)
         if self.conn.handshake_exc is not None and not self.handshake_initiated:
             self._refuse_handshake()
-        self._watch(incomplete=not self._failed and bool(self.frames or self.conn.reader.buffer))
+        self._watch(incomplete=self.receiving)
 
     def handle_events(self) -> None:
         """Act on what has been read."""
