@@ -2,8 +2,8 @@
 
 import asyncio
 import itertools
-from collections import OrderedDict, deque
-from collections.abc import Callable, Iterable
+from collections import OrderedDict, defaultdict, deque
+from collections.abc import Callable, Iterable, Iterator
 
 from dock_gateway.errors import TooManyRequests, Unavailable
 from dock_gateway.events import Event, EventClock
@@ -149,6 +149,9 @@ class Hub:
         self._queue_limit = queue_limit
         self._max_subscribers = max_subscribers
         self._subscribers: set[Subscriber] = set()
+        # By topic and robot, and by topic alone: an event of one robot among hundreds costs nothing for the readers
+        # of the others.
+        self._wanting: defaultdict[tuple[str, str | None], set[Subscriber]] = defaultdict(set)
         self._on_wish: dict[str, Callable[[], None]] = {}
         self.closing = False
 
@@ -168,12 +171,18 @@ class Hub:
             raise TooManyRequests(f"{self._max_subscribers} subscribers are connected already")
         subscriber = Subscriber(self._queue_limit, interest)
         self._subscribers.add(subscriber)
+        for key in _keys(interest):
+            self._wanting[key].add(subscriber)
         self._tell_wish(interest)
         return subscriber
 
     def unsubscribe(self, subscriber: Subscriber) -> None:
         """Forget a subscriber; doing it twice does no harm."""
         self._subscribers.discard(subscriber)
+        for key in _keys(subscriber.interest):
+            self._wanting[key].discard(subscriber)
+            if not self._wanting[key]:
+                del self._wanting[key]
         self._tell_wish(subscriber.interest)
 
     def on_wish(self, topic: str, changed: Callable[[], None]) -> None:
@@ -182,7 +191,7 @@ class Hub:
 
     def wished(self, topic: str) -> set[str]:
         """The robots of which somebody wants a topic."""
-        return {one.interest.robot for one in self._subscribers if topic in one.interest.topics}
+        return {robot for wanted, robot in self._wanting if wanted == topic and robot is not None}
 
     def _tell_wish(self, interest: Interest) -> None:
         for topic in interest.topics & self._on_wish.keys():
@@ -222,7 +231,7 @@ class Hub:
             if len(self._recent) > self.RECENT:
                 self._recent.popitem(last=False)
             self._keep(event)
-        for subscriber in self._subscribers:
+        for subscriber in self._wanting.get((event.topic, event.robot), ()):
             if subscriber.interest.covers(event):
                 subscriber.put(event)
 
@@ -238,3 +247,10 @@ class Hub:
         self.closing = True
         for subscriber in self._subscribers:
             subscriber.wake()
+
+
+def _keys(interest: Interest) -> Iterator[tuple[str, str | None]]:
+    """What a subscriber is found by: `covers` says no to events of any other topic and robot."""
+    for topic in interest.topics:
+        yield topic, None
+        yield topic, interest.robot

@@ -205,3 +205,23 @@ async def test_a_reader_that_resumes_is_not_sent_what_it_has_had_elsewhere() -> 
     for number in range(1, 4):
         hub.publish(stored(number))
     assert await texts(reader) == (["e3"], 0)
+
+
+async def test_an_event_of_one_robot_is_offered_only_to_those_who_want_that_robot(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hub = make(subscribers=10)
+    one, two = (hub.subscribe(Interest(frozenset({"system"}), robot=robot)) for robot in ("/robot1", "/robot2"))
+    asked: list[str] = []
+    covers = Interest.covers
+    monkeypatch.setattr(Interest, "covers", lambda self, event: asked.append(self.robot) or covers(self, event))
+    hub.publish(Event(b"stop", "system", robot="/robot1"))
+    assert asked == ["/robot1"]
+    hub.publish(Event(b"all", "system"))
+    assert await texts(one) == (["stop", "all"], 0)
+    assert await texts(two) == (["all"], 0)
+    hub.unsubscribe(one)
+    hub.unsubscribe(one)
+    hub.publish(Event(b"stop", "system", robot="/robot1"))
+    assert await texts(one) == ([], 0)
+    assert hub.wished("system") == {"/robot2"}
