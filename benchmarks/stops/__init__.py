@@ -1,0 +1,1 @@
+"""How fast a stop is answered while many are asked for."""
