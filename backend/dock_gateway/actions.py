@@ -62,7 +62,7 @@ class Action:
         self._hub = hub
         self.tracker = GoalTracker(port, hub, history, reasons)
         self.watch = ServerWatch(self.tracker, settings, self._tell, ping_idle=pinned)
-        canceler = Canceler(settings, self.tracker)
+        canceler = Canceler(settings, self.tracker, interlock)
         delivery = Delivery(
             settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=canceler
         )
@@ -124,6 +124,7 @@ class ActionRegistry:
         self._interlock = interlock
         self._on_end = on_end
         self._hub = hub
+        interlock.on_latch.append(self._stop_under)
         self._history = history
         self._actions: dict[str, Action] = {}
         self._types: dict[str, list[str]] = {}  # on the graph, by action
@@ -247,6 +248,10 @@ class ActionRegistry:
         """The actions of a robot: those in its namespace or below it."""
         prefix = prefix_of(namespace)
         return [action for action in self.all() if action.name.startswith(prefix)]
+
+    def _stop_under(self, namespace: str) -> None:
+        for action in self.under(namespace):
+            action.goals.cancel_unwanted()
 
     async def find(self, name: str) -> Action:
         """An action by its absolute name; one that is just appearing is waited for.

@@ -156,6 +156,7 @@ def _stops(states: list[RobotState]) -> Iterator[Alert]:
     for name, stop in held.items():
         if any(above in held for above in _above(name)):
             continue
+        unstored = "" if stop["persisted"] else " It is not stored: a restart of the gateway would forget it."
         others = sum(other != name and name in _above(other) for other in held)
         yield Alert(
             AlertKind.STOP_LATCHED,
@@ -163,7 +164,7 @@ def _stops(states: list[RobotState]) -> Iterator[Alert]:
             stop["since"],
             "Stopped",
             f"{stop['by'] or 'Somebody'} stopped {name}{f' and {others} below it' if others else ''}: no goal is sent. "
-            "See that the way is clear, then release the stop.",
+            f"See that the way is clear, then release the stop.{unstored}",
         )
 
 

@@ -2,7 +2,8 @@
 
 A goal that was canceled, stopped or given up must not run, also when its server was frozen, out of reach or too late:
 it is unwanted from then on, and the server is asked again whenever the goal turns up, until it has ended or the server
-refuses.
+refuses. While a stop holds for the action, every goal on it is unwanted, whoever sent it and whenever it turns up, and
+a refusal is not taken.
 """
 
 import asyncio
@@ -10,6 +11,7 @@ import logging
 
 from dock_gateway.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.interlock import Interlock
 from dock_gateway.settings import Settings
 from dock_gateway.tracker import GoalTracker
 
@@ -29,14 +31,22 @@ CANCELED = GoalError("canceled", "it was canceled while the action server could 
 
 
 class Canceler:
-    """Cancels the goals of one action, whoever sent them."""
+    """Cancels the goals of one action, whoever sent them.
 
-    def __init__(self, settings: Settings, tracker: GoalTracker) -> None:
+    Args:
+        settings: Deadlines.
+        tracker: The goals.
+        interlock: Which robots are held by a stop.
+    """
+
+    def __init__(self, settings: Settings, tracker: GoalTracker, interlock: Interlock) -> None:
         self._settings = settings
         self._tracker = tracker
+        self._interlock = interlock
         self._unwanted: dict[str, GoalError] = {}
         self._insisting: set[str] = set()
         tracker.on_return = self.turned_up
+        tracker.on_seen.append(self.turned_up)
         tracker.on_end.append(self._forget)
 
     async def cancel(self, goal: Goal) -> None:
@@ -79,8 +89,13 @@ class Canceler:
             return
         if goal.status.terminal:
             raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal.goal_id)
-        self._unwanted.pop(goal.goal_id, None)
+        self._refused(goal)
         raise Conflict("the action server refuses to cancel the goal", code="cancel_rejected", goal_id=goal.goal_id)
+
+    def _refused(self, goal: Goal) -> None:
+        """The goal goes on; one that a stop holds for is asked for again, nevertheless."""
+        self._unwanted.pop(goal.goal_id, None)
+        goal.error = self._why_unwanted(goal)
 
     async def cancel_all(self) -> list[str]:
         """Ask the server to cancel every goal; returns the ids of those that it will cancel.
@@ -93,6 +108,8 @@ class Canceler:
         goals = [goal for goal in self._tracker.live.values() if not goal.status.final]
         for goal in goals:
             self.disown(goal, STOPPED)
+            if not goal.status.terminal:
+                goal.error = self._why_unwanted(goal)
         try:
             answer = await self._tracker.port.cancel(None, STOP_TIMEOUT)
         except TimeoutError:
@@ -107,24 +124,30 @@ class Canceler:
         self._tracker.heard()
         for goal_id in answer.goal_ids & self._tracker.live.keys():
             self._tracker.move(self._tracker.live[goal_id], GoalStatus.CANCELING)
-        refused = [goal.goal_id for goal in goals if goal.status in (GoalStatus.ACCEPTED, GoalStatus.EXECUTING)]
+        refused = [goal for goal in goals if goal.status in (GoalStatus.ACCEPTED, GoalStatus.EXECUTING)]
         if refused:
-            for goal_id in refused:
-                self._unwanted.pop(goal_id, None)
+            for goal in refused:
+                self._refused(goal)
+            self._insist_on(refused)
             raise Conflict(
-                f"the action server refuses to cancel {', '.join(refused)}",
+                f"the action server refuses to cancel {', '.join(goal.goal_id for goal in refused)}",
                 code="cancel_rejected",
                 canceling=sorted(answer.goal_ids),
             )
         return sorted(answer.goal_ids)
+
+    @property
+    def uncanceled(self) -> bool:
+        """Whether there are goals that run and that the server was not heard to cancel."""
+        return any(goal.status is not GoalStatus.CANCELING for goal in self._tracker.running())
 
     def disown(self, goal: Goal, why: GoalError) -> None:
         """The goal must not run, whenever it turns up."""
         self._unwanted.setdefault(goal.goal_id, why)
 
     def turned_up(self, goal: Goal) -> None:
-        """A goal was accepted, or is back: where it is unwanted, it is canceled."""
-        why = self._unwanted.get(goal.goal_id)
+        """A goal runs, as far as is known: where it is unwanted, it is canceled."""
+        why = self._why_unwanted(goal)
         if why is None or goal.goal_id in self._insisting:
             return
         log.warning("canceling goal %s: %s", goal.goal_id, why.detail)
@@ -132,24 +155,37 @@ class Canceler:
         self._insisting.add(goal.goal_id)
         self._tracker.tasks.spawn(self._insist(goal))
 
+    def cancel_unwanted(self) -> None:
+        """A stop of another gateway holds: nothing may run on that has not been canceled by it."""
+        self._insist_on(self._tracker.running())
+
+    def _why_unwanted(self, goal: Goal) -> GoalError | None:
+        """Why a goal must not run; None where it may."""
+        held = STOPPED if self._interlock.holds(goal.action_name) else None
+        return self._unwanted.get(goal.goal_id, held)
+
     def _insist_on(self, goals: list[Goal]) -> None:
         for goal in goals:
-            if goal.status is not GoalStatus.LOST:
+            if not goal.status.terminal:
                 self.turned_up(goal)
 
     async def _insist(self, goal: Goal) -> None:
+        refused = False
         try:
-            while goal.goal_id in self._unwanted and not goal.status.terminal:
+            while self._why_unwanted(goal) is not None and not goal.status.terminal:
                 try:
                     await self._ask(goal)
                     if goal.status is GoalStatus.CANCELING:
                         return
                 except Conflict as error:
-                    log.warning("goal %s could not be canceled: %s", goal.goal_id, error.detail)
-                    return
+                    if not refused:
+                        log.warning("goal %s could not be canceled: %s", goal.goal_id, error.detail)
+                    refused = True
                 except GatewayError as error:
                     log.info("goal %s could not be canceled yet: %s", goal.goal_id, error.detail)
                 await asyncio.sleep(RETRY_INTERVAL)
+            if not goal.status.terminal:  # the stop was released: it may run
+                goal.error = None
         finally:
             self._insisting.discard(goal.goal_id)
 

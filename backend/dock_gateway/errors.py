@@ -9,7 +9,7 @@ GatewayError
 ├── Conflict                    409 goal_rejected, dock_busy, goal_terminal, cancel_rejected, stop_latched, …
 ├── TooManyRequests             429 too_many_requests
 ├── Unavailable                 503 action_server_unavailable, ros_unavailable, history_unavailable, shutting_down,
-│                               too_many_connections
+│                               too_many_connections, stop_not_persisted (as a warning)
 └── ServerTimeout               504 action_server_timeout
 
 The core raises these; `api/problems.py` turns them into problem+json, streams into a denial with the same body.
@@ -31,6 +31,15 @@ class FieldError:
 
     def __str__(self) -> str:
         return f"{self.path or 'body'}: expected {self.expected}, {self.detail}"
+
+
+def got(value: object, longest: int = 40) -> str:
+    """What came instead, for `FieldError.detail`: JSON may be nested deeper than `repr` can follow."""
+    try:
+        text = repr(value)
+    except RecursionError:
+        text = f"something nested too deeply, in {type(value).__name__}"
+    return f"got {text[:longest]}"
 
 
 class GatewayError(Exception):

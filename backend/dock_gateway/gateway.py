@@ -15,23 +15,24 @@ from dock_gateway.alarm import Alarm
 from dock_gateway.canceler import require_unfinished
 from dock_gateway.echoes import Echoes
 from dock_gateway.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
-from dock_gateway.events import utc_now
+from dock_gateway.events import message_event, utc_now
 from dock_gateway.fleet import Fleet
-from dock_gateway.goals import Goal, GoalError
+from dock_gateway.goals import Goal, GoalError, Json
 from dock_gateway.history import History, Wanted, open_history
 from dock_gateway.hub import Hub
 from dock_gateway.interest import Interest
 from dock_gateway.interlock import Interlock
-from dock_gateway.latch import LatchFile
+from dock_gateway.latch_file import LatchFile
 from dock_gateway.later import Later
 from dock_gateway.liveness import ServerState
 from dock_gateway.lookout import Lookout
+from dock_gateway.on_demand import OnDemand
 from dock_gateway.outcomes import Outcomes
 from dock_gateway.robots import RobotRegistry, normalize_namespace
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, scan
-from dock_gateway.ros.topics import DiagnosticsPort
-from dock_gateway.scenes import Scenes
+from dock_gateway.ros.scene import ScenePort
+from dock_gateway.ros.topics import DiagnosticsPort, VelocityListener
 from dock_gateway.settings import DockingActions, Settings
 from dock_gateway.simulators import Simulators
 from dock_gateway.stop import Stopper
@@ -180,7 +181,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         robots = RobotRegistry(settings, bridge, hub, interlock, outcomes)
         stopper = Stopper(robots, actions, interlock)
         simulators = Simulators(settings, bridge, hub)
-        scenes = Scenes(settings, bridge, hub)
+        on_demand = _open_on_demand(settings, bridge, hub)
         lookout = Lookout(bridge)
         echoes = Echoes(bridge, lookout)
         await bridge.call(
@@ -241,7 +242,8 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             await stopper.close()
             await echoes.close()
             await lookout.close()
-            await scenes.close()
+            for ports in on_demand:
+                await ports.close()
             await simulators.close()
             await robots.close()
             await actions.close()
@@ -276,6 +278,21 @@ def _record_unfinished(actions: ActionRegistry, history: History) -> None:
     """Keep the goals that have not ended, where what was kept of them is lost."""
     for goal in (*actions.running(), *actions.lost()):
         history.record(goal)
+
+
+def _open_on_demand(settings: Settings, bridge: Bridge, hub: Hub) -> tuple[OnDemand, OnDemand]:
+    """What is heard of a robot only while somebody wants it: its scene and its velocity."""
+
+    def make_scene(robot: str) -> ScenePort:
+        return ScenePort(bridge, robot, lambda name: settings.resolve(name, robot), hub.publish)
+
+    def make_velocity(robot: str) -> VelocityListener:
+        def hear(message: Json, stamp_ns: int) -> None:
+            hub.publish(message_event("cmd_vel", message, hub.clock.stamp(stamp_ns), stamp_ns, robot=robot))
+
+        return VelocityListener(bridge, settings.resolve(settings.cmd_vel_topic, robot), hear)
+
+    return OnDemand(bridge, hub, "scene", make_scene), OnDemand(bridge, hub, "cmd_vel", make_velocity)
 
 
 async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, absences: Absences) -> None:

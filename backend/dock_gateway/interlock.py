@@ -1,4 +1,4 @@
-"""The interlock: while a stop is latched, no goal is sent to the robot.
+"""The interlock: while a stop is latched, no goal is sent to the robot and none may run.
 
 The latch is told on the topic `stop_latched` of each robot, whose last message counts: the action server and the base
 obey it, other gateways learn it. It is kept in a file, so that a crash releases nothing.
@@ -6,32 +6,38 @@ obey it, other gateways learn it. It is kept in a file, so that a crash releases
 
 import asyncio
 import logging
-from concurrent.futures import ThreadPoolExecutor
+import math
+import time
+from collections.abc import Callable
 from typing import Any, Protocol
 
-from dock_gateway.errors import Conflict
+from dock_gateway.errors import Conflict, Unavailable
 from dock_gateway.events import system_event, utc_now
 from dock_gateway.hub import Hub
-from dock_gateway.latch import Latch, Latches, LatchFile
+from dock_gateway.latch import Latch, Latches
+from dock_gateway.latch_file import LatchFile, LatchWriter
 from dock_gateway.namespaces import is_under
 from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
 # What was learned from another gateway is said by this one, too, after so many seconds without a contradiction: the
-# other may go, and those who come later would hear of nothing.
+# other may go, and those who come later would hear of nothing. What could not be published is tried again as often.
 ECHO_AFTER = 0.5
-CLOSE_WITHIN = 0.5
+# What was said, and not contradicted, is not said again within so many seconds.
+SAY_AGAIN_AFTER = 1.0
+# Seconds that a release waits for the disk.
+STORE_WITHIN = 0.08
 
 
 class LatchTopic(Protocol):
     """`stop_latched` of one robot."""
 
-    async def publish(self, *, latched: bool) -> None:
-        """Say it; who comes later hears the last that was said."""
+    def publish(self, *, latched: bool) -> None:
+        """Publish it, now; late subscribers get the last message."""
 
     async def withdraw(self) -> None:
-        """Who comes later hears nothing from us."""
+        """Late subscribers get no message from us any more."""
 
 
 class Interlock:
@@ -41,19 +47,27 @@ class Interlock:
         hub: Where events go.
         file: Where it is kept.
         default: The configured robot.
+
+    Attributes:
+        on_latch: What is called with a robot that is held by a stop which another gateway carried out.
     """
 
     def __init__(self, hub: Hub, file: LatchFile, default: str) -> None:
+        self.on_latch: list[Callable[[str], None]] = []
         self._hub = hub
-        self._file = file
         self._latches = Latches(file.read(default))
+        self._writer = LatchWriter(file, self._show_soon)
         self._topics: dict[str, LatchTopic] = {}
-        self._said: dict[str, bool] = {}
+        # What each topic was told last by us; None where that failed, so that nobody knows what was heard.
+        self._said: dict[str, bool | None] = {}
+        self._said_at: dict[str, float] = {}
+        # When each stop that was asked for here was told to others, on the monotonic clock.
+        self._told_at: dict[str, float] = {}
+        self._documents: dict[str, dict[str, Any]] | None = None  # of every robot, until something changes
         self._shown: dict[str, dict[str, Any]] = {}
-        self._echoes: dict[str, asyncio.Task[None]] = {}
-        self._written: asyncio.Future[None] | None = None
+        self._showing: asyncio.Handle | None = None
+        self._echoes: dict[str, asyncio.Task[None]] = {}  # topics that may not say what holds
         self._closing = False
-        self._disk = ThreadPoolExecutor(1, thread_name_prefix="latch")
         if self._latches.held:
             log.warning("a stop is latched for %s; release it to go on", ", ".join(sorted(self._latches.held)))
 
@@ -76,8 +90,12 @@ class Interlock:
             raise Conflict(f"{detail} (DELETE /stop)", code="stop_latched")
 
     def document(self, namespace: str) -> dict[str, Any]:
-        """The latch as `GET /stop` shows it."""
-        return self._latches.document(namespace, {*self._topics, *self._latches.held})
+        """The latch of a robot that has joined, as `GET /stop` shows it."""
+        if self._documents is None:
+            persisted = self._writer.problem is None
+            documents = self._latches.documents({*self._topics, *self._latches.held})
+            self._documents = {name: document | {"persisted": persisted} for name, document in documents.items()}
+        return self._documents[namespace]
 
     def shown(self, namespace: str) -> dict[str, Any]:
         """The latch of a robot that has joined, as subscribers were told of it last; cheaper than `document`."""
@@ -92,77 +110,105 @@ class Interlock:
         if over is not None:
             self._latches.latch(namespace, self._latches.held[over])
             self._echo(namespace)
+        self._show_soon()
         self._shown[namespace] = self.document(namespace)
-        self._show()
 
     def leave(self, namespace: str) -> None:
         """A robot that is not held has gone."""
-        for known in (self._topics, self._shown, self._said):
+        for known in (self._topics, self._shown, self._said, self._said_at, self._told_at):
             known.pop(namespace, None)
+        self._documents = None
         if (echo := self._echoes.pop(namespace, None)) is not None:
             echo.cancel()
 
-    def latch(self, namespace: str, by: str | None = None) -> "asyncio.Future[None]":
-        """Refuse goals for a robot and those below it from now on; returns the writing of the file.
-
-        `tell` says it to the others.
-        """
-        log.warning("a stop of %s is latched%s", namespace, f" by {by}" if by else "")
+    def latch(self, namespace: str, by: str | None = None) -> None:
+        """Refuse goals for a robot and those below it from now on. `tell` says it to the others."""
         latch = Latch(utc_now(), by)
-        for name in self._below(namespace):
-            self._latches.latch(name, latch)
-        return self._changed()
+        new = [name for name in self._below(namespace) if self._latches.latch(name, latch)]
+        if new:
+            self._told_at.update(dict.fromkeys(new, math.inf))
+            log.warning("a stop of %s is latched%s", namespace, f" by {by}" if by else "")
+            self._changed()
 
     async def release(self, namespace: str) -> None:
         """Let goals through again, for a robot and those below it.
 
         Raises:
             Conflict: `stop_latched`: a stop of a namespace above holds for it.
-            Unavailable: The ROS thread is down.
         """
         over = self._latches.over(namespace)
         if over is not None and not is_under(over, namespace):
             raise Conflict(f"the stop of {over} holds for {namespace}, too: release that", code="stop_latched")
-        log.warning("the stop of %s is released", namespace)
-        below = self._below(namespace)
-        for name in below:
-            self._latches.release(name)
-        written = self._changed()
-        await self._tell(below)
-        await written
+        held = [name for name in self._below(namespace) if self._let_go(name)]
+        if held:
+            log.warning("the stop of %s is released", namespace)
+            self._changed()
+        self.tell(namespace)
+        await self._writer.wait(STORE_WITHIN)
 
-    async def tell(self, namespace: str) -> None:
-        """Say on the topics of a robot, and of those below it, whether it is held.
+    async def stored(self, timeout: float) -> Unavailable | None:
+        """Wait until what is latched is on the disk; returns why it is not, where it is not in time."""
+        if await self._writer.wait(timeout):
+            return None
+        detail = f"the robot is stopped, but a restart of the gateway would forget the stop: {self._writer.problem}"
+        return Unavailable(f"{detail}; the gateway tries again until it is stored", code="stop_not_persisted")
 
-        Raises:
-            Unavailable: The ROS thread is down.
+    def tell(self, namespace: str) -> None:
+        """Say on the topics of a robot, and of those below it, whether it is held; on each until that succeeds.
+
+        Who asks again gets it said again, but not hundreds of times a second.
         """
-        await self._tell(self._below(namespace))
+        now = time.monotonic()
+        for name in self._topics.keys() & self._below(namespace):
+            if self._told_at.get(name) == math.inf:
+                self._told_at[name] = now
+            news = self._said.get(name) is not self.holds(name) or name in self._echoes
+            if (news or now - self._said_at[name] > SAY_AGAIN_AFTER) and not self._say(name):
+                self._echo(name)
 
-    async def _tell(self, names: list[str]) -> None:
-        for name in names:
-            if (topic := self._topics.get(name)) is not None:
-                latched = self.holds(name)
-                self._said[name] = latched
-                await topic.publish(latched=latched)
+    def _say(self, namespace: str) -> bool:
+        latched = self.holds(namespace)
+        self._said_at[namespace] = time.monotonic()
+        try:
+            self._topics[namespace].publish(latched=latched)
+        except Exception:
+            log.exception("stop_latched of %s could not be published; it is tried again", namespace)
+            self._said[namespace] = None
+            return False
+        self._said[namespace] = latched
+        return True
 
     def _below(self, namespace: str) -> list[str]:
+        """A robot and those below it that have joined or are held."""
         names = {namespace, *self._topics, *self._latches.held}
         return sorted(name for name in names if is_under(name, namespace))
 
     # ------------------------------------------------------------------ what another gateway says
 
-    def heard(self, namespace: str, *, latched: bool) -> None:
-        """Another gateway latched a robot, or released it."""
+    def heard(self, namespace: str, *, latched: bool, received: float) -> None:
+        """Another gateway latched a robot, or released it.
+
+        Args:
+            namespace: The robot.
+            latched: Which of the two.
+            received: When that came in, on the monotonic clock. A release that came before a stop of ours was told
+                cannot mean that one.
+        """
         if self._closing or latched == (namespace in self._latches.held):
+            return
+        if not latched and received <= self._told_at.get(namespace, -math.inf):
             return
         log.warning("another gateway %s the stop of %s", "latched" if latched else "released", namespace)
         if latched:
             self._latches.latch(namespace, Latch(utc_now()))
         else:
-            self._latches.release(namespace)
+            self._let_go(namespace)
         self._changed()
         self._echo(namespace)
+
+    def _let_go(self, namespace: str) -> bool:
+        self._told_at.pop(namespace, None)
+        return self._latches.release(namespace)
 
     def _echo(self, namespace: str) -> None:
         if (before := self._echoes.pop(namespace, None)) is not None:
@@ -170,38 +216,51 @@ class Interlock:
         self._echoes[namespace] = asyncio.create_task(self._echo_later(namespace))
 
     async def _echo_later(self, namespace: str) -> None:
-        """Only a stop is said again: where two gateways cross each other, it wins.
+        while True:
+            await asyncio.sleep(ECHO_AFTER)
+            try:
+                if await self._settle(namespace):
+                    del self._echoes[namespace]
+                    return
+            except Exception:
+                log.exception("stop_latched of %s may not say what holds; it is tried again", namespace)
 
-        So does one of a namespace above, of which a gateway that released the robot may not know.
+    async def _settle(self, namespace: str) -> bool:
+        """Have the topic say what holds; True once it does.
+
+        Only a stop is said again: where two gateways cross each other, it wins. So does one of a namespace above, of
+        which a gateway that released the robot may not know.
         """
-        await asyncio.sleep(ECHO_AFTER)
-        over = self._latches.over(namespace)
-        latched = over is not None
-        if over is not None and namespace not in self._latches.held:
+        over, said = self._latches.over(namespace), self._said.get(namespace, False)
+        if over is not None and self._latches.latch(namespace, self._latches.held[over]):
             log.warning("the stop of %s holds for %s, too: it is said again", over, namespace)
-            self._latches.latch(namespace, self._latches.held[over])
             self._changed()
-        elif latched == self._said.get(namespace, False):
-            return
-        try:
-            if latched:
-                await self._topics[namespace].publish(latched=True)
-            else:
-                await self._topics[namespace].withdraw()
-        except Exception:
-            log.exception("stop_latched of %s could not be published", namespace)
-        else:
-            self._said[namespace] = latched
+        elif said is (over is not None):
+            return True
+        elif said and over is None:
+            self._said[namespace] = None
+            await self._topics[namespace].withdraw()
+            self._said[namespace] = False
+            return False  # it may have been stopped meanwhile
+        if over is not None:
+            for told in self.on_latch:
+                told(namespace)
+        return self._say(namespace)
 
     # ------------------------------------------------------------------ who has to know
 
-    def _changed(self) -> "asyncio.Future[None]":
-        self._show()
-        loop = asyncio.get_running_loop()
-        self._written = loop.run_in_executor(self._disk, self._write, dict(self._latches.held))
-        return self._written
+    def _changed(self) -> None:
+        self._show_soon()
+        self._writer.put(self._latches.held)
+
+    def _show_soon(self) -> None:
+        """Tell subscribers in a turn of the loop of its own: the stop itself does not wait for them."""
+        self._documents = None
+        if self._showing is None:
+            self._showing = asyncio.get_running_loop().call_soon(self._show)
 
     def _show(self) -> None:
+        self._showing = None
         now = utc_now()
         for namespace in self._topics:
             document = self.document(namespace)
@@ -209,16 +268,8 @@ class Interlock:
                 self._shown[namespace] = document
                 self._hub.publish(system_event("stop", document, now, robot=namespace))
 
-    def _write(self, held: dict[str, Latch]) -> None:
-        try:
-            self._file.write(held)
-        except OSError:
-            log.exception("the stop could not be written to %s: a restart would forget it", self._file.path)
-
     async def close(self) -> None:
-        """Write what is to be written, where the disk does not hang."""
+        """Store what is not stored yet, where the disk does not hang."""
         self._closing = True
         await cancel(*self._echoes.values())
-        if self._written is not None:
-            await asyncio.wait([self._written], timeout=CLOSE_WITHIN)
-        self._disk.shutdown(wait=False)
+        await self._writer.close()

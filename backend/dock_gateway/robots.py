@@ -7,11 +7,9 @@ from dataclasses import dataclass
 from dock_gateway.battery import Battery, BatteryPublisher
 from dock_gateway.discovery import Discovery
 from dock_gateway.errors import FieldError, InvalidField, NotFound
-from dock_gateway.events import message_event
-from dock_gateway.goals import Json
 from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
-from dock_gateway.namespaces import is_under
+from dock_gateway.namespaces import is_under, prefix_of
 from dock_gateway.outcomes import Outcomes
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
@@ -55,11 +53,8 @@ class RobotRegistry:
         settings, hub = self._settings, self._hub
         battery = Battery(hub, settings.battery_stale_after, namespace)
 
-        def hear_velocity(message: Json, stamp_ns: int) -> None:
-            hub.publish(message_event("cmd_vel", message, hub.clock.stamp(stamp_ns), stamp_ns, robot=namespace))
-
-        def hear_latch(latched: bool) -> None:
-            self._interlock.heard(namespace, latched=latched)
+        def hear_latch(latched: bool, received: float) -> None:
+            self._interlock.heard(namespace, latched=latched, received=received)
 
         def make() -> Ports:
             battery_topic = settings.resolve(settings.battery_topic, namespace)
@@ -68,7 +63,7 @@ class RobotRegistry:
             with ExitStack() as undo:
                 battery_port = BatteryPort(self._bridge, battery_topic, battery.on_battery)
                 undo.callback(battery_port.close)
-                velocity_port = VelocityPort(self._bridge, velocity_topic, hear_velocity)
+                velocity_port = VelocityPort(self._bridge, velocity_topic)
                 undo.callback(velocity_port.close)
                 ports = battery_port, velocity_port, LatchPort(self._bridge, stop_topic, hear_latch)
                 undo.pop_all()
@@ -113,9 +108,13 @@ class RobotRegistry:
         """
         settings = self._settings
 
+        prefix = prefix_of(namespace)
+
         def belongs(name: str) -> bool:
+            if not name.startswith(prefix):  # most do not, and this is asked of thousands
+                return False
             owner = self.owner(name)
-            return is_under(name, namespace) and (owner is None or is_under(namespace, owner.namespace))
+            return owner is None or is_under(namespace, owner.namespace)
 
         if any(belongs(name) for name in scan.actions):
             return True

@@ -162,6 +162,15 @@ class GoalService:
         """
         return await self._canceler.cancel_all()
 
+    @property
+    def uncanceled(self) -> bool:
+        """Whether there are goals that run and are not being canceled."""
+        return self._canceler.uncanceled
+
+    def cancel_unwanted(self) -> None:
+        """A stop of another gateway holds: what runs is canceled."""
+        self._canceler.cancel_unwanted()
+
     # ------------------------------------------------------------------ look
 
     async def get(self, goal_id: str) -> Goal:

@@ -46,7 +46,7 @@ class GoalTracker:
         live: The goals that run, and lost ones that may return.
         taken_up: Ids of goals from before a restart.
         on_return: Called with a goal that was `lost` and shows signs of life.
-        on_seen: What is called with a goal that was not sent by this process, when it is first seen.
+        on_seen: What is called with a goal that was not sent by this process and runs, when it is first seen.
         on_end: What is called with a goal that nothing more is expected of.
         last_heard: When the action server gave its last sign of life, on the monotonic clock.
         results: What asks for results, and waits for them.
@@ -147,7 +147,7 @@ class GoalTracker:
         adopted = self.live.get(goal.goal_id)
         if adopted is None and goal.goal_id not in self._ended:
             self.taken_up.add(goal.goal_id)
-            self._begin(goal, self._adoption.claim(goal.goal_id))
+            self._begin(goal, self._adoption.claim(goal.goal_id), runs=not goal.status.terminal)
         elif adopted is not None and adopted.origin != goal.origin:  # the history was away when the goal turned up
             adopted.remember(goal)
             self._publish(status_event, adopted, time.time_ns())
@@ -166,16 +166,17 @@ class GoalTracker:
             return
         created_at = moment(newcomer.created_ns)
         goal = known or Goal(goal_id, self.port.action_name, self.port.action_type, created_at, origin="external")
-        self._begin(goal, newcomer.messages)
+        self._begin(goal, newcomer.messages, runs=newcomer.running)
 
-    def _begin(self, goal: Goal, messages: Iterable[Message]) -> None:
+    def _begin(self, goal: Goal, messages: Iterable[Message], *, runs: bool) -> None:
         log.info("goal %s on %s, %s, origin %s", goal.goal_id, goal.action_name, goal.status.value, goal.origin)
         self.live[goal.goal_id] = goal
-        for seen in self.on_seen:
-            seen(goal)
         for take in messages:
             take(goal)
         self.results.request(goal)
+        if runs:
+            for seen in self.on_seen:
+                seen(goal)
 
     def move(self, goal: Goal, status: GoalStatus, stamp_ns: int | None = None) -> None:
         """Move a goal on to a state that is not terminal, where that is not a step back."""

@@ -80,7 +80,7 @@ describe("Stop", () => {
   it("says loudly where it did not get through, and where a goal was not canceled", async () => {
     const error = new CommandError("gateway_unreachable", "The gateway cannot be reached", "No answer.");
     const stop = vi.fn().mockRejectedValueOnce(error);
-    const failure = { action_name: "/dock", code: "action_server_timeout", detail: "no answer" };
+    const failure = { action_name: "/dock", robot: null, code: "action_server_timeout", detail: "no answer" };
     stop.mockResolvedValueOnce(stopReport({ failed: [failure] }));
     const { user } = renderPage(fakeGateway({ stop }));
     await user.click(button("Stop"));

@@ -52,10 +52,16 @@ export const undockServer: ActionServer = {
   answering: true,
 };
 
-export const released: StopState = { latched: false, since: null, by: null, robots: [] };
+export const released: StopState = {
+  latched: false,
+  since: null,
+  by: null,
+  robots: [],
+  persisted: true,
+};
 
 export function latched(by: string | null, seconds = 0): StopState {
-  return { latched: true, since: at(seconds), by, robots: ["/"] };
+  return { latched: true, since: at(seconds), by, robots: ["/"], persisted: true };
 }
 
 export function stopReport(change: Partial<StopReport> = {}): StopReport {

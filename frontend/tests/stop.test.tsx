@@ -77,6 +77,42 @@ describe("a latched stop", () => {
   });
 });
 
+describe("a warning of the gateway", () => {
+  const warning = {
+    type: "about:blank",
+    title: "Stop not persisted",
+    status: 503,
+    code: "stop_not_persisted",
+    detail: "No space left on device",
+    errors: null,
+    goal_id: null,
+  };
+
+  it("is shown with the stop that it is about, until it is dismissed", async () => {
+    const stop = vi.fn(async () => stopReport({ warning }));
+    const { user } = renderPage(fakeGateway({ stop }));
+    await user.click(button("Stop"));
+    expect(await screen.findByText("Stopped, with a warning")).toBeDefined();
+    expect(screen.getByText(/No space left on device \(stop_not_persisted\)/)).toBeDefined();
+  });
+
+  it("is shown beside a robot that was not reached", async () => {
+    const failure = { action_name: null, robot: "/robot1", code: "publish_failed", detail: "no zero" };
+    const stop = vi.fn(async () => stopReport({ warning, failed: [failure] }));
+    const { user } = renderPage(fakeGateway({ stop }));
+    await user.click(button("Stop"));
+    expect(await screen.findByText("Not every robot was told to stand still")).toBeDefined();
+    expect(screen.getByText(/\/robot1: no zero .*emergency stop.*No space left on device/)).toBeDefined();
+  });
+
+  it("stays on the banner for as long as the stop is not stored", async () => {
+    const { store } = renderPage(fakeGateway(), { stop: { ...latched("Ada"), persisted: false } });
+    expect(banner()?.textContent).toMatch(/is not stored: a restart of the gateway would forget it/);
+    act(() => store.onEvent({ type: "stop", time: at(1), robot: "/", stop: latched("Ada") }));
+    await waitFor(() => expect(banner()?.textContent).not.toMatch(/is not stored/));
+  });
+});
+
 describe("the stops of several robots", () => {
   const stoppedBy = (by: string, ...robots: string[]) => ({ ...latched(by), robots });
   const one = robot("/robot1", { stop: stoppedBy("Ada", "/robot1") });

@@ -138,6 +138,7 @@ def test_stop_without_a_stream(page: Page, gateway: RunningGateway) -> None:
         "since": None,
         "by": "the dashboard",
         "robots": ["/"],
+        "persisted": True,
     }
 
 

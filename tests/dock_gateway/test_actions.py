@@ -11,7 +11,7 @@ from dock_gateway.errors import NotFound, Unavailable
 from dock_gateway.history import MemoryHistory
 from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
-from dock_gateway.latch import LatchFile
+from dock_gateway.latch_file import LatchFile
 from dock_gateway.later import Later
 from dock_gateway.ros.graph import Scan
 from dock_gateway.settings import Settings

@@ -30,6 +30,7 @@ def robot(
     percentage: float | None = 0.5,
     stale_since: datetime | None = None,
     latched: bool = False,
+    persisted: bool = True,
     contact: bool | None = None,
     **more: Any,
 ) -> RobotState:
@@ -39,7 +40,12 @@ def robot(
         "battery": battery,
         "battery_topic": f"{name}/battery_status",
         "publisher": None,
-        "stop": {"latched": latched, "since": NOON if latched else None, "by": "Ada" if latched else None},
+        "stop": {
+            "latched": latched,
+            "since": NOON if latched else None,
+            "by": "Ada" if latched else None,
+            "persisted": persisted,
+        },
         "simulator": None if contact is None else {"contact": contact, "docked": None},
         "dock": ServerState(f"{name}/dock", available=True, answering=True),
         "undock": ServerState(f"{name}/undock", available=True, answering=True),
@@ -182,6 +188,11 @@ def test_ids_are_the_same_everywhere() -> None:
     ids = {alert_id(*name) for name in names}
     assert len(ids) == len(names)
     assert all(identity.isalnum() and identity.isascii() for identity in ids)
+
+
+def test_a_stop_that_is_not_stored() -> None:
+    (alert,) = Looks().alerts(0, robot(latched=True, persisted=False))
+    assert alert.detail.endswith("It is not stored: a restart of the gateway would forget it.")
 
 
 def test_an_alert_as_a_document() -> None:

@@ -3,19 +3,22 @@
 import asyncio
 from collections.abc import AsyncIterator
 from datetime import UTC, datetime
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from dock_gateway import canceler as canceler_module
-from dock_gateway.canceler import TOO_LATE, Canceler
+from dock_gateway.canceler import STOPPED, TOO_LATE, Canceler
 from dock_gateway.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import MemoryHistory
 from dock_gateway.hub import Hub
 from dock_gateway.later import Later
-from dock_gateway.ros.actions import CancelAnswer
+from dock_gateway.ros.actions import CancelAnswer, StatusReport
 from dock_gateway.settings import Settings
 from dock_gateway.tracker import GoalTracker
+from tests.support.history import until
 
 A = "aaaaaaaa-0000-4000-8000-000000000000"
 S = GoalStatus
@@ -39,13 +42,18 @@ class FakePort:
             raise answer
         return answer
 
+    def request_result(self, goal_id: str) -> None:
+        raise Unavailable("asked again later")
+
 
 class Scene:
     def __init__(self) -> None:
         self.port = FakePort()
         hub = Hub(queue_limit=10, max_subscribers=10)
         self.tracker = GoalTracker(self.port, hub, MemoryHistory(10), Later(0.01))  # type: ignore[arg-type]
-        self.canceler = Canceler(Settings(), self.tracker)
+        self.held = False
+        interlock: Any = SimpleNamespace(holds=lambda _: self.held)
+        self.canceler = Canceler(Settings(), self.tracker, interlock)
 
     def goal(self, status: GoalStatus) -> Goal:
         goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC))
@@ -165,3 +173,80 @@ async def test_nothing_is_remembered_of_ended_goals(scene: Scene) -> None:
     scene.canceler.disown(goal, TOO_LATE)
     scene.tracker.end(goal, S.REJECTED, error=LOST)
     assert scene.canceler._unwanted == {}
+
+
+async def test_a_goal_that_turns_up_while_a_stop_holds_is_canceled_and_says_why(scene: Scene) -> None:
+    scene.held = True
+    for seen in scene.tracker.on_seen:
+        seen(goal := scene.goal(S.EXECUTING))
+    await until(lambda: goal.status is S.CANCELING)
+    assert goal.error is not None
+    assert goal.error.code == "stopped"
+    assert scene.port.asked == [A]
+
+
+async def test_a_goal_of_another_client_is_canceled_as_soon_as_it_is_heard_of(scene: Scene) -> None:
+    scene.held = True
+    scene.tracker.on_status([StatusReport(A, S.EXECUTING, 1)], 1)
+    await until(lambda: scene.port.asked == [A])
+    await until(lambda: scene.tracker.live[A].status is S.CANCELING)
+    error = scene.tracker.live[A].error
+    assert error is not None
+    assert error.code == "stopped"
+
+
+async def test_a_goal_that_is_taken_up_while_a_stop_holds_is_canceled(scene: Scene) -> None:
+    scene.held = True
+    goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC), status=S.EXECUTING)
+    scene.tracker.take_up(goal)
+    await until(lambda: goal.status is S.CANCELING)
+
+
+async def test_one_that_had_ended_when_it_turned_up_is_left_alone(scene: Scene) -> None:
+    scene.held = True
+    scene.tracker.on_status([StatusReport(A, S.ABORTED, 1)], 1)
+    await until(lambda: A in scene.tracker.live)
+    await asyncio.sleep(0.05)
+    assert scene.port.asked == []
+    assert scene.tracker.live[A].error is None
+
+
+async def test_a_refusal_is_not_taken_while_a_stop_holds(scene: Scene) -> None:
+    scene.held = True
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    with pytest.raises(Conflict):
+        await scene.canceler.cancel_all()
+    await until(lambda: len(scene.port.asked) >= 4)
+    assert goal.status is S.EXECUTING
+    scene.port.script = [CancelAnswer(frozenset({A}), 0)]
+    await until(lambda: goal.status is S.CANCELING)
+    assert goal.error == STOPPED
+
+
+async def test_a_refusal_is_taken_once_the_stop_is_released(scene: Scene) -> None:
+    scene.held = True
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    scene.canceler.turned_up(goal)
+    await until(lambda: len(scene.port.asked) >= 2)
+    scene.held = False
+    await until(lambda: not scene.canceler._insisting)
+    asked = len(scene.port.asked)
+    await asyncio.sleep(0.05)
+    assert len(scene.port.asked) == asked
+    assert goal.error is None
+
+
+async def test_what_a_stop_of_another_gateway_left_running_is_canceled(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.held = True
+    scene.canceler.cancel_unwanted()
+    await until(lambda: goal.status is S.CANCELING)
+
+
+async def test_goals_that_a_stop_cancels_say_why(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    assert await scene.canceler.cancel_all() == [A]
+    assert goal.error == STOPPED
+    assert not scene.canceler.uncanceled

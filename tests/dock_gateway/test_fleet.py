@@ -17,7 +17,7 @@ from dock_gateway.liveness import ServerState
 from dock_gateway.settings import Settings
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
-RELEASED = {"latched": False, "since": None, "by": None, "robots": []}
+RELEASED = {"latched": False, "since": None, "by": None, "robots": [], "persisted": True}
 
 
 def battery_message(status: int, percentage: float | None = 0.5) -> bytes:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from dock_gateway.namespaces import is_under, prefix_of
+from dock_gateway.namespaces import is_under, lineage, prefix_of
 
 
 @pytest.mark.parametrize(
@@ -25,3 +25,11 @@ def test_what_is_in_a_namespace(name: str, namespace: str, under: bool) -> None:
 @pytest.mark.parametrize(("namespace", "prefix"), [("/", "/"), ("", "/"), ("/robot1", "/robot1/"), ("/a/b/", "/a/b/")])
 def test_what_names_in_it_begin_with(namespace: str, prefix: str) -> None:
     assert prefix_of(namespace) == prefix
+
+
+@pytest.mark.parametrize(
+    ("name", "namespaces"),
+    [("/", ["/"]), ("/a", ["/", "/a"]), ("/fleet/robot1/dock", ["/", "/fleet", "/fleet/robot1", "/fleet/robot1/dock"])],
+)
+def test_the_namespaces_that_a_name_is_in(name: str, namespaces: list[str]) -> None:
+    assert list(lineage(name)) == namespaces

@@ -15,7 +15,7 @@ from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import HistoryStats, MemoryHistory, Wanted, fingerprint_of
 from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
-from dock_gateway.latch import LatchFile
+from dock_gateway.latch_file import LatchFile
 from dock_gateway.later import Later
 from dock_gateway.ros.actions import CancelAnswer
 from dock_gateway.service import GoalService
@@ -104,7 +104,7 @@ class Scene:
         settings = self.settings = Settings(accept_timeout=5.0)
         self.interlock = Interlock(hub, LatchFile(settings.stop_file), "/")
         self.reasons: Later[GoalError] = Later(0.01)
-        canceler = Canceler(settings, self.tracker)
+        canceler = Canceler(settings, self.tracker, self.interlock)
         delivery = Delivery(
             settings,
             self.history,
@@ -161,7 +161,7 @@ async def test_a_goal_that_cannot_be_stored_is_not_sent(scene: Scene) -> None:
 
 
 async def test_no_goal_is_sent_while_a_stop_is_latched(scene: Scene) -> None:
-    await scene.interlock.latch("/")
+    scene.interlock.latch("/")
     with pytest.raises(Conflict) as refused:
         await scene.submit()
     assert refused.value.code == "stop_latched"
@@ -171,7 +171,7 @@ async def test_no_goal_is_sent_while_a_stop_is_latched(scene: Scene) -> None:
 async def test_a_stop_while_a_goal_is_stored_keeps_it_from_being_sent(scene: Scene) -> None:
     submission = scene.submit("key")
     await turns()
-    await scene.interlock.latch("/")
+    scene.interlock.latch("/")
     scene.history.gate.set_result(None)
     with pytest.raises(Conflict) as refused:
         await submission

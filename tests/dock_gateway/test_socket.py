@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -16,6 +17,7 @@ from dock_gateway.gateway import Gateway
 from dock_gateway.hub import Hub, Subscriber
 from dock_gateway.interest import Interest
 from tests.support.history import until
+from tests.support.stopping import fake_fleet
 from tests.support.tracking import A
 
 
@@ -140,3 +142,32 @@ async def test_every_subscription_says_goodbye_before_the_socket_closes(lookups:
     lookups.hub.close()
     await running
     assert [told.get("op") or told.get("type") or told["code"] for told in websocket.told] == ["ack", "closing", 1012]
+
+
+async def test_stops_are_never_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(socket_module, "MAX_COMMANDS", 1)
+    monkeypatch.setattr(socket_module, "MAX_STOPS", 1)
+    async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
+        fleet.gateway.settings = SimpleNamespace(subscriber_timeout=1.0)
+        fleet.goals["/"].answers.clear()  # each takes longer than the next takes to come
+        websocket = FakeWebSocket(*(f'{{"op": "stop", "id": "{number}"}}' for number in range(20)), stays=True)
+        session = Session(cast("WebSocket", websocket), fleet.gateway)
+        reading = asyncio.create_task(session._read())
+        await until(lambda: len(websocket.told) == 20)
+        reading.cancel()
+        assert {answer["op"] for answer in websocket.told} == {"ack"}
+        assert fleet.interlock.holds("/")
+
+
+async def test_a_stop_in_a_binary_message_is_one(tmp_path: Path) -> None:
+    async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
+        fleet.gateway.settings = SimpleNamespace(subscriber_timeout=1.0)
+        websocket = FakeWebSocket()
+        session = Session(cast("WebSocket", websocket), fleet.gateway)
+        await session._handle({"text": None, "bytes": b'{"op": "ping"}'})
+        await session._handle({"text": None, "bytes": b'{"op": "stop", "id": "s"}'})
+        assert [(answer["op"], answer.get("code")) for answer in websocket.told] == [
+            ("error", "malformed_json"),
+            ("ack", None),
+        ]
+        assert fleet.interlock.holds("/")

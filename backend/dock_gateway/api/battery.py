@@ -8,7 +8,7 @@ from dock_gateway.api.openapi import battery_body, body
 from dock_gateway.api.problems import problems
 from dock_gateway.api.requests import known_query, read_json, read_object
 from dock_gateway.api.schemas import Battery, Published, Publisher
-from dock_gateway.errors import FieldError, InvalidField
+from dock_gateway.errors import FieldError, InvalidField, got
 from dock_gateway.goals import fragment
 
 router = APIRouter(tags=["Battery"], dependencies=[Depends(known_query("robot"))])
@@ -33,7 +33,7 @@ def read_rate(value: object) -> float:
     """
     if not isinstance(value, int | float) or isinstance(value, bool) or not MIN_RATE <= value <= MAX_RATE:
         expected = f"a number from {MIN_RATE:g} to {MAX_RATE:g}"
-        raise InvalidField([FieldError("rate_hz", expected, f"got {value!r:.40}")])
+        raise InvalidField([FieldError("rate_hz", expected, got(value))])
     return float(value)
 
 

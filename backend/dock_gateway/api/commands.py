@@ -17,6 +17,7 @@ Fields = dict[str, Any]
 Command = Callable[[Gateway, Fields], Awaitable[Fields]]
 
 MAX_ID = 200
+STOP = "stop"
 
 
 def read_command(message: object) -> tuple[str, str | None, Fields]:
@@ -32,6 +33,8 @@ def read_command(message: object) -> tuple[str, str | None, Fields]:
     if not isinstance(op, str):
         raise InvalidField([FieldError("op", "a string", "got none" if op is None else "got something else")])
     if identity is not None and (not isinstance(identity, str) or len(identity) > MAX_ID):
+        if op == STOP:  # is carried out nevertheless, and warns of a field that it does not know
+            return op, None, {**fields, "id": identity}
         raise InvalidField([FieldError("id", f"a string of at most {MAX_ID} characters", "got something else")])
     return op, identity, fields
 
@@ -91,8 +94,10 @@ async def _stop_publishing(gateway: Gateway, fields: Fields) -> Fields:
 
 
 async def _stop(gateway: Gateway, fields: Fields) -> Fields:
-    check_fields(fields, ("robot",), ("latch", "by"))
     robot = fields.pop("robot", None)
+    check_fields({"robot": robot}, ("robot",))
+    if robot is None:  # an unknown field may be a misspelt `robot`
+        check_fields(fields, (), ("latch", "by", "id"))
     return await stop_robot(gateway, robot, fields)
 
 
@@ -111,7 +116,7 @@ COMMANDS: dict[str, Command] = {
     "cancel_goal": _cancel_goal,
     "publish_battery": _publish_battery,
     "stop_publishing": _stop_publishing,
-    "stop": _stop,
+    STOP: _stop,
     "release_stop": _release_stop,
     "ping": _ping,
 }

@@ -9,7 +9,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
 from dock_gateway.api.methods import AllowedMethods
-from dock_gateway.errors import FieldError, GatewayError, InvalidField
+from dock_gateway.errors import FieldError, GatewayError, InvalidField, got
 from dock_gateway.goals import encode
 
 MEDIA_TYPE = "application/problem+json"
@@ -62,4 +62,4 @@ def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> 
 
 def _field_error(item: dict[str, Any]) -> FieldError:
     path = ".".join(str(part) for part in item["loc"])
-    return FieldError(path, str(item["msg"]).removeprefix("Input should be "), f"got {item.get('input')!r:.60}")
+    return FieldError(path, str(item["msg"]).removeprefix("Input should be "), got(item.get("input"), 60))

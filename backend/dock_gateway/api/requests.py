@@ -9,13 +9,14 @@ import orjson
 from fastapi import Request
 from starlette.requests import ClientDisconnect, HTTPConnection
 
-from dock_gateway.errors import FieldError, InvalidField, MalformedRequest
+from dock_gateway.errors import FieldError, InvalidField, MalformedRequest, got
 from dock_gateway.gateway import Gateway
 
 # What curl -d says by itself is taken as JSON, too; a page of another origin cannot use that (api/origin.py).
 JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
 MAX_WAIT = 300.0
 MAX_KEY = 200
+MAX_DIGITS = 18  # no number in a header that matters has more
 
 
 def get_gateway(connection: HTTPConnection) -> Gateway:
@@ -100,8 +101,7 @@ async def _read(request: Request, limit: int) -> bytes:
         code="body_too_large",
         status=HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
     )
-    declared = request.headers.get("content-length", "")
-    if declared.isdecimal() and int(declared) > limit:
+    if (read_digits(request.headers.get("content-length", "")) or 0) > limit:
         raise too_large
     async for chunk in request.stream():
         raw += chunk
@@ -135,7 +135,7 @@ def read_name(value: object, longest: int) -> str:
     """
     name = value.strip() if isinstance(value, str) else ""
     if not 0 < len(name) <= longest or not name.isprintable():
-        raise InvalidField([FieldError("by", f"1 to {longest} characters, in one line", f"got {value!r:.40}")])
+        raise InvalidField([FieldError("by", f"1 to {longest} characters, in one line", got(value))])
     return name
 
 
@@ -149,13 +149,18 @@ def read_wait(request: Request) -> float:
         name, _, value = preference.partition("=")
         if name.strip().lower() != "wait":
             continue
-        seconds = value.partition(";")[0].strip().strip('"')
-        if not seconds.isdecimal() or not 0 <= int(seconds) <= MAX_WAIT:
+        seconds = read_digits(value.partition(";")[0].strip().strip('"'))
+        if seconds is None or seconds > MAX_WAIT:
             raise InvalidField(
                 [FieldError("header.Prefer", f"wait=0 to wait={MAX_WAIT:.0f}", f"got {preference.strip()[:60]!r}")]
             )
         return float(seconds)
     return 0.0
+
+
+def read_digits(text: str) -> int | None:
+    """A number out of a header; None where it is none. More digits than Python reads are as many as it does read."""
+    return int(text[:MAX_DIGITS]) if text.isascii() and text.isdecimal() else None
 
 
 def read_key(request: Request) -> str | None:

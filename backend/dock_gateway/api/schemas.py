@@ -102,26 +102,31 @@ class GoalPage(Schema):
 
 
 class StopFailure(Schema):
-    """An action that could not be stopped."""
+    """What a stop could not do: cancel the goals of an action, or publish zero velocity to a robot."""
 
-    action_name: str
+    action_name: str | None
+    robot: str | None
     code: str
     detail: str
 
 
 class StopState(Schema):
-    """Whether a stop is latched for a robot, since when and by whom; `robots` at or below it are held by a stop."""
+    """Whether a stop is latched for a robot, since when and by whom; `robots` at or below it are held by a stop.
+
+    `persisted`: false where the gateway could not store its latest stop or release, so that a restart would forget it.
+    """
 
     latched: bool
     since: datetime | None
     by: str | None
     robots: list[str]
+    persisted: bool
 
 
 class StopReport(Schema):
     """What a stop did; the actions in `unconfirmed` were asked to cancel their goals and have not answered yet.
 
-    `warning`: what was wrong with the request, which was taken for one without a body then.
+    `warning`: what of the request could not be read, and was left out; or that the stop is not stored yet.
     """
 
     canceling: list[str]

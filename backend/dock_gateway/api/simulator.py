@@ -11,7 +11,7 @@ from dock_gateway.api.openapi import body
 from dock_gateway.api.problems import problems
 from dock_gateway.api.requests import known_query, read_json, read_object
 from dock_gateway.api.schemas import Simulator
-from dock_gateway.errors import FieldError, InvalidField
+from dock_gateway.errors import FieldError, InvalidField, got
 from dock_gateway.gateway import Gateway
 from dock_gateway.scene import Pose
 
@@ -48,9 +48,11 @@ def read_pose(value: object) -> Pose:
     """
     fields = read_object(value, *Pose._fields)
     errors = [
-        FieldError(name, f"a number from {-FARTHEST:g} to {FARTHEST:g}", f"got {got!r:.40}")
+        FieldError(name, f"a number from {-FARTHEST:g} to {FARTHEST:g}", got(given))
         for name in Pose._fields
-        if isinstance(got := fields.get(name), bool) or not isinstance(got, int | float) or not abs(got) <= FARTHEST
+        if isinstance(given := fields.get(name), bool)
+        or not isinstance(given, int | float)
+        or not abs(given) <= FARTHEST
     ]
     if errors:
         raise InvalidField(errors)
@@ -91,5 +93,5 @@ async def switch_fault(fault: FaultPath, request: Request, gateway: TheGateway, 
     """Let something break, or work again."""
     active = read_object(await read_json(request), "active").get("active")
     if not isinstance(active, bool):
-        raise InvalidField([FieldError("active", "true or false", f"got {active!r:.40}")])
+        raise InvalidField([FieldError("active", "true or false", got(active))])
     return json_response(await gateway.simulators.switch(_robot(gateway, robot), fault, active=active))

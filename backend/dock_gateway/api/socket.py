@@ -11,10 +11,11 @@ from typing import Any
 
 import orjson
 from fastapi import APIRouter, WebSocket
+from starlette.types import Message
 from starlette.websockets import WebSocketDisconnect
 
 from dock_gateway.api.answers import TheGateway
-from dock_gateway.api.commands import COMMANDS, Fields, check_fields, read_command
+from dock_gateway.api.commands import COMMANDS, STOP, Fields, check_fields, read_command
 from dock_gateway.api.feed import feed
 from dock_gateway.api.interests import read_after, read_interest, read_max_rate
 from dock_gateway.api.problems import problem_response
@@ -41,7 +42,8 @@ router = APIRouter()
 
 MAX_SUBSCRIPTIONS = 32
 MAX_COMMANDS = 64
-MAX_STOPS = 64  # beside them: a stop does not queue behind goals that an action server does not answer
+# Stops come beside them, and are never refused: beyond this number the socket is not read until one is answered.
+MAX_STOPS = 64
 INTERNAL = GatewayError("an error inside of the gateway; its log has the details")
 SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
@@ -108,20 +110,19 @@ class Session:
             received = await self._websocket.receive()
             if received["type"] == "websocket.disconnect":
                 return
-            most = MAX_COMMANDS
-            if len(self._commands) >= most and _is_stop(received.get("text")):
-                most += MAX_STOPS
-            if len(self._commands) >= most:
+            if len(self._commands) >= MAX_COMMANDS and not _is_stop(received):
                 await self._answer_error(None, TooManyRequests(f"{MAX_COMMANDS} commands are under way already"))
                 continue
-            task = asyncio.create_task(self._handle(received.get("text")))
+            while len(self._commands) >= MAX_COMMANDS + MAX_STOPS:
+                await asyncio.wait(self._commands, return_when=asyncio.FIRST_COMPLETED)
+            task = asyncio.create_task(self._handle(received))
             self._commands.add(task)
             task.add_done_callback(self._commands.discard)
 
-    async def _handle(self, text: str | None) -> None:
+    async def _handle(self, received: Message) -> None:
         identity: str | None = None
         try:
-            op, identity, fields = read_command(_decode(text))
+            op, identity, fields = read_command(_decode(received))
             if op == "subscribe":
                 self._subscribe(identity, fields)  # it answers by itself
             else:
@@ -209,18 +210,20 @@ class Session:
             await send_text(self._websocket, self._gateway, text)
 
 
-def _is_stop(text: str | None) -> bool:
+def _is_stop(received: Message) -> bool:
     try:
-        message = _decode(text)
+        message = _decode(received)
     except MalformedRequest:
         return False
-    return isinstance(message, dict) and message.get("op") == "stop"
+    return isinstance(message, dict) and message.get("op") == STOP
 
 
-def _decode(text: str | None) -> Any:
-    if text is None:
-        raise MalformedRequest("a text message is expected, not a binary one")
+def _decode(received: Message) -> Any:
+    text = received.get("text")
     try:
-        return orjson.loads(text)
+        message = orjson.loads((received.get("bytes") or b"") if text is None else text)
     except orjson.JSONDecodeError as error:
         raise MalformedRequest(f"the message is not JSON: {error}") from None
+    if text is None and not (isinstance(message, dict) and message.get("op") == STOP):
+        raise MalformedRequest("a text message is expected, not a binary one")
+    return message

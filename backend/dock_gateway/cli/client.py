@@ -233,7 +233,7 @@ def stop(url: str, robot: str | None, no_latch: bool, by: str | None) -> None:
     if report["stop"]["latched"]:
         click.echo("no goal is sent until the stop is released: dock-gateway release")
     for failure in report["failed"]:
-        click.echo(f"{failure['action_name']}: {failure['detail']}", err=True)
+        click.echo(f"{failure['action_name'] or failure['robot']}: {failure['detail']}", err=True)
     for name in report["unconfirmed"]:
         click.echo(f"{name}: the action server has not answered yet", err=True)
     if report["failed"] or report["unconfirmed"]:

@@ -1,6 +1,7 @@
 """The topics around an action: battery state in and out, velocity in and zero out, the stop latch, diagnostics in.
 
-Ports are made and closed on the ROS thread; all else of them is for the loop.
+Ports are made and closed on the ROS thread; all else of them is for the loop. Velocity and latch are published from
+the loop itself: a stop must not wait for the ROS thread (docs/architecture.md).
 """
 
 import time
@@ -28,6 +29,9 @@ LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability
 
 # A message that is stamped so many nanoseconds after we began to publish may be ours.
 OWN_WITHIN = 1_000_000_000
+# A message of ours may be heard so many nanoseconds late, on a busy machine: taken for that of another gateway, it
+# might release a stop.
+OWN_REMEMBERED = 20_000_000_000
 
 # Facts about goals and simulators that are taken from one message.
 MAX_FACTS = 100
@@ -83,13 +87,38 @@ class BatteryPort:
 
 
 class VelocityPort:
-    """`geometry_msgs/Twist`: what the robot is told, in m/s and rad/s, and our zero for it."""
+    """`geometry_msgs/Twist`: zero, in m/s and rad/s, for a robot that is to stand still."""
+
+    def __init__(self, bridge: Bridge, topic: str) -> None:
+        self._bridge = bridge
+        overrides = QoSOverridingOptions.with_default_policies()
+        self._publisher = bridge.node.create_publisher(Twist, topic, TALK, qos_overriding_options=overrides)
+
+    def close(self) -> None:
+        """Leave the topic."""
+        self._bridge.node.destroy_publisher(self._publisher)
+
+    def publish_zero(self) -> None:
+        """Tell the robot to stand still, now.
+
+        Raises:
+            Exception: ROS does not take the message.
+        """
+        self._publisher.publish(Twist())
+
+
+class VelocityListener:
+    """`geometry_msgs/Twist`: what a robot is told, in m/s and rad/s, by anyone; heard while somebody wants to see it.
+
+    Args:
+        bridge: Where the ROS thread is.
+        topic: Absolute name.
+        on_velocity: Called on the loop with a message and its source timestamp in ns.
+    """
 
     def __init__(self, bridge: Bridge, topic: str, on_velocity: OnMessage) -> None:
         self._bridge = bridge
         twist_codec = codec(Twist)
-        overrides = QoSOverridingOptions.with_default_policies()
-        self._publisher = bridge.node.create_publisher(Twist, topic, TALK, qos_overriding_options=overrides)
 
         inbox = bridge.inbox()
 
@@ -97,6 +126,7 @@ class VelocityPort:
             velocity = twist_codec.encode(message)
             inbox.offer(len(velocity), on_velocity, velocity, info["source_timestamp"])
 
+        overrides = QoSOverridingOptions.with_default_policies()
         self._subscription = bridge.node.create_subscription(
             Twist, topic, guard(hear), LISTEN, qos_overriding_options=overrides
         )
@@ -104,11 +134,6 @@ class VelocityPort:
     def close(self) -> None:
         """Leave the topic."""
         self._bridge.node.destroy_subscription(self._subscription)
-        self._bridge.node.destroy_publisher(self._publisher)
-
-    async def publish_zero(self) -> None:
-        """Tell the robot to stand still."""
-        await self._bridge.call(lambda: self._publisher.publish(Twist()), even_late=True)
 
 
 class LatchPort:
@@ -117,10 +142,10 @@ class LatchPort:
     Args:
         bridge: Where the ROS thread is.
         topic: Absolute name.
-        on_latch: Called on the loop with what others say.
+        on_latch: Called on the loop with what others say, and when that came in, on the monotonic clock.
     """
 
-    def __init__(self, bridge: Bridge, topic: str, on_latch: Callable[[bool], None]) -> None:
+    def __init__(self, bridge: Bridge, topic: str, on_latch: Callable[[bool, float], None]) -> None:
         self._bridge = bridge
         self._topic = topic
         self._own: tuple[tuple[int, int], ...] = ()  # when we published: the listener is another thread
@@ -129,8 +154,8 @@ class LatchPort:
 
         def hear(message: Bool, info: dict[str, Any]) -> None:
             stamp = info["source_timestamp"]
-            if not any(first <= stamp <= last for first, last in self._own):
-                inbox.put(on_latch, message.data)
+            if not any(first <= stamp <= last for first, last in reversed(self._own)):
+                inbox.put(on_latch, message.data, time.monotonic())
 
         self._subscription = bridge.node.create_subscription(Bool, topic, guard(hear), LATCHED)
 
@@ -142,23 +167,31 @@ class LatchPort:
         self._bridge.node.destroy_subscription(self._subscription)
         self._bridge.node.destroy_publisher(self._publisher)
 
-    async def publish(self, *, latched: bool) -> None:
-        """Say it; who comes later hears the last that was said."""
+    def publish(self, *, latched: bool) -> None:
+        """Publish it, now; late subscribers get the last message.
 
-        def publish() -> None:
-            before, first = self._own[-16:], time.time_ns()
-            self._own = (*before, (first, first + OWN_WITHIN))  # it may be heard before the end is known
+        Raises:
+            Exception: ROS does not take the message.
+        """
+        first = time.time_ns()
+        before = tuple(own for own in self._own if own[1] > first - OWN_REMEMBERED)
+        self._own = (*before, (first, first + OWN_WITHIN))  # it may be heard before the end is known
+        try:
             self._publisher.publish(Bool(data=latched))
+        finally:
             self._own = (*before, (first, time.time_ns()))
 
-        await self._bridge.call(publish, even_late=True)
-
     async def withdraw(self) -> None:
-        """Who comes later hears nothing from us."""
+        """Late subscribers get no message from us any more.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
 
         def withdraw() -> None:
-            self._bridge.node.destroy_publisher(self._publisher)
-            self._publisher = self._make_publisher()
+            # The new publisher first: the loop may publish at any time.
+            old, self._publisher = self._publisher, self._make_publisher()
+            self._bridge.node.destroy_publisher(old)
 
         await self._bridge.call(withdraw, even_late=True)
 

@@ -156,8 +156,9 @@ export interface paths {
          *     Goals of other clients are canceled, too. New ones are refused (`409 stop_latched`) until the stop is released by
          *     `DELETE /stop`; with `{"latch": false}` they are not. Robots in namespaces below are stopped, too: without
          *     `robot`, on a gateway without a namespace, all of them. The answer comes within 100 ms: an action server that has
-         *     not answered by then is in `unconfirmed`. `Prefer: wait=2` waits for it that long. A body that cannot be read keeps
-         *     nobody from stopping: the robot is stopped as without one, and `warning` says what is wrong.
+         *     not answered by then is in `unconfirmed`. `Prefer: wait=2` waits for it that long. Nothing in a request keeps a
+         *     robot from being stopped: where it cannot be read, the robot is stopped as without it, and `warning` says what is
+         *     wrong. It also says where a restart of the gateway would forget the stop.
          */
         post: operations["stop"];
         /**
@@ -2314,11 +2315,13 @@ export interface components {
         };
         /**
          * StopFailure
-         * @description An action that could not be stopped.
+         * @description What a stop could not do: cancel the goals of an action, or publish zero velocity to a robot.
          */
         StopFailure: {
             /** Action Name */
-            action_name: string;
+            action_name: string | null;
+            /** Robot */
+            robot: string | null;
             /** Code */
             code: string;
             /** Detail */
@@ -2328,7 +2331,7 @@ export interface components {
          * StopReport
          * @description What a stop did; the actions in `unconfirmed` were asked to cancel their goals and have not answered yet.
          *
-         *     `warning`: what was wrong with the request, which was taken for one without a body then.
+         *     `warning`: what of the request could not be read, and was left out; or that the stop is not stored yet.
          */
         StopReport: {
             /** Canceling */
@@ -2343,6 +2346,8 @@ export interface components {
         /**
          * StopState
          * @description Whether a stop is latched for a robot, since when and by whom; `robots` at or below it are held by a stop.
+         *
+         *     `persisted`: false where the gateway could not store its latest stop or release, so that a restart would forget it.
          */
         StopState: {
             /** Latched */
@@ -2353,6 +2358,8 @@ export interface components {
             by: string | null;
             /** Robots */
             robots: string[];
+            /** Persisted */
+            persisted: boolean;
         };
         /**
          * TopicEndpoint
@@ -3106,6 +3113,8 @@ export interface operations {
                     latch?: boolean;
                     /** @description Who asks for the stop */
                     by?: string | null;
+                    /** @description The robot, where it is not in the query */
+                    robot?: string | null;
                 };
             };
         };
@@ -3189,15 +3198,6 @@ export interface operations {
             };
             /** @description Unprocessable Entity */
             422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Service Unavailable */
-            503: {
                 headers: {
                     [name: string]: unknown;
                 };

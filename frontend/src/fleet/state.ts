@@ -20,7 +20,7 @@ export interface FleetTopics extends Omit<FleetState, "seen" | "resumed"> {
 
 export type FleetTopic = keyof FleetTopics;
 
-export const NO_STOP: StopState = { latched: false, since: null, by: null, robots: [] };
+export const NO_STOP: StopState = { latched: false, since: null, by: null, robots: [], persisted: true };
 
 export const initialFleet: FleetState = {
   goals: new Map(),

@@ -85,6 +85,11 @@ function Held({ stop, title, large = false, children }: HeldProps) {
           {title}
         </Text>
         <Text size="sm">{children}</Text>
+        {!stop.persisted && (
+          <Text size="sm" fw={600}>
+            This stop is not stored: a restart of the gateway would forget it. Check the gateway's disk.
+          </Text>
+        )}
       </div>
       <Release held={[stop]} small={!large} />
     </Group>

@@ -27,7 +27,7 @@ export async function stopEverywhere(
   const refused = answers.flatMap((answer, index) => {
     if (answer.status === "fulfilled") return [];
     const { code, detail } = toCommandError(answer.reason);
-    return [{ action_name: targets[index] ?? configured, code, detail }];
+    return [{ action_name: null, robot: targets[index] ?? configured, code, detail }];
   });
   return {
     canceling: reports.flatMap((report) => report.canceling),

@@ -10,6 +10,8 @@ export interface HeldStop {
   by: string | null;
   /** The robots in namespaces below, by name. */
   below: string[];
+  /** False where a restart of the gateway would forget it. */
+  persisted: boolean;
 }
 
 /**
@@ -26,11 +28,12 @@ export function heldStops(stop: StopState, robots: ReadonlyMap<string, Robot>): 
   const names = [...latched.keys()].sort(byName);
   return [...latched]
     .filter(([held]) => !names.some((other) => other !== held && isUnder(held, other)))
-    .map(([held, { since, by, robots: under }]) => ({
+    .map(([held, { since, by, robots: under, persisted }]) => ({
       robot: held,
       configured: held === name,
       since,
       by,
+      persisted,
       below: [...new Set([...names, ...under])]
         .filter((other) => other !== held && isUnder(other, held))
         .sort(byName),

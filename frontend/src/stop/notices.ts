@@ -28,12 +28,20 @@ export function showStopping(): void {
   });
 }
 
-export function showStopped({ canceling, failed, unconfirmed }: StopReport): void {
+export function showStopped({ canceling, failed, unconfirmed, warning }: StopReport): void {
+  const warned = warning === null ? "" : ` Warning: ${warning.detail} (${warning.code}).`;
   if (failed.length > 0) {
+    const unreached = failed.some(({ robot }) => robot !== null);
+    const failures = failed.map((failure) => {
+      const { action_name, robot, detail, code } = failure;
+      return `${action_name ?? robot}: ${detail} (${code})`;
+    });
     show({
       color: "red",
-      title: "Zero velocity was sent, but not every goal is canceled",
-      message: `${failed.map((failure) => `${failure.action_name}: ${failure.detail} (${failure.code})`).join("; ")}. The action server may drive on: use the robot's own emergency stop if it moves.`,
+      title: unreached
+        ? "Not every robot was told to stand still"
+        : "Zero velocity was sent, but not every goal is canceled",
+      message: `${failures.join("; ")}. Use the robot's own emergency stop if it moves.${warned}`,
       autoClose: false,
     });
     return;
@@ -47,10 +55,10 @@ export function showStopped({ canceling, failed, unconfirmed }: StopReport): voi
   const waiting =
     unconfirmed.length === 0 ? goals : `Not answered yet: ${unconfirmed.join(", ")}; asked until they do.`;
   show({
-    color: unconfirmed.length === 0 ? "green" : "orange",
-    title: "Stopped",
-    message: `Zero velocity was sent. ${waiting}`,
-    autoClose: 8000,
+    color: unconfirmed.length === 0 && warning === null ? "green" : "orange",
+    title: warning === null ? "Stopped" : "Stopped, with a warning",
+    message: `Zero velocity was sent. ${waiting}${warned}`,
+    autoClose: warning === null ? 8000 : false,
   });
 }
 

@@ -83,7 +83,7 @@ export const initialState: State = {
   publisher: null,
   actionServer: null,
   undockServer: null,
-  stop: { latched: false, since: null, by: null, robots: [] },
+  stop: { latched: false, since: null, by: null, robots: [], persisted: true },
   simulator: null,
   dropped: 0,
   unread: 0,

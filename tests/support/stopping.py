@@ -1,0 +1,139 @@
+"""A real `Stopper` and `Interlock`, and robots and actions that are fakes: they note what they are told."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from dock_gateway.errors import NotFound
+from dock_gateway.hub import Hub
+from dock_gateway.interlock import Interlock
+from dock_gateway.latch_file import LatchFile
+from dock_gateway.namespaces import is_under
+from dock_gateway.robots import read_namespace
+from dock_gateway.settings import Settings
+from dock_gateway.stop import Stopper
+
+
+class FakeVelocity:
+    """`cmd_vel` of a robot."""
+
+    def __init__(self) -> None:
+        self.zeros = 0
+        self.failures = 0  # so many more are not taken
+
+    def publish_zero(self) -> None:
+        if self.failures:
+            self.failures -= 1
+            raise RuntimeError("ROS does not take it")
+        self.zeros += 1
+
+
+class FakeTopic:
+    """`stop_latched` of a robot."""
+
+    def __init__(self) -> None:
+        self.said: list[bool | None] = []
+        self.failures = 0
+
+    def publish(self, *, latched: bool) -> None:
+        if self.failures:
+            self.failures -= 1
+            raise RuntimeError("ROS does not take it")
+        self.said.append(latched)
+
+    async def withdraw(self) -> None:
+        self.said.append(None)
+
+
+class FakeGoals:
+    """The goals of an action; its server answers once `answers` is set."""
+
+    def __init__(self) -> None:
+        self.cancels = 0
+        self.running: list[str] = []
+        self.answers = asyncio.Event()
+        self.answers.set()
+
+    def disown_pending(self) -> None:
+        pass
+
+    @property
+    def uncanceled(self) -> bool:
+        return bool(self.running)
+
+    async def cancel_all(self) -> list[str]:
+        self.cancels += 1
+        await self.answers.wait()
+        canceled, self.running = self.running, []
+        return canceled
+
+
+class FakeFleet:
+    """Robots of some namespaces, each with an action, and what stops them; the first is the configured one.
+
+    Attributes:
+        robots: Their `velocity` and `topic`, by namespace.
+        goals: What runs on the action of each.
+        gateway: What the API calls.
+    """
+
+    def __init__(self, path: Path, *names: str) -> None:
+        self.hub = Hub(queue_limit=10, max_subscribers=10)
+        self.file = LatchFile(path)
+        self.interlock = Interlock(self.hub, self.file, names[0])
+        self.robots = {
+            name: SimpleNamespace(namespace=name, velocity=FakeVelocity(), topic=FakeTopic()) for name in names
+        }
+        for name, robot in self.robots.items():
+            self.interlock.join(name, robot.topic)
+        self.goals = {name: FakeGoals() for name in names}
+        actions: Any = SimpleNamespace(under=self._actions_under)
+        registry: Any = SimpleNamespace(get=self._get, under=self._robots_under)
+        self._actions = {name: Action(f"{name.rstrip('/')}/dock", goals) for name, goals in self.goals.items()}
+        self.stopper = Stopper(registry, actions, self.interlock)
+        self.gateway: Any = SimpleNamespace(stopper=self.stopper, settings=Settings(body_timeout=0.2))
+
+    def _get(self, namespace: str | None = None) -> Any:
+        name = next(iter(self.robots)) if namespace is None else read_namespace(namespace)
+        if name not in self.robots:
+            raise NotFound(f"there is no robot {name}", code="robot_not_found")
+        return self.robots[name]
+
+    def _robots_under(self, namespace: str) -> list[Any]:
+        return [robot for name, robot in self.robots.items() if is_under(name, namespace)]
+
+    def _actions_under(self, namespace: str) -> list[Any]:
+        return [action for name, action in self._actions.items() if is_under(name, namespace)]
+
+    def zeros(self) -> list[int]:
+        """How often each robot was told to stand still."""
+        return [robot.velocity.zeros for robot in self.robots.values()]
+
+    def said(self) -> list[list[bool | None]]:
+        """What was said on each `stop_latched`."""
+        return [robot.topic.said for robot in self.robots.values()]
+
+    async def close(self) -> None:
+        await self.stopper.close()
+        await self.interlock.close()
+
+
+class Action:
+    """An action as a stop sees it."""
+
+    def __init__(self, name: str, goals: FakeGoals) -> None:
+        self.name = name
+        self.goals = goals
+
+
+@asynccontextmanager
+async def fake_fleet(path: Path, *names: str) -> AsyncIterator[FakeFleet]:
+    """A fleet that is closed at the end."""
+    fleet = FakeFleet(path, *names)
+    try:
+        yield fleet
+    finally:
+        await fleet.close()
