@@ -11,7 +11,7 @@ from dock_gateway.delivery import Delivery
 from dock_gateway.discovery import Discovery
 from dock_gateway.errors import GatewayError, NotFound, Unavailable
 from dock_gateway.events import loss_event, status_event, system_event, utc_now
-from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.goals import LOST_FOR, Goal, GoalError, GoalStatus
 from dock_gateway.history import History
 from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
@@ -134,8 +134,13 @@ class ActionRegistry:
         self._started = time.monotonic()
 
     def expect(self, goals: list[Goal]) -> None:
-        """Goals that ran when the gateway ended: each is taken up with its action, once."""
+        """Goals that ran when the gateway ended: each is taken up with its action, once.
+
+        One that had been lost for long before is taken up should it turn up.
+        """
         for goal in goals:
+            if goal.status is GoalStatus.LOST and utc_now() - goal.updated_at > LOST_FOR:
+                continue
             if action := self._actions.get(goal.action_name):
                 action.tracker.take_up(goal)
             else:

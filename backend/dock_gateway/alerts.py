@@ -8,7 +8,7 @@ from enum import StrEnum
 from typing import Any
 
 from dock_gateway.battery import PowerSupply
-from dock_gateway.goals import Goal
+from dock_gateway.goals import LOST_FOR, Goal
 from dock_gateway.history import Acknowledgement, Incident
 from dock_gateway.robot_state import CHARGES, RobotState
 
@@ -20,8 +20,6 @@ FULL = 0.99
 STALE_FOR = timedelta(seconds=5)
 # A battery that was low has to be so much above the limit until it is not low any more.
 MARGIN = 0.05
-# A goal that has been lost for so long does not come back.
-LOST_FOR = timedelta(hours=1)
 
 
 class AlertKind(StrEnum):

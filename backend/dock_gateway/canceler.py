@@ -20,6 +20,8 @@ log = logging.getLogger(__name__)
 STOP_TIMEOUT = 1.0
 # A server that does not answer is asked again after so many seconds.
 RETRY_INTERVAL = 1.0
+# Goals that must not run and that nothing has been heard of, besides those that are tracked
+MAX_UNWANTED = 1000
 UNKNOWN_GOAL = 2  # action_msgs/CancelGoal ERROR_UNKNOWN_GOAL_ID
 
 TOO_LATE = GoalError(
@@ -143,7 +145,11 @@ class Canceler:
 
     def disown(self, goal: Goal, why: GoalError) -> None:
         """The goal must not run, whenever it turns up."""
+        if goal.status.final:
+            return
         self._unwanted.setdefault(goal.goal_id, why)
+        if len(self._unwanted) > len(self._tracker.live) + MAX_UNWANTED:
+            del self._unwanted[next(goal_id for goal_id in self._unwanted if goal_id not in self._tracker.live)]
 
     def turned_up(self, goal: Goal) -> None:
         """A goal runs, as far as is known: where it is unwanted, it is canceled."""
@@ -190,7 +196,8 @@ class Canceler:
             self._insisting.discard(goal.goal_id)
 
     def _forget(self, goal: Goal) -> None:
-        self._unwanted.pop(goal.goal_id, None)
+        if goal.status.final:
+            self._unwanted.pop(goal.goal_id, None)
 
 
 def require_unfinished(goal: Goal) -> None:

@@ -57,6 +57,8 @@ class Delivery:
         self._interlock = interlock
         self._canceler = canceler
         self.stops = 0
+        self._unanswered: dict[str, PendingCall] = {}  # of goals that were given up, by their ids
+        tracker.on_end.append(self._forget)
         self._tasks: set[asyncio.Task[Goal]] = set()
 
     def stop(self) -> None:
@@ -163,11 +165,16 @@ class Delivery:
         )
 
     def _give_up(self, goal: Goal, call: PendingCall) -> None:
+        if goal.status.final:  # other messages have told of it
+            call.forget()
+            return
         self._canceler.disown(goal, TOO_LATE)
+        self._unanswered[goal.goal_id] = call
         detail = f"the action server did not accept or reject the goal within {self._settings.accept_timeout:g} s"
         self._tracker.lose(goal, GoalError("action_server_timeout", detail))
 
         def answered(response: "asyncio.Future[Any]") -> None:
+            self._unanswered.pop(goal.goal_id, None)
             if response.cancelled() or response.exception():
                 return
             self._tracker.heard()
@@ -177,6 +184,11 @@ class Delivery:
                 self._tracker.end(goal, GoalStatus.REJECTED, error=goal.error)
 
         call.response.add_done_callback(answered)
+
+    def _forget(self, goal: Goal) -> None:
+        """Nothing more is expected of a goal."""
+        if (call := self._unanswered.pop(goal.goal_id, None)) is not None:
+            call.forget()
 
 
 # What the sender of a goal is told when it did not even start, by the code of the goal's error.

@@ -1,7 +1,7 @@
 """A goal as the gateway knows it: plain data and the rules for how it changes. No ROS, no socket, no clock."""
 
 from dataclasses import dataclass, field
-from datetime import datetime
+from datetime import datetime, timedelta
 from enum import StrEnum
 from typing import Any, Literal
 
@@ -11,6 +11,10 @@ import orjson
 Json = bytes
 
 Origin = Literal["gateway", "external"]
+
+
+# A goal that has been lost for so long is not expected back.
+LOST_FOR = timedelta(hours=1)
 
 
 class GoalStatus(StrEnum):

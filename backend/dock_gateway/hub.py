@@ -2,10 +2,11 @@
 
 import asyncio
 import itertools
-from collections import OrderedDict, defaultdict, deque
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator
 
 from dock_gateway.errors import TooManyRequests, Unavailable
+from dock_gateway.event_buffer import EventBuffer
 from dock_gateway.events import Event, EventClock
 from dock_gateway.interest import Interest
 
@@ -145,7 +146,7 @@ class Hub:
         self.clock = EventClock(newest)
         self._keep = keep
         self._line: deque[Event | Hold] = deque()
-        self._recent: OrderedDict[str, Event] = OrderedDict()
+        self._recent = EventBuffer(self.RECENT)
         self._queue_limit = queue_limit
         self._max_subscribers = max_subscribers
         self._subscribers: set[Subscriber] = set()
@@ -227,9 +228,7 @@ class Hub:
         if event.id is not None and event.topic != "cmd_vel":
             if event.id in self._recent:
                 return
-            self._recent[event.id] = event
-            if len(self._recent) > self.RECENT:
-                self._recent.popitem(last=False)
+            self._recent.put(event)
             self._keep(event)
         for subscriber in self._wanting.get((event.topic, event.robot), ()):
             if subscriber.interest.covers(event):

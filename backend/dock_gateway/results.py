@@ -20,6 +20,8 @@ log = logging.getLogger(__name__)
 
 # Seconds that a goal which the status topic says has ended waits for its result, and after which it is asked for again.
 RESULT_WAIT, ASK_AGAIN_AFTER = 4.0, 0.5
+# Its result may come late, up to so many seconds after it has ended so.
+LATE_RESULT = 60.0
 # A result waits so long for the status message of the end, whose timestamp is the same at every gateway.
 END_STAMP_WAIT = 0.2
 SAID_NOTHING = "the action server aborted the goal and did not say why"
@@ -129,9 +131,11 @@ class Results:
     # ------------------------------------------------------------------ the end
 
     def retire(self, goal: Goal) -> None:
-        """The goal has ended, or is given up: its result is waited for only where it may still come."""
+        """The goal has ended, or is given up: its result is waited for where it may still come, and not for long."""
         if goal.result is not None or goal.status not in WITH_RESULT:
             self.forget(goal.goal_id)
+        elif goal.goal_id in self._calls:
+            asyncio.get_running_loop().call_later(LATE_RESULT, self.forget, goal.goal_id)
 
     def forget(self, goal_id: str) -> None:
         """Wait for the goal's result no more."""

@@ -9,6 +9,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from functools import partial
+from weakref import WeakValueDictionary
 
 from dock_gateway.adoption import Adoption, Message, Newcomer
 from dock_gateway.events import Event, feedback_event, moment, nanoseconds, result_event, status_event, utc_now
@@ -70,7 +71,7 @@ class GoalTracker:
         self._ended: OrderedDict[str, None] = OrderedDict()
         self._places: dict[str, Hold] = {}
         self._started = utc_now()
-        self._waiters: dict[str, asyncio.Event] = {}
+        self._waiters: WeakValueDictionary[str, asyncio.Event] = WeakValueDictionary()  # held by those who wait
         self._goal_heard: dict[str, float] = {}
 
     def running(self) -> list[Goal]:
@@ -181,7 +182,8 @@ class GoalTracker:
     def move(self, goal: Goal, status: GoalStatus, stamp_ns: int | None = None) -> None:
         """Move a goal on to a state that is not terminal, where that is not a step back."""
         was_lost = goal.status is GoalStatus.LOST
-        self._goal_heard[goal.goal_id] = time.monotonic()
+        if goal.goal_id in self.live:
+            self._goal_heard[goal.goal_id] = time.monotonic()
         if not goal.advance(status, utc_now()):
             return
         self._publish(status_event, goal, stamp_ns or time.time_ns())
@@ -279,7 +281,7 @@ class GoalTracker:
     def _note_ended(self, goal_id: str) -> None:
         self._ended[goal_id] = None
         if len(self._ended) > MAX_REMEMBERED:
-            self.results.forget(self._ended.popitem(last=False)[0])
+            self._ended.popitem(last=False)
 
     # ------------------------------------------------------------------ waiting, and the end
 
@@ -300,7 +302,7 @@ class GoalTracker:
 
     def release_all(self) -> None:
         """Let everyone who waits for a goal go."""
-        for event in self._waiters.values():
+        for event in list(self._waiters.values()):
             event.set()
         self._waiters.clear()
 

@@ -1,6 +1,7 @@
 """Actions come and go with the graph; one whose package is missing says what to install."""
 
 from collections.abc import Callable
+from datetime import timedelta
 from typing import Any
 
 import pytest
@@ -8,6 +9,8 @@ import pytest
 from dock_gateway import actions
 from dock_gateway.actions import ActionRegistry
 from dock_gateway.errors import NotFound, Unavailable
+from dock_gateway.events import utc_now
+from dock_gateway.goals import GoalStatus
 from dock_gateway.history import MemoryHistory
 from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
@@ -15,6 +18,7 @@ from dock_gateway.latch_file import LatchFile
 from dock_gateway.later import Later
 from dock_gateway.ros.graph import Scan
 from dock_gateway.settings import Settings
+from tests.support.history import make_goal
 
 
 class FakeBridge:
@@ -87,3 +91,11 @@ async def test_whatever_is_wrong_with_one_action_the_others_are_tried(
     await registry.update(Scan({"/a": [kind], "/b": [kind], "/c/connect_to_charging_dock": [kind]}))
     assert tried == ["/c/connect_to_charging_dock", "/a", "/b"], "docking comes first"
     assert {entry.hint for entry in registry.uninstalled()} == {"no type support"}
+
+
+def test_goals_that_were_lost_long_ago_are_not_expected(registry: ActionRegistry) -> None:
+    old, new, running = goals = [make_goal(number, GoalStatus.LOST, "/gone") for number in range(3)]
+    old.updated_at, new.updated_at = utc_now() - timedelta(hours=2), utc_now() - timedelta(minutes=1)
+    running.status = GoalStatus.EXECUTING
+    registry.expect(goals)
+    assert registry.lost() == [new]

@@ -1,7 +1,6 @@
 """The database slow, locked, frozen, full or away: no goal waits for it, and none is lost."""
 
 import asyncio
-import sqlite3
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AbstractContextManager, asynccontextmanager, contextmanager
@@ -17,7 +16,7 @@ from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import Wanted, store
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.sqlite import SqliteDatabase
-from tests.support.history import EVERYTHING, history_at, make_event, make_goal, open_at, timed, until, written
+from tests.support.history import EVERYTHING, history_at, locked, make_event, make_goal, open_at, timed, until, written
 from tests.support.postgresql import PostgreSQL
 
 # 100 ms for the database, and what a busy machine needs for the file
@@ -25,19 +24,6 @@ QUICK = 1.0
 BARRED = "the history database does not answer"
 
 Outage = Callable[[], AbstractContextManager[None]]
-
-
-@contextmanager
-def locked(path: str) -> Iterator[None]:
-    """Another process writes to the SQLite file and does not come to an end."""
-    connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
-    connection.execute("PRAGMA journal_mode=WAL")
-    connection.execute("BEGIN EXCLUSIVE")
-    try:
-        yield
-    finally:
-        connection.execute("ROLLBACK")
-        connection.close()
 
 
 @pytest.fixture(autouse=True)

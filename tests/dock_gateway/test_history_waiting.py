@@ -71,3 +71,17 @@ def test_batches_are_bounded() -> None:
     waiting.done(batch)
     assert len(waiting.batch().events) == 1
     assert not waiting.batch().full
+
+
+def test_what_nothing_takes_is_given_up_beyond_the_limit() -> None:
+    waiting = Waiting(10)
+    for number in range(30):
+        waiting.put_event(make_event(number))
+        waiting.put_goal(make_goal(number, origin="external"))
+        waiting.put_goal(make_goal(100 + number))
+        waiting.put_goal(make_goal(200 + number, GoalStatus.EXECUTING, origin="external"))
+    waiting.shed()
+    assert list(waiting.events.values()) == [make_event(number) for number in range(20, 30)]
+    assert waiting.gaps == {"goals": make_event(19).id}
+    assert len(waiting.goals) == 10 + 30 + 30
+    assert len(waiting.unsafe()) == 10 + 10 + 30 + 30

@@ -1,10 +1,11 @@
 """Goals, events and histories for tests of the history. As a program: a process that keeps goals, and can be killed."""
 
 import asyncio
+import sqlite3
 import sys
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -65,6 +66,19 @@ async def open_place(url: str, folder: Path, **limits: int) -> AsyncIterator[His
         return
     async with open_at(url, folder, **limits) as history:
         yield history
+
+
+@contextmanager
+def locked(path: str) -> Iterator[None]:
+    """Another process writes to the SQLite file and does not come to an end."""
+    connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+    connection.execute("PRAGMA journal_mode=WAL")
+    connection.execute("BEGIN EXCLUSIVE")
+    try:
+        yield
+    finally:
+        connection.execute("ROLLBACK")
+        connection.close()
 
 
 async def settled(history: History) -> None:

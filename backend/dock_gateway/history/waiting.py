@@ -5,6 +5,7 @@ from copy import copy
 from itertools import islice
 from typing import TypeVar
 
+from dock_gateway.event_buffer import EventBuffer
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal
 from dock_gateway.history.merge import merge
@@ -16,8 +17,8 @@ Kept = TypeVar("Kept")
 class Waiting:
     """Goals, events and keys that the database has not taken yet.
 
-    Feedback and battery events beyond `limit` are dropped, oldest first. The rest is never dropped; beyond `limit` it
-    is let go of (`evict`) once it is in the spool.
+    Feedback and battery events beyond `limit` are dropped, oldest first. The rest is let go of beyond `limit` once it
+    is in the spool (`evict`), or where that takes nothing either (`shed`).
 
     `unsafe` is what is nowhere but here, and must not be lost.
     """
@@ -27,7 +28,7 @@ class Waiting:
         self.goals: dict[str, Goal] = {}
         self.keys: dict[str, Key] = {}
         self.events: dict[str, Event] = {}
-        self.droppable: dict[str, Event] = {}
+        self.droppable = EventBuffer(limit)
         self.gaps: dict[str, str] = {}
         self.dropped = 0
         self._unsafe: dict[tuple[str, str], Goal | Event | Key] = {}
@@ -76,9 +77,8 @@ class Waiting:
         """Take an event that has an id."""
         identity = event.id or ""
         if event.droppable:
-            self.droppable.setdefault(identity, event)
-            if len(self.droppable) > self.limit:
-                self.drop(self.droppable[next(iter(self.droppable))])
+            for gone in self.droppable.put(event):
+                self.drop(gone)
         elif identity not in self.events:
             self.events[identity] = event
             if not safe:
@@ -86,8 +86,9 @@ class Waiting:
 
     def drop(self, event: Event) -> None:
         """Give up an event, and remember that it is missing."""
-        self.droppable.pop(event.id or "", None)
+        self.droppable.remove(event.id or "")
         self.events.pop(event.id or "", None)
+        self._unsafe.pop(("event", event.id or ""), None)
         self.dropped += 1
         self.gaps[event.topic] = max(event.id or "", self.gaps.get(event.topic, ""))
 
@@ -116,7 +117,7 @@ class Waiting:
             self._unsafe.pop(("key", key.key), None)
         for event in batch.events:
             self.events.pop(event.id or "", None)
-            self.droppable.pop(event.id or "", None)
+            self.droppable.remove(event.id or "")
             self._unsafe.pop(("event", event.id or ""), None)
         for topic, event_id in batch.gaps.items():
             if self.gaps.get(topic) == event_id:
@@ -130,6 +131,17 @@ class Waiting:
         """These are in the spool now."""
         gone = {id(entry) for entry in entries}
         self._unsafe = {name: entry for name, entry in self._unsafe.items() if id(entry) not in gone}
+
+    def shed(self) -> None:
+        """Neither database nor spool takes anything: give up the oldest events, and goals of others, beyond the limit.
+
+        Goals of a gateway stay: no new ones are accepted meanwhile.
+        """
+        for event in list(self.events.values())[: -self.limit]:
+            self.drop(event)
+        others = [goal for goal in self.goals.values() if goal.origin == "external" and goal.status.terminal]
+        for goal in others[: -self.limit]:
+            self.forget_goal(goal.goal_id)
 
     def evict(self) -> int:
         """Let go of the oldest of what is in the spool, where there is too much; how many those were."""

@@ -25,6 +25,7 @@ log = logging.getLogger(__name__)
 DATABASE_ERRORS = (sa_errors.SQLAlchemyError, OSError, TimeoutError, RuntimeError)
 
 ANSWER_TIMEOUT = 0.1  # a new goal waits so long for the database, then it goes to the spool
+REFUSE_AFTER = 2.0  # and so long, where the spool does not take it and it is being written
 SEAL_TIMEOUT = 1.0  # the end of a goal waits so long for the database, and with it what is published later
 WRITE_TIMEOUT = 10.0
 BATCH_INTERVAL = 0.2
@@ -64,10 +65,11 @@ class Writer:
         self._waiting = waiting
         self._on_loss = on_loss
         self._waiting_since = 0.0
-        self._tickets: dict[str, list[asyncio.Future[None]]] = {}
+        self._tickets: dict[asyncio.Future[None], str] = {}  # of those who wait for a goal, with its id
         self._wake = asyncio.Event()
         self._urgent = asyncio.Event()
         self._guard = asyncio.Event()
+        self._in_flight: set[str] = set()  # ids of goals in the transaction that goes on
         self._seals: list[Seal] = []
         self._seal_wake = asyncio.Event()
         self._tasks: list[asyncio.Task[None]] = []
@@ -94,7 +96,13 @@ class Writer:
             Unavailable: Neither takes it.
         """
         ticket = asyncio.get_running_loop().create_future()
-        self._tickets.setdefault(goal.goal_id, []).append(ticket)
+        self._tickets[ticket] = goal.goal_id
+        try:
+            await self._keep(goal, key, ticket)
+        finally:
+            del self._tickets[ticket]
+
+    async def _keep(self, goal: Goal, key: Key | None, ticket: "asyncio.Future[None]") -> None:
         kept = self._waiting.put_goal(goal)
         if key is not None:
             self._waiting.put_key(key)
@@ -113,11 +121,26 @@ class Writer:
         except OSError as error:
             if ticket.done() and not ticket.cancelled() and ticket.exception() is None:
                 return
-            log.error("a goal can be kept neither in the database (%s) nor in the spool (%s)", self.last_error, error)
             self._waiting.forget_goal(goal.goal_id)
+            if goal.goal_id in self._in_flight and await self._is_written(goal.goal_id):
+                return
+            log.error("a goal can be kept neither in the database (%s) nor in the spool (%s)", self.last_error, error)
             raise Unavailable("the goal cannot be stored, so it must not run", code="history_unavailable") from error
         self._waiting.saved(entries)
         self._wake.set()
+
+    async def _is_written(self, goal_id: str) -> bool:
+        """Whether the transaction that goes on takes a goal: one that is refused must not turn up in the history."""
+        ticket = asyncio.get_running_loop().create_future()
+        self._tickets[ticket] = goal_id
+        try:
+            async with asyncio.timeout(REFUSE_AFTER):
+                await ticket
+        except DATABASE_ERRORS:
+            return False
+        finally:
+            del self._tickets[ticket]
+        return True
 
     # ------------------------------------------------------------------ the end of a goal
 
@@ -158,11 +181,11 @@ class Writer:
                         seal.stored.set_result(stored)
 
     def _settle(self, batch: Batch, error: Exception | None) -> None:
-        for goal in batch.goals:
-            for ticket in self._tickets.pop(goal.goal_id, ()):
-                if not ticket.done():
-                    ticket.set_result(None) if error is None else ticket.set_exception(error)
-                    ticket.exception()  # whoever waited may have gone
+        written = {goal.goal_id for goal in batch.goals}
+        for ticket, goal_id in self._tickets.items():
+            if goal_id in written and not ticket.done():
+                ticket.set_result(None) if error is None else ticket.set_exception(error)
+                ticket.exception()  # whoever waited may have gone
 
     # ------------------------------------------------------------------ the database
 
@@ -194,9 +217,10 @@ class Writer:
             if self._database.lost:
                 self._database.lost = False
                 self._on_loss()
-            while len(batch := self._waiting.urgent(self._tickets) if urgent else self._waiting.batch()) or (
+            while len(batch := self._waiting.urgent(self._tickets.values()) if urgent else self._waiting.batch()) or (
                 not self.reachable
             ):
+                self._in_flight = {goal.goal_id for goal in batch.goals}
                 await self._write(batch)
                 self._waiting.done(batch)
                 self._settle(batch, None)
@@ -212,6 +236,7 @@ class Writer:
             self._say_unreachable(error)
             return False
         finally:
+            self._in_flight = set()
             self.answered.set()
         return True
 
@@ -285,17 +310,17 @@ class Writer:
                 await self.save()
             except OSError as error:
                 self._guard.set()
+                self._waiting.shed()
                 if time.monotonic() - complained > 60.0:
                     complained = time.monotonic()
                     log.error("the spool cannot be written: %s", error)
 
     async def save(self) -> None:
-        """Bring what is nowhere but in memory to the spool."""
+        """Bring what is nowhere but in memory to the spool, and let go of what is too much."""
         entries = self._waiting.unsafe()
-        if not entries:
-            return
-        await self._spool.append(entries)
-        self._waiting.saved(entries)
+        if entries:
+            await self._spool.append(entries)
+            self._waiting.saved(entries)
         self.evicted += self._waiting.evict()
         self._wake.set()
 
