@@ -296,6 +296,10 @@ class ActionRegistry:
         awaited = (goal for goals in self._unfinished.values() for goal in goals.values())
         return [goal for goal in (*known, *awaited) if goal.status is GoalStatus.LOST]
 
+    def duplicates(self) -> list[str]:
+        """The actions that more than one action server serves."""
+        return [name for name, action in self._actions.items() if action.watch.state.duplicate]
+
     def each(self, do: Callable[[Action], None]) -> None:
         """Do something with every action."""
         for action in self._actions.values():

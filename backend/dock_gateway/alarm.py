@@ -3,11 +3,11 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from dock_gateway.acknowledgements import Acknowledgements
-from dock_gateway.alerts import Alert, AlertWatch
+from dock_gateway.alerts import NO_DUPLICATES, Alert, AlertWatch
 from dock_gateway.errors import NotFound
 from dock_gateway.events import fleet_event, utc_now
 from dock_gateway.goals import Goal, encode
@@ -51,14 +51,19 @@ class Alarm:
         self._told: bytes | None = None
         self._task = asyncio.create_task(self._sync())
 
-    def look(self, states: list[RobotState], strays: list[Goal]) -> None:
+    def look(
+        self, states: list[RobotState], strays: list[Goal], duplicates: Mapping[str, list[str]] = NO_DUPLICATES
+    ) -> None:
         """Find out what is wrong now, and tell whoever wants to hear of it where that is something else than before.
 
         Args:
             states: The robots.
             strays: Lost goals on actions that belong to no robot.
+            duplicates: By robot, the actions that have more than one server.
         """
-        found = self._watch.look(states, strays, utc_now(), time.monotonic(), self._incident())
+        found = self._watch.look(
+            states, strays, utc_now(), time.monotonic(), incident=self._incident(), duplicates=duplicates
+        )
         alerts = {alert.id: alert for alert in found}
         for ended in self._alerts.keys() - alerts.keys():
             log.info("alert over: %s of %s", self._alerts[ended].kind, self._alerts[ended].robot or "the gateway")

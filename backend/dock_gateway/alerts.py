@@ -1,7 +1,7 @@
 """What an operator has to know of: found by looking at the robots again and again. No ROS, no socket, no clock."""
 
 import hashlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from enum import StrEnum
@@ -22,6 +22,9 @@ STALE_FOR = timedelta(seconds=5)
 MARGIN = 0.05
 
 
+NO_DUPLICATES: Mapping[str, list[str]] = {}
+
+
 class AlertKind(StrEnum):
     """Everything that is worth an alert."""
 
@@ -31,6 +34,7 @@ class AlertKind(StrEnum):
     LOW_BATTERY = "low_battery"
     BATTERY_STALE = "battery_stale"
     HISTORY_LOST = "history_lost"
+    DUPLICATE_ACTION_SERVER = "duplicate_action_server"
 
     @property
     def critical(self) -> bool:
@@ -85,6 +89,7 @@ class AlertWatch:
         self._low_battery = low_battery
         self._low_since: dict[str, datetime] = {}  # by robot
         self._without_power: dict[str, tuple[datetime, float]] = {}
+        self._duplicate_since: dict[str, datetime] = {}  # by robot
 
     def look(
         self,
@@ -92,7 +97,9 @@ class AlertWatch:
         strays: Iterable[Goal],
         now: datetime,
         seconds: float,
+        *,
         incident: Incident | None = None,
+        duplicates: Mapping[str, list[str]] = NO_DUPLICATES,
     ) -> list[Alert]:
         """The alerts, critical ones first, then the oldest first.
 
@@ -102,8 +109,9 @@ class AlertWatch:
             now: The time.
             seconds: The time on a clock that does not jump.
             incident: What happened to the history.
+            duplicates: By robot, the actions that have more than one server.
         """
-        alerts = [*_stops(states), *_lost(states, strays, now)]
+        alerts = [*_stops(states), *_lost(states, strays, now), *self._duplicates(duplicates, now)]
         if incident is not None:
             alerts.append(Alert(AlertKind.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
         for state in states:
@@ -111,6 +119,18 @@ class AlertWatch:
             alerts += self._low(state, now)
             alerts += _stale(state, now)
         return sorted(alerts, key=lambda alert: (not alert.kind.critical, alert.since, alert.id))
+
+    def _duplicates(self, duplicates: Mapping[str, list[str]], now: datetime) -> Iterator[Alert]:
+        self._duplicate_since = {robot: self._duplicate_since.get(robot, now) for robot in duplicates}
+        for robot, actions in duplicates.items():
+            names = " and ".join(sorted(actions))
+            yield Alert(
+                AlertKind.DUPLICATE_ACTION_SERVER,
+                robot,
+                self._duplicate_since[robot],
+                "Two action servers",
+                f"More than one action server serves {names}, and each of them moves the robot: end all but one.",
+            )
 
     def _discharging(self, state: RobotState, now: datetime, seconds: float) -> Iterator[Alert]:
         reading = state.battery.reading

@@ -108,6 +108,14 @@ class Fleet:
             left_docked=None if succeeded is None else succeeded.action_name == names.dock,
         )
 
+    def _duplicates(self) -> dict[str, list[str]]:
+        """By robot, the actions that have more than one server."""
+        found: dict[str, list[str]] = defaultdict(list)
+        for name in self._actions.duplicates():
+            owner = self._robots.owner(name)
+            found[name.rpartition("/")[0] or "/" if owner is None else owner.namespace].append(name)
+        return found
+
     def documents(self, namespace: str | None = None) -> list[dict[str, Any]]:
         """The robots as `GET /robots` shows them, or the one of a namespace.
 
@@ -131,7 +139,7 @@ class Fleet:
     def look(self) -> None:
         """See what is wrong; and tell of the robots that have changed, where somebody wants to hear of them."""
         states, strays = self._see()
-        self._alarm.look(states, strays)
+        self._alarm.look(states, strays, self._duplicates())
         if not self._hub.wished(TOPIC):
             self._told = {}
             return

@@ -12,7 +12,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from dock_gateway.errors import GatewayError, ServerTimeout, Unavailable
+from dock_gateway.duplicates import Duplicates
+from dock_gateway.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.goals import GoalError, GoalStatus
 from dock_gateway.settings import Settings
 from dock_gateway.tracker import GoalTracker
@@ -28,11 +29,12 @@ FIRST_PROBE = 5.0
 
 @dataclass(frozen=True)
 class ServerState:
-    """`available`: on the ROS graph. `answering`: it answered lately."""
+    """`available`: on the ROS graph. `answering`: it answered lately. `duplicate`: there is more than one."""
 
     action_name: str
     available: bool
     answering: bool
+    duplicate: bool = False
 
 
 class ServerWatch:
@@ -60,6 +62,7 @@ class ServerWatch:
         self._on_change = on_change
         self._gone_since: float | None = None
         self._told_of_half = False
+        self._duplicates = Duplicates()
         self._next_probe: dict[str, float] = {}
         self.state = ServerState(tracker.port.action_name, available=False, answering=False)
 
@@ -70,22 +73,23 @@ class ServerWatch:
                 await self.look(ping=self._ping_idle or bool(self._tracker.live))
             except GatewayError as error:
                 log.warning("cannot look after the action server: %s", error.detail)
-                self._set(available=False, answering=False)
+                self._set(available=False, answering=False, duplicate=self.state.duplicate)
                 self._judge()
             await asyncio.sleep(self._settings.ping_interval)
 
     async def look(self, *, ping: bool = True) -> ServerState:
         """Look once, now."""
-        port = self._tracker.port
-        available = await port.available()
-        answering = False
+        presence = await self._tracker.port.presence()
+        available, answering, crowded = presence.available, False, len(presence.servers) > 1
         if available:
             answering = not ping or time.monotonic() - self._tracker.last_heard < self._settings.ping_interval
-            if not answering and (answering := await self._ping()):
+            if (crowded or not answering) and await self._ping():
+                answering = True
                 self._tracker.heard()
         self._note_presence(present=available)
         came_back = answering and not self.state.answering
-        self._set(available=available, answering=answering)
+        duplicate = self._duplicates.found(presence, time.monotonic())
+        self._set(available=available, answering=answering, duplicate=duplicate)
         self._judge()
         if came_back:
             self._reconcile()
@@ -110,30 +114,39 @@ class ServerWatch:
 
     @property
     def ready(self) -> bool:
-        """Whether a goal sent now would be heard, as far as is known."""
-        return self.state.available and self.state.answering
+        """Whether a goal would be sent now and heard, as far as is known."""
+        return self.state.available and self.state.answering and not self._refuses
 
     async def require(self) -> None:
         """Make sure that a goal sent now would be heard.
 
         Raises:
+            Conflict: `duplicate_action_server`: there is more than one.
             Unavailable: No action server appeared in time.
             ServerTimeout: It is there and does not answer.
         """
         if self.ready:
             return
         deadline = time.monotonic() + self._settings.server_wait
-        while not await self._tracker.port.available():
+        while not (await self._tracker.port.presence()).available:
             if time.monotonic() >= deadline:
                 raise Unavailable(f"no action server for {self.state.action_name}; is it started, on this ROS domain?")
             await asyncio.sleep(0.05)
-        if not (await self.look()).answering:
+        state = await self.look()
+        if self._refuses:
+            detail = f"more than one action server serves {state.action_name}, and each would move the robot"
+            raise Conflict(f"{detail}: end all but one", code="duplicate_action_server")
+        if not state.answering:
             raise ServerTimeout(
                 f"the action server of {self.state.action_name} does not answer; it may be busy, frozen or dead"
             )
 
-    def _set(self, *, available: bool, answering: bool) -> None:
-        state = ServerState(self.state.action_name, available, answering)
+    @property
+    def _refuses(self) -> bool:
+        return self.state.duplicate and not self._settings.allow_duplicate_servers
+
+    def _set(self, *, available: bool, answering: bool, duplicate: bool) -> None:
+        state = ServerState(self.state.action_name, available, answering, duplicate)
         if state != self.state:
             log.info("action server %s: available %s, answering %s", state.action_name, available, answering)
             self.state = state

@@ -93,6 +93,11 @@ class Settings(BaseSettings):
         description="Topic of `diagnostic_msgs/DiagnosticArray`, where action servers say why a goal ended.",
     )
 
+    allow_duplicate_servers: bool = Field(
+        False,
+        description="Whether goals are sent to an action that more than one action server serves: each of them carries "
+        "out every goal.",
+    )
     server_wait: Seconds = Field(
         1.5, description="Seconds to wait for an action server to appear before a goal is refused (503)."
     )

@@ -18,6 +18,7 @@ const fibonacci: ActionInfo = {
   action_type: `${TYPES}/Fibonacci`,
   available: true,
   answering: true,
+  duplicate: false,
   installed: true,
   hint: null,
   running_goals: 0,
@@ -83,7 +84,8 @@ beforeEach(() => localStorage.clear());
 
 describe("the actions", () => {
   it("are listed with their servers, goals, and what is to be installed", async () => {
-    answering([fibonacci, spin, { ...dock, answering: false }]);
+    const twice = { ...fibonacci, action_name: "/twice", duplicate: true };
+    answering([fibonacci, spin, twice, { ...dock, answering: false }]);
     const running = goal("a", { action_name: "/dock" });
     renderPage(fakeGateway(), { goals: [running] }, "/ui/actions");
     const row = async (name: string) =>
@@ -92,6 +94,7 @@ describe("the actions", () => {
     expect((await row("/spin")).getByText(/^Install the Python package/)).toBeDefined();
     expect((await row("/spin")).getByText("package missing")).toBeDefined();
     expect((await row("/dock")).getByText("silent")).toBeDefined();
+    expect((await row("/twice")).getByText("two servers")).toBeDefined();
     expect((await row("/dock")).getByText("executing")).toBeDefined();
     expect(screen.getByRole("link", { name: "/robot1/fibonacci" }).getAttribute("href")).toBe(
       "/ui/actions/robot1/fibonacci",

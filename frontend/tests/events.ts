@@ -44,12 +44,18 @@ export const idlePublisher: Publisher = {
   started_at: null,
 };
 
-export const server: ActionServer = { action_name: "/dock", available: true, answering: true };
+export const server: ActionServer = {
+  action_name: "/dock",
+  available: true,
+  answering: true,
+  duplicate: false,
+};
 
 export const undockServer: ActionServer = {
   action_name: "/disconnect_from_charging_dock",
   available: true,
   answering: true,
+  duplicate: false,
 };
 
 export const released: StopState = {
@@ -84,6 +90,7 @@ export function robot(name: string, change: Partial<Robot> = {}): Robot {
     action_name: `${name === "/" ? "" : name}/${verb}`,
     available: true,
     answering: true,
+    duplicate: false,
   });
   return {
     name,

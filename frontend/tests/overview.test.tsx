@@ -17,11 +17,11 @@ const two = robot("/robot2", {
 });
 const ten = robot("/robot10", {
   stop: latched("Ada"),
-  dock: { action_name: "/robot10/dock", available: true, answering: false },
+  dock: { action_name: "/robot10/dock", available: true, answering: false, duplicate: false },
   battery: { state: { ...battery, percentage: null }, received_at: at(-60), stale: true, stale_after_s: 2 },
 });
 const empty = robot("/", {
-  dock: { action_name: "/dock", available: false, answering: false },
+  dock: { action_name: "/dock", available: false, answering: false, duplicate: false },
   undock: null,
   battery: { state: null, received_at: null, stale: false, stale_after_s: 2 },
 });

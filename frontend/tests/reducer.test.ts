@@ -236,14 +236,14 @@ describe("the undocking action", () => {
   const name = "/disconnect_from_charging_dock";
 
   it("is the one that the snapshot names, and its goals are taken up", () => {
-    const undock_server = { action_name: "/leave", available: false, answering: false };
+    const undock_server = { action_name: "/leave", available: false, answering: false, duplicate: false };
     const state = stateAfter([snapshot({ undock_server }), status("u", { action_name: "/leave" })]);
     expect(state.undockServer).toEqual(undock_server);
     expect(state.goals.get("u")?.action_name).toBe("/leave");
   });
 
   it("comes and goes apart from the docking action", () => {
-    const action_server = { action_name: name, available: true, answering: true };
+    const action_server = { action_name: name, available: true, answering: true, duplicate: false };
     const state = stateAfter([snapshot(), { type: "action_server", time: at(1), action_server }]);
     expect(state.undockServer).toEqual(action_server);
     expect(state.actionServer).toEqual(server);

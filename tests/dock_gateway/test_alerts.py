@@ -175,7 +175,7 @@ def test_critical_ones_come_first_then_the_oldest() -> None:
 
 def test_what_happened_to_the_history_is_an_alert_of_no_robot() -> None:
     incident = Incident(NOON, "It was deleted.")
-    (alert,) = AlertWatch(0.2).look([], [], NOON + timedelta(hours=1), 1000.0, incident)
+    (alert,) = AlertWatch(0.2).look([], [], NOON + timedelta(hours=1), 1000.0, incident=incident)
     document = alert.document(None)
     named = {name: document[name] for name in ("kind", "robot", "severity", "since", "detail")}
     expected = {"kind": "history_lost", "robot": None, "severity": "warning", "since": NOON, "detail": incident.detail}
@@ -210,3 +210,20 @@ def test_an_alert_as_a_document() -> None:
         "acknowledged": seen,
     }
     assert alert.document(None)["acknowledged"] is None
+
+
+def test_two_servers_of_one_robot_are_one_alert() -> None:
+    watch = AlertWatch(0.2)
+
+    def look(seconds: float, **duplicates: list[str]) -> list[Alert]:
+        by_robot = {f"/{name}": actions for name, actions in duplicates.items()}
+        return watch.look([], [], NOON + timedelta(seconds=seconds), seconds, duplicates=by_robot)
+
+    look(0, robot1=["/robot1/undock"])
+    (alert,) = look(5, robot1=["/robot1/undock", "/robot1/dock"])
+    assert (alert.kind, alert.robot, alert.since) == (AlertKind.DUPLICATE_ACTION_SERVER, "/robot1", NOON)
+    assert alert.kind.critical
+    assert "serves /robot1/dock and /robot1/undock" in alert.detail
+    assert look(6) == []
+    (again,) = look(7, robot1=["/robot1/dock"])
+    assert again.since == NOON + timedelta(seconds=7)

@@ -35,6 +35,7 @@ class Parts:
         self.outcome: list[Goal | None] = [None, None]
         self.simulator: dict[str, Any] | None = None
         self.looked: list[Any] = []
+        self.twice: list[str] = []
 
     def robot(self, name: str) -> Any:
         publisher = SimpleNamespace(document=lambda: {"active": False, "rate_hz": None, "published_count": 9})
@@ -53,6 +54,9 @@ class Parts:
 
     def lost(self) -> list[Goal]:
         return [goal for goal in self.goals if goal.status is GoalStatus.LOST]
+
+    def duplicates(self) -> list[str]:
+        return self.twice
 
     def get(self, name: str | None = None) -> Any:
         if name in self.robots:
@@ -74,8 +78,8 @@ class Parts:
         return self.outcome[1]
 
     # what looks after them
-    def look(self, states: list[Any], strays: list[Goal]) -> None:
-        self.looked.append(([state.name for state in states], [goal.goal_id for goal in strays]))
+    def look(self, states: list[Any], strays: list[Goal], duplicates: dict[str, list[str]]) -> None:
+        self.looked.append(([state.name for state in states], [goal.goal_id for goal in strays], duplicates))
 
     def fleet(self) -> Fleet:
         parts: Any = self
@@ -124,7 +128,12 @@ async def test_a_robot_at_a_glance() -> None:
         "battery_topic": "/robot1/battery_status",
         "battery_publisher": {"active": False, "rate_hz": None},
         "stop": RELEASED,
-        "dock": {"action_name": "/robot1/connect_to_charging_dock", "available": True, "answering": True},
+        "dock": {
+            "action_name": "/robot1/connect_to_charging_dock",
+            "available": True,
+            "answering": True,
+            "duplicate": False,
+        },
         "undock": None,
         "goals": robot["goals"],
         "last_goal": None,
@@ -181,8 +190,10 @@ async def test_the_alarm_sees_all_robots_and_the_goals_of_none() -> None:
     parts = Parts("/robot1", "/robot2")
     fleet = parts.fleet()
     parts.goals = [goal("/fibonacci", "stray", GoalStatus.LOST), goal("/robot1/fibonacci", "own", GoalStatus.LOST)]
+    parts.twice = ["/robot1/dock", "/robot1/undock", "/arm/move"]
     fleet.look()
-    assert parts.looked == [(["/robot1", "/robot2"], ["stray"])]
+    duplicates = {"/robot1": ["/robot1/dock", "/robot1/undock"], "/arm": ["/arm/move"]}
+    assert parts.looked == [(["/robot1", "/robot2"], ["stray"], duplicates)]
     assert [[goal.goal_id for goal in state.lost] for state in fleet.states()] == [["own"], []]
     await fleet.close()
 

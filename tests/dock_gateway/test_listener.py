@@ -215,3 +215,26 @@ def test_publishers_give_the_executor_nothing_to_look_at(node: ListeningNode) ->
     before = len(list(node.waitables))
     node.create_publisher(Int32, "numbers", 10)
     assert len(list(node.waitables)) == before
+
+
+def test_a_second_answer_is_noticed(domain: int, node: ListeningNode, server: Any) -> None:
+    client = node.create_client(SetBool, "opposite")
+    wait_for(client.service_is_ready)
+    future = client.call_async(SetBool.Request(data=True))
+    wait_for(future.done)
+    assert node.answers.answered_twice_at(client) < 0
+    other = rclpy.create_node("another_server", context=node.context)
+    other.create_service(SetBool, "opposite", lambda _, response: response)
+    executor = rclpy.executors.SingleThreadedExecutor(context=node.context)
+    executor.add_node(other)
+    thread = threading.Thread(target=executor.spin, daemon=True)
+    thread.start()
+
+    def noticed() -> bool:
+        client.call_async(SetBool.Request(data=True))
+        return node.answers.answered_twice_at(client) > 0
+
+    wait_for(noticed)
+    executor.shutdown()
+    thread.join(5)
+    other.destroy_node()

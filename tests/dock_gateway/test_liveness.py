@@ -2,16 +2,20 @@
 
 import asyncio
 import logging
+import time
 from datetime import UTC, datetime
+from typing import Any
 
 import pytest
 
 from dock_gateway import liveness
+from dock_gateway.errors import Conflict
 from dock_gateway.goals import Goal, GoalStatus
 from dock_gateway.history import MemoryHistory
 from dock_gateway.hub import Hub
 from dock_gateway.later import Later
 from dock_gateway.liveness import ServerState, ServerWatch
+from dock_gateway.ros.actions import Presence
 from dock_gateway.settings import Settings
 from dock_gateway.tracker import GoalTracker
 from tests.support.calls import FakeCall
@@ -29,11 +33,15 @@ class FakePort:
     def __init__(self) -> None:
         self.on_graph = True
         self.answers = True
+        self.servers: set[str] = set()
+        self.answered_twice_at = float("-inf")
+        self.pings = 0
 
-    async def available(self) -> bool:
-        return self.on_graph
+    async def presence(self) -> Presence:
+        return Presence(self.on_graph, frozenset(self.servers), self.answered_twice_at)
 
     async def ping(self, timeout: float) -> bool:
+        self.pings += 1
         return self.answers
 
     def request_result(self, goal_id: str) -> FakeCall:
@@ -41,11 +49,11 @@ class FakePort:
 
 
 class Scene:
-    def __init__(self) -> None:
+    def __init__(self, **settings: Any) -> None:
         self.port = FakePort()
         self.tracker = GoalTracker(self.port, Hub(queue_limit=10, max_subscribers=10), MemoryHistory(10), Later(0.01))  # type: ignore[arg-type]
         self.states: list[ServerState] = []
-        self.watch = ServerWatch(self.tracker, Settings(ping_interval=0.01), self.states.append)
+        self.watch = ServerWatch(self.tracker, Settings(ping_interval=0.01, **settings), self.states.append)
         self.goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC))
         self.tracker.add(self.goal)
         self.tracker.move(self.goal, S.EXECUTING)
@@ -92,3 +100,36 @@ async def test_a_goal_that_is_heard_of_is_not_lost_though_its_server_is_not_on_t
     scene.tracker.on_feedback(A, b"{}", 9)
     await scene.watch.look()
     assert scene.goal.status is S.EXECUTING
+
+
+async def test_no_goal_is_sent_while_there_are_two_servers(scene: Scene) -> None:
+    await scene.watch.look()
+    await scene.watch.require()
+    scene.port.servers, scene.port.answered_twice_at = {"a", "b"}, time.monotonic()
+    await scene.watch.look()
+    assert scene.states[-1] == ServerState("/dock", available=True, answering=True, duplicate=True)
+    assert not scene.watch.ready
+    with pytest.raises(Conflict) as refused:
+        await scene.watch.require()
+    assert refused.value.code == "duplicate_action_server"
+    scene.port.servers = set()
+    await scene.watch.require()
+    assert not scene.states[-1].duplicate
+
+
+async def test_two_servers_can_be_allowed() -> None:
+    scene = Scene(allow_duplicate_servers=True)
+    scene.port.servers, scene.port.answered_twice_at = {"a", "b"}, time.monotonic()
+    await scene.watch.look()
+    assert scene.states[-1].duplicate
+    await scene.watch.require()
+
+
+async def test_where_there_may_be_two_servers_they_are_asked_each_time(scene: Scene) -> None:
+    scene.tracker.heard()
+    await scene.watch.look(ping=False)
+    assert scene.port.pings == 0
+    scene.port.servers = {"a", "b"}
+    await scene.watch.look(ping=False)
+    assert scene.port.pings == 1
+    assert not scene.states[-1].duplicate

@@ -90,11 +90,13 @@ def test_a_robot_is_a_namespace(gateway: RunningGateway, shared_domain: int) -> 
                 "action_name": f"/robot1{ACTION}",
                 "available": True,
                 "answering": True,
+                "duplicate": False,
             }
             assert snapshot["undock_server"] == {
                 "action_name": "/robot1/disconnect_from_charging_dock",
                 "available": False,
                 "answering": False,
+                "duplicate": False,
             }
             gateway.http.put("/battery/publisher?robot=/robot1", json={"state": LOW, "rate_hz": 5}).raise_for_status()
             gateway.http.put(

@@ -67,6 +67,7 @@ def test_every_robot_is_listed(gateway: RunningGateway) -> None:
         "action_name": f"{FIRST}/connect_to_charging_dock",
         "available": False,
         "answering": False,
+        "duplicate": False,
     }
     assert second["dock"]["available"] is True
     assert second["battery"]["state"]["power_supply_status"] in (2, 3)

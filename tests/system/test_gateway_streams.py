@@ -89,7 +89,7 @@ def test_what_is_not_replayed_is_told_as_it_is_now(gateway: RunningGateway, runn
     stop, publisher, dock, undock, robots = present
     assert (stop["robot"], stop["stop"]["latched"], stop["stop"]["by"]) == ("/", True, "Ada")
     assert publisher["battery_publisher"]["active"] is False
-    assert dock["action_server"] == {"action_name": ACTION, "available": True, "answering": True}
+    assert dock["action_server"] == {"action_name": ACTION, "available": True, "answering": True, "duplicate": False}
     assert undock["action_server"]["available"] is False
     assert robots["robots"][0]["stop"]["by"] == "Ada"
     with gateway.stream(f"?after={last}") as third:  # who did not ask for it is not told

@@ -37,7 +37,7 @@ async def readyz(gateway: TheGateway) -> Response:
     A latched stop is shown, and is no fault: the gateway is ready to release it.
     """
     state = gateway.dock.watch.state
-    ready = gateway.bridge.alive and state.available and state.answering
+    ready = gateway.bridge.alive and gateway.dock.watch.ready
     document = {
         "ready": ready,
         "action_server": state,

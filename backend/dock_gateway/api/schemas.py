@@ -163,11 +163,12 @@ class Publisher(Schema):
 
 
 class ActionServer(Schema):
-    """Whether an action server is on the graph, and answers."""
+    """Whether an action server is on the graph, and answers. `duplicate`: there is more than one."""
 
     action_name: str
     available: bool
     answering: bool
+    duplicate: bool
 
 
 class RobotBattery(Schema):

@@ -56,6 +56,21 @@ class ResultAnswer:
     error: GoalError | None = None
 
 
+@dataclass(frozen=True)
+class Presence:
+    """Who serves an action.
+
+    Attributes:
+        available: Whether a server of all three services is on the graph.
+        servers: What tells the servers apart, where there are more than one, living or dead.
+        answered_twice_at: When a request was answered by two of them last, on the monotonic clock.
+    """
+
+    available: bool
+    servers: frozenset[str] = frozenset()
+    answered_twice_at: float = float("-inf")
+
+
 class ActionKind:
     """A type of actions by its name, `package/action/Name`; making one imports its package and takes a moment.
 
@@ -156,9 +171,17 @@ class ActionPort:
         for client in self._clients:
             self._bridge.node.destroy_client(client)
 
-    async def available(self) -> bool:
-        """Whether a server of all three services is on the graph."""
-        return await self._bridge.call(lambda: all(client.service_is_ready() for client in self._clients))
+    async def presence(self) -> "Presence":
+        """Who serves the action."""
+        return await self._bridge.call(self._look)
+
+    def _look(self) -> "Presence":
+        available, node = all(client.service_is_ready() for client in self._clients), self._bridge.node
+        if node.count_services(f"{self.action_name}/_action/send_goal") < 2:
+            return Presence(available)
+        infos = node.get_publishers_info_by_topic(f"{self.action_name}/_action/status")
+        servers = frozenset(bytes(info.endpoint_gid).hex() for info in infos)
+        return Presence(available, servers, max(map(node.answers.answered_twice_at, self._clients)))
 
     def send(self, goal_id: str, goal: Any) -> PendingCall:
         """Send a goal; the response says whether it was accepted."""

@@ -9,6 +9,7 @@ import logging
 import threading
 import time
 from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Iterable
 from contextlib import ExitStack, suppress
 from enum import StrEnum
@@ -34,6 +35,8 @@ log = logging.getLogger(__name__)
 BURST, TURN = 100, 0.005
 # A message that takes longer than this (seconds) to read is followed by a rest, in which large ones are not read.
 SLOW, LARGE = 0.005, 10_000
+# Requests of a client that are remembered, to notice a second answer.
+REMEMBERED = 100
 # The rest, as a multiple of the time that the message took.
 REST = 20
 
@@ -212,7 +215,23 @@ class MessageListener(Listener[Subscription]):
 
 
 class AnswerListener(Listener[Client]):
-    """Settles the futures of a client's `call_async`; what is done then must not raise."""
+    """Settles the futures of a client's `call_async`; what is done then must not raise.
+
+    A request reaches every server of its name, and the first answer counts.
+
+    Args:
+        name: Of the thread.
+        context: Of the entities.
+    """
+
+    def __init__(self, name: str, context: Context) -> None:
+        super().__init__(name, context)
+        self._answered: WeakKeyDictionary[Client, deque[int]] = WeakKeyDictionary()
+        self._twice: WeakKeyDictionary[Client, float] = WeakKeyDictionary()
+
+    def answered_twice_at(self, client: Client) -> float:
+        """When a request of a client had a second answer last, on the monotonic clock."""
+        return self._twice.get(client, float("-inf"))
 
     def _wait_set(self, size: int) -> Any:
         return _rclpy.WaitSet(0, 1, 0, size, 0, 0, self._context.handle)
@@ -227,8 +246,14 @@ class AnswerListener(Listener[Client]):
         header, response = entity.handle.take_response(entity.srv_type.Response)
         if header is None:
             return False
+        number = header.request_id.sequence_number
+        answered = self._answered.setdefault(entity, deque(maxlen=REMEMBERED))
+        if number in answered:
+            self._twice[entity] = time.monotonic()
+            return True
+        answered.append(number)
         with suppress(KeyError):  # nobody waits for it any more
-            entity.get_pending_request(header.request_id.sequence_number).set_result(response)
+            entity.get_pending_request(number).set_result(response)
         return True
 
 
@@ -247,8 +272,8 @@ class ListeningNode(Node):  # type: ignore[misc]
     def __init__(
         self, name: str, namespace: str | None, context: Context, messages: MessageListener, answers: AnswerListener
     ) -> None:
+        self.answers = answers
         self._messages = messages
-        self._answers = answers
         super().__init__(name, namespace=namespace, context=context)
 
     def create_publisher(self, msg_type: Any, topic: str, *args: Any, **options: Any) -> Publisher:
@@ -276,10 +301,10 @@ class ListeningNode(Node):  # type: ignore[misc]
         """As rclpy has it."""
         options["callback_group"] = NotForExecutors()
         client = super().create_client(srv_type, srv_name, **options)
-        self._answers.add(client)
+        self.answers.add(client)
         return client
 
     def destroy_client(self, client: Client) -> bool:
         """As rclpy has it."""
-        self._answers.remove(client)
+        self.answers.remove(client)
         return bool(super().destroy_client(client))

@@ -15,5 +15,6 @@ function describe(action: ActionInfo | null): { words: string; color: string } {
   if (action === null) return { words: "unknown", color: "gray.7" };
   if (!action.installed) return { words: "package missing", color: "orange" };
   if (!action.available) return { words: "not there", color: "red" };
+  if (action.duplicate) return { words: "two servers", color: "red" };
   return action.answering ? { words: "answering", color: "green" } : { words: "silent", color: "orange" };
 }

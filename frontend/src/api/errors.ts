@@ -53,6 +53,10 @@ const WORDS: Record<string, Words> = {
     title: "The dock is busy with another goal",
     advice: "Wait for it to end, or cancel it and press Dock again.",
   },
+  duplicate_action_server: {
+    title: "There is more than one action server",
+    advice: "Each of them would move the robot: end all but one, then send the goal again.",
+  },
   gateway_timeout: {
     title: "The gateway did not answer",
     advice: "The command may have arrived. Look at the goals before you send it again.",

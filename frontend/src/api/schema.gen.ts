@@ -930,6 +930,8 @@ export interface components {
             available: boolean;
             /** Answering */
             answering: boolean;
+            /** Duplicate */
+            duplicate: boolean;
             /** Action Type */
             action_type: string;
             /** Installed */
@@ -999,7 +1001,7 @@ export interface components {
         };
         /**
          * ActionServer
-         * @description Whether an action server is on the graph, and answers.
+         * @description Whether an action server is on the graph, and answers. `duplicate`: there is more than one.
          */
         ActionServer: {
             /** Action Name */
@@ -1008,6 +1010,8 @@ export interface components {
             available: boolean;
             /** Answering */
             answering: boolean;
+            /** Duplicate */
+            duplicate: boolean;
         };
         /**
          * ActionServerEvent
@@ -1119,7 +1123,7 @@ export interface components {
          * @description Everything that is worth an alert.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_stale" | "history_lost";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_stale" | "history_lost" | "duplicate_action_server";
         /**
          * AlertList
          * @description The alerts, critical ones first, then the oldest first.

@@ -30,6 +30,13 @@ function describe(server: ActionServer | null): { label: string; color: string; 
       hint: `Nobody offers ${server.action_name}. Start connect_to_charging_dock_server.`,
     };
   }
+  if (server.duplicate) {
+    return {
+      label: "two action servers",
+      color: "red",
+      hint: `More than one action server serves ${server.action_name}: each of them would move the robot.`,
+    };
+  }
   return server.answering
     ? { label: "action server answering", color: "green", hint: `${server.action_name} answers.` }
     : {

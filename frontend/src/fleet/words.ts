@@ -23,19 +23,21 @@ export function placeWords(docked: boolean | null): string {
 }
 
 /** How a robot can be reached: its docking server, if it has one. */
-export type Link = "connected" | "silent" | "gone" | "battery";
+export type Link = "connected" | "silent" | "duplicate" | "gone" | "battery";
 
 export function linkOf({ dock, undock }: Pick<Robot, "dock" | "undock">): Link {
   const servers = [dock, undock].filter((server) => server !== null);
   if (servers.length === 0) return "battery";
   const available = servers.filter((server) => server.available);
   if (available.length === 0) return "gone";
+  if (available.some((server) => server.duplicate)) return "duplicate";
   return available.every((server) => server.answering) ? "connected" : "silent";
 }
 
 export const LINK_WORDS: Record<Link, string> = {
   connected: "Connected",
   silent: "Silent",
+  duplicate: "Two servers",
   gone: "Not there",
   battery: "Battery only",
 };
@@ -43,6 +45,7 @@ export const LINK_WORDS: Record<Link, string> = {
 export const LINK_HINTS: Record<Link, string> = {
   connected: "Its action servers answer.",
   silent: "An action server is on the graph but does not answer: it may be frozen. Look at its log.",
+  duplicate: "More than one action server serves its docking action: end all but one.",
   gone: "Nobody offers its docking action: start its docking server.",
   battery: "It has a battery topic and no docking action.",
 };

@@ -117,4 +117,4 @@ function endOf({ last_goal }: Robot): number {
     : -Date.parse(last_goal.finished_at ?? last_goal.updated_at);
 }
 
-const LINK_RANK = { gone: 0, silent: 1, battery: 2, connected: 3 } as const;
+const LINK_RANK = { gone: 0, duplicate: 1, silent: 2, battery: 3, connected: 4 } as const;
