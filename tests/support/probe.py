@@ -7,6 +7,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from http.client import HTTPConnection, HTTPException
 from pathlib import Path
+from typing import Any
 
 import orjson
 from websockets.exceptions import WebSocketException
@@ -26,12 +27,16 @@ class Findings:
     gaps: list[float] = field(default_factory=list)
     errors: list[str] = field(default_factory=list)
 
-    def __str__(self) -> str:
-        stops = " ".join(f"p{share} {1000 * quantile(self.stop, share / 100):.0f}" for share in (50, 99, 100))
-        return (
-            f"stop {stops} ms of {len(self.stop)}, healthz at most {1000 * max(self.health, default=0):.0f} ms, "
-            f"stream without a message for at most {1000 * max(self.gaps, default=0):.0f} ms, errors {self.errors[:3]}"
-        )
+    def figures(self) -> dict[str, Any]:
+        """What a report tells."""
+        stops = " / ".join(f"{1000 * quantile(self.stop, share):.0f}" for share in (0.5, 0.99, 1.0))
+        return {
+            "stops": len(self.stop),
+            "stop, median / p99 / worst, ms": stops,
+            "healthz, worst, ms": f"{1000 * max(self.health, default=0):.0f}",
+            "stream without a message, longest, ms (10 a second are sent)": f"{1000 * max(self.gaps, default=0):.0f}",
+            "errors": len(self.errors),
+        }
 
 
 def quantile(values: list[float], share: float) -> float:

@@ -66,25 +66,6 @@ def test_a_battery_state_that_is_too_large_is_not_read(gateway: RunningGateway, 
         assert gateway.http.get("/battery?robot=/large").json()["state"] is None
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ("status_entries", "--count", "700", "--rate", "20"),
-        ("ended_entries", "--count", "700", "--rate", "20"),
-        ("unknown_goals", "--rate", "220"),
-        ("battery", "--rate", "3000", "--topic", "/hostile/battery_status"),
-        ("diagnostics", "--count", "50", "--rate", "200"),
-    ],
-    ids=lambda arguments: arguments[0],
-)
-def test_a_flood(gateway: RunningGateway, shared_domain: int, arguments: tuple[str, ...]) -> None:
-    lines = len(gateway.process.output.splitlines())
-    with running_hostile_node(shared_domain, *arguments):
-        answers_while_flooded(gateway)
-    assert len(gateway.process.output.splitlines()) - lines < 500
-    assert gateway.http.get("/healthz").json()["status"] == "ok"
-
-
 def test_a_result_that_is_too_large_ends_the_goal_without_it(gateway: RunningGateway, shared_domain: int) -> None:
     command = (sys.executable, "-m", "tests.support.plain_action_server", "--feedbacks", "1")
     with Process(*command, "--result-bytes", str(2 * LIMIT), env=ros_environment(shared_domain)) as server:

@@ -1,0 +1,43 @@
+"""While a ROS node floods the gateway, clients stop robots, ask for the health and read their streams."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from tests.chaos.withstand import withstand
+from tests.support.domain import ros_domain
+from tests.support.gateway import RunningGateway, running_gateway, running_hostile_node
+
+pytestmark = pytest.mark.ros
+
+# Fast DDS keeps some buffers of the size of the largest message that it has received.
+DDS_BUFFERS = 100
+
+FLOODS = {
+    "3,000 goals in each status message": ("status_entries", "--count", "3000", "--rate", "2"),
+    "3,000 ended goals in each status message": ("ended_entries", "--count", "3000", "--rate", "2"),
+    "220 unknown goals a second": ("unknown_goals", "--rate", "220"),
+    "feedback of 10 MB": ("big_feedback", "--size", "10000000", "--rate", "1"),
+    "3,000 battery states a second": ("battery", "--rate", "3000", "--topic", "/hostile/battery_status"),
+    "10,000 diagnostics a second": ("diagnostics", "--count", "50", "--rate", "200"),
+}
+
+
+@pytest.fixture(scope="module")
+def domain() -> Iterator[int]:
+    with ros_domain() as number:
+        yield number
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    with running_gateway(domain) as gateway:
+        yield gateway
+
+
+@pytest.mark.parametrize("name", FLOODS)
+def test_a_flood(gateway: RunningGateway, domain: int, name: str) -> None:
+    lines = len(gateway.process.output.splitlines())
+    megabytes = DDS_BUFFERS if name == "feedback of 10 MB" else 20
+    withstand(gateway, f"ROS node: {name}", running_hostile_node(domain, *FLOODS[name]), megabytes)
+    assert len(gateway.process.output.splitlines()) - lines < 2000

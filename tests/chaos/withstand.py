@@ -1,0 +1,31 @@
+"""What others see of a gateway during a flood, and whether it has recovered afterwards."""
+
+import os
+import time
+from contextlib import AbstractContextManager
+
+from tests.chaos.report import report
+from tests.support.gateway import RunningGateway
+from tests.support.probe import memory, open_files, probing, quantile
+
+# The promise is 100 ms; a machine that is shared gets ten times that.
+STOPPED_WITHIN = 1.0
+SECONDS = float(os.environ.get("CHAOS_SECONDS", "1"))
+
+
+def withstand(gateway: RunningGateway, name: str, flood: AbstractContextManager[object], megabytes: float = 20) -> None:
+    """Measure stops, health and a stream during a flood, then wait until memory and files are back."""
+    before, files = memory(gateway.process.pid), open_files(gateway.process.pid)
+    with probing(gateway) as findings, flood:
+        time.sleep(SECONDS)
+    report(name, findings.figures())
+    assert findings.errors == []
+    assert findings.stop
+    assert quantile(findings.stop, 0.99) < STOPPED_WITHIN
+    assert max(findings.health) < 2 * STOPPED_WITHIN
+    assert findings.gaps
+    assert max(findings.gaps) < 2 * STOPPED_WITHIN
+    deadline = time.monotonic() + 10
+    while memory(gateway.process.pid) > before + megabytes or open_files(gateway.process.pid) > files + 10:
+        assert time.monotonic() < deadline, (before, memory(gateway.process.pid), open_files(gateway.process.pid))
+        time.sleep(0.1)
