@@ -259,6 +259,19 @@ async def test_all_clients_together_send_too_much() -> None:
         assert answer.endswith(b"200000")
 
 
+async def test_a_connection_of_the_reserve_has_one_request_and_no_websocket() -> None:
+    upgrade = b"GET / HTTP/1.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n" + HOST
+    async with serving(app, max_connections_per_address=8, header_timeout=2) as edge, AsyncExitStack() as stack:
+        regular = [await stack.enter_async_context(edge.connect()) for _ in range(8)]
+        for _, writer in regular:  # answered, so that they have been counted, and kept alive
+            writer.write(START + b"\r\n")
+        for reader, _ in regular:
+            assert b" 200 " in await reader.readuntil(b"GET /")
+        assert (await edge.ask(START + b"\r\n")).endswith(b"GET /")
+        assert code(await edge.ask(upgrade + b"\r\n")) == (503, "too_many_connections")
+        assert code(await edge.ask(START)) == (408, "request_timeout")
+
+
 async def test_tiny_chunks_do_not_keep_others_waiting() -> None:
     head = b"POST /echo HTTP/1.1\r\n" + HOST + b"Transfer-Encoding: chunked\r\n\r\n"
     chunks = b"1\r\nx\r\n" * 50_000

@@ -18,6 +18,8 @@ LINGER_BYTES = 64_000_000
 # in bytes, is refused, and small requests still pass.
 UNFINISHED_BODIES = 8
 SHARE = 16_384
+# Seconds that a connection of the reserve has for its answer, beyond the time for the head of its request.
+ANSWER_WITHIN = 2.0
 
 
 @dataclass
@@ -104,7 +106,7 @@ class Connection(asyncio.BufferedProtocol):
         self.address = (transport.get_extra_info("peername") or ("",))[0]
         self.regular = self._edge.limits.admit(self)
         if not self.regular:
-            self._abort_in(self._edge.settings.header_timeout)
+            self._abort_in(self._edge.settings.header_timeout + ANSWER_WITHIN)
         self.protocol.connection_made(cast("asyncio.Transport", ConnectionTransport(self, self._transport)))
 
     def connection_lost(self, exc: Exception | None) -> None:
