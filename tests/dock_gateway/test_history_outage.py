@@ -1,6 +1,7 @@
 """The database slow, locked, frozen, full or away: no goal waits for it, and none is lost."""
 
 import asyncio
+import shutil
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import AbstractContextManager, asynccontextmanager, contextmanager
@@ -234,3 +235,21 @@ async def test_a_goal_that_nothing_takes_is_refused(sqlite_url: str, tmp_path: P
     await until(lambda: history.stats().database_reachable)
     assert await history.get("goal-0001") is None
     await history.close()
+
+
+async def test_a_deleted_spool_is_written_again(sqlite_url: str, tmp_path: Path) -> None:
+    async with open_at(sqlite_url, tmp_path):
+        pass
+    folder = tmp_path / "spool"
+    with locked(f"{tmp_path}/history.db"):
+        async with open_at(sqlite_url, tmp_path) as history:
+            await history.add(make_goal(1, GoalStatus.PENDING), "key")
+            history.record_event(make_event(1))
+            await until(lambda: history.stats().spooled >= 3)
+            shutil.rmtree(folder)
+            await history.add(make_goal(2, GoalStatus.PENDING))
+            await until(lambda: history.stats().spooled >= 4)
+            kept = b"".join(path.read_bytes() for path in folder.glob("*.jsonl"))
+            assert all(
+                name in kept for name in (b"goal-0001", b"goal-0002", b'"key"', (make_event(1).id or "").encode())
+            )

@@ -19,6 +19,7 @@ from typing import TypeVar
 
 from dock_gateway.events import Event
 from dock_gateway.goals import Goal
+from dock_gateway.history.files import identity
 from dock_gateway.history.rows import Key, entry_of, line_of
 
 log = logging.getLogger(__name__)
@@ -30,7 +31,12 @@ Result = TypeVar("Result")
 
 
 class Spool:
-    """The spool in a folder. Its file work is done in order, on a thread of its own."""
+    """The spool in a folder. Its file work is done in order, on a thread of its own.
+
+    Attributes:
+        lost: A file was deleted while it was written to: whoever has in memory what was in it writes it again, and sets
+            this to False.
+    """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -38,6 +44,7 @@ class Spool:
         self._files: dict[Path, int] = {}  # ours and those taken over, with the descriptor that holds the lock
         self._current: tuple[Path, int] | None = None
         self._counts: dict[Path, int] = {}
+        self.lost = False
 
     @property
     def count(self) -> int:
@@ -63,6 +70,10 @@ class Spool:
         self._counts[path] = self._counts.get(path, 0) + len(entries)
 
     def _append(self, data: bytes) -> Path:
+        if self._current is not None and not _is_at(*self._current):
+            log.error("%s was deleted; what is known of it is written again", self._current[0])
+            self._remove([self._current[0]])
+            self._current, self.lost = None, True
         if self._current is None:
             self._current = self._create()
         path, descriptor = self._current
@@ -172,3 +183,9 @@ class Spool:
 
         await self._run(close)
         self._executor.shutdown(wait=False)
+
+
+def _is_at(path: Path, descriptor: int) -> bool:
+    """Whether a file that is open is still the one at its path."""
+    opened = os.fstat(descriptor)
+    return identity(path) == (opened.st_dev, opened.st_ino)

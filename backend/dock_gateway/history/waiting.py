@@ -132,6 +132,12 @@ class Waiting:
         gone = {id(entry) for entry in entries}
         self._unsafe = {name: entry for name, entry in self._unsafe.items() if id(entry) not in gone}
 
+    def unsave(self) -> None:
+        """The spool is lost: nothing of this is anywhere else."""
+        self._unsafe = {("goal", goal_id): goal for goal_id, goal in self.goals.items()}
+        self._unsafe |= {("event", event_id): event for event_id, event in self.events.items()}
+        self._unsafe |= {("key", name): key for name, key in self.keys.items()}
+
     def shed(self) -> None:
         """Neither database nor spool takes anything: give up the oldest events, and goals of others, beyond the limit.
 

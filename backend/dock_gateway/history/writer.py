@@ -117,7 +117,7 @@ class Writer:
             self.last_error = self.last_error or f"no answer within {ANSWER_TIMEOUT * 1000:.0f} ms"
         entries: list[Entry] = [kept] if key is None else [key, kept]
         try:
-            await self._spool.append(entries)
+            await self._append(entries)
         except OSError as error:
             if ticket.done() and not ticket.cancelled() and ticket.exception() is None:
                 return
@@ -319,10 +319,17 @@ class Writer:
         """Bring what is nowhere but in memory to the spool, and let go of what is too much."""
         entries = self._waiting.unsafe()
         if entries:
-            await self._spool.append(entries)
+            await self._append(entries)
             self._waiting.saved(entries)
         self.evicted += self._waiting.evict()
         self._wake.set()
+
+    async def _append(self, entries: list[Entry]) -> None:
+        await self._spool.append(entries)
+        if self._spool.lost:
+            self._spool.lost = False
+            self._waiting.unsave()
+            self._guard.set()
 
     async def take_over(self) -> None:
         """Take up what processes before this one have left in the spool."""
