@@ -13,6 +13,8 @@ import orjson
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
 from websockets.sync.client import connect
 
+# Codes of goals that were never sent: a retry with their key gets another goal.
+UNSENT = {"stopped", "action_server_unavailable", "ros_unavailable"}
 FINAL = {"succeeded", "canceled", "aborted", "rejected"}
 BROKEN = (OSError, TimeoutError, EOFError, ConnectionClosed, InvalidHandshake)
 
@@ -72,7 +74,7 @@ class Sender(Worker):
                 continue
             document = answer.json()
             self.answers[document.get("code", str(answer.status_code))] += 1
-            if "goal_id" in document:
+            if "goal_id" in document and document.get("code") not in UNSENT:
                 ids.add(document["goal_id"])
             if answer.status_code in (200, 202):
                 self.accepted[number] = document["goal_id"]

@@ -46,10 +46,11 @@ def executed(domain: int, tmp_path: Path) -> Iterator[Path]:
 
 
 class Fleet:
-    """Gateways that share a database, each on a port of its own, killed and started again."""
+    """Gateways that share a database, each on a port of its own, killed and started again; see `running_gateway`."""
 
-    def __init__(self, domain: int, count: int, **settings: str) -> None:
+    def __init__(self, domain: int, count: int, *prefix: str, **settings: str) -> None:
         self._domain = domain
+        self._prefix = prefix
         self._settings = settings
         self._ports = [free_port() for _ in range(count)]
         self._stacks = [contextlib.ExitStack() for _ in range(count)]
@@ -73,7 +74,7 @@ class Fleet:
     def start(self, number: int) -> None:
         settings = {**self._settings, "port": str(self._ports[number])}
         settings["spool_path"] += f"-{number}"
-        gateway = self._stacks[number].enter_context(running_gateway(self._domain, **settings))
+        gateway = self._stacks[number].enter_context(running_gateway(self._domain, *self._prefix, **settings))
         self.running[number] = gateway
         self.processes.append(gateway.process)
 

@@ -105,14 +105,20 @@ class RunningGateway:
 
 
 @contextmanager
-def running_gateway(domain: int, **settings: str) -> Iterator[RunningGateway]:
-    """`dock-gateway serve` on a free port, with a database of its own; settings as in DOCK_GATEWAY_<NAME>."""
+def running_gateway(domain: int, *prefix: str, **settings: str) -> Iterator[RunningGateway]:
+    """`dock-gateway serve` on a free port, with a database of its own.
+
+    Args:
+        domain: The ROS domain.
+        prefix: A command that runs it in its own process.
+        settings: As in DOCK_GATEWAY_<NAME>.
+    """
     with TemporaryDirectory(prefix="dock-gateway-", ignore_cleanup_errors=True) as folder, ExitStack() as stack:
         defaults = {"port": "0", "database_url": f"sqlite:///{folder}/history.db", "spool_path": f"{folder}/spool"}
         defaults["stop_path"] = f"{folder}/stops.json"
         variables = {f"DOCK_GATEWAY_{name.upper()}": value for name, value in {**defaults, **settings}.items()}
         environment = ros_environment(domain, **variables)
-        process = stack.enter_context(Process(str(BIN / "dock-gateway"), "serve", env=environment))
+        process = stack.enter_context(Process(*prefix, str(BIN / "dock-gateway"), "serve", env=environment))
         url = process.wait_for("listening on ").rpartition(" ")[2]
         with httpx2.Client(base_url=url, timeout=15.0, trust_env=False) as http:
             yield RunningGateway(process, url, http)

@@ -1,0 +1,386 @@
+"""A disk that is full, read-only or locked, and a history file that is deleted or damaged, while goals are sent.
+
+Whatever happens, no goal that was accepted is lost (but for what a deleted or damaged file held of goals that had
+ended), refusals are the documented ones, streams go on, a stop works, `/readyz` tells the truth, and the gateway
+recovers by itself.
+"""
+
+import errno
+import os
+import random
+import resource
+import sqlite3
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx2
+import pytest
+
+from tests.chaos.load import FINAL, Load
+from tests.chaos.report import report
+from tests.chaos.test_kills import Fleet, executed, wait_for_action
+from tests.support.gateway import RunningGateway
+from tests.support.observer import wait_until
+from tests.support.probe import Findings, probing, quantile
+from tests.support.processes import Process
+
+__all__ = ["executed"]
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(3600)]
+
+ROUNDS = int(os.environ.get("CHAOS_ROUNDS", "1"))
+CONFINED = (sys.executable, "-m", "tests.support.confined")
+# What a goal may be answered with meanwhile; `stopped` and `stop_latched` as stops are asked for all the time.
+ANSWERS = {"200", "202", "history_unavailable", "stopped", "stop_latched", "broken off", "action_not_found"}
+ANSWERS |= {"action_server_unavailable", "action_server_timeout"}  # just after a start
+KEPT = 1.0  # seconds that a fault lasts, at least
+
+
+class Disk:
+    """The folder that holds all that a gateway stores, as the gateway (`at`) and as the test (`seen`) name it."""
+
+    def __init__(self, at: Path, seen: Path | None = None) -> None:
+        self.at, self.seen = at, seen or at
+        self.file = self.seen / "history.db"
+        self.settings = {
+            "database_url": f"sqlite:///{at}/history.db",
+            "spool_path": f"{at}/spool",
+            "stop_path": f"{at}/stops.json",
+        }
+
+    @property
+    def damaged_files(self) -> list[Path]:
+        return [path for path in self.seen.glob("history.db.corrupt-*") if path.name.endswith("Z")]
+
+
+class Trial:
+    """A gateway under load, and what is expected of the goals that it accepted."""
+
+    def __init__(self, disk: Disk, fleet: Fleet, load: Load, executed: Path) -> None:
+        self.disk, self.fleet, self.load, self.executed = disk, fleet, load, executed
+        self.gone: set[str] = set()  # goals that went with the file that held them
+        self.unsure: set[int] = set()  # goals that were under way when nobody was left who knew their key
+        self.figures: dict[str, Any] = {}
+
+    @property
+    def gateway(self) -> RunningGateway:
+        return self.fleet.any()
+
+    @property
+    def history(self) -> dict[str, Any]:
+        state: dict[str, Any] = self.gateway.http.get("/readyz").json()["history"]
+        return state
+
+    def restart(self, meanwhile: Callable[[], None]) -> None:
+        self.fleet.kill(0)
+        meanwhile()
+        self.fleet.start(0)
+
+    def forget_what_ended(self) -> None:
+        """The file is lost, but not what the gateway knows: goals that had ended by now may be gone."""
+        time.sleep(0.5)  # the reader hears of the last ends
+        self.gone |= set(self.load.reader.ends("result"))
+
+    def forget_everything(self) -> None:
+        """The file is lost, and so is what the gateway knew."""
+        self.gone |= set(self.load.accepted.values())
+        self.unsure |= set(self.began) - self.load.accepted.keys()
+
+    def missing(self) -> list[str]:
+        """Goals that were accepted, and that the gateway does not know as its own."""
+        expected = set(self.load.accepted.values()) - self.gone
+        return [goal_id for goal_id in sorted(expected) if status(self, goal_id) is None]
+
+    @property
+    def began(self) -> Counter[int]:
+        """How often the action server executed each goal."""
+        return Counter(map(int, self.executed.read_text().split()))
+
+    def answers(self) -> Counter[str]:
+        return sum((sender.answers for sender in self.load.senders), Counter[str]())
+
+    def wait_for_new_goals(self) -> None:
+        before, answers = len(self.load.accepted), self.answers()
+        try:
+            wait_until(lambda: len(self.load.accepted) > before + 2 or self.broken(), "new goals", timeout=60)
+        except AssertionError:
+            raise AssertionError(f"no new goals, but {self.answers() - answers}; {self.history}") from None
+        assert not self.broken(), self.broken()
+
+    def broken(self) -> list[Exception]:
+        """What ended a sender or the reader."""
+        return [worker.error for worker in (*self.load.senders, self.load.reader) if worker.error is not None]
+
+
+# ---------------------------------------------------------------------- what happens to the disk
+
+
+@contextmanager
+def full(trial: Trial) -> Iterator[None]:
+    """No file may grow or be written: EFBIG for whoever tries, as any user."""
+    pid = trial.gateway.process.pid
+    before = resource.prlimit(pid, resource.RLIMIT_FSIZE)
+    resource.prlimit(pid, resource.RLIMIT_FSIZE, (0, before[1]))
+    try:
+        yield
+    finally:
+        resource.prlimit(pid, resource.RLIMIT_FSIZE, before)
+
+
+@contextmanager
+def really_full(trial: Trial) -> Iterator[None]:
+    """No block is left: ENOSPC."""
+    filler = trial.disk.seen / "filler"
+    with filler.open("wb", buffering=0) as file:
+        for size in (65_536, 4096, 1):
+            try:
+                while True:
+                    file.write(b"x" * size)
+            except OSError as error:
+                if error.errno != errno.ENOSPC:
+                    raise
+    try:
+        yield
+    finally:
+        filler.unlink()
+
+
+@contextmanager
+def read_only(trial: Trial) -> Iterator[None]:
+    """The gateway is killed and starts with files and folders that it may not write."""
+    folder = trial.disk.seen
+
+    def allow(*, write: bool) -> None:
+        for path in (folder, *folder.rglob("*")):
+            path.chmod((0o700 if write else 0o500) if path.is_dir() else (0o600 if write else 0o400))
+
+    trial.restart(lambda: allow(write=False))
+    try:
+        yield
+    finally:
+        allow(write=True)
+
+
+@contextmanager
+def locked(trial: Trial) -> Iterator[None]:
+    """Another process writes and does not come to an end."""
+    with closing(sqlite3.connect(trial.disk.file, isolation_level=None, timeout=10)) as connection:
+        connection.execute("BEGIN IMMEDIATE")
+        try:
+            yield
+        finally:
+            connection.execute("ROLLBACK")
+
+
+@contextmanager
+def deleted(trial: Trial) -> Iterator[None]:
+    for path in trial.disk.seen.glob("history.db*"):
+        if ".corrupt-" not in path.name:
+            path.unlink()
+    trial.forget_what_ended()
+    yield
+
+
+@contextmanager
+def damaged(trial: Trial) -> Iterator[None]:
+    overwrite(trial.disk.file)
+    trial.forget_what_ended()
+    yield
+
+
+@contextmanager
+def damaged_at_the_start(trial: Trial) -> Iterator[None]:
+    def lose() -> None:
+        overwrite(trial.disk.file)
+        time.sleep(0.5)  # the senders hear the last answers
+        trial.forget_everything()
+
+    trial.restart(lose)
+    yield
+
+
+def overwrite(path: Path) -> None:
+    with closing(sqlite3.connect(path, timeout=10)) as connection:  # what is in the log would mend the file
+        connection.execute("PRAGMA wal_checkpoint(PASSIVE)")
+    with path.open("r+b") as file:
+        file.write(os.urandom(path.stat().st_size))
+
+
+FAULTS: dict[str, Callable[[Trial], Any]] = {
+    "locked": locked,
+    "full": full,
+    "read-only": read_only,
+    "deleted": deleted,
+    "damaged": damaged,
+    "damaged at the start": damaged_at_the_start,
+}
+
+
+# ---------------------------------------------------------------------- what must hold
+
+
+def withstand(trial: Trial, name: str, fault: Callable[[Trial], Any]) -> None:
+    """Let something happen to the disk for a while, under load and watched."""
+    trial.wait_for_new_goals()
+    before, accepted = trial.answers(), len(trial.load.accepted)
+    with fault(trial):
+        if not takes_nothing(name):  # before anything is stopped: a key that a stop used waits for the database
+            trial.wait_for_new_goals()
+        with probing(trial.gateway) as findings:
+            time.sleep(KEPT)
+            wait_until(lambda: tells(trial.history, name), f"/readyz tells of: {name}", timeout=30)
+            state = trial.history
+            alerts = {alert["kind"] for alert in trial.gateway.http.get("/alerts").json()["alerts"]}
+            refused = (trial.answers() - before)["history_unavailable"]
+        stop = trial.gateway.http.post("/stop", json={"by": "the test"}).raise_for_status().json()
+        trial.gateway.http.delete("/stop").raise_for_status()
+        meanwhile = len(trial.load.accepted) - accepted
+    began = time.monotonic()
+    wait_until(lambda: healthy(trial), f"the gateway recovers from: {name}", timeout=60)
+    recovered = time.monotonic() - began
+    trial.wait_for_new_goals()
+    trial.figures[name] = (
+        f"{meanwhile} goals accepted, {refused} refused; a stop took {1000 * quantile(findings.stop, 0.5):.0f} ms, p99 "
+        f"{1000 * quantile(findings.stop, 0.99):.0f} ms; the stream paused for {1000 * max(findings.gaps):.0f} ms at "
+        f"most; recovered after {recovered:.1f} s; "
+        f"`last_error`: {(state['last_error'] or '').replace(str(trial.disk.at), '')[:90]}"
+    )
+    check(trial, name, Seen(findings, state, alerts, refused, stop))
+    assert trial.missing() == [], name
+
+
+def takes_nothing(name: str) -> bool:
+    """Whether neither database nor spool takes a goal."""
+    return name in ("full", "really full", "read-only")
+
+
+def tells(state: dict[str, Any], name: str) -> bool:
+    """Whether `/readyz` says what has happened."""
+    error: str = state["last_error"] or ""
+    if name in ("deleted", "damaged", "damaged at the start"):
+        return name.partition(" ")[0] in error
+    return not state["database_reachable"] and ("locked" if name == "locked" else "") in error
+
+
+def healthy(trial: Trial) -> bool:
+    state = trial.history
+    return bool(state["database_reachable"]) and not state["spooled"]
+
+
+@dataclass
+class Seen:
+    """What was seen while something happened to the disk: by probes, in `/readyz`, of alerts, goals and a stop."""
+
+    findings: Findings
+    state: dict[str, Any]
+    alerts: set[str]
+    refused: int
+    stop: dict[str, Any]
+
+
+def check(trial: Trial, name: str, seen: Seen) -> None:
+    findings, state, stop = seen.findings, seen.state, seen.stop
+    assert findings.errors == [], (name, findings)
+    assert max(findings.stop) < 5, (name, findings)
+    assert findings.gaps, (name, findings)
+    assert max(findings.gaps) < 5, (name, findings)
+    assert stop["stop"]["latched"], (name, stop)
+    if takes_nothing(name):
+        assert seen.refused > 0, name
+        assert stop["warning"]["code"] == "stop_not_persisted", (name, stop)
+    elif name == "locked":
+        assert state["spooled"], (name, state)
+    else:
+        assert "history_lost" in seen.alerts, (name, seen.alerts)
+    assert set(trial.answers()) <= ANSWERS, (name, trial.answers())
+
+
+def check_goals(trial: Trial, title: str) -> None:
+    """Once nothing is sent any more: what was accepted is there after a restart, ended, and was executed once."""
+    trial.load.stop_sending()
+    expected = {n: goal_id for n, goal_id in trial.load.accepted.items() if goal_id not in trial.gone}
+    for goal_id in expected.values():
+        wait_until(lambda goal_id=goal_id: status(trial, goal_id) in FINAL, f"goal {goal_id} ends", timeout=60)
+    trial.restart(lambda: None)
+    wait_until(lambda: healthy(trial), "the history is there after a restart", timeout=60)
+    missing = [goal_id for goal_id in expected.values() if status(trial, goal_id) not in FINAL]
+    twice = [number for number, count in trial.began.items() if count > 1 and number not in trial.unsure]
+    report(
+        title,
+        {
+            **trial.figures,
+            "goals accepted": len(trial.load.accepted),
+            "goals missing after a restart": len(missing),
+            "goals that went with a deleted or damaged file": len(trial.gone & set(trial.load.accepted.values())),
+            "goals executed twice": len(twice),
+            "answers": dict(trial.answers()),
+        },
+    )
+    assert missing == []
+    assert twice == []
+    trial.load.reader.finish()
+
+
+def status(trial: Trial, goal_id: str) -> str | None:
+    try:
+        goal = trial.gateway.http.get(f"/goals/{goal_id}").json()
+    except httpx2.HTTPError:
+        return None
+    return goal["status"] if goal.get("origin") == "gateway" else None
+
+
+@contextmanager
+def trial_on(domain: int, disk: Disk, executed: Path, *prefix: str) -> Iterator[Trial]:
+    with Fleet(domain, 1, *prefix, **disk.settings) as fleet:
+        wait_for_action(fleet)
+        with Load(fleet.url) as load:
+            yield Trial(disk, fleet, load, executed)
+
+
+def test_whatever_happens_to_the_disk(domain: int, executed: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "kept"
+    folder.mkdir()
+    with trial_on(domain, Disk(folder), executed, *CONFINED) as trial:
+        for turn in range(ROUNDS):
+            faults = list(FAULTS.items())
+            if turn:
+                random.shuffle(faults)
+            for name, fault in faults:
+                withstand(trial, name, fault)
+                for path in trial.disk.damaged_files:
+                    path.rename(tmp_path / path.name)
+        check_goals(trial, f"A disk that fails in every way, {ROUNDS} times")
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[tuple[Disk, tuple[str, ...]]]:
+    """A disk of 3 MB, in a namespace that needs no root, and how to run a command there."""
+    folder = tmp_path / "small"
+    folder.mkdir()
+    mount = 'mount -t tmpfs -o size=3m tmpfs "$0" && echo mounted && exec sleep 3600'
+    command = ("unshare", "--mount", "--map-root-user", "sh", "-c", mount, str(folder))
+    try:
+        process = Process(*command, env=dict(os.environ))
+    except FileNotFoundError:
+        pytest.skip("A FULL DISK IS TRIED BY LIMITS ALONE: there is no `unshare`")
+    with process:
+        try:
+            process.wait_for("mounted")
+        except AssertionError as error:
+            pytest.skip(f"A FULL DISK IS TRIED BY LIMITS ALONE: no file system can be mounted here: {error}")
+        enter = ("nsenter", "--preserve-credentials", "--user", "--mount", f"--target={process.pid}", "--")
+        yield Disk(folder, Path(f"/proc/{process.pid}/root{folder}")), enter
+
+
+def test_a_disk_without_a_block_left(domain: int, executed: Path, small_disk: tuple[Disk, tuple[str, ...]]) -> None:
+    disk, enter = small_disk
+    with trial_on(domain, disk, executed, *enter) as trial:
+        for _ in range(ROUNDS):
+            withstand(trial, "really full", really_full)
+        check_goals(trial, f"A disk without a block left, {ROUNDS} times")
