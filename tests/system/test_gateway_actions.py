@@ -133,4 +133,4 @@ def test_stop_without_a_robot_stops_them_all(gateway: RunningGateway, shared_dom
             assert time.monotonic() < deadline, response.text
         goal_id = response.json()["goal_id"]
         assert gateway.stop_once()["canceling"] == [goal_id]
-        assert gateway.wait_for_goal(goal_id, "canceled")["error"] is None
+        assert gateway.wait_for_goal(goal_id, "canceled")["error"]["code"] == "stopped"

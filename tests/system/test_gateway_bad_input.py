@@ -112,7 +112,8 @@ BODIES: dict[str, tuple[str, str, bytes, int, str]] = {
     "a path out of the dashboard": ("GET", "/assets/..%2f..%2fpackage.json", b"", 404, "not_found"),
     "a verb that is not offered": ("PATCH", GOAL, b"", 405, "method_not_allowed"),
     "the wrong verb": ("PUT", "/stop", b"", 405, "method_not_allowed"),
-    "a stop of a robot in the body": ("POST", "/stop", b'{"robot": "/robot1"}', 422, "invalid_field"),
+    "a stop of a robot in the body": ("POST", "/stop", b'{"robot": "/robot1"}', 404, "robot_not_found"),
+    "a stop of two robots": ("POST", "/stop?robot=/", b'{"robot": "/robot1"}', 422, "invalid_field"),
     "a stop of robots in the query": ("POST", "/stop?robots=/robot1", b"{", 422, "invalid_field"),
     "a release of a robot nobody knows": ("DELETE", "/stop?robot=/robot1", b"", 404, "robot_not_found"),
 }
