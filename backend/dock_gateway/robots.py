@@ -1,6 +1,7 @@
 """A robot is a namespace: its battery topic, its velocity topic, its actions."""
 
 import logging
+import re
 from contextlib import ExitStack
 from dataclasses import dataclass
 
@@ -19,6 +20,9 @@ from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
+
+NAME_PART = "[A-Za-z_][A-Za-z0-9_]*"
+NAMESPACE = re.compile(f"/(?:{NAME_PART}(?:/{NAME_PART})*/?)?")
 
 Ports = tuple[BatteryPort, VelocityPort, LatchPort]
 
@@ -186,7 +190,6 @@ def read_namespace(namespace: str) -> str:
     Raises:
         InvalidField: It is not one.
     """
-    parts = namespace.strip("/").split("/") if namespace.strip("/") else []
-    if not namespace.startswith("/") or not all(part.isidentifier() and part.isascii() for part in parts):
+    if not NAMESPACE.fullmatch(namespace):
         raise InvalidField([FieldError("query.robot", "a ROS namespace such as /robot1", f"got {namespace[:60]!r}")])
     return normalize_namespace(namespace)

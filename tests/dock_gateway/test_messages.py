@@ -221,11 +221,18 @@ def test_bytes_as_numbers_and_as_base64() -> None:
     assert errors_of(OccupancyGrid, {"data": "AAEC"}) == ["data: an array of at most 10000 items, got a string"]
 
 
+def test_a_whole_number_is_an_integer_however_it_is_written() -> None:
+    state = codec(BatteryState).parse({"power_supply_status": 1.0})
+    assert (state.power_supply_status, type(state.power_supply_status)) == (1, int)
+    assert list(codec(Image).parse({"data": [0, 255.0, 7]}).data) == [0, 255, 7]
+    assert errors_of(BatteryState, {"power_supply_status": 256.0})
+
+
 def test_numbers_of_an_array_are_looked_at_one_by_one_where_one_is_wrong() -> None:
-    assert errors_of(Image, {"data": [0, 256, True, 1.0]}) == [
+    assert errors_of(Image, {"data": [0, 256, True, 1.5, 1.0]}) == [
         "data.1: uint8 (0 to 255), got 256",
         "data.2: uint8 (0 to 255), got a boolean",
-        "data.3: uint8 (0 to 255), got 1.0",
+        "data.3: uint8 (0 to 255), got 1.5",
     ]
     assert errors_of(BatteryState, {"cell_voltage": [1.0, 1e39]}) == [
         "cell_voltage.1: float32 (-3.4e38 to 3.4e38) or null, got 1e+39"

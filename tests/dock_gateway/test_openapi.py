@@ -99,6 +99,17 @@ def test_errors_are_problem_documents(document: dict[str, Any]) -> None:
                     assert list(response["content"]) == ["application/problem+json"], operation["operationId"]
 
 
+def test_names_and_ids_have_patterns(document: dict[str, Any]) -> None:
+    for path, item in document["paths"].items():
+        for operation in item.values():
+            for parameter in operation.get("parameters", ()):
+                if parameter["name"] in {"robot", "goal_id", "since", "until"}:
+                    assert parameter["schema"]["pattern"], (path, parameter["name"])
+    for path, method in (("/stop", "post"), ("/alerts/{alert_id}/acknowledgement", "put")):
+        by = document["paths"][path][method]["requestBody"]["content"]["application/json"]["schema"]["properties"]["by"]
+        assert by["pattern"]
+
+
 def test_the_battery_comes_from_the_ros_definition(document: dict[str, Any]) -> None:
     schemas = document["components"]["schemas"]
     assert schemas["BatteryState"]["required"] == list(schemas["BatteryStateInput"]["properties"])

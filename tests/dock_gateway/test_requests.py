@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 from starlette.requests import Request
 
+from dock_gateway.api.answers import read_goal_id
 from dock_gateway.api.goals import send_goal
 from dock_gateway.api.requests import read_json, read_name
 from dock_gateway.errors import InvalidField
@@ -41,7 +42,9 @@ def test_a_name(value: str, name: str) -> None:
     assert read_name(value, 10) == name
 
 
-@pytest.mark.parametrize("value", ["", " \t", "a" * 11, "a\nb", "a\0", 7, None, ["Ada"]])
+@pytest.mark.parametrize(
+    "value", ["", " \t", "a" * 11, " " * 8 + "Ada", "a\nb", "a\0", "\u2028", "a\u202eb", "\u200b", 7, None, ["Ada"]]
+)
 def test_what_is_no_name(value: object) -> None:
     with pytest.raises(InvalidField) as refused:
         read_name(value, 10)
@@ -53,3 +56,16 @@ async def test_no_goal_is_sent_for_an_empty_body() -> None:
     action: Any = SimpleNamespace(port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value)))
     with pytest.raises(InvalidField):
         await send_goal(request(b""), action, "/actions/fibonacci/goals")
+
+
+@pytest.mark.parametrize("text", ["7D9C1C9E-0000-4000-8000-00000000000A", "7d9c1c9e00004000800000000000000a"])
+def test_a_goal_id_as_others_write_it(text: str) -> None:
+    assert read_goal_id(text) == "7d9c1c9e-0000-4000-8000-00000000000a"
+
+
+@pytest.mark.parametrize(
+    "text", ["", "1234", "{7d9c1c9e-0000-4000-8000-00000000000a}", "7d9c1c9e" * 4 + "\n", "\u0661" * 32]
+)
+def test_what_is_no_goal_id(text: str) -> None:
+    with pytest.raises(InvalidField):
+        read_goal_id(text)

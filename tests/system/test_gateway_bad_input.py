@@ -86,6 +86,7 @@ BODIES: dict[str, tuple[str, str, bytes, int, str]] = {
     "a string in an array": ("POST", "/battery", b'{"cell_voltage": [1, "2"]}', 422, "invalid_field"),
     "a time out of range": ("POST", "/battery", b'{"header": {"stamp": {"sec": 2147483648}}}', 422, "invalid_field"),
     "a publisher without a state": ("PUT", "/battery/publisher", b'{"rate_hz": 1, "volts": 1}', 422, "invalid_field"),
+    "a publisher of nothing": ("PUT", "/battery/publisher", b'{"rate_hz": 1}', 422, "invalid_field"),
     "a publisher of a list": ("PUT", "/battery/publisher", b"[]", 422, "invalid_field"),
     "no battery state": ("POST", "/battery", b"", 422, "invalid_field"),
     "no publisher": ("PUT", "/battery/publisher", b"", 422, "invalid_field"),

@@ -8,6 +8,7 @@ from dock_gateway.api import goals
 from dock_gateway.api.answers import (
     CursorQuery,
     GoalId,
+    GraphName,
     LimitQuery,
     StatusQuery,
     TheGateway,
@@ -72,7 +73,7 @@ async def list_actions(gateway: TheGateway) -> Response:
     openapi_extra={**GOAL_BODY, "parameters": goals.HEADERS},
     dependencies=[NO_QUERY],
 )
-async def send_action_goal(name: str, request: Request, gateway: TheGateway) -> Response:
+async def send_action_goal(name: GraphName, request: Request, gateway: TheGateway) -> Response:
     """Send a goal; the body holds the goal message's own fields, `{}` for its defaults."""
     action = await gateway.actions.find(f"/{name}")
     return await goals.send_goal(request, action, f"/actions{action.name}/goals")
@@ -85,7 +86,7 @@ async def send_action_goal(name: str, request: Request, gateway: TheGateway) -> 
     dependencies=[Depends(known_query("status", "limit", "cursor"))],
 )
 async def list_action_goals(
-    name: str,
+    name: GraphName,
     gateway: TheGateway,
     status: StatusQuery = None,
     limit: LimitQuery = 50,
@@ -97,7 +98,7 @@ async def list_action_goals(
 
 
 @router.get("/{name:path}/goals/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503))
-async def get_action_goal(name: str, goal_id: GoalId, gateway: TheGateway) -> Response:
+async def get_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
     """One goal of an action."""
     action = await gateway.actions.find(f"/{name}")
     goal = await goals.find_goal(gateway, action, goal_id)
@@ -110,7 +111,7 @@ async def get_action_goal(name: str, goal_id: GoalId, gateway: TheGateway) -> Re
     response_model=ActionGoal,
     responses=problems(404, 409, 422, 503, 504),
 )
-async def cancel_action_goal(name: str, goal_id: GoalId, gateway: TheGateway) -> Response:
+async def cancel_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
     """Ask the action server to cancel a goal, whoever sent it."""
     action = await gateway.actions.find(f"/{name}")
     await goals.find_goal(gateway, action, goal_id)
@@ -118,6 +119,6 @@ async def cancel_action_goal(name: str, goal_id: GoalId, gateway: TheGateway) ->
 
 
 @router.get("/{name:path}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
-async def get_action(name: str, gateway: TheGateway) -> Response:
+async def get_action(name: GraphName, gateway: TheGateway) -> Response:
     """One action."""
     return json_response(describe(await gateway.actions.find(f"/{name}")))

@@ -8,7 +8,7 @@ from starlette.responses import Response
 from dock_gateway.api.answers import TheGateway, json_response
 from dock_gateway.api.openapi import body
 from dock_gateway.api.problems import problems
-from dock_gateway.api.requests import known_query, read_json, read_name, read_object
+from dock_gateway.api.requests import known_query, name_schema, read_json, read_name, read_object
 from dock_gateway.api.schemas import Alert, AlertList
 
 router = APIRouter(tags=["Alerts"], prefix="/alerts", dependencies=[Depends(known_query())])
@@ -18,9 +18,7 @@ ACKNOWLEDGEMENT_REQUEST = {
     "type": "object",
     "required": ["by"],
     "additionalProperties": False,
-    "properties": {
-        "by": {"type": "string", "minLength": 1, "maxLength": MAX_NAME, "description": "Who has seen the alert"}
-    },
+    "properties": {"by": name_schema(MAX_NAME) | {"description": "Who has seen the alert"}},
 }
 AlertId = Annotated[str, Path(description="`id` of the alert")]
 

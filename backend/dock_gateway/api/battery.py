@@ -13,14 +13,19 @@ from dock_gateway.goals import fragment
 
 router = APIRouter(tags=["Battery"], dependencies=[Depends(known_query("robot"))])
 
-MIN_RATE, MAX_RATE = 0.1, 100.0
+MIN_RATE, MAX_RATE, USUAL_RATE = 0.1, 100.0, 1.0
 PUBLISHER_REQUEST = {
     "type": "object",
-    "required": ["state", "rate_hz"],
+    "required": ["state"],
     "additionalProperties": False,
     "properties": {
         "state": {"$ref": "#/components/schemas/BatteryStateInput"},
-        "rate_hz": {"type": "number", "minimum": MIN_RATE, "maximum": MAX_RATE},
+        "rate_hz": {
+            "type": "number",
+            "minimum": MIN_RATE,
+            "maximum": MAX_RATE,
+            "description": f"{USUAL_RATE:g} by default",
+        },
     },
 }
 
@@ -70,8 +75,10 @@ async def get_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Respon
 async def start_publisher(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
     """Publish a battery state repeatedly, from now on, in place of what was published before."""
     fields = read_object(await read_json(request), "state", "rate_hz")
-    rate_hz = read_rate(fields.get("rate_hz", 1.0))
-    await gateway.robots.get(robot).publisher.start(fields.get("state", {}), rate_hz)
+    if "state" not in fields:
+        raise InvalidField([FieldError("state", "an object, {} for the defaults", "got none")])
+    rate_hz = read_rate(fields.get("rate_hz", USUAL_RATE))
+    await gateway.robots.get(robot).publisher.start(fields["state"], rate_hz)
     return json_response(gateway.robots.get(robot).publisher.document())
 
 

@@ -3,7 +3,7 @@
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
-from dock_gateway.api.answers import TheGateway, json_response
+from dock_gateway.api.answers import GraphName, TheGateway, json_response
 from dock_gateway.api.graph_schemas import Graph, GraphTopic
 from dock_gateway.api.problems import problems
 from dock_gateway.api.requests import known_query
@@ -22,7 +22,7 @@ async def get_graph(request: Request, gateway: TheGateway) -> Response:
 
 
 @router.get("/topics/{name:path}", response_model=GraphTopic, responses=problems(404, 422, 503))
-async def get_topic(name: str, gateway: TheGateway) -> Response:
+async def get_topic(name: GraphName, gateway: TheGateway) -> Response:
     """One topic, as it is now, with those who publish and subscribe."""
     return json_response((await gateway.lookout.topic(f"/{name}")).document())
 

@@ -1,6 +1,7 @@
 """Reading requests: bodies within their limits, headers, and nothing that we would have to ignore."""
 
 import asyncio
+import re
 from collections.abc import Awaitable, Callable
 from http import HTTPStatus
 from typing import Any
@@ -17,6 +18,9 @@ JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
 MAX_WAIT = 300.0
 MAX_KEY = 200
 MAX_DIGITS = 18  # no number in a header that matters has more
+# A line of text: no controls, nothing that changes the direction of writing or that cannot be seen; not blank.
+_UNSEEN = r"\x00-\x1f\x7f-\x9f\xad\u200b-\u200f\u2028-\u202f\u205f-\u206f\ufeff\ufff9-\uffff"
+NAME = re.compile(rf"[^{_UNSEEN}]*[^\s{_UNSEEN}][^{_UNSEEN}]*")
 
 
 def get_gateway(connection: HTTPConnection) -> Gateway:
@@ -133,10 +137,14 @@ def read_name(value: object, longest: int) -> str:
     Raises:
         InvalidField: It is not a name of at most `longest` characters.
     """
-    name = value.strip() if isinstance(value, str) else ""
-    if not 0 < len(name) <= longest or not name.isprintable():
+    if not isinstance(value, str) or len(value) > longest or not NAME.fullmatch(value):
         raise InvalidField([FieldError("by", f"1 to {longest} characters, in one line", got(value))])
-    return name
+    return value.strip()
+
+
+def name_schema(longest: int) -> dict[str, Any]:
+    """The same for the OpenAPI document."""
+    return {"type": "string", "maxLength": longest, "pattern": f"^{NAME.pattern}$"}
 
 
 def read_wait(request: Request) -> float:

@@ -13,10 +13,10 @@ from fastapi import APIRouter, Depends, Request
 from starlette.datastructures import QueryParams
 from starlette.responses import Response
 
-from dock_gateway.api.answers import RobotQuery, TheGateway, json_response
+from dock_gateway.api.answers import ROBOT_PATTERN, RobotQuery, TheGateway, json_response
 from dock_gateway.api.openapi import body
 from dock_gateway.api.problems import problems
-from dock_gateway.api.requests import known_query, read_json, read_name, read_object, read_wait
+from dock_gateway.api.requests import known_query, name_schema, read_json, read_name, read_object, read_wait
 from dock_gateway.api.schemas import StopReport, StopState
 from dock_gateway.errors import FieldError, GatewayError, InvalidField, MalformedRequest, got
 from dock_gateway.gateway import Gateway
@@ -38,8 +38,12 @@ STOP_REQUEST = {
             "type": "boolean",
             "description": "Whether goals are refused until the stop is released; true where it is left out",
         },
-        "by": {"type": ["string", "null"], "maxLength": MAX_NAME, "description": "Who asks for the stop"},
-        "robot": {"type": ["string", "null"], "description": "The robot, where it is not in the query"},
+        "by": name_schema(MAX_NAME) | {"type": ["string", "null"], "description": "Who asks for the stop"},
+        "robot": {
+            "type": ["string", "null"],
+            "description": "The robot, where it is not in the query",
+            **ROBOT_PATTERN,
+        },
     },
 }
 PREFER = [{"name": "Prefer", "in": "header", "schema": {"type": "string"}, "example": "wait=2"}]

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request, WebSocket
 from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocketDisconnect
 
-from dock_gateway.api.answers import GoalId, TheGateway
+from dock_gateway.api.answers import GoalId, GraphName, TheGateway
 from dock_gateway.api.feed import begin, feed, follow
 from dock_gateway.api.frames import short_way
 from dock_gateway.api.interests import QUERY, read_after, read_interest, read_max_rate
@@ -114,7 +114,7 @@ async def dock_events(goal_id: GoalId, request: Request, gateway: TheGateway) ->
 
 
 @router.get("/actions/{name:path}/goals/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
-async def action_events(name: str, goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
+async def action_events(name: GraphName, goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
     """The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes."""
     return await _sse(request, gateway, goal_id)
 

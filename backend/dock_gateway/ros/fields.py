@@ -124,6 +124,8 @@ def _integer(kind: Integer, constants: Names) -> Field:
             number = values.get(value.upper())
             if number is None and wide and re.fullmatch(DECIMAL, value):
                 number = int(value)
+        elif isinstance(value, float) and value.is_integer():  # 1.0 is an integer in JSON Schema, and in JavaScript
+            number = int(value)
         if not isinstance(number, int) or isinstance(number, bool) or not low <= number <= high:
             error = wrong(path, expected, value)
             if isinstance(value, str) and (constants or wide):

@@ -15,6 +15,8 @@ from dock_gateway.ros.types import Boolean, Float, Integer, Kind, MessageClass, 
 Schema = dict[str, Any]
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
+WITHOUT_NUL = r"^[^\u0000]*$"
+
 # A longer default, such as a covariance of 36 zeros, tells a reader nothing.
 MAX_DEFAULT = 16
 
@@ -71,8 +73,7 @@ class _Builder:
                 bounds = {"minimum": -FLOAT32_MAX, "maximum": FLOAT32_MAX} if kind.single else {}
                 return {"type": ["number", "null"], "format": "float" if kind.single else "double", **bounds}
             case Text():
-                maximum = kind.maximum if self._complete else kind.maximum or MAX_STRING
-                return {"type": "string", **({} if maximum is None else {"maxLength": maximum})}
+                return self._text(kind)
             case Sequence():
                 return self._sequence(kind, self._kind(kind.item, constants, comments))
             case Nested():
@@ -83,6 +84,11 @@ class _Builder:
         if name not in self.nested:
             self.nested[name] = self.message(message_class)
         return {"$ref": f"#/$defs/{name}"}
+
+    def _text(self, kind: Text) -> Schema:
+        if self._complete:
+            return {"type": "string", **({} if kind.maximum is None else {"maxLength": kind.maximum})}
+        return {"type": "string", "maxLength": kind.maximum or MAX_STRING, "pattern": WITHOUT_NUL}
 
     def _integer(self, kind: Integer, constants: tuple[Constant, ...], comments: Definition) -> Schema:
         schema: Schema = {"type": "integer", "minimum": kind.low, "maximum": kind.high}

@@ -3390,6 +3390,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
+                /** @description The name on the ROS graph without its first slash */
                 name: string;
                 goal_id: string;
             };
@@ -3807,6 +3808,7 @@ export interface operations {
             };
             header?: never;
             path: {
+                /** @description The name on the ROS graph without its first slash */
                 name: string;
             };
             cookie?: never;
@@ -3860,6 +3862,7 @@ export interface operations {
                 "Idempotency-Key"?: string;
             };
             path: {
+                /** @description The name on the ROS graph without its first slash */
                 name: string;
             };
             cookie?: never;
@@ -3976,6 +3979,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
+                /** @description The name on the ROS graph without its first slash */
                 name: string;
                 goal_id: string;
             };
@@ -4026,6 +4030,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
+                /** @description The name on the ROS graph without its first slash */
                 name: string;
                 goal_id: string;
             };
@@ -4094,6 +4099,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
+                /** @description The name on the ROS graph without its first slash */
                 name: string;
             };
             cookie?: never;
@@ -4249,6 +4255,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
+                /** @description The name on the ROS graph without its first slash */
                 name: string;
             };
             cookie?: never;
@@ -4470,7 +4477,8 @@ export interface operations {
             content: {
                 "application/json": {
                     state: components["schemas"]["BatteryStateInput"];
-                    rate_hz: number;
+                    /** @description 1 by default */
+                    rate_hz?: number;
                 };
             };
         };
