@@ -221,6 +221,7 @@ def test_one_robot_of_several(page: Page, gateway: RunningGateway, domain: int) 
             "since": None,
             "by": None,
             "robots": None,
+            "persisted": True,
         }
         expect(page.get_by_text("Dock and Undock: the robot is stopped")).to_be_visible()
         expect(page.get_by_test_id("stop-banner")).to_contain_text("/robot1")

@@ -22,7 +22,7 @@ from dock_gateway.hub import Hub
 from dock_gateway.interlock import Interlock
 from dock_gateway.latch_file import LatchFile
 from dock_gateway.later import Later
-from dock_gateway.ros.actions import CancelAnswer, ResultAnswer
+from dock_gateway.ros.actions import CancelAnswer, Presence, ResultAnswer
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
 from tests.support.calls import FakeCall
@@ -45,8 +45,8 @@ class FakePort:
         self.result: ResultAnswer | None = ResultAnswer(GoalStatus.SUCCEEDED, b"{}")
         self.waiting: set[FakeCall] = set()
 
-    async def available(self) -> bool:
-        return True
+    async def presence(self) -> Presence:
+        return Presence(True, frozenset(), float("-inf"))
 
     async def ping(self, timeout: float) -> bool:
         return True

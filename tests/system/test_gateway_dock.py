@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.observer import wait_until
 from tests.support.processes import BIN, Process, ros_environment
 
 pytestmark = pytest.mark.ros
@@ -200,7 +201,7 @@ def test_battery_states_are_published_once_and_repeatedly(gateway: RunningGatewa
         assert (answer["active"], answer["rate_hz"]) == (True, 20.0)
         for _ in range(5):
             assert stream.until_type("battery")["battery"]["power_supply_status"] == 3
-        assert gateway.http.get("/battery/publisher").json()["published_count"] >= 5
+        wait_until(lambda: gateway.http.get("/battery/publisher").json()["published_count"] >= 5, "five messages")
         assert gateway.http.delete("/battery/publisher").status_code == 204
         assert gateway.http.delete("/battery/publisher").status_code == 204
         assert gateway.http.get("/battery/publisher").json()["active"] is False
