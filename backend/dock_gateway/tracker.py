@@ -249,7 +249,12 @@ class GoalTracker:
         """
         if self._history.shared and goal_id not in self._ended and goal_id not in self._places:
             self._places[goal_id] = self._hub.hold(stamp_ns)
-            asyncio.get_running_loop().call_later(RESERVE_FOR, self._let_go, goal_id)
+            asyncio.get_running_loop().call_later(RESERVE_FOR, self._expire, goal_id)
+
+    def _expire(self, goal_id: str) -> None:
+        if goal_id in self._places:
+            log.warning("goal %s: what follows its end is told before it; its result is awaited", goal_id)
+            self._let_go(goal_id)
 
     def _let_go(self, goal_id: str) -> None:
         """The result is not here yet, or has been told before: what waits for it is told."""
