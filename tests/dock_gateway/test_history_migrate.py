@@ -13,9 +13,8 @@ from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.config import Config
 from alembic.migration import MigrationContext
-from alembic.script import ScriptDirectory
 
-from dock_gateway.history.migrate import HEAD, MIGRATIONS, make, upgrade
+from dock_gateway.history.migrate import MIGRATIONS, migrate
 from dock_gateway.history.rows import goal_row
 from dock_gateway.history.sql import open_database
 from dock_gateway.history.tables import goals, metadata, prepare_for
@@ -42,50 +41,12 @@ async def carry_out(url: str, work: Callable[[sa.Connection], T]) -> T:
         await database.close()
 
 
-def described(connection: sa.Connection) -> list[Any]:
-    """Every column and index as the database itself tells of them, in an order of their own."""
-    if connection.dialect.name == "sqlite":
-        tables = "SELECT name FROM sqlite_master WHERE type = 'table'"
-        columns = [
-            (table, *column[1:])
-            for table in connection.scalars(sa.text(tables)).all()
-            for column in connection.execute(sa.text(f"PRAGMA table_info({table})"))
-        ]
-        indexes = "SELECT tbl_name, name, sql FROM sqlite_master WHERE type = 'index'"
-    else:
-        named = "table_name, column_name, data_type, is_nullable, collation_name, column_default"
-        of_ours = "FROM information_schema.columns WHERE table_schema = current_schema()"
-        columns = [tuple(row) for row in connection.execute(sa.text(f"SELECT {named} {of_ours}"))]
-        indexes = "SELECT tablename, indexname, indexdef FROM pg_indexes WHERE schemaname = current_schema()"
-    return sorted([*columns, *(tuple(row) for row in connection.execute(sa.text(indexes)))], key=str)
-
-
-def test_the_newest_revision_is_named() -> None:
-    config = Config()
-    config.set_main_option("script_location", str(MIGRATIONS))
-    assert ScriptDirectory.from_config(config).get_current_head() == HEAD
-
-
 async def test_migrations_make_the_tables_that_the_code_expects(database_url: str) -> None:
     def differences(connection: sa.Connection) -> list[Any]:
-        upgrade(connection)
+        migrate(connection)
         return compare_metadata(MigrationContext.configure(connection), metadata)
 
     assert await carry_out(database_url, differences) == []
-
-
-async def test_tables_made_at_once_are_those_of_all_migrations(database_url: str) -> None:
-    def both(connection: sa.Connection) -> tuple[list[Any], list[Any]]:
-        upgrade(connection)
-        migrated = described(connection)
-        for table in (*metadata.tables, "alembic_version"):
-            connection.execute(sa.text(f"DROP TABLE {table}"))
-        make(connection)
-        return migrated, described(connection)
-
-    migrated, made = await carry_out(database_url, both)
-    assert made == migrated
-    assert len(made) > 40
 
 
 async def test_goals_of_the_first_version_are_still_there(database_url: str, tmp_path: Path) -> None:

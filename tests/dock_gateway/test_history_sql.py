@@ -1,13 +1,14 @@
 """The history in real databases: what is written is read, at once and after a restart, in pages and by event."""
 
 import asyncio
+import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
 import sqlalchemy as sa
 
-from dock_gateway.events import Event, feedback_event, result_event, status_event
+from dock_gateway.events import STATUS, Event, event_id, feedback_event, result_event, status_event
 from dock_gateway.goals import Goal, GoalError, GoalStatus
 from dock_gateway.history import sql, store
 from dock_gateway.history.rows import Batch
@@ -29,6 +30,17 @@ async def after(history: SqlHistory, number: int, **query: object) -> list[bytes
     asked = {"goal_id": None, "action_name": None, "topics": EVERYTHING, "limit": 100} | query
     found = await history.events_after(make_event(number).id or "", **asked)  # type: ignore[arg-type]
     return [event.data for event in found.events] if found.complete else None
+
+
+async def test_a_reader_resumes_where_nothing_was_stored_before_a_crash(database_url: str, tmp_path: Path) -> None:
+    asked = {"goal_id": None, "action_name": None, "topics": EVERYTHING, "limit": 100}
+    before = event_id(time.time_ns(), STATUS, "1")
+    async with open_at(database_url, tmp_path) as history:
+        await written(history)
+    since = event_id(time.time_ns(), STATUS, "1")
+    async with open_at(database_url, tmp_path) as history:
+        assert (await history.events_after(since, **asked)).complete  # type: ignore[arg-type]
+        assert not (await history.events_after(before, **asked)).complete  # type: ignore[arg-type]
 
 
 async def test_a_goal_is_the_same_after_a_restart(database_url: str, tmp_path: Path) -> None:

@@ -13,7 +13,10 @@ _KIND = sa.func.substr(events.c.id, KIND_AT + 1, 1)
 
 
 def is_complete_after(connection: sa.Connection, event_id: str, topics: Collection[str], *, reaches_back: bool) -> bool:
-    """Whether nothing that followed an event was given up, and the past reaches back to it (if not known already)."""
+    """Whether nothing that followed an event was given up, and the past reaches back to it (if not known already).
+
+    It does where something older is kept, where something older was given up, or where the tables are older.
+    """
     of_topics = horizons.c.topic.in_(list(topics))
     if connection.scalar(sa.select(sa.exists().where(of_topics, horizons.c.event_id > event_id))):
         return False

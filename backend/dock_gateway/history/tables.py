@@ -119,7 +119,9 @@ acknowledgements = sa.Table(
     sa.Column("acknowledged_at", UtcTime, nullable=False),
 )
 
-# Of each topic, the newest event that is missing: given up by retention, or for want of memory.
+# Of each topic, the newest event that is missing: given up by retention, or for want of memory. Of none, when the
+# tables were made: what is later is complete, though no event may have been stored yet.
+BEGINNING = ""
 horizons = sa.Table(
     "horizons",
     metadata,
