@@ -10,7 +10,6 @@ import time
 from collections import OrderedDict, deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import islice
 
 from dock_gateway.errors import GatewayError
 from dock_gateway.goals import Goal
@@ -22,7 +21,8 @@ log = logging.getLogger(__name__)
 # What a message means for a goal, once that is known.
 Message = Callable[[Goal], None]
 
-# Goals that are looked up together, and the seconds between two such batches: 100 goals a second.
+# Goals that are taken up together, and the seconds between two such batches: 100 goals a second. All that wait are
+# looked up at once, and those that have ended cost no more than that.
 BATCH, BATCH_INTERVAL = 50, 0.5
 # Goals that wait to be looked up, and messages of each that wait with it.
 MAX_NEWCOMERS, MAX_MESSAGES = 1000, 100
@@ -94,11 +94,13 @@ class Adoption:
     async def _work(self) -> None:
         try:
             while self._newcomers:
-                batch = list(islice(self._newcomers, BATCH))
-                known = await self._look_up(batch)
-                for goal_id in batch:
+                goal_ids = list(self._newcomers)
+                known = await self._look_up(goal_ids)
+                ended = {goal_id for goal_id, goal in (known or {}).items() if goal.status.final}
+                others = [goal_id for goal_id in goal_ids if goal_id not in ended]
+                for goal_id in (*ended, *others[:BATCH]):
                     self._decide(goal_id, known)
-                pause = RETRY_INTERVAL if known is None else BATCH_INTERVAL if len(batch) == BATCH else 0.0
+                pause = RETRY_INTERVAL if known is None else BATCH_INTERVAL if len(others) > BATCH else 0.0
                 await asyncio.sleep(pause)
         finally:
             self._working = False

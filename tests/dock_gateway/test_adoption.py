@@ -5,11 +5,12 @@ import time
 from collections.abc import Collection
 from datetime import UTC, datetime
 from functools import partial
+from uuid import UUID
 
 import pytest
 
 from dock_gateway import adoption as adoption_module
-from dock_gateway.adoption import Adoption, Newcomer
+from dock_gateway.adoption import BATCH_INTERVAL, Adoption, Newcomer
 from dock_gateway.errors import Unavailable
 from dock_gateway.goals import Goal, GoalError, encode
 from dock_gateway.history import MemoryHistory
@@ -25,6 +26,11 @@ def goal_of_before(**more: object) -> Goal:
     goal = Goal(B, "/dock", "pkg/action/Dock", SENT_AT, goal=b'{"n":1}')
     for name, value in more.items():
         setattr(goal, name, value)
+    return goal
+
+
+def replace_id(goal: Goal, goal_id: str) -> Goal:
+    goal.goal_id = goal_id
     return goal
 
 
@@ -163,9 +169,19 @@ async def test_made_up_goals_are_taken_up_at_a_rate_that_harms_nobody(monkeypatc
     for number in range(200):
         adoption.hear(f"{number}", lambda _: None, created_ns=1, running=True)
     await until(lambda: len(batches) == 4)
-    assert [size for _, size in batches] == [50] * 4, "one query for many goals"
+    assert [size for _, size in batches] == [200, 150, 100, 50], "one query for all that wait"
     assert batches[-1][0] - batches[0][0] >= 0.3
     await adoption.close()
+
+
+async def test_goals_that_have_ended_are_recognized_at_once_however_many(scene: Scene) -> None:
+    """As after a start: an action server tells of all goals that it remembers, and what follows waits for that."""
+    ended = [str(UUID(int=number)) for number in range(1, 91)]
+    for goal_id in ended:
+        scene.history.record(replace_id(goal_of_before(status=S.SUCCEEDED, result=b"{}"), goal_id))
+    scene.status(*((goal_id, S.SUCCEEDED) for goal_id in ended), (A, S.EXECUTING))
+    await until(lambda: A in scene.tracker.live, timeout=BATCH_INTERVAL / 2)
+    assert set(scene.tracker.live) == {A}
 
 
 async def test_a_goal_that_cannot_be_taken_up_harms_no_other(caplog: pytest.LogCaptureFixture) -> None:
