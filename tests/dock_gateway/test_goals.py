@@ -1,5 +1,6 @@
 """A goal never steps back, whatever order messages come in."""
 
+import tracemalloc
 from datetime import UTC, datetime, timedelta
 
 import orjson
@@ -110,3 +111,15 @@ def test_the_document_embeds_messages_as_they_are() -> None:
 
 def test_nan_is_null() -> None:
     assert encode({"x": float("nan")}) == b'{"x":null}'
+
+
+def test_what_is_encoded_takes_no_more_memory_than_it_is_long() -> None:
+    """A thousand readers and a long memory live on this: encoders keep buffers that are many times as large."""
+    document = make().document()
+    tracemalloc.start()
+    try:
+        kept = [encode(document) for _ in range(100)]
+        used, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert used < 1.5 * sum(map(len, kept))
