@@ -34,7 +34,7 @@ __all__ = ["executed"]
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(3600)]
 
-ROUNDS = int(os.environ.get("CHAOS_ROUNDS", "1"))
+ROUNDS = int(os.environ.get("CHAOS_DISK_ROUNDS", "1"))
 CONFINED = (sys.executable, "-m", "tests.support.confined")
 # What a goal may be answered with meanwhile; `stopped` and `stop_latched` as stops are asked for all the time.
 ANSWERS = {"200", "202", "history_unavailable", "stopped", "stop_latched", "broken off", "action_not_found"}
