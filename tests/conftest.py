@@ -1,6 +1,7 @@
 """Fixtures for every test that needs ROS."""
 
 import os
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,7 +20,10 @@ settings.load_profile("busy machine")
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Bear with the one warning that importing ROS messages brings: its parser is older than Python's new `re`."""
+    """Prepare the process: see the comments."""
+    # A suite that runs under `nohup` must not hand that on to the programs that it ends by a signal.
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    # The one warning that importing ROS messages brings: its parser is older than Python's new `re`.
     config.addinivalue_line("filterwarnings", "ignore:module 'sre_.*' is deprecated:DeprecationWarning")
 
 

@@ -8,35 +8,33 @@ from contextlib import asynccontextmanager, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import datetime
 
-from dock_gateway.absences import Absences
-from dock_gateway.acknowledgements import Acknowledgements
-from dock_gateway.actions import Action, ActionRegistry
-from dock_gateway.alarm import Alarm
-from dock_gateway.canceler import require_unfinished
-from dock_gateway.echoes import Echoes
-from dock_gateway.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
-from dock_gateway.events import message_event, utc_now
-from dock_gateway.fleet import Fleet
-from dock_gateway.goals import Goal, GoalError, Json
-from dock_gateway.history import History, Wanted, open_history
-from dock_gateway.hub import Hub
-from dock_gateway.interest import Interest
-from dock_gateway.interlock import Interlock
-from dock_gateway.latch_file import LatchFile
-from dock_gateway.later import Later
-from dock_gateway.liveness import ServerState
-from dock_gateway.lookout import Lookout
-from dock_gateway.on_demand import OnDemand
-from dock_gateway.outcomes import Outcomes
-from dock_gateway.robots import RobotRegistry, normalize_namespace
+from dock_gateway.actions.cancellation import require_unfinished
+from dock_gateway.actions.liveness import ServerState
+from dock_gateway.actions.registry import Action, ActionRegistry
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
+from dock_gateway.core.event import message_event, utc_now
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.goal import Goal, GoalError, Json
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.tasks import PendingFacts, cancel
+from dock_gateway.fleet.alerts import Acknowledgements, AlertBoard
+from dock_gateway.fleet.departures import Departures
+from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.stop import Stopper
+from dock_gateway.history import GoalFilter, History, open_history
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.latch.latch_file import LatchFile
+from dock_gateway.robots.last_goals import LastGoals
+from dock_gateway.robots.on_demand import OnDemand
+from dock_gateway.robots.registry import RobotRegistry, normalize_namespace
+from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, scan
-from dock_gateway.ros.scene import ScenePort
-from dock_gateway.ros.topics import DiagnosticsPort, VelocityListener
+from dock_gateway.ros.robot_ports import DiagnosticsPort, VelocityListener
+from dock_gateway.ros.scene_port import ScenePort
 from dock_gateway.settings import DockingActions, Settings
-from dock_gateway.simulators import Simulators
-from dock_gateway.stop import Stopper
-from dock_gateway.tasks import cancel
+from dock_gateway.topics.graph_cache import GraphCache
+from dock_gateway.topics.registry import EchoRegistry
 
 log = logging.getLogger(__name__)
 
@@ -61,9 +59,9 @@ class Gateway:
     stopper: Stopper
     simulators: Simulators
     fleet: Fleet
-    alarm: Alarm
-    lookout: Lookout
-    echoes: Echoes
+    alarm: AlertBoard
+    lookout: GraphCache
+    echoes: EchoRegistry
     dock: Action
     undock: Action
 
@@ -106,7 +104,9 @@ class Gateway:
             raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
         return goal
 
-    async def page(self, wanted: Wanted, limit: int = 50, before: str | None = None) -> tuple[list[Goal], str | None]:
+    async def page(
+        self, wanted: GoalFilter, limit: int = 50, before: str | None = None
+    ) -> tuple[list[Goal], str | None]:
         """Goals, newest first, and the cursor of the next page.
 
         Raises:
@@ -133,7 +133,7 @@ class Gateway:
         action = await self.actions.find(goal.action_name)
         return await action.goals.cancel(goal_id)
 
-    async def recent_goals(self, interest: Interest) -> list[Goal]:
+    async def recent_goals(self, interest: EventFilter) -> list[Goal]:
         """What a new subscriber sees first: the goals that run and the newest ended ones, newest first."""
         if interest.goal_id is not None:
             return [await self.goal(interest.goal_id)]
@@ -143,7 +143,7 @@ class Gateway:
             named = interest.action_name
             dock, undock = (server.action_name for server in self.servers_of(interest.robot))
             for name in dict.fromkeys((named, named or dock, named or undock)):
-                wanted = Wanted(frozenset() if name is None else frozenset({name}), interest.namespace)
+                wanted = GoalFilter(frozenset() if name is None else frozenset({name}), interest.namespace)
                 newest += await self.history.page(wanted, limit=RECENT)
         known = [*newest, *self.actions.running()]
         goals = {goal.goal_id: goal for goal in known if interest.covers_goal(goal.goal_id, goal.action_name)}
@@ -170,20 +170,20 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         keep=history.record_event,
         newest=history.newest,
     )
-    reasons: Later[GoalError] = Later(REASON_WAIT)
+    reasons: PendingFacts[GoalError] = PendingFacts(REASON_WAIT)
     bridge = Bridge(settings.node_name, settings.namespace, settings.max_message_bytes)
     bridge.start()
     try:
         interlock = Interlock(hub, LatchFile(settings.stop_file), normalize_namespace(settings.namespace))
-        outcomes = Outcomes(history)
+        outcomes = LastGoals(history)
         actions = ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock, on_end=outcomes.take)
         history.on_loss = lambda: _record_unfinished(actions, history)
         robots = RobotRegistry(settings, bridge, hub, interlock, outcomes)
         stopper = Stopper(robots, actions, interlock)
         simulators = Simulators(settings, bridge, hub)
         on_demand = _open_on_demand(settings, bridge, hub)
-        lookout = Lookout(bridge)
-        echoes = Echoes(bridge, lookout)
+        lookout = GraphCache(bridge)
+        echoes = EchoRegistry(bridge, lookout)
         await bridge.call(
             lambda: DiagnosticsPort(
                 bridge,
@@ -197,7 +197,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
         names = settings.docking_actions()
         dock = await actions.open(names.dock, settings.dock_action_type, pinned=True)
         undock = await actions.open(names.undock, settings.undock_action_type, pinned=True)
-        alarm = Alarm(
+        alarm = AlertBoard(
             hub,
             Acknowledgements(history.acknowledgements),
             low_battery=settings.low_battery,
@@ -213,7 +213,7 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
             outcomes=outcomes,
             alarm=alarm,
         )
-        absences = Absences(robots, actions, interlock, forget_after=settings.forget_robot_after)
+        absences = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
         watching = asyncio.create_task(_watch_graph(bridge, actions, robots, absences))
         taking_up = asyncio.create_task(_take_up_unfinished(actions, history))
         try:
@@ -295,7 +295,7 @@ def _open_on_demand(settings: Settings, bridge: Bridge, hub: Hub) -> tuple[OnDem
     return OnDemand(bridge, hub, "scene", make_scene), OnDemand(bridge, hub, "cmd_vel", make_velocity)
 
 
-async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, absences: Absences) -> None:
+async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, absences: Departures) -> None:
     """See who comes and goes."""
     steps: tuple[Callable[[Scan], Awaitable[bool | None]], ...] = (
         actions.update,

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import uvicorn
 from starlette.types import ASGIApp
 
-from dock_gateway.edge.options import edge_options
-from dock_gateway.server import Server
 from dock_gateway.settings import Settings
+from dock_gateway.web.edge.options import edge_options
+from dock_gateway.web.server import Server
 
 HOST = b"Host: localhost\r\n"
 

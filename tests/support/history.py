@@ -10,9 +10,9 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
-from dock_gateway.events import Event, event_id
-from dock_gateway.goals import Goal, GoalStatus
-from dock_gateway.history import History, MemoryHistory, Wanted
+from dock_gateway.core.event import Event, event_id
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.history import GoalFilter, History, MemoryHistory
 from dock_gateway.history.retention import Limits
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.sql import SqlHistory
@@ -101,10 +101,10 @@ async def written(history: SqlHistory, timeout: float = 15.0) -> None:
 
 
 async def page_of(history: History, *, limit: int = 100, before: str | None = None, **wanted: Any) -> list[Goal]:
-    """A page of the goals that are `Wanted` so."""
+    """A page of the goals that are `GoalFilter` so."""
     for name in ("action_names", "statuses"):
         wanted[name] = frozenset(wanted.get(name, ()))
-    return await history.page(Wanted(**wanted), limit=limit, before=before)
+    return await history.page(GoalFilter(**wanted), limit=limit, before=before)
 
 
 async def timed(work: Awaitable[object]) -> float:

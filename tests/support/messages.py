@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from dock_gateway.ros.constants import constants_by_field
-from dock_gateway.ros.types import Boolean, Float, Integer, Kind, MessageClass, Nested, Sequence, Text, kinds
+from dock_gateway.ros.messages.constants import constants_by_field
+from dock_gateway.ros.messages.types import Boolean, Float, Integer, Kind, MessageClass, Nested, Sequence, Text, kinds
 
 # At a time, or messages of messages become too large to look at.
 MAX_FIELDS = 4

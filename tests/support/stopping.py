@@ -7,14 +7,14 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from dock_gateway.errors import NotFound
-from dock_gateway.hub import Hub
-from dock_gateway.interlock import Interlock
-from dock_gateway.latch_file import LatchFile
-from dock_gateway.namespaces import is_under
-from dock_gateway.robots import read_namespace
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.filters import is_under
+from dock_gateway.core.hub import Hub
+from dock_gateway.fleet.stop import Stopper
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.latch.latch_file import LatchFile
+from dock_gateway.robots.registry import read_namespace
 from dock_gateway.settings import Settings
-from dock_gateway.stop import Stopper
 
 
 class FakeVelocity:

@@ -9,15 +9,15 @@ from typing import Any
 import orjson
 import pytest
 
-from dock_gateway import results as results_module
-from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.actions import results as results_module
+from dock_gateway.actions.tracker import GoalTracker
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.hub import Hub, Subscriber
+from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import MemoryHistory
-from dock_gateway.hub import Hub, Subscriber
-from dock_gateway.interest import Interest
-from dock_gateway.later import Later
-from dock_gateway.ros.actions import ResultAnswer
+from dock_gateway.ros.action_port import ResultAnswer
 from dock_gateway.ros.status import StatusReport
-from dock_gateway.tracker import GoalTracker
 from tests.support.calls import FakeCall
 
 A, B = "aaaaaaaa-0000-4000-8000-000000000000", "bbbbbbbb-0000-4000-8000-000000000000"
@@ -48,10 +48,10 @@ class Scene:
         self.history = MemoryHistory(100)
         self.returned: list[Goal] = []
         self.port = FakePort()
-        self.reasons: Later[GoalError] = Later(0.1)
+        self.reasons: PendingFacts[GoalError] = PendingFacts(0.1)
         self.tracker = GoalTracker(self.port, self.hub, self.history, self.reasons)  # type: ignore[arg-type]
         self.tracker.on_return = self.returned.append
-        self.subscriber: Subscriber = self.hub.subscribe(Interest())
+        self.subscriber: Subscriber = self.hub.subscribe(EventFilter())
         self.stamp = 0
 
     def send(self, goal_id: str = A) -> Goal:

@@ -11,9 +11,9 @@ from typing import Any
 import pytest
 from sensor_msgs.msg import BatteryState
 
-from dock_gateway.events import utc_now
-from dock_gateway.goals import Goal
-from dock_gateway.ros.messages import codec
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.goal import Goal
+from dock_gateway.ros.messages.codec import codec
 from dock_gateway.settings import Settings
 from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.history import open_at

@@ -34,7 +34,7 @@ def serve(**options: str | None) -> None:
     settings = read_settings(options)
     check_installed("dock_action_type", settings.dock_action_type)
     check_installed("undock_action_type", settings.undock_action_type)
-    from dock_gateway.server import run  # noqa: PLC0415 - see above
+    from dock_gateway.web.server import run  # noqa: PLC0415 - see above
 
     if not run(settings):
         raise SystemExit(1)
@@ -43,7 +43,7 @@ def serve(**options: str | None) -> None:
 @click.command()
 def openapi() -> None:
     """Print the OpenAPI document."""
-    from dock_gateway.app import create_app  # noqa: PLC0415 - see above
+    from dock_gateway.web.app import create_app  # noqa: PLC0415 - see above
 
     document = create_app(Settings()).openapi()
     click.echo(orjson.dumps(document, option=orjson.OPT_INDENT_2).decode())

@@ -5,6 +5,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+from dock_gateway.core.filters import GoalFilter
 from dock_gateway.history.handover import take_over_database, take_over_spool
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.history.protocol import (
@@ -13,22 +14,23 @@ from dock_gateway.history.protocol import (
     History,
     HistoryStats,
     Incident,
-    Later,
+    LaterEvents,
     fingerprint_of,
 )
+from dock_gateway.history.retention import Limits
 from dock_gateway.history.spool import Spool
-from dock_gateway.history.wanted import Wanted
+from dock_gateway.history.sql import SqlHistory
 from dock_gateway.settings import Settings, data_file
 
 __all__ = [
     "Acknowledgement",
     "AcknowledgementStore",
+    "GoalFilter",
     "History",
     "HistoryStats",
     "Incident",
-    "Later",
+    "LaterEvents",
     "MemoryHistory",
-    "Wanted",
     "fingerprint_of",
     "open_history",
 ]
@@ -41,10 +43,6 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
         yield MemoryHistory(settings.max_goals)
         return
     await asyncio.to_thread(_take_over, settings)
-
-    from dock_gateway.history.retention import Limits  # noqa: PLC0415 - it loads SQLAlchemy
-    from dock_gateway.history.sql import SqlHistory  # noqa: PLC0415
-
     history = SqlHistory(
         settings.database,
         Spool(settings.spool_folder),

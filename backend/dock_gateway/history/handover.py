@@ -6,8 +6,7 @@ import sqlite3
 from contextlib import closing, suppress
 from pathlib import Path
 
-from dock_gateway.history.damage import is_damage, rename
-from dock_gateway.history.files import locked
+from dock_gateway.history.files import is_damage, locked, rename
 
 log = logging.getLogger(__name__)
 

@@ -6,9 +6,11 @@ import time
 from collections.abc import Callable, Collection, Sequence
 from copy import copy
 
-from dock_gateway.events import FEEDBACK, Event, kind_of
-from dock_gateway.goals import Goal
-from dock_gateway.history.buckets import BatterySpan, Bucket, add_events
+from dock_gateway.core.event import FEEDBACK, Event, kind_of
+from dock_gateway.core.filters import GoalFilter
+from dock_gateway.core.goal import Goal
+from dock_gateway.history.battery import BatterySpan, Bucket, add_events
+from dock_gateway.history.event_reader import is_complete
 from dock_gateway.history.merge import merge
 from dock_gateway.history.protocol import (
     KEY_LIFETIME,
@@ -16,12 +18,10 @@ from dock_gateway.history.protocol import (
     Acknowledgement,
     HistoryStats,
     Incident,
-    Later,
+    LaterEvents,
     fingerprint_of,
     selects,
 )
-from dock_gateway.history.wanted import Wanted
-from dock_gateway.history.whole import is_whole
 
 
 class MemoryAcknowledgements:
@@ -116,7 +116,7 @@ class MemoryHistory:
         self.record(goal)
         return list(end)
 
-    async def page(self, wanted: Wanted, *, limit: int, before: str | None = None) -> list[Goal]:
+    async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
         """Goals, newest first."""
         newest_first = sorted(self._goals.values(), key=lambda goal: (goal.created_at, goal.goal_id), reverse=True)
         if before is not None:
@@ -146,7 +146,7 @@ class MemoryHistory:
 
     async def events_after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
-    ) -> Later:
+    ) -> LaterEvents:
         """The events that follow one, oldest first."""
         given_up = any(event_id < self._horizon.get(topic, "") for topic in topics)
         known = (*self._event_ids[:1], *self._horizon.values())
@@ -154,7 +154,7 @@ class MemoryHistory:
         start = bisect.bisect_right(self._event_ids, event_id)
         later = (self._events[each] for each in self._event_ids[start:])
         found = (event for event in later if selects(event, goal_id, action_name, topics))
-        return Later([event for event, _ in zip(found, range(limit), strict=False)], complete)
+        return LaterEvents([event for event, _ in zip(found, range(limit), strict=False)], complete)
 
     async def events_of(
         self, goal_id: str, *, kinds: Collection[str], after: str = "", until: str = NEVER, limit: int
@@ -166,7 +166,7 @@ class MemoryHistory:
     async def knows_all_of(self, goal: Goal) -> bool:
         """Whether no event of a goal has been given up."""
         ids = self._ids_of(goal.goal_id)
-        return is_whole(
+        return is_complete(
             goal,
             first=min(ids, default=None),
             missing=self._horizon.get("goals", ""),

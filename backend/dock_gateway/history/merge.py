@@ -2,7 +2,7 @@
 
 from copy import copy
 
-from dock_gateway.goals import NO_RESULT, Goal, GoalError, GoalStatus
+from dock_gateway.core.goal import NO_RESULT, Goal, GoalError, GoalStatus
 
 RANK = {status: rank for rank, status in enumerate(GoalStatus)}
 

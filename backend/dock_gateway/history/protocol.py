@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Protocol
 
-from dock_gateway.events import Event
-from dock_gateway.goals import Goal, Json
-from dock_gateway.history.buckets import BatterySpan, Bucket
-from dock_gateway.history.wanted import Wanted
+from dock_gateway.core.event import Event
+from dock_gateway.core.filters import GoalFilter
+from dock_gateway.core.goal import Goal, Json
+from dock_gateway.history.battery import BatterySpan, Bucket
 
 KEY_LIFETIME = timedelta(hours=24)
 # The id of an event sorts before this.
@@ -52,7 +52,7 @@ class Acknowledgement:
 
 
 @dataclass(frozen=True)
-class Later:
+class LaterEvents:
     """The events that follow one, in the order of their ids; `complete` where none of them was given up."""
 
     events: list[Event]
@@ -138,7 +138,7 @@ class History(Protocol):
     def newest(self) -> str:
         """Id of the newest event that was stored when the history was opened; empty where there was none."""
 
-    async def page(self, wanted: Wanted, *, limit: int, before: str | None = None) -> list[Goal]:
+    async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
         """Goals, newest first, those older than the goal `before` where it is given."""
 
     async def get(self, goal_id: str) -> Goal | None:
@@ -164,7 +164,7 @@ class History(Protocol):
 
     async def events_after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
-    ) -> Later:
+    ) -> LaterEvents:
         """The events that follow one, whether that one is stored or not."""
 
     async def events_of(

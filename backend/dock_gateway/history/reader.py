@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import sqlalchemy as sa
 
-from dock_gateway.errors import Unavailable
+from dock_gateway.core.errors import Unavailable
 from dock_gateway.history.database import Database, T, Ts
 from dock_gateway.history.writer import DATABASE_ERRORS, Writer
 

@@ -10,9 +10,9 @@ from functools import partial
 
 import sqlalchemy as sa
 
-from dock_gateway.events import time_id
-from dock_gateway.goals import GoalStatus
-from dock_gateway.history import store
+from dock_gateway.core.event import time_id
+from dock_gateway.core.goal import GoalStatus
+from dock_gateway.history import queries
 from dock_gateway.history.database import Database
 from dock_gateway.history.tables import IS_KEPT, events, goals, idempotency_keys
 from dock_gateway.history.writer import DATABASE_ERRORS
@@ -150,7 +150,7 @@ def _delete_by_id(connection: sa.Connection, doomed: dict[str, str]) -> None:
     gaps: dict[str, str] = {}
     for event_id, topic in doomed.items():
         gaps[topic] = max(event_id, gaps.get(topic, ""))
-    store.raise_horizons(connection, gaps)
+    queries.raise_horizons(connection, gaps)
     connection.execute(sa.delete(events).where(events.c.id.in_(list(doomed))))
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import orjson
 
-from dock_gateway.events import Event
-from dock_gateway.goals import Goal, GoalError, GoalStatus
+from dock_gateway.core.event import Event
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 
 Row = dict[str, Any]
 
@@ -56,7 +56,7 @@ class Batch:
         return len(self.goals) >= BATCH_GOALS or len(self.keys) >= BATCH_GOALS or len(self.events) >= BATCH_EVENTS
 
     @property
-    def precious(self) -> bool:
+    def must_keep(self) -> bool:
         """Whether there is anything that a power cut must not take."""
         return bool(self.goals or self.keys or any(not event.droppable for event in self.events))
 

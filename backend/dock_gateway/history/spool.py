@@ -17,8 +17,8 @@ from itertools import islice
 from pathlib import Path
 from typing import TypeVar
 
-from dock_gateway.events import Event
-from dock_gateway.goals import Goal
+from dock_gateway.core.event import Event
+from dock_gateway.core.goal import Goal
 from dock_gateway.history.files import identity
 from dock_gateway.history.rows import Key, entry_of, line_of
 

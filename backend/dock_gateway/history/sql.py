@@ -12,24 +12,24 @@ from pathlib import Path
 
 import sqlalchemy as sa
 
-from dock_gateway.errors import Unavailable
-from dock_gateway.events import Event, time_id
-from dock_gateway.goals import Goal
-from dock_gateway.history import event_store, store
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.event import Event, time_id
+from dock_gateway.core.filters import GoalFilter
+from dock_gateway.core.goal import Goal
+from dock_gateway.core.tasks import cancel
+from dock_gateway.history import queries
 from dock_gateway.history.acknowledgement_store import SqlAcknowledgements
-from dock_gateway.history.buckets import BatterySpan, Bucket
+from dock_gateway.history.battery import BatterySpan, Bucket
 from dock_gateway.history.database import Database
+from dock_gateway.history.event_reader import EventReader
 from dock_gateway.history.merge import merge
-from dock_gateway.history.past import Past
-from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, Incident, Later, fingerprint_of
+from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, Incident, LaterEvents, fingerprint_of
 from dock_gateway.history.reader import AWAY, Reader
 from dock_gateway.history.retention import Limits, Retention
 from dock_gateway.history.rows import Key
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.waiting import Waiting
-from dock_gateway.history.wanted import Wanted
 from dock_gateway.history.writer import DATABASE_ERRORS, Writer
-from dock_gateway.tasks import cancel
 
 log = logging.getLogger(__name__)
 
@@ -61,7 +61,7 @@ class SqlHistory:
         self.shared = self._database.shared
         self._reader = Reader(self._database, self._writer)
         self.acknowledgements = SqlAcknowledgements(self._database, self._reader, self._writer)
-        self._past = Past(self._reader, self._waiting)
+        self._past = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
         self.on_loss: Callable[[], None] = lambda: None
         self._tasks: list[asyncio.Task[None]] = []
@@ -74,8 +74,8 @@ class SqlHistory:
             async with asyncio.timeout(OPEN_TIMEOUT):
                 await self._writer.answered.wait()
         with suppress(Unavailable):
-            self._keys = {key.key: key for key in await self._reader.read(store.newest_keys, MAX_KEYS)}
-            self.newest = await self._reader.read(event_store.newest)
+            self._keys = {key.key: key for key in await self._reader.read(queries.newest_keys, MAX_KEYS)}
+            self.newest = await self._reader.read(queries.newest)
         for key in self._waiting.keys.values():
             self._keys.setdefault(key.key, key)
         self._tasks = [asyncio.create_task(self.retention.run()), asyncio.create_task(self._look_after_database())]
@@ -123,7 +123,7 @@ class SqlHistory:
             if self._writer.reachable:
                 try:
                     async with asyncio.timeout(KEY_TIMEOUT):
-                        held = await self._database.write(store.claim, held)
+                        held = await self._database.write(queries.claim, held)
                 except DATABASE_ERRORS as error:
                     self._writer.doubt(error)
             held = self._held(idempotency_key) or held
@@ -139,7 +139,7 @@ class SqlHistory:
             raise Unavailable(AWAY, code="history_unavailable")
         try:
             async with asyncio.timeout(KEY_TIMEOUT):
-                await self._database.write(store.release, idempotency_key, goal_id)
+                await self._database.write(queries.release, idempotency_key, goal_id)
         except DATABASE_ERRORS as error:
             self._writer.doubt(error)
             raise Unavailable(AWAY, code="history_unavailable") from error
@@ -161,13 +161,13 @@ class SqlHistory:
     def record(self, goal: Goal) -> None:
         """Keep what is new about a goal."""
         self._waiting.put_goal(goal)
-        self._writer.notice(precious=True)
+        self._writer.notice(must_keep=True)
 
     def record_event(self, event: Event) -> None:
         """Keep an event, once."""
         if event.id is not None:
             self._waiting.put_event(event)
-            self._writer.notice(precious=not event.droppable)
+            self._writer.notice(must_keep=not event.droppable)
 
     async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
         """Store how a goal ended before anyone is told."""
@@ -176,7 +176,7 @@ class SqlHistory:
 
     # ------------------------------------------------------------------ read
 
-    async def page(self, wanted: Wanted, *, limit: int, before: str | None = None) -> list[Goal]:
+    async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
         """Goals, newest first."""
         self._reader.require_everything()
         read = partial(_page, limit=limit, before=before)
@@ -187,7 +187,7 @@ class SqlHistory:
         waiting = self._waiting.goals.get(goal_id)
         waiting_now = {} if waiting is None else {goal_id: waiting}
         try:
-            stored = await self._reader.read(store.goals_by_id, [goal_id])
+            stored = await self._reader.read(queries.goals_by_id, [goal_id])
         except Unavailable:
             if waiting is None:
                 raise
@@ -200,7 +200,7 @@ class SqlHistory:
     async def known(self, goal_ids: Collection[str]) -> dict[str, Goal]:
         """Those of these goals that are known."""
         waiting = {goal_id: self._waiting.goals[goal_id] for goal_id in goal_ids if goal_id in self._waiting.goals}
-        stored = await self._reader.read(store.goals_by_id, list(goal_ids))
+        stored = await self._reader.read(queries.goals_by_id, list(goal_ids))
         found = {**stored, **_merged(stored, waiting)}
         if len(found) < len(goal_ids):
             self._reader.require_everything()
@@ -210,7 +210,7 @@ class SqlHistory:
         """The goal that was sent with this key."""
         key = self._held(idempotency_key)
         if key is None:
-            key = await self._reader.read(store.key_of, idempotency_key, timeout=KEY_TIMEOUT)
+            key = await self._reader.read(queries.key_of, idempotency_key, timeout=KEY_TIMEOUT)
         return None if key is None else await self.get(key.goal_id)
 
     async def unfinished(self, *, complete: bool = False) -> list[Goal]:
@@ -227,7 +227,7 @@ class SqlHistory:
 
     async def events_after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
-    ) -> Later:
+    ) -> LaterEvents:
         """The events that follow one, oldest first."""
         return await self._past.after(event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
 
@@ -254,7 +254,7 @@ class SqlHistory:
             waiting=len(self._waiting),
             spooled=self._spool.count,
             dropped=self._waiting.dropped,
-            database_reachable=self._writer.reachable and not self._writer.hesitates,
+            database_reachable=self._writer.reachable and not self._writer.slow,
             last_error=self._writer.last_error or (incident.detail if incident else None),
         )
 
@@ -279,17 +279,17 @@ def open_database(url: str) -> Database:
 
 
 def _page(
-    connection: sa.Connection, wanted: Wanted, waiting: dict[str, Goal], *, limit: int, before: str | None
+    connection: sa.Connection, wanted: GoalFilter, waiting: dict[str, Goal], *, limit: int, before: str | None
 ) -> list[Goal]:
     """A page of what is stored and what waits, newest first."""
-    stored = store.goals_by_id(connection, [*waiting, *([] if before is None else [before])])
+    stored = queries.goals_by_id(connection, [*waiting, *([] if before is None else [before])])
     known = {**stored, **_merged(stored, waiting)}
     limits = None
     if before is not None:
         if before not in known:
             return []
         limits = _position(known[before])
-    found = store.page(connection, wanted, limit=limit, before=limits, without=list(waiting))
+    found = queries.page(connection, wanted, limit=limit, before=limits, without=list(waiting))
     found += [
         known[goal_id]
         for goal_id in waiting
@@ -300,7 +300,7 @@ def _page(
 
 def _unfinished_or(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, Goal]:
     """The goals that have not ended, and those with these ids."""
-    return {goal.goal_id: goal for goal in store.unfinished(connection)} | store.goals_by_id(connection, goal_ids)
+    return {goal.goal_id: goal for goal in queries.unfinished(connection)} | queries.goals_by_id(connection, goal_ids)
 
 
 def _new_key(key: str, goal_id: str, fingerprint: str) -> Key:

@@ -22,9 +22,8 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from dock_gateway.history.damage import LOG_FILES, aside, beside, is_damage, set_aside
 from dock_gateway.history.database import CONNECT_TIMEOUT, READERS, Database, T, Ts
-from dock_gateway.history.files import identity, locked
+from dock_gateway.history.files import LOG_FILES, aside, beside, identity, is_damage, locked, set_aside
 from dock_gateway.history.migrate import migrate
 from dock_gateway.history.protocol import Incident
 from dock_gateway.history.tables import prepare_for

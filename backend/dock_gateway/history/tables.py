@@ -6,7 +6,7 @@ from typing import Any
 import sqlalchemy as sa
 from sqlalchemy.engine import Dialect
 
-from dock_gateway.goals import Json
+from dock_gateway.core.goal import Json
 
 
 class UtcTime(sa.types.TypeDecorator[datetime]):

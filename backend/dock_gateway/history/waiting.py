@@ -5,9 +5,9 @@ from copy import copy
 from itertools import islice
 from typing import TypeVar
 
-from dock_gateway.event_buffer import EventBuffer
-from dock_gateway.events import Event
-from dock_gateway.goals import Goal
+from dock_gateway.core.event import Event
+from dock_gateway.core.event_buffer import EventBuffer
+from dock_gateway.core.goal import Goal
 from dock_gateway.history.merge import merge
 from dock_gateway.history.rows import BATCH_EVENTS, BATCH_GOALS, Batch, Key
 
@@ -20,7 +20,7 @@ class Waiting:
     Feedback and battery events beyond `limit` are dropped, oldest first. The rest is let go of beyond `limit` once it
     is in the spool (`evict`), or where that takes nothing either (`shed`).
 
-    `unsafe` is what is nowhere but here, and must not be lost.
+    `unspooled` is what is nowhere but here, and must not be lost.
     """
 
     def __init__(self, limit: int) -> None:
@@ -42,7 +42,7 @@ class Waiting:
         return bool(self.goals or self.keys or self.events or self.droppable or self.gaps)
 
     @property
-    def precious(self) -> bool:
+    def must_keep(self) -> bool:
         """Whether there is anything that must not be lost."""
         return bool(self.goals or self.keys or self.events)
 
@@ -123,7 +123,7 @@ class Waiting:
             if self.gaps.get(topic) == event_id:
                 del self.gaps[topic]
 
-    def unsafe(self) -> list[Goal | Event | Key]:
+    def unspooled(self) -> list[Goal | Event | Key]:
         """What is nowhere else."""
         return list(self._unsafe.values())
 

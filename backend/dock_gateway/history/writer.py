@@ -1,4 +1,4 @@
-"""Writes behind, in batches; tries again when the database does not take them, and spools what is precious."""
+"""Writes behind, in batches; tries again when the database does not take them, and spools what must be kept."""
 
 import asyncio
 import logging
@@ -10,10 +10,10 @@ from datetime import UTC, datetime
 
 import sqlalchemy.exc as sa_errors
 
-from dock_gateway.errors import Unavailable
-from dock_gateway.events import Event
-from dock_gateway.goals import Goal
-from dock_gateway.history import store
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.event import Event
+from dock_gateway.core.goal import Goal
+from dock_gateway.history import queries
 from dock_gateway.history.database import Database
 from dock_gateway.history.rows import Batch, Key
 from dock_gateway.history.spool import Entry, Spool
@@ -30,7 +30,7 @@ SEAL_TIMEOUT = 1.0  # the end of a goal waits so long for the database, and with
 WRITE_TIMEOUT = 10.0
 BATCH_INTERVAL = 0.2
 BATCH_PATIENCE = 0.3  # new goals are written ahead of all else, but hold it up no longer than this
-# What is precious and not in the database after so long goes to the spool.
+# What must be kept and is not in the database after so long goes to the spool.
 SPOOL_AFTER = 0.5
 RETRY_FIRST, RETRY_LAST = 0.1, 2.0
 
@@ -56,7 +56,7 @@ class Writer:
 
     def __init__(self, database: Database, spool: Spool, waiting: Waiting, on_loss: Callable[[], None]) -> None:
         self.reachable = False
-        self.hesitates = False  # it kept a goal waiting, and has not answered since
+        self.slow = False  # it kept a goal waiting, and has not answered since
         self.last_error: str | None = None
         self.evicted = 0  # entries that are in the spool and no longer in memory
         self.answered = asyncio.Event()  # the database has answered, or failed to, for the first time
@@ -79,12 +79,12 @@ class Writer:
         work = (self._write_on(), self._spool_on(), self._seal_on())
         self._tasks = [asyncio.create_task(each) for each in work]
 
-    def notice(self, *, precious: bool) -> None:
+    def notice(self, *, must_keep: bool) -> None:
         """Something has been put among what waits."""
         if not self._wake.is_set():
             self._waiting_since = time.monotonic()
             self._wake.set()
-        if precious:
+        if must_keep:
             self._guard.set()
 
     # ------------------------------------------------------------------ a new goal
@@ -106,14 +106,14 @@ class Writer:
         kept = self._waiting.put_goal(goal)
         if key is not None:
             self._waiting.put_key(key)
-        self.notice(precious=True)
+        self.notice(must_keep=True)
         self._urgent.set()
-        if self.reachable and not self.hesitates:
+        if self.reachable and not self.slow:
             with suppress(*DATABASE_ERRORS):
                 async with asyncio.timeout(ANSWER_TIMEOUT):
                     await asyncio.shield(ticket)
                 return
-            self.hesitates = True
+            self.slow = True
             self.last_error = self.last_error or f"no answer within {ANSWER_TIMEOUT * 1000:.0f} ms"
         entries: list[Entry] = [kept] if key is None else [key, kept]
         try:
@@ -146,7 +146,7 @@ class Writer:
 
     async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
         """Store the end of a goal now, where the database answers; returns its events as they are stored."""
-        if not self.reachable or self.hesitates:
+        if not self.reachable or self.slow:
             return list(end)
         seal = Seal(goal, end, asyncio.get_running_loop().create_future())
         self._seals.append(seal)
@@ -170,7 +170,7 @@ class Writer:
             try:
                 async with asyncio.timeout(WRITE_TIMEOUT):
                     # Not durable: what is recorded of the goal beside this is, a moment later.
-                    stored = await self._database.write(store.seal, batch, durable=False)
+                    stored = await self._database.write(queries.seal, batch, durable=False)
             except DATABASE_ERRORS as error:
                 for seal in seals:
                     if not seal.stored.done():
@@ -243,7 +243,7 @@ class Writer:
     async def _write(self, batch: Batch) -> None:
         try:
             async with asyncio.timeout(WRITE_TIMEOUT):
-                await self._database.write(store.write, batch, durable=batch.precious)
+                await self._database.write(queries.write, batch, durable=batch.must_keep)
         except (sa_errors.StatementError, ValueError) as error:
             if not _about_data(error):
                 raise
@@ -254,14 +254,14 @@ class Writer:
         for part in batch.split():
             try:
                 async with asyncio.timeout(WRITE_TIMEOUT):
-                    await self._database.write(store.write, part)
+                    await self._database.write(queries.write, part)
             except (sa_errors.StatementError, ValueError) as error:
                 if not _about_data(error):
                     raise
                 log.error("the database refuses %s: %s", part, error)
 
     async def _empty_spool(self) -> None:
-        if not self._spool.count or (self._waiting.precious and not self.evicted):
+        if not self._spool.count or (self._waiting.must_keep and not self.evicted):
             return
         evicted, self.evicted = self.evicted, 0
         paths = await self._spool.rotate()
@@ -273,7 +273,7 @@ class Writer:
         except BaseException:
             self.evicted += evicted
             raise
-        if self._waiting.precious and not evicted:
+        if self._waiting.must_keep and not evicted:
             return  # something came meanwhile, and may be in one of these files alone
         await self._spool.remove(paths)
         log.info("the spool is in the database")
@@ -282,7 +282,7 @@ class Writer:
         if not self.reachable:
             log.info("the history database answers")
         self.reachable = True
-        self.hesitates = False
+        self.slow = False
         self.last_error = None
 
     def _say_unreachable(self, error: Exception) -> None:
@@ -317,7 +317,7 @@ class Writer:
 
     async def save(self) -> None:
         """Bring what is nowhere but in memory to the spool, and let go of what is too much."""
-        entries = self._waiting.unsafe()
+        entries = self._waiting.unspooled()
         if entries:
             await self._append(entries)
             self._waiting.saved(entries)
@@ -364,7 +364,7 @@ class Writer:
         try:
             await self.save()
         except OSError as error:
-            log.error("%d entries are lost: the spool cannot be written: %s", len(self._waiting.unsafe()), error)
+            log.error("%d entries are lost: the spool cannot be written: %s", len(self._waiting.unspooled()), error)
         with suppress(OSError):
             await self._spool.close()
 

@@ -22,7 +22,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.signals import SignalHandlerOptions
 from rclpy.task import Future as RosFuture
 
-from dock_gateway.errors import Unavailable
+from dock_gateway.core.errors import Unavailable
 from dock_gateway.ros.inbox import Inbox, Inboxes
 from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener, Unread
 from dock_gateway.ros.threads import RosThread

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from operator import itemgetter
 
-from dock_gateway.goals import FROM_ROS, GoalStatus
+from dock_gateway.core.goal import FROM_ROS, GoalStatus
 
 # Goals of one message that are told of. What is left out is told of with the next message.
 MAX_REPORTS = 1000

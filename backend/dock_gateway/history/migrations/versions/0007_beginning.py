@@ -5,7 +5,7 @@ import time
 import sqlalchemy as sa
 from alembic import op
 
-from dock_gateway.events import time_id
+from dock_gateway.core.event import time_id
 from dock_gateway.history.tables import BEGINNING
 
 revision = "0007"

@@ -1,0 +1,187 @@
+"""Whether the action server is there and answers: a peer's death is not signalled on DDS, so it is looked for.
+
+Silence alone is no proof: a server that works inside its only executor thread answers nothing meanwhile, and a killed
+one stays on the graph for a while. Nor is the graph: after an outage a server may be heard again long before it is
+found again. So a silent goal is `stalled` first, and `lost` when the time is up, or the server has left and says
+nothing.
+"""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from dock_gateway.actions.duplicates import Duplicates
+from dock_gateway.actions.tracker import GoalTracker
+from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
+from dock_gateway.core.goal import GoalError, GoalStatus
+from dock_gateway.settings import Settings
+
+log = logging.getLogger(__name__)
+
+PING_TIMEOUT = 1.0
+# A server that has left the graph may be on its way back (a restart) for so long.
+GONE_GRACE = 2.0
+# A goal without news is asked for again after so many seconds, then after twice as many, …
+FIRST_PROBE = 5.0
+
+
+@dataclass(frozen=True)
+class ServerState:
+    """`available`: on the ROS graph. `answering`: it answered lately. `duplicate`: there is more than one."""
+
+    action_name: str
+    available: bool
+    answering: bool
+    duplicate: bool = False
+
+
+class ServerWatch:
+    """Looks after one action server.
+
+    Args:
+        tracker: The goals on that action.
+        settings: The deadlines.
+        on_change: Called when the server's state has changed.
+        ping_idle: Whether a server without goals is asked for signs of life, too; else it counts as answering as long
+            as it is on the graph.
+    """
+
+    def __init__(
+        self,
+        tracker: GoalTracker,
+        settings: Settings,
+        on_change: Callable[[ServerState], None],
+        *,
+        ping_idle: bool = True,
+    ) -> None:
+        self._ping_idle = ping_idle
+        self._tracker = tracker
+        self._settings = settings
+        self._on_change = on_change
+        self._gone_since: float | None = None
+        self._told_of_half = False
+        self._duplicates = Duplicates()
+        self._next_probe: dict[str, float] = {}
+        self.state = ServerState(tracker.port.action_name, available=False, answering=False)
+
+    async def run(self) -> None:
+        """Look again and again, until canceled."""
+        while True:
+            try:
+                await self.look(ping=self._ping_idle or bool(self._tracker.live))
+            except GatewayError as error:
+                log.warning("cannot look after the action server: %s", error.detail)
+                self._set(available=False, answering=False, duplicate=self.state.duplicate)
+                self._judge()
+            await asyncio.sleep(self._settings.ping_interval)
+
+    async def look(self, *, ping: bool = True) -> ServerState:
+        """Look once, now."""
+        presence = await self._tracker.port.presence()
+        available, answering, crowded = presence.available, False, len(presence.servers) > 1
+        if available:
+            answering = not ping or time.monotonic() - self._tracker.last_heard < self._settings.ping_interval
+            if (crowded or not answering) and await self._ping():
+                answering = True
+                self._tracker.heard()
+        self._note_presence(present=available)
+        came_back = answering and not self.state.answering
+        duplicate = self._duplicates.found(presence, time.monotonic())
+        self._set(available=available, answering=answering, duplicate=duplicate)
+        self._judge()
+        if came_back:
+            self._reconcile()
+        self._probe_quiet_goals()
+        return self.state
+
+    def _note_presence(self, *, present: bool) -> None:
+        if present:
+            self._gone_since = None
+            self._told_of_half = False
+        elif self._gone_since is None:
+            self._gone_since = time.monotonic()
+        elif self._tracker.last_heard > self._gone_since and not self._told_of_half:
+            self._told_of_half = True
+            log.warning("%s is heard, but no request can reach its action server", self.state.action_name)
+
+    async def _ping(self) -> bool:
+        try:
+            return await self._tracker.port.ping(PING_TIMEOUT)
+        except Unavailable:
+            return False
+
+    @property
+    def ready(self) -> bool:
+        """Whether a goal would be sent now and heard, as far as is known."""
+        return self.state.available and self.state.answering and not self._refuses
+
+    async def require(self) -> None:
+        """Make sure that a goal sent now would be heard.
+
+        Raises:
+            Conflict: `duplicate_action_server`: there is more than one.
+            Unavailable: No action server appeared in time.
+            ServerTimeout: It is there and does not answer.
+        """
+        if self.ready:
+            return
+        deadline = time.monotonic() + self._settings.server_wait
+        while not (await self._tracker.port.presence()).available:
+            if time.monotonic() >= deadline:
+                raise Unavailable(f"no action server for {self.state.action_name}; is it started, on this ROS domain?")
+            await asyncio.sleep(0.05)
+        state = await self.look()
+        if self._refuses:
+            detail = f"more than one action server serves {state.action_name}, and each would move the robot"
+            raise Conflict(f"{detail}: end all but one", code="duplicate_action_server")
+        if not state.answering:
+            raise ServerTimeout(
+                f"the action server of {self.state.action_name} does not answer; it may be busy, frozen or dead"
+            )
+
+    @property
+    def _refuses(self) -> bool:
+        return self.state.duplicate and not self._settings.allow_duplicate_servers
+
+    def _set(self, *, available: bool, answering: bool, duplicate: bool) -> None:
+        state = ServerState(self.state.action_name, available, answering, duplicate)
+        if state != self.state:
+            log.info("action server %s: available %s, answering %s", state.action_name, available, answering)
+            self.state = state
+            self._on_change(state)
+
+    def _judge(self) -> None:
+        now = time.monotonic()
+        silence = now - self._tracker.last_heard
+        left = self._gone_since is not None and min(now - self._gone_since, silence) > GONE_GRACE
+        for goal in self._tracker.running():
+            if goal.status is GoalStatus.PENDING and goal.goal_id not in self._tracker.taken_up:
+                continue  # its sender is waiting, with a deadline of its own
+            if left:
+                self._tracker.lose(goal, GoalError("action_server_lost", "the action server left the ROS graph"))
+            elif silence > self._settings.lost_after:
+                detail = f"the action server has been silent for {silence:.0f} s and does not answer"
+                self._tracker.lose(goal, GoalError("action_server_lost", detail))
+            else:
+                self._tracker.stall(goal, stalled=silence > self._settings.stalled_after)
+
+    def _reconcile(self) -> None:
+        """The server is back: does it know the goals that it had?"""
+        for goal in list(self._tracker.live.values()):
+            if goal.status is not GoalStatus.PENDING or goal.goal_id in self._tracker.taken_up:
+                self._tracker.results.request_again(goal)
+
+    def _probe_quiet_goals(self) -> None:
+        """A server may have been restarted so fast that nobody noticed: goals without news are asked for again."""
+        quiet = {goal.goal_id: goal for goal in self._tracker.running() if goal.status is not GoalStatus.PENDING}
+        self._next_probe = {goal_id: due for goal_id, due in self._next_probe.items() if goal_id in quiet}
+        for goal_id, goal in quiet.items():
+            silence = self._tracker.silence_of(goal)
+            due = self._next_probe.setdefault(goal_id, FIRST_PROBE)
+            if silence < FIRST_PROBE:
+                self._next_probe[goal_id] = FIRST_PROBE
+            elif silence >= due and self.state.answering:
+                self._next_probe[goal_id] = due * 2
+                self._tracker.results.request_again(goal)

@@ -1,0 +1,313 @@
+"""Every action on the ROS graph: found as it appears, forgotten when it has gone."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from dock_gateway.actions.cancellation import Canceler
+from dock_gateway.actions.liveness import ServerState, ServerWatch
+from dock_gateway.actions.service import GoalService
+from dock_gateway.actions.submission import Delivery
+from dock_gateway.actions.tracker import GoalTracker
+from dock_gateway.core.discovery import Discovery
+from dock_gateway.core.errors import GatewayError, NotFound, Unavailable
+from dock_gateway.core.event import loss_event, status_event, system_event, utc_now
+from dock_gateway.core.filters import prefix_of
+from dock_gateway.core.goal import LOST_FOR, Goal, GoalError, GoalStatus
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.tasks import PendingFacts, Tasks
+from dock_gateway.history import History
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.ros.action_port import ActionKind, ActionPort
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.graph import Scan
+from dock_gateway.ros.listener import Unread
+from dock_gateway.settings import Settings
+
+log = logging.getLogger(__name__)
+
+# An action whose server has left is forgotten after so many seconds; a restart takes less.
+FORGET_AFTER = 10.0
+
+Reasons = PendingFacts[GoalError]
+
+
+class Action:
+    """One action: its goals, what can be done with them, and whether its server lives.
+
+    Attributes:
+        feedback_dropped: Feedback messages that were not read since the gateway started.
+    """
+
+    def __init__(
+        self,
+        port: ActionPort,
+        settings: Settings,
+        hub: Hub,
+        history: History,
+        reasons: PendingFacts[GoalError],
+        *,
+        interlock: Interlock,
+        pinned: bool,
+    ) -> None:
+        self.port = port
+        self.name = port.action_name
+        self.type = port.action_type
+        self.pinned = pinned
+        self.last_seen = time.monotonic()
+        self.feedback_dropped = 0
+        self._hub = hub
+        self.tracker = GoalTracker(port, hub, history, reasons)
+        self.watch = ServerWatch(self.tracker, settings, self._tell, ping_idle=pinned)
+        canceler = Canceler(settings, self.tracker, interlock)
+        delivery = Delivery(
+            settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=canceler
+        )
+        self.goals = GoalService(settings, history, self.tracker, canceler, delivery)
+        self._tasks = Tasks(f"looking after {self.name}")
+        self._tasks.spawn(self.watch.run())
+
+    def _tell(self, state: ServerState) -> None:
+        self._hub.publish(system_event("action_server", state, utc_now(), action_name=self.name))
+
+    def on_loss(self, goal_id: str, why: Unread, count: int) -> None:
+        """Feedback was not read; it is a sign of life all the same."""
+        self.tracker.heard()
+        self.feedback_dropped += count
+        self._hub.publish(loss_event(goal_id, self.name, why, count, utc_now()))
+
+    async def close(self) -> None:
+        """Wait for nothing any more."""
+        await self._tasks.close()
+        await self.tracker.close()
+
+
+@dataclass(frozen=True)
+class Uninstalled:
+    """An action on the graph that cannot be used, most often as its interface package is not installed here."""
+
+    name: str
+    type: str
+    hint: str
+
+
+class ActionRegistry:
+    """The actions that the gateway knows.
+
+    Args:
+        settings: Names and deadlines.
+        bridge: Where the ROS thread is.
+        hub: Where events go.
+        history: Where goals are kept.
+        reasons: Why goals were rejected or aborted.
+        interlock: Which robots are held by a stop.
+        on_end: Called with a goal, on any action, that nothing more is expected of.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        bridge: Bridge,
+        hub: Hub,
+        history: History,
+        reasons: PendingFacts[GoalError],
+        *,
+        interlock: Interlock,
+        on_end: Callable[[Goal], None] = lambda _: None,
+    ) -> None:
+        self._settings = settings
+        self._bridge = bridge
+        self._parts = (settings, hub, history, reasons)
+        self._interlock = interlock
+        self._on_end = on_end
+        self._hub = hub
+        interlock.on_latch.append(self._stop_under)
+        self._history = history
+        self._actions: dict[str, Action] = {}
+        self._types: dict[str, list[str]] = {}  # on the graph, by action
+        self._discovery = Discovery("action", settings.max_actions, "max_actions")
+        self._changed = asyncio.Event()
+        self._unfinished: dict[str, dict[str, Goal]] = {}  # by action and id
+        self._started = time.monotonic()
+
+    def expect(self, goals: list[Goal]) -> None:
+        """Goals that ran when the gateway ended: each is taken up with its action, once.
+
+        One that had been lost for long before is taken up should it turn up.
+        """
+        for goal in goals:
+            if goal.status is GoalStatus.LOST and utc_now() - goal.updated_at > LOST_FOR:
+                continue
+            if action := self._actions.get(goal.action_name):
+                action.tracker.take_up(goal)
+            else:
+                self._unfinished.setdefault(goal.action_name, {})[goal.goal_id] = goal
+
+    async def open(self, name: str, type_name: str, *, pinned: bool = False) -> Action:
+        """Join an action.
+
+        Args:
+            name: Absolute name of the action.
+            type_name: Its type, from the graph or from the settings, never from a client.
+            pinned: Kept also while nobody serves it.
+
+        Raises:
+            ImportError: The type's package is not installed.
+            TypeError: The type has fields that no .msg file can have.
+            Unavailable: The ROS thread is down.
+        """
+        kind = await asyncio.to_thread(ActionKind, type_name)
+        port = await self._bridge.call(lambda: ActionPort(self._bridge, name, kind), undo=ActionPort.close)
+        action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
+        action.tracker.on_end.append(self._on_end)
+        self._actions[name] = action
+        unfinished = self._unfinished.pop(name, {})
+        try:
+            for goal in unfinished.values():
+                action.tracker.take_up(goal)
+            await self._bridge.call(
+                lambda: port.listen(action.tracker.on_status, action.tracker.on_feedback, action.on_loss)
+            )
+        except BaseException:
+            await self._forget(action)
+            self.expect(list(unfinished.values()))
+            raise
+        log.info("action %s (%s)", name, type_name)
+        return action
+
+    async def update(self, scan: Scan) -> bool:
+        """Take up actions that have appeared, forget those that have gone; whether some are still to be taken up.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+        self._types = scan.actions
+        for action in list(self._actions.values()):
+            if types := scan.actions.get(action.name):
+                action.last_seen = time.monotonic()
+            unseen = time.monotonic() - action.last_seen > FORGET_AFTER
+            replaced = types is not None and action.type not in types
+            if (unseen or replaced) and not action.pinned and not action.tracker.live:
+                await self._forget(action)
+        if self._unfinished and time.monotonic() - self._started > FORGET_AFTER:
+            self._give_up()
+        self._discovery.keep(scan.actions)
+        new = [name for name in scan.actions if name not in self._actions]
+        new.sort(key=lambda name: self._docking_type(name) is None)
+        try:
+            return await self._discovery.take_up(new, self._actions, self._take_up)
+        finally:
+            self._changed.set()
+            self._changed.clear()
+
+    def _give_up(self) -> None:
+        """Goals whose action has not come back are lost, until it does."""
+        for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
+            if goal.lose(GoalError("action_server_lost", "nobody serves the action any more"), utc_now()):
+                now_ns = time.time_ns()
+                self._hub.publish(status_event(goal, self._hub.clock.stamp(now_ns), now_ns))
+                self._history.record(goal)
+
+    async def _take_up(self, name: str) -> None:
+        types = self._types[name]
+        type_name = self._type_of(name)
+        if len(types) > 1:
+            log.warning("action %s has more than one type: %s; %s counts", name, ", ".join(types), type_name)
+        await self.open(name, type_name)
+
+    def _type_of(self, name: str) -> str:
+        """The type of an action on the graph. Where it has several, which is a mistake, the expected one counts."""
+        types, expected = self._types[name], self._docking_type(name)
+        return expected if expected in types else types[0]
+
+    def _docking_type(self, name: str) -> str | None:
+        """The type of a docking or undocking action, by its name."""
+        settings = self._settings
+        if name.endswith(f"/{settings.dock_action}"):
+            return settings.dock_action_type
+        return settings.undock_action_type if name.endswith(f"/{settings.undock_action}") else None
+
+    async def _forget(self, action: Action) -> None:
+        log.info("action %s has gone", action.name)
+        del self._actions[action.name]
+        await action.close()
+        self._bridge.to_ros(action.port.close)
+
+    def all(self) -> list[Action]:
+        """The actions that can be used, by name."""
+        return sorted(self._actions.values(), key=lambda action: action.name)
+
+    def uninstalled(self) -> list[Uninstalled]:
+        """The actions on the graph that cannot be used, by name."""
+        failed = sorted(self._discovery.failed.items())
+        return [Uninstalled(name, self._type_of(name), failure.why) for name, failure in failed]
+
+    def get(self, name: str) -> Action | None:
+        """An action by its absolute name, where it is known and can be used."""
+        return self._actions.get(name)
+
+    def under(self, namespace: str) -> list[Action]:
+        """The actions of a robot: those in its namespace or below it."""
+        prefix = prefix_of(namespace)
+        return [action for action in self.all() if action.name.startswith(prefix)]
+
+    def _stop_under(self, namespace: str) -> None:
+        for action in self.under(namespace):
+            action.goals.cancel_unwanted()
+
+    async def find(self, name: str) -> Action:
+        """An action by its absolute name; one that is just appearing is waited for.
+
+        Raises:
+            NotFound: `action_not_found`: nobody serves it.
+            Unavailable: `interface_not_installed`: it cannot be used, and why.
+        """
+        try:
+            async with asyncio.timeout(self._settings.server_wait):
+                while name not in self._actions and name not in self._discovery.failed:
+                    await self._changed.wait()
+        except TimeoutError:
+            raise NotFound(f"nobody serves an action {name}", code="action_not_found") from None
+        if failure := self._discovery.failed.get(name):
+            detail = f"{name} is of type {self._type_of(name)}: {failure.why}"
+            raise Unavailable(detail, code="interface_not_installed")
+        return self._actions[name]
+
+    def goal(self, goal_id: str) -> Goal | None:
+        """A goal that runs, or was lost, on any action."""
+        return next((goal for action in self._actions.values() if (goal := action.tracker.live.get(goal_id))), None)
+
+    def on_progress(self, goal_id: str, stage: str | None, retries: int | None, stamp_ns: int) -> None:
+        """An action server says how far a goal is."""
+        for action in self._actions.values():
+            if goal := action.tracker.live.get(goal_id):
+                action.tracker.on_progress(goal, stage, retries, stamp_ns)
+
+    def running(self) -> list[Goal]:
+        """The goals that run, on all actions."""
+        return [goal for action in self._actions.values() for goal in action.tracker.running()]
+
+    def lost(self) -> list[Goal]:
+        """The goals that are lost and may return, on all actions, also on those that have not come back."""
+        known = (goal for action in self._actions.values() for goal in action.tracker.live.values())
+        awaited = (goal for goals in self._unfinished.values() for goal in goals.values())
+        return [goal for goal in (*known, *awaited) if goal.status is GoalStatus.LOST]
+
+    def duplicates(self) -> list[str]:
+        """The actions that more than one action server serves."""
+        return [name for name, action in self._actions.items() if action.watch.state.duplicate]
+
+    def each(self, do: Callable[[Action], None]) -> None:
+        """Do something with every action."""
+        for action in self._actions.values():
+            do(action)
+
+    async def close(self) -> None:
+        """Wait for nothing any more."""
+        for action in self.all():
+            try:
+                await action.close()
+            except GatewayError as error:
+                log.debug("while closing %s: %s", action.name, error)

@@ -1,0 +1,189 @@
+"""What can be done with the goals of an action: the way in. One goal for each idempotency key."""
+
+import asyncio
+import time
+from typing import Any
+
+from dock_gateway.actions.cancellation import Canceler
+from dock_gateway.actions.submission import Claim, Delivery, outcome
+from dock_gateway.actions.tracker import GoalTracker
+from dock_gateway.core.errors import Conflict, NotFound, Unavailable
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.history import History, fingerprint_of
+from dock_gateway.settings import Settings
+
+# A key that another replica has claimed: so long may it take until its goal is kept.
+CLAIM_WAIT = 2.0
+
+
+class GoalService:
+    """Submits, cancels and finds goals of one action."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        history: History,
+        tracker: GoalTracker,
+        canceler: Canceler,
+        delivery: Delivery,
+    ) -> None:
+        self._settings = settings
+        self._history = history
+        self._tracker = tracker
+        self._submitting: dict[str, tuple[Any, asyncio.Task[Goal]]] = {}
+        self._canceler = canceler
+        self._delivery = delivery
+
+    # ------------------------------------------------------------------ submit
+
+    async def submit(self, message: Any, idempotency_key: str | None = None) -> Goal:
+        """Send a goal and wait until the action server has accepted it.
+
+        Args:
+            message: The goal as a ROS message.
+            idempotency_key: Another submission with this key gets the goal of the first, unless that was never sent.
+
+        Raises:
+            Conflict: A stop is latched (`stop_latched`) or was asked for meanwhile (`stopped`), the server rejected the
+                goal (`goal_rejected`, `dock_busy`), or the key was used for another goal.
+            Unavailable: There is no action server.
+            ServerTimeout: It did not answer in time. Should it accept the goal later, the goal is canceled at once.
+            TooManyRequests: Too many goals wait for an answer.
+        """
+        if idempotency_key is None:
+            return await asyncio.shield(self._delivery.start(message))
+        stops = self._delivery.stops
+        again: Goal | None = None
+        under_way = self._submitting.get(idempotency_key)
+        if under_way is None:
+            first = await self._known(idempotency_key)
+            if first is not None:
+                port = self._tracker.port
+                self._require_same(
+                    fingerprint_of(first.action_name, first.goal),
+                    fingerprint_of(port.action_name, port.encode_goal(message)),
+                )
+                first = await self._settled(first)
+                if self._may_send_again(first):
+                    again = first
+                elif not await self._free(idempotency_key, first):
+                    return outcome(first)
+            under_way = self._submitting.get(idempotency_key)
+        if under_way is None:
+            task = self._delivery.start(message, self._claim_of(idempotency_key), stops, again)
+            self._submitting[idempotency_key] = (message, task)
+            task.add_done_callback(lambda _: self._submitting.pop(idempotency_key))
+        else:
+            first_message, task = under_way
+            encode = self._tracker.port.encode_goal
+            self._require_same(encode(first_message), encode(message))
+        return await asyncio.shield(task)
+
+    async def _known(self, idempotency_key: str) -> Goal | None:
+        try:
+            return await self._history.by_key(idempotency_key)
+        except Unavailable:
+            return None  # the claim that follows does what can be done
+
+    async def _free(self, idempotency_key: str, first: Goal) -> bool:
+        """Whether the key may be used once more: its goal was never sent, and the history has let go of it."""
+        if not first.unsent:
+            return False
+        try:
+            await self._history.release(idempotency_key, first.goal_id)
+        except Unavailable:
+            return False
+        return True
+
+    def _may_send_again(self, goal: Goal) -> bool:
+        """Whether a goal that was stored never reached the action server, and whoever was to send it has gone."""
+        return goal.unconfirmed or (goal.status is GoalStatus.PENDING and goal.goal_id not in self._tracker.live)
+
+    async def _settled(self, goal: Goal) -> Goal:
+        """A goal that was sent before, maybe by another replica and just now, once it has been answered."""
+        deadline = time.monotonic() + self._settings.accept_timeout
+        while goal.status is GoalStatus.PENDING and time.monotonic() < deadline:
+            await asyncio.sleep(0.05)
+            goal = self._tracker.live.get(goal.goal_id) or await self._history.get(goal.goal_id) or goal
+        return self._tracker.live.get(goal.goal_id, goal)
+
+    def _claim_of(self, idempotency_key: str) -> Claim:
+        async def take(goal: Goal) -> Goal | None:
+            fingerprint = fingerprint_of(goal.action_name, goal.goal)
+            goal_id, first_fingerprint = await self._history.claim(idempotency_key, goal.goal_id, fingerprint)
+            if goal_id == goal.goal_id:
+                return None
+            self._require_same(first_fingerprint, fingerprint)
+            deadline = time.monotonic() + CLAIM_WAIT
+            first = await self._history.get(goal_id)
+            while first is None and time.monotonic() < deadline:
+                await asyncio.sleep(0.05)
+                first = await self._history.get(goal_id)
+            if first is not None:
+                return outcome(await self._settled(first))
+            # Whoever claimed the key has died before it kept the goal. Its place is taken under the same id, which
+            # an action server accepts only once.
+            goal.goal_id = goal_id
+            return None
+
+        return Claim(idempotency_key, take)
+
+    @staticmethod
+    def _require_same(first: object, second: object) -> None:
+        if first != second:
+            raise Conflict("this Idempotency-Key was used for another goal", code="idempotency_key_reused")
+
+    # ------------------------------------------------------------------ cancel
+
+    async def cancel(self, goal_id: str) -> Goal:
+        """Ask the server to cancel a goal, whoever sent it. A lost one is canceled when it turns up.
+
+        Raises:
+            NotFound: There is no such goal.
+            Conflict: It has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
+            Unavailable: The action server is gone.
+            ServerTimeout: It did not answer in time.
+        """
+        goal = await self.get(goal_id)
+        await self._canceler.cancel(goal)
+        return goal
+
+    def disown_pending(self) -> None:
+        """A stop is asked for: what is on its way must not run."""
+        self._delivery.stop()
+
+    async def cancel_all(self) -> list[str]:
+        """Ask the server to cancel every goal, other clients' too; returns the ids of those that it will cancel.
+
+        Raises:
+            Unavailable: There are goals and no action server.
+            ServerTimeout: The server does not answer.
+            Conflict: It refuses.
+        """
+        return await self._canceler.cancel_all()
+
+    @property
+    def uncanceled(self) -> bool:
+        """Whether there are goals that run and are not being canceled."""
+        return self._canceler.uncanceled
+
+    def cancel_unwanted(self) -> None:
+        """A stop of another gateway holds: what runs is canceled."""
+        self._canceler.cancel_unwanted()
+
+    # ------------------------------------------------------------------ look
+
+    async def get(self, goal_id: str) -> Goal:
+        """One goal.
+
+        Raises:
+            NotFound: There is no such goal.
+        """
+        goal = self._tracker.live.get(goal_id) or await self._history.get(goal_id)
+        if goal is None:
+            raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
+        return goal
+
+    async def wait(self, goal: Goal, timeout: float) -> None:
+        """Wait until the goal has ended or the time is up."""
+        await self._tracker.wait_terminal(goal, timeout)

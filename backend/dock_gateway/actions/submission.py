@@ -1,0 +1,217 @@
+"""A goal's way to the action server: kept, sent, and what the server answered. Keeps every deadline."""
+
+import asyncio
+import uuid
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any
+
+from dock_gateway.actions.cancellation import TOO_LATE, Canceler
+from dock_gateway.actions.liveness import ServerWatch
+from dock_gateway.actions.tracker import GoalTracker
+from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, TooManyRequests, Unavailable
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.history import History
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.ros.bridge import PendingCall
+from dock_gateway.settings import Settings
+
+# What an action server may say by these names, all else being `goal_rejected`.
+KNOWN_REJECTIONS = ("dock_busy", "stop_latched")
+STOPPED_ON_ITS_WAY = "a stop was asked for while the goal was on its way, so it was not sent"
+
+
+@dataclass(frozen=True)
+class Claim:
+    """An idempotency key, and how a goal takes it: what became of the goal that has it already, if there is one."""
+
+    key: str
+    take: Callable[[Goal], Awaitable[Goal | None]]
+
+
+class Delivery:
+    """Delivers the goals of one action.
+
+    Attributes:
+        stops: How many stops were asked for.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        history: History,
+        tracker: GoalTracker,
+        watch: ServerWatch,
+        reasons: PendingFacts[GoalError],
+        *,
+        interlock: Interlock,
+        canceler: Canceler,
+    ) -> None:
+        self._settings = settings
+        self._history = history
+        self._tracker = tracker
+        self._watch = watch
+        self._reasons = reasons
+        self._interlock = interlock
+        self._canceler = canceler
+        self.stops = 0
+        self._unanswered: dict[str, PendingCall] = {}  # of goals that were given up, by their ids
+        tracker.on_end.append(self._forget)
+        self._tasks: set[asyncio.Task[Goal]] = set()
+
+    def stop(self) -> None:
+        """What is on its way to be sent must not be sent any more."""
+        self.stops += 1
+
+    def start(
+        self, message: Any, claim: Claim | None = None, stops: int | None = None, again: Goal | None = None
+    ) -> "asyncio.Task[Goal]":
+        """Deliver a goal in a task of its own, which goes on when the client goes away.
+
+        Args:
+            message: The goal as a ROS message.
+            claim: How it gets its idempotency key, where it has one.
+            stops: How many stops there had been when it was asked for, where that was not now.
+            again: The goal itself, where it was stored before and never accepted. It keeps its id, which an action
+                server accepts only once.
+
+        Raises:
+            Conflict: A stop is latched (`stop_latched`); by the task, too, which also raises it where a stop was asked
+                for meanwhile (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
+            Unavailable: There is no action server; by the task, too.
+            ServerTimeout: By the task: the server did not answer in time. Should it accept the goal later, the goal is
+                canceled at once.
+            TooManyRequests: Too many goals wait for an answer.
+        """
+        if len(self._tasks) >= self._settings.max_pending_goals:
+            raise TooManyRequests(f"{len(self._tasks)} goals are waiting for the action server's answer already")
+        self._interlock.require_released(self._tracker.port.action_name)
+        task = asyncio.create_task(self._deliver(message, claim, self.stops if stops is None else stops, again))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+    # ------------------------------------------------------------------ sending
+
+    async def _deliver(self, message: Any, claim: Claim | None, stops: int, again: Goal | None) -> Goal:
+        """Keep a goal, then send it: whatever happens to this process, a goal that runs is known to be ours."""
+        port = self._tracker.port
+        await self._watch.require()
+        goal = again or Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now())
+        if again is None:
+            goal.goal = port.encode_goal(message)
+            if claim is not None and (first := await claim.take(goal)):
+                return first
+            await self._history.add(goal, claim.key if claim else None)
+        self._tracker.add(goal)
+        try:
+            call = self._send_unless_stopped(goal, message, stops)
+        except GatewayError as error:
+            self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
+            raise
+        await self._take_answer(goal, call)
+        return outcome(goal)
+
+    def _send_unless_stopped(self, goal: Goal, message: Any, stops: int) -> PendingCall:
+        if self.stops != stops or self._interlock.holds(goal.action_name):
+            raise Conflict(STOPPED_ON_ITS_WAY, code="stopped", goal_id=goal.goal_id)
+        return self._tracker.port.send(goal.goal_id, message)
+
+    # ------------------------------------------------------------------ the answer
+
+    async def _take_answer(self, goal: Goal, call: PendingCall) -> None:
+        try:
+            async with asyncio.timeout(self._settings.accept_timeout):
+                response = await asyncio.shield(call.response)
+        except TimeoutError:
+            self._give_up(goal, call)
+            return
+        self._tracker.heard()
+        if response.accepted:
+            self._accept(goal, response)
+            await self._history.seal(goal, [])  # a gateway that is killed after its answer knows that the goal runs
+        else:
+            await self._reject(goal)
+
+    def _accept(self, goal: Goal, response: Any) -> None:
+        self._tracker.move(goal, GoalStatus.ACCEPTED, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
+        self._tracker.results.request(goal)
+        self._canceler.seen_again(goal)
+
+    async def _reject(self, goal: Goal) -> None:
+        busy_with = self._busy_with(goal)
+        reason = await self._reasons.of(goal.goal_id)
+        if reason is not None:
+            code = reason.code if reason.code in KNOWN_REJECTIONS else "goal_rejected"
+            error = GoalError(code, reason.detail)
+        elif busy_with is not None:
+            error = GoalError("dock_busy", f"goal {busy_with} is running; cancel it first")
+        else:
+            error = GoalError("goal_rejected", "the action server rejected the goal and did not say why")
+        if goal.status is not GoalStatus.PENDING:
+            return  # it runs: the server refused the same id once more
+        self._tracker.end(goal, GoalStatus.REJECTED, error=error)
+
+    def _busy_with(self, goal: Goal) -> str | None:
+        return next(
+            (
+                other.goal_id
+                for other in self._tracker.running()
+                if other is not goal and other.status is not GoalStatus.PENDING
+            ),
+            None,
+        )
+
+    def _give_up(self, goal: Goal, call: PendingCall) -> None:
+        if goal.status.final:  # other messages have told of it
+            call.forget()
+            return
+        self._canceler.mark_unwanted(goal, TOO_LATE)
+        self._unanswered[goal.goal_id] = call
+        detail = f"the action server did not accept or reject the goal within {self._settings.accept_timeout:g} s"
+        self._tracker.lose(goal, GoalError("action_server_timeout", detail))
+
+        def answered(response: "asyncio.Future[Any]") -> None:
+            self._unanswered.pop(goal.goal_id, None)
+            if response.cancelled() or response.exception():
+                return
+            self._tracker.heard()
+            if response.result().accepted:
+                self._accept(goal, response.result())
+            else:
+                self._tracker.end(goal, GoalStatus.REJECTED, error=goal.error)
+
+        call.response.add_done_callback(answered)
+
+    def _forget(self, goal: Goal) -> None:
+        """Nothing more is expected of a goal."""
+        if (call := self._unanswered.pop(goal.goal_id, None)) is not None:
+            call.forget()
+
+
+# What the sender of a goal is told when it did not even start, by the code of the goal's error.
+_REFUSALS: dict[str, type[GatewayError]] = {
+    "action_server_unavailable": Unavailable,
+    "ros_unavailable": Unavailable,
+    "action_server_timeout": ServerTimeout,
+}
+
+
+def outcome(goal: Goal) -> Goal:
+    """The goal, or the error that the sender of it gets: the same one for each retry with the same key.
+
+    Raises:
+        Conflict: The goal was rejected.
+        Unavailable: It could not be sent.
+        ServerTimeout: It was not answered.
+    """
+    error = goal.error
+    if error is not None and goal.unconfirmed:
+        raise Unavailable(error.detail, code=error.code, goal_id=goal.goal_id)
+    gave_up = error is not None and goal.status is GoalStatus.LOST and error.code == ServerTimeout.code
+    if error is None or not (goal.status is GoalStatus.REJECTED or gave_up):
+        return goal
+    refusal = _REFUSALS.get(error.code, Conflict)
+    raise refusal(error.detail, code=error.code, goal_id=goal.goal_id)

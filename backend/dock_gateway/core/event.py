@@ -1,0 +1,232 @@
+"""Events: what the hub sends to subscribers, encoded once however many there are. Plain functions of plain data.
+
+An event's id is built on the ROS source timestamp of the message that caused it, which is the same at every reader on
+the network: nanoseconds, padded so that ids sort as text, then what it is and whose it is.
+"""
+
+import struct
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+from functools import cached_property
+from typing import Any
+
+from dock_gateway.core.goal import Goal, GoalStatus, Json, encode, fragment
+
+
+@dataclass(frozen=True)
+class Event:
+    """An encoded event and what is needed to route it.
+
+    `topic` is `goals`, or what `?include=` names: `battery`, `cmd_vel`, `system`, `scene`, `robots`. Only `droppable`
+    ones may be lost to a slow subscriber. `id` is that of the document, where it has one; `robot` the namespace it is
+    about, where that is one robot. `ends_goal`: nothing more is to be expected of the goal. `supersedes`: who has not
+    been sent the one before of its topic and robot does not get it any more. `key` says what happened, in the same
+    words at every gateway: the history stores it once. The end of a goal and its result happen once.
+    """
+
+    data: bytes
+    topic: str
+    goal_id: str | None = None
+    action_name: str | None = None
+    droppable: bool = False
+    id: str | None = None
+    robot: str | None = None
+    ends_goal: bool = False
+    supersedes: bool = False
+    key: str | None = None
+
+    @cached_property
+    def sse(self) -> bytes:
+        """The event as Server-Sent Events have it."""
+        identity = b"" if self.id is None else b"id: " + self.id.encode() + b"\n"
+        return identity + b"data: " + self.data + b"\n\n"
+
+    @cached_property
+    def frame(self) -> bytes:
+        """The event as a WebSocket frame, from a server and without compression: RFC 6455, section 5.2."""
+        size = len(self.data)
+        if size < 126:
+            return struct.pack("!BB", 0x81, size) + self.data
+        if size < 65_536:
+            return struct.pack("!BBH", 0x81, 126, size) + self.data
+        return struct.pack("!BBQ", 0x81, 127, size) + self.data
+
+    @cached_property
+    def text(self) -> str:
+        """The data as a WebSocket text message has it."""
+        return self.data.decode()
+
+
+EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+# What the id of a goal's event says it is, by the event's type.
+STATUS, FEEDBACK, RESULT = "s", "f", "z"
+KINDS = {"status": STATUS, "feedback": FEEDBACK, "result": RESULT}
+STAMP_DIGITS = 20
+# The clocks of two gateways may differ by this much, in nanoseconds.
+CLOCK_TOLERANCE = 5_000_000_000
+KIND_AT = STAMP_DIGITS + 1
+
+
+class EventClock:
+    """Stamps events so that their ids grow in the order of publication: a reader resumes after the last one it got.
+
+    The stamp is the source timestamp of the message wherever it can be, as that is the same at every gateway. One that
+    is not later than the stamp before, or that is ahead of this machine's clock, becomes the next free one.
+
+    Args:
+        newest: Id of the newest event that is stored: this machine's clock may have been set back.
+    """
+
+    def __init__(self, newest: str = "") -> None:
+        self._last = max(time.time_ns(), stamp_of(newest) if newest else 0)
+
+    def stamp(self, source_ns: int) -> int:
+        """The stamp of an event that is published now, in nanoseconds since 1970."""
+        self._last = max(min(source_ns, time.time_ns()), self._last + 1)
+        return self._last
+
+    def is_past(self, event_id: str) -> bool:
+        """Whether an event with this id can have been published by now, here or at another gateway."""
+        return stamp_of(event_id) <= max(self._last, time.time_ns() + CLOCK_TOLERANCE)
+
+
+def event_id(stamp_ns: int, kind: str, subject: str) -> str:
+    """The id of an event, sortable as text. `subject` is a goal's id or a robot's namespace."""
+    return f"{time_id(stamp_ns)}-{kind}-{subject}"
+
+
+def stamp_of(identity: str) -> int:
+    """The time in an event's id, in nanoseconds since 1970."""
+    return int(identity[:STAMP_DIGITS])
+
+
+def time_id(stamp_ns: int) -> str:
+    """What the ids of events at a time begin with."""
+    return f"{stamp_ns:0{STAMP_DIGITS}d}"
+
+
+def kind_of(identity: str) -> str:
+    """What the id of a goal's event says it is: one of `KINDS`."""
+    return identity[KIND_AT : KIND_AT + 1]
+
+
+def nanoseconds(time: datetime) -> int:
+    """A time as a ROS timestamp, nanoseconds since 1970."""
+    return (time - EPOCH) // timedelta(microseconds=1) * 1000
+
+
+def utc_now() -> datetime:
+    """The time now."""
+    return datetime.now(UTC)
+
+
+def moment(stamp_ns: int) -> datetime:
+    """A ROS timestamp, nanoseconds since 1970, as a UTC time: the microsecond that it is in, never the next one."""
+    return EPOCH + timedelta(microseconds=stamp_ns // 1000)
+
+
+def status_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Event:
+    """The goal's state changed.
+
+    Args:
+        goal: The goal as it is now; it takes over the event's id.
+        stamp_ns: The stamp in the event's id.
+        source_ns: When it happened, by the clock of the message that said so; as `stamp_ns` where it is not given.
+    """
+    ends_goal = goal.status in (GoalStatus.REJECTED, GoalStatus.LOST)
+    once = goal.status.final
+    return _goal_event("status", goal, stamp_ns, source_ns, goal.summary, once=once, ends_goal=ends_goal)
+
+
+def feedback_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Event:
+    """The goal's feedback, as it stands in the goal; arguments as above."""
+    return _goal_event(
+        "feedback", goal, stamp_ns, source_ns, lambda: {"feedback": fragment(goal.feedback)}, droppable=True
+    )
+
+
+def result_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Event:
+    """The goal ended; the result is null where the action server did not give one. Arguments as above."""
+    payload = {"status": goal.status.value, "result": fragment(goal.result), "error": goal.error}
+    return _goal_event("result", goal, stamp_ns, source_ns, lambda: payload, once=True, ends_goal=True)
+
+
+def _goal_event(
+    kind: str,
+    goal: Goal,
+    stamp_ns: int,
+    source_ns: int | None,
+    payload: Callable[[], dict[str, Any]],
+    *,
+    once: bool = False,
+    droppable: bool = False,
+    ends_goal: bool = False,
+) -> Event:
+    source_ns = stamp_ns if source_ns is None else source_ns
+    goal.last_event_id = event_id(stamp_ns, KINDS[kind], goal.goal_id)
+    head = {
+        "type": kind,
+        "id": goal.last_event_id,
+        "time": moment(source_ns),
+        "goal_id": goal.goal_id,
+        "action_name": goal.action_name,
+    }
+    what = KINDS[kind] if once or droppable else f"{KINDS[kind]}-{goal.status.value}"
+    return Event(
+        encode(head | payload()),
+        "goals",
+        goal.goal_id,
+        goal.action_name,
+        droppable,
+        id=goal.last_event_id,
+        ends_goal=ends_goal,
+        key=f"{what}-{goal.goal_id}" if once else event_id(source_ns, what, goal.goal_id),
+    )
+
+
+def message_event(kind: str, message: Json, stamp_ns: int, source_ns: int | None = None, *, robot: str = "/") -> Event:
+    """A message of a robot's topic, `battery` or `cmd_vel`. Stamps as above."""
+    source_ns = stamp_ns if source_ns is None else source_ns
+    identity = event_id(stamp_ns, kind, robot)
+    document = {"type": kind, "id": identity, "time": moment(source_ns), "robot": robot, kind: fragment(message)}
+    key = event_id(source_ns, kind, robot)
+    return Event(encode(document), kind, droppable=True, id=identity, robot=robot, key=key)
+
+
+def scene_event(scene: dict[str, Any], now: datetime, *, robot: str) -> Event:
+    """Where a robot and its dock are. Only the newest is of interest, and none is kept."""
+    document = {"type": "scene", "time": now, "robot": robot, "scene": scene}
+    return Event(encode(document), "scene", droppable=True, robot=robot, supersedes=True)
+
+
+def system_event(
+    kind: str, payload: object, now: datetime, *, robot: str | None = None, action_name: str | None = None
+) -> Event:
+    """A change around goals: `battery_publisher`, `stop` or `simulator` of a robot, `action_server` of an action."""
+    document = {"type": kind, "time": now, kind: payload} | ({} if robot is None else {"robot": robot})
+    return Event(encode(document), "system", robot=robot, action_name=action_name)
+
+
+def loss_event(goal_id: str, action_name: str, why: str, count: int, now: datetime) -> Event:
+    """Feedback of a goal was not read: `feedback_too_large`, or `feedback_too_fast` to follow."""
+    document = {
+        "type": "feedback_dropped",
+        "time": now,
+        "goal_id": goal_id,
+        "action_name": action_name,
+        "reason": f"feedback_{why}",
+        "count": count,
+    }
+    return Event(encode(document), "goals", goal_id, action_name)
+
+
+def fleet_event(kind: str, now: datetime, **payload: Any) -> Event:
+    """A change of the fleet: `robots`, those of them that changed; `alerts`, all of them."""
+    return Event(encode({"type": kind, "time": now, **payload}), "robots")
+
+
+def notice(kind: str, now: datetime, *, ends_goal: bool = False, **payload: Any) -> Event:
+    """A message of a stream about itself: `snapshot`, `resumed`, `gap`, `heartbeat`, `dropped`, `closing`."""
+    return Event(encode({"type": kind, "time": now, **payload}), "notice", ends_goal=ends_goal)

@@ -1,0 +1,39 @@
+"""The newest events: so many, and so many bytes of them. Plain data."""
+
+from collections import OrderedDict
+
+from dock_gateway.core.event import Event
+
+MAX_BYTES = 32_000_000
+
+
+class EventBuffer(OrderedDict[str, Event]):
+    """Events by id, oldest first. They come by `put` and go by `remove`, which count their bytes.
+
+    Args:
+        limit: How many are kept at most; of their data, `MAX_BYTES`.
+    """
+
+    def __init__(self, limit: int) -> None:
+        super().__init__()
+        self._limit = limit
+        self._bytes = 0
+
+    def put(self, event: Event) -> list[Event]:
+        """Take an event that has an id, once; returns those that have to go for it."""
+        identity = event.id or ""
+        if identity in self:
+            return []
+        self[identity] = event
+        self._bytes += len(event.data)
+        gone = []
+        while len(self) > self._limit or self._bytes > MAX_BYTES:
+            _, oldest = self.popitem(last=False)
+            self._bytes -= len(oldest.data)
+            gone.append(oldest)
+        return gone
+
+    def remove(self, event_id: str) -> None:
+        """Let go of an event, where it is there."""
+        if (event := self.pop(event_id, None)) is not None:
+            self._bytes -= len(event.data)

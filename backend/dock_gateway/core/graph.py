@@ -1,0 +1,195 @@
+"""The ROS graph as a person thinks of it: nodes, topics, services and actions, made of what was seen. Plain data."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from dock_gateway.core.goal import encode
+
+ACTION_PART = "/_action/"
+STATUS = "status"
+FEEDBACK, FEEDBACK_TYPE = "feedback", "_FeedbackMessage"
+SEND_GOAL, SEND_GOAL_TYPE = "send_goal", "_SendGoal"
+
+# What ROS gives to every node: logs, parameters, descriptions of types.
+OWN_TYPES = ("rcl_interfaces/", "type_description_interfaces/")
+
+
+@dataclass(frozen=True)
+class Quality:
+    """Quality of service, in ROS's words. Without a `depth` it is not known; without seconds there is no limit."""
+
+    reliability: str
+    durability: str
+    history: str
+    depth: int | None
+    deadline_s: float | None
+    lifespan_s: float | None
+    liveliness: str
+
+
+@dataclass(frozen=True)
+class Endpoint:
+    """A publisher or a subscription; `node` is None for that of a DDS program which is no ROS node."""
+
+    node: str | None
+    type: str
+    qos: Quality
+
+    def document(self) -> dict[str, Any]:
+        """As the API shows it."""
+        return {"node": self.node, "qos": self.qos}
+
+
+@dataclass
+class Topic:
+    """A topic with everyone at it."""
+
+    name: str
+    publishers: list[Endpoint]
+    subscribers: list[Endpoint]
+
+    @property
+    def types(self) -> list[str]:
+        """Its types, sorted; more than one is a mistake on the graph, none that it has gone."""
+        return sorted({endpoint.type for endpoint in (*self.publishers, *self.subscribers)})
+
+    def document(self) -> dict[str, Any]:
+        """As the API shows it."""
+        return {
+            "name": self.name,
+            "types": self.types,
+            "publishers": _in_order(self.publishers),
+            "subscribers": _in_order(self.subscribers),
+            "hidden": is_noise(self.name, self.types),
+        }
+
+
+@dataclass
+class Service:
+    """A service, which may have clients alone."""
+
+    name: str
+    types: list[str]
+    servers: set[str] = field(default_factory=set)
+    clients: set[str] = field(default_factory=set)
+
+
+@dataclass
+class Seen:
+    """What a look at the graph brought: how many nodes there are of each name, topics and services."""
+
+    nodes: dict[str, int] = field(default_factory=dict)
+    topics: dict[str, Topic] = field(default_factory=dict)
+    services: dict[str, Service] = field(default_factory=dict)
+
+
+@dataclass
+class _Action:
+    types: set[str] = field(default_factory=set)
+    servers: set[str] = field(default_factory=set)
+    clients: set[str] = field(default_factory=set)
+
+
+class _Nodes:
+    """What each node has, collected from the other side."""
+
+    KINDS = ("publishers", "subscribers", "services", "clients", "action_servers", "action_clients")
+
+    def __init__(self, counts: Mapping[str, int]) -> None:
+        self._counts = counts
+        self._parts: dict[str, dict[str, set[str]]] = {name: self._nothing() for name in counts}
+
+    def _nothing(self) -> dict[str, set[str]]:
+        return {kind: set() for kind in self.KINDS}
+
+    def add(self, kind: str, thing: str, nodes: Iterable[str]) -> None:
+        """Nodes have a thing. One that came while the look went on counts, too."""
+        for node in nodes:
+            self._parts.setdefault(node, self._nothing())[kind].add(thing)
+
+    def documents(self) -> list[dict[str, Any]]:
+        """All of them, sorted."""
+        return [
+            {
+                "name": name,
+                "count": self._counts.get(name, 1),
+                **{kind: sorted(things) for kind, things in parts.items()},
+                "hidden": is_noise(name, ()),
+            }
+            for name, parts in sorted(self._parts.items())
+        ]
+
+
+def is_noise(name: str, types: Iterable[str]) -> bool:
+    """Whether it is there for ROS's sake: logs, parameters and their like, or a part of its name begins with `_`."""
+    return "/_" in name or (bool(types) and all(text.startswith(OWN_TYPES) for text in types))
+
+
+def graph_document(seen: Seen) -> dict[str, Any]:
+    """The graph as the API shows it; the same graph gives the same document.
+
+    The topics and services that make up an action are one action. As in rcl, its servers are those who publish its
+    feedback, its clients those who listen to it.
+    """
+    nodes, actions = _Nodes(seen.nodes), _find_actions(seen)
+    topics = [topic for name, topic in sorted(seen.topics.items()) if ACTION_PART not in name and topic.types]
+    services = [service for name, service in sorted(seen.services.items()) if ACTION_PART not in name]
+    for topic in topics:
+        nodes.add("publishers", topic.name, _nodes_of(topic.publishers))
+        nodes.add("subscribers", topic.name, _nodes_of(topic.subscribers))
+    for service in services:
+        nodes.add("services", service.name, service.servers)
+        nodes.add("clients", service.name, service.clients)
+    for name, action in actions.items():
+        nodes.add("action_servers", name, action.servers)
+        nodes.add("action_clients", name, action.clients)
+    return {
+        "nodes": nodes.documents(),
+        "topics": [topic.document() for topic in topics],
+        "services": [
+            {
+                "name": service.name,
+                "types": sorted(service.types),
+                "servers": sorted(service.servers),
+                "hidden": is_noise(service.name, service.types),
+            }
+            for service in services
+        ],
+        "actions": [
+            {
+                "name": name,
+                "types": sorted(action.types),
+                "servers": sorted(action.servers),
+                "clients": sorted(action.clients),
+            }
+            for name, action in sorted(actions.items())
+        ],
+    }
+
+
+def _find_actions(seen: Seen) -> dict[str, _Action]:
+    actions: dict[str, _Action] = defaultdict(_Action)
+    for topic in seen.topics.values():
+        name, separator, part = topic.name.partition(ACTION_PART)
+        if not separator or not topic.types:
+            continue
+        action = actions[name]
+        if part == FEEDBACK:
+            action.types |= {text.removesuffix(FEEDBACK_TYPE) for text in topic.types}
+            action.servers |= set(_nodes_of(topic.publishers))
+            action.clients |= set(_nodes_of(topic.subscribers))
+    for service in seen.services.values():
+        name, separator, part = service.name.partition(ACTION_PART)
+        if separator and part == SEND_GOAL:
+            actions[name].types |= {text.removesuffix(SEND_GOAL_TYPE) for text in service.types}
+    return actions
+
+
+def _nodes_of(endpoints: Iterable[Endpoint]) -> Iterator[str]:
+    return (endpoint.node for endpoint in endpoints if endpoint.node is not None)
+
+
+def _in_order(endpoints: Iterable[Endpoint]) -> list[dict[str, Any]]:
+    return sorted((endpoint.document() for endpoint in endpoints), key=encode)

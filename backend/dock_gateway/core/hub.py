@@ -1,0 +1,255 @@
+"""Fan-out: every event goes to every subscriber that asked for it, and a slow one harms only itself."""
+
+import asyncio
+import itertools
+from collections import defaultdict, deque
+from collections.abc import Callable, Iterable, Iterator
+
+from dock_gateway.core.errors import TooManyRequests, Unavailable
+from dock_gateway.core.event import Event, EventClock
+from dock_gateway.core.event_buffer import EventBuffer
+from dock_gateway.core.filters import EventFilter
+
+
+class Subscriber:
+    """One reader's queue.
+
+    Feedback beyond `limit` is dropped, oldest first, and counted; what must not be lost (status, result) is kept up to
+    a hard limit, beyond which the reader is `overrun` and has to be cut off.
+
+    Attributes:
+        immediate: Sends an event without the detour by the queue and the task that takes from it, or says False. Used
+            only while that task waits and nothing is queued, so that the order stays.
+        after: Id of the last event that the reader has had, at whatever gateway; none up to it is queued.
+    """
+
+    HARD_LIMIT = 10_000
+
+    def __init__(self, limit: int, interest: EventFilter) -> None:
+        self.interest = interest
+        self.overrun = False
+        self.immediate: Callable[[Event], bool] | None = None
+        self.after = ""
+        self._waiting = False
+        self._limit = limit
+        self._queue: deque[Event] = deque()
+        self._droppable = 0
+        self._dropped = 0
+        self._wake = asyncio.Event()
+
+    def put(self, event: Event) -> None:
+        """Send an event at once where that is possible, else queue it; never waits."""
+        if event.id is not None and event.id <= self.after:
+            return
+        if self._waiting and self.immediate is not None and not self._queue and self.immediate(event):
+            return
+        if event.supersedes and self._supersede(event):
+            return
+        if event.droppable:
+            if self._droppable >= self._limit:
+                self._drop_oldest()
+            self._droppable += 1
+        elif len(self._queue) - self._droppable >= self.HARD_LIMIT:
+            self.overrun = True
+            self._wake.set()
+            return
+        self._queue.append(event)
+        self._wake.set()
+
+    def _supersede(self, event: Event) -> bool:
+        for index, queued in enumerate(self._queue):
+            if queued.supersedes and (queued.topic, queued.robot) == (event.topic, event.robot):
+                self._queue[index] = event
+                return True
+        return False
+
+    def _drop_oldest(self) -> None:
+        index = next(i for i, queued in enumerate(self._queue) if queued.droppable)
+        del self._queue[index]
+        self._droppable -= 1
+        self._dropped += 1
+
+    def wake(self) -> None:
+        """Let `take` return, with nothing if there is nothing."""
+        self._wake.set()
+
+    def clear(self) -> None:
+        """Forget what is queued, for a reader that is about to get a snapshot instead."""
+        self._queue.clear()
+        self._droppable = self._dropped = 0
+
+    def catch_up(self, event_id: str) -> None:
+        """The reader gets all events up to this one another way."""
+        self.after = event_id
+        kept = [event for event in self._queue if event.id is None or event.id > event_id]
+        self._queue = deque(kept)
+        self._droppable = sum(event.droppable for event in kept)
+
+    async def take(self, timeout: float) -> tuple[list[Event], int]:
+        """Wait for events; return all that are queued and how many were dropped: `([], 0)` at a time-out."""
+        self._waiting = True
+        try:
+            async with asyncio.timeout(timeout):
+                await self._wake.wait()
+        except TimeoutError:
+            return [], 0
+        finally:
+            self._waiting = False
+        self._wake.clear()
+        events, dropped = list(self._queue), self._dropped
+        self.clear()
+        return events, dropped
+
+
+class Hold:
+    """A place in the order of publication for events that are being stored; what comes later waits behind it.
+
+    Attributes:
+        stamp: That of the events.
+        events: What is published here, once that is known.
+    """
+
+    def __init__(self, hub: "Hub", stamp: int) -> None:
+        self.stamp = stamp
+        self.events: Iterable[Event] | None = None
+        self._hub = hub
+
+    def release(self, events: Iterable[Event] = ()) -> None:
+        """Publish these, and what has waited."""
+        self.events = events
+        self._hub.advance()
+
+
+class Hub:
+    """All subscribers of this process, and the events that were published last.
+
+    Args:
+        queue_limit: Feedback events that wait for a slow subscriber.
+        max_subscribers: Subscribers at the same time.
+        keep: Called with every event that can be resumed from, for the history.
+        newest: Id of the newest event that is stored.
+
+    Attributes:
+        clock: Stamps the events that are published here.
+    """
+
+    RECENT = 10_000
+
+    def __init__(
+        self,
+        *,
+        queue_limit: int,
+        max_subscribers: int,
+        keep: Callable[[Event], None] = lambda _: None,
+        newest: str = "",
+    ) -> None:
+        self.clock = EventClock(newest)
+        self._keep = keep
+        self._line: deque[Event | Hold] = deque()
+        self._recent = EventBuffer(self.RECENT)
+        self._queue_limit = queue_limit
+        self._max_subscribers = max_subscribers
+        self._subscribers: set[Subscriber] = set()
+        # By topic and robot, and by topic alone: an event of one robot among hundreds costs nothing for the readers
+        # of the others.
+        self._wanting: defaultdict[tuple[str, str | None], set[Subscriber]] = defaultdict(set)
+        self._on_wish: dict[str, Callable[[], None]] = {}
+        self.closing = False
+
+    def __len__(self) -> int:
+        return len(self._subscribers)
+
+    def subscribe(self, interest: EventFilter) -> Subscriber:
+        """Add a subscriber; of what is published from now on, all that is of interest reaches it.
+
+        Raises:
+            TooManyRequests: There are too many already.
+            Unavailable: The gateway is shutting down.
+        """
+        if self.closing:
+            raise Unavailable("the gateway is shutting down", code="shutting_down")
+        if len(self._subscribers) >= self._max_subscribers:
+            raise TooManyRequests(f"{self._max_subscribers} subscribers are connected already")
+        subscriber = Subscriber(self._queue_limit, interest)
+        self._subscribers.add(subscriber)
+        for key in _keys(interest):
+            self._wanting[key].add(subscriber)
+        self._tell_wish(interest)
+        return subscriber
+
+    def unsubscribe(self, subscriber: Subscriber) -> None:
+        """Forget a subscriber; doing it twice does no harm."""
+        self._subscribers.discard(subscriber)
+        for key in _keys(subscriber.interest):
+            self._wanting[key].discard(subscriber)
+            if not self._wanting[key]:
+                del self._wanting[key]
+        self._tell_wish(subscriber.interest)
+
+    def on_watch(self, topic: str, changed: Callable[[], None]) -> None:
+        """Have `changed` called whenever a subscriber that wants a topic comes or goes."""
+        self._on_wish[topic] = changed
+
+    def watched(self, topic: str) -> set[str]:
+        """The robots of which somebody wants a topic."""
+        return {robot for wanted, robot in self._wanting if wanted == topic and robot is not None}
+
+    def _tell_wish(self, interest: EventFilter) -> None:
+        for topic in interest.topics & self._on_wish.keys():
+            self._on_wish[topic]()
+
+    def publish(self, event: Event) -> None:
+        """Hand an event to everyone who wants it."""
+        if self._line and event.id is not None:
+            self._line.append(event)
+        else:
+            self._deliver(event)
+
+    def hold(self, source_ns: int) -> Hold:
+        """Reserve a place for events that have to be stored before anyone is told; to be released soon."""
+        place = Hold(self, self.clock.stamp(source_ns))
+        self._line.append(place)
+        return place
+
+    def advance(self) -> None:
+        """Publish what need not wait any more."""
+        while self._line:
+            head = self._line[0]
+            if isinstance(head, Event):
+                self._deliver(head)
+            elif head.events is None:
+                return
+            else:
+                for event in head.events:
+                    self._deliver(event)
+            self._line.popleft()
+
+    def _deliver(self, event: Event) -> None:
+        if event.id is not None and event.topic != "cmd_vel":
+            if event.id in self._recent:
+                return
+            self._recent.put(event)
+            self._keep(event)
+        for subscriber in self._wanting.get((event.topic, event.robot), ()):
+            if subscriber.interest.covers(event):
+                subscriber.put(event)
+
+    def since(self, event_id: str, interest: EventFilter) -> list[Event] | None:
+        """What was published after an event, as it was published; None where that event is not remembered here."""
+        if event_id not in self._recent:
+            return None
+        later = itertools.takewhile(lambda event: event.id != event_id, reversed(self._recent.values()))
+        return [event for event in list(later)[::-1] if interest.covers(event)]
+
+    def close(self) -> None:
+        """Let every stream say goodbye; no new ones are taken."""
+        self.closing = True
+        for subscriber in self._subscribers:
+            subscriber.wake()
+
+
+def _keys(interest: EventFilter) -> Iterator[tuple[str, str | None]]:
+    """What a subscriber is found by: `covers` says no to events of any other topic and robot."""
+    for topic in interest.topics:
+        yield topic, None
+        yield topic, interest.robot

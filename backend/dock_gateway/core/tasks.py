@@ -1,0 +1,100 @@
+"""Work beside: tasks that end with whoever began them."""
+
+import asyncio
+import logging
+from collections import OrderedDict
+from collections.abc import Coroutine
+from typing import Any, Generic, TypeVar
+
+from dock_gateway.core.errors import GatewayError
+
+log = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+
+async def cancel(*tasks: "asyncio.Task[Any]") -> None:
+    """Cancel tasks and wait until they have ended, however that may be."""
+    for task in tasks:
+        task.cancel()
+    await asyncio.gather(*tasks, return_exceptions=True)
+
+
+class Tasks:
+    """The tasks of one owner, who need not wait for them: what they raise is logged.
+
+    Args:
+        doing: What they do, as the log has it.
+    """
+
+    def __init__(self, doing: str) -> None:
+        self._doing = doing
+        self._running: set[asyncio.Task[Any]] = set()
+
+    def spawn(self, work: Coroutine[Any, Any, T]) -> asyncio.Task[T]:
+        """Run something beside."""
+        task = asyncio.create_task(work)
+        self._running.add(task)
+        task.add_done_callback(self._ended)
+        return task
+
+    def _ended(self, task: "asyncio.Task[Any]") -> None:
+        self._running.discard(task)
+        if task.cancelled() or (error := task.exception()) is None:
+            return
+        if isinstance(error, GatewayError):
+            log.info("while %s: %s", self._doing, error.detail)
+        else:
+            log.error("while %s", self._doing, exc_info=error)
+
+    async def drain(self, timeout: float = 1.0) -> None:
+        """Wait until all has ended, or the time is up."""
+        if self._running:
+            await asyncio.wait(self._running, timeout=timeout)
+
+    async def close(self) -> None:
+        """End what runs."""
+        await cancel(*self._running)
+
+
+MAX_REMEMBERED = 2000
+
+
+class PendingFacts(Generic[T]):
+    """A fact about each goal, such as why it was rejected; who asks for it waits a moment.
+
+    Args:
+        wait: How many seconds.
+    """
+
+    def __init__(self, wait: float) -> None:
+        self._wait = wait
+        self._facts: OrderedDict[str, T] = OrderedDict()
+        self._waiting: dict[str, asyncio.Event] = {}
+
+    def __len__(self) -> int:
+        return len(self._facts)
+
+    def __contains__(self, goal_id: str) -> bool:
+        return goal_id in self._facts
+
+    def put(self, goal_id: str, fact: T) -> None:
+        """The fact has come; a newer one takes its place."""
+        self._facts[goal_id] = fact
+        if len(self._facts) > MAX_REMEMBERED:
+            self._facts.popitem(last=False)
+        if event := self._waiting.get(goal_id):
+            event.set()
+
+    async def of(self, goal_id: str) -> T | None:
+        """The fact, for which it waits a moment, or None."""
+        if goal_id not in self._facts:
+            event = self._waiting.setdefault(goal_id, asyncio.Event())
+            try:
+                async with asyncio.timeout(self._wait):
+                    await event.wait()
+            except TimeoutError:
+                return None
+            finally:
+                self._waiting.pop(goal_id, None)
+        return self._facts.get(goal_id)

@@ -1,0 +1,1 @@
+"""What spans robots: the overview, alerts, departures and the stop."""

@@ -1,0 +1,155 @@
+"""All robots at a glance: how each of them is, told to whoever asks, as it changes."""
+
+import asyncio
+import logging
+from collections import defaultdict
+from typing import Any
+
+import orjson
+
+from dock_gateway.actions.registry import ActionRegistry
+from dock_gateway.core.event import fleet_event, utc_now
+from dock_gateway.core.goal import Goal, encode
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.tasks import cancel
+from dock_gateway.fleet.alerts import TOPIC, AlertBoard
+from dock_gateway.fleet.robot_state import RobotState
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.robots.last_goals import LastGoals, latest
+from dock_gateway.robots.registry import Robot, RobotRegistry
+from dock_gateway.robots.simulator import Simulators
+from dock_gateway.settings import Settings
+
+log = logging.getLogger(__name__)
+
+# Changes are looked for so often, in seconds.
+INTERVAL = 0.5
+
+
+class Fleet:
+    """Puts together what is known of each robot, and tells of changes while somebody wants to hear of them.
+
+    Args:
+        settings: Names.
+        hub: Where events go, and who wants them.
+        robots: The robots.
+        actions: The actions.
+        interlock: Which robots are held by a stop.
+        simulators: The simulators.
+        outcomes: How docking and undocking goals ended.
+        alarm: What looks whether something is wrong with them.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        hub: Hub,
+        *,
+        robots: RobotRegistry,
+        actions: ActionRegistry,
+        interlock: Interlock,
+        simulators: Simulators,
+        outcomes: LastGoals,
+        alarm: AlertBoard,
+    ) -> None:
+        self._settings = settings
+        self._hub = hub
+        self._robots = robots
+        self._actions = actions
+        self._interlock = interlock
+        self._simulators = simulators
+        self._outcomes = outcomes
+        self._alarm = alarm
+        self._told: dict[str, bytes] = {}
+        self._task = asyncio.create_task(self._run())
+
+    # ------------------------------------------------------------------ how they are
+
+    def states(self) -> list[RobotState]:
+        """Every robot as it is now, by name."""
+        return self._see()[0]
+
+    def _see(self) -> tuple[list[RobotState], list[Goal]]:
+        """Every robot as it is now, by name; and the lost goals on actions that belong to none."""
+        running, lost = self._by_robot(self._actions.running()), self._by_robot(self._actions.lost())
+        states = [
+            self._state(robot, running.get(robot.namespace, []), lost.get(robot.namespace, []))
+            for robot in self._robots.all()
+        ]
+        return states, lost.get(None, [])
+
+    def _by_robot(self, goals: list[Goal]) -> dict[str | None, list[Goal]]:
+        found: dict[str | None, list[Goal]] = defaultdict(list)
+        for goal in sorted(goals, key=lambda goal: goal.created_at, reverse=True):
+            owner = self._robots.owner(goal.action_name)
+            found[None if owner is None else owner.namespace].append(goal)
+        return found
+
+    def _state(self, robot: Robot, running: list[Goal], lost: list[Goal]) -> RobotState:
+        name = robot.namespace
+        names = self._settings.docking_actions(name)
+        dock, undock = self._actions.get(names.dock), self._actions.get(names.undock)
+        simulator = self._simulators.find(name)
+        ended = [goal for goal in lost if goal.action_name in names]
+        succeeded = self._outcomes.succeeded(*names)
+        return RobotState(
+            name=name,
+            default=name == self._robots.default_namespace,
+            battery=robot.battery,
+            battery_topic=self._settings.resolve(self._settings.battery_topic, name),
+            publisher=robot.publisher,
+            stop=self._interlock.shown(name),
+            simulator=None if simulator is None else simulator.document(),
+            dock=None if dock is None else dock.watch.state,
+            undock=None if undock is None else undock.watch.state,
+            goals=running,
+            lost=lost,
+            last_goal=latest([self._outcomes.last(*names), *ended]),
+            left_docked=None if succeeded is None else succeeded.action_name == names.dock,
+        )
+
+    def _duplicates(self) -> dict[str, list[str]]:
+        """By robot, the actions that have more than one server."""
+        found: dict[str, list[str]] = defaultdict(list)
+        for name in self._actions.duplicates():
+            owner = self._robots.owner(name)
+            found[name.rpartition("/")[0] or "/" if owner is None else owner.namespace].append(name)
+        return found
+
+    def documents(self, namespace: str | None = None) -> list[dict[str, Any]]:
+        """The robots as `GET /robots` shows them, or the one of a namespace.
+
+        Raises:
+            InvalidField: That is no namespace.
+            NotFound: `robot_not_found`.
+        """
+        only = None if namespace is None else self._robots.get(namespace).namespace
+        return [state.document() for state in self.states() if only in (None, state.name)]
+
+    # ------------------------------------------------------------------ who is told
+
+    async def _run(self) -> None:
+        while True:
+            await asyncio.sleep(INTERVAL)
+            try:
+                self.look()
+            except Exception:
+                log.exception("while looking at the robots")
+
+    def look(self) -> None:
+        """See what is wrong; and tell of the robots that have changed, where somebody wants to hear of them."""
+        states, strays = self._see()
+        self._alarm.look(states, strays, self._duplicates())
+        if not self._hub.watched(TOPIC):
+            self._told = {}
+            return
+        now = {state.name: encode(state.document()) for state in states}
+        changed = [orjson.Fragment(document) for name, document in now.items() if self._told.get(name) != document]
+        gone = sorted(self._told.keys() - now.keys())
+        self._told = now
+        if changed or gone:
+            self._hub.publish(fleet_event("robots", utc_now(), robots=changed, gone=gone))
+
+    async def close(self) -> None:
+        """Look no more."""
+        await cancel(self._task)

@@ -1,0 +1,84 @@
+"""How one robot is, put together from all that is known of it. Plain data."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from dock_gateway.actions.liveness import ServerState
+from dock_gateway.core.goal import Goal
+from dock_gateway.robots.battery import Battery, BatteryPublisher, PowerSupply
+
+CHARGES = frozenset({PowerSupply.CHARGING, PowerSupply.FULL})
+
+
+@dataclass(frozen=True)
+class RobotState:
+    """A robot at one moment.
+
+    Attributes:
+        name: Its namespace.
+        default: Whether it is the robot that the gateway is configured for.
+        battery: Its battery.
+        battery_topic: Where that is heard.
+        publisher: What stands in for its battery driver.
+        stop: Whether a stop holds for it, as `GET /stop` shows it.
+        simulator: What its simulator says, as `GET /simulator` shows it; None where there is none.
+        dock: The server of its docking action; None where it has none.
+        undock: The same of its undocking action.
+        goals: The goals that run on its actions, newest first.
+        lost: Those that are lost, newest first.
+        last_goal: The last docking or undocking goal that ended.
+        left_docked: Where the last of them that succeeded left it; None where none did.
+    """
+
+    name: str
+    default: bool
+    battery: Battery
+    battery_topic: str
+    publisher: BatteryPublisher
+    stop: dict[str, Any]
+    simulator: dict[str, Any] | None
+    dock: ServerState | None
+    undock: ServerState | None
+    goals: list[Goal]
+    lost: list[Goal]
+    last_goal: Goal | None
+    left_docked: bool | None
+
+    @property
+    def docked(self) -> bool | None:
+        """Whether it is docked; None where nobody knows.
+
+        A simulator knows best, then a battery that is being charged, then the goals.
+        """
+        said = self.simulator and self.simulator["docked"]
+        if said is not None:
+            return bool(said)
+        return True if self.battery.reading.power_supply in CHARGES else self.left_docked
+
+    @property
+    def on_dock(self) -> bool:
+        """Whether it is docked, or touches its dock at least, as a simulator can tell."""
+        return bool(self.docked or (self.simulator and self.simulator["contact"]))
+
+    def docking(self, *servers: ServerState | None) -> bool:
+        """Whether a goal runs on one of these actions, `dock` or `undock`."""
+        names = {server.action_name for server in servers if server is not None}
+        return any(goal.action_name in names for goal in self.goals)
+
+    def document(self) -> dict[str, Any]:
+        """As `GET /robots` shows it, ready for `orjson`. There are no ages in it, which change by themselves."""
+        publisher = self.publisher.document()
+        return {
+            "name": self.name,
+            "default": self.default,
+            "docked": self.docked,
+            "simulated": self.simulator is not None,
+            "battery": self.battery.lasting(),
+            "battery_topic": self.battery_topic,
+            "battery_publisher": {"active": publisher["active"], "rate_hz": publisher["rate_hz"]},
+            "stop": self.stop,
+            "dock": self.dock,
+            "undock": self.undock,
+            "goals": [goal.state() for goal in self.goals],
+            "last_goal": self.last_goal and self.last_goal.state(),
+        }

@@ -1,0 +1,164 @@
+"""Where latched stops outlive the gateway: a file, and what keeps it up to date without holding up a stop."""
+
+import asyncio
+import logging
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import orjson
+
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.goal import encode
+from dock_gateway.core.tasks import cancel
+from dock_gateway.latch.latches import Latch
+
+log = logging.getLogger(__name__)
+
+# Seconds until a write that failed is tried again.
+RETRY_AFTER = 1.0
+# Seconds that the last write may take when the gateway closes.
+CLOSE_WITHIN = 0.5
+
+NOT_YET = "it is not on the disk yet"
+
+
+class LatchFile:
+    """Keeps latched stops across a crash, and across a power cut."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def read(self, default: str) -> dict[str, Latch]:
+        """What was latched. Where not all of it can be read, `default` is latched, too: no stop is forgotten."""
+        problem: Exception | None = None
+        stops: dict[str, Any] = {}
+        try:
+            stops = _read_object(self.path.read_bytes())
+        except FileNotFoundError:
+            return {}
+        except (OSError, ValueError, TypeError) as error:
+            problem = error
+        held: dict[str, Latch] = {}
+        for name, stop in stops.items():
+            namespace = f"/{name.strip('/')}"
+            try:
+                held[namespace] = _read_latch(stop)
+            except (ValueError, TypeError, KeyError) as error:
+                problem, held[namespace] = error, Latch(utc_now())
+        if problem is not None:
+            log.error("%s cannot be read, so %s and all below it count as stopped: %r", self.path, default, problem)
+            held.setdefault(default, Latch(utc_now()))
+        return held
+
+    def write(self, held: dict[str, Latch]) -> None:
+        """Store what is latched now; it is on the disk once this returns, and the old content is until then.
+
+        Raises:
+            OSError: The disk does not take it.
+        """
+        self.path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")
+        try:
+            with beside.open("wb") as file:
+                file.write(encode(held))
+                file.flush()
+                os.fsync(file.fileno())
+            beside.replace(self.path)
+        except OSError:
+            with suppress(OSError):
+                beside.unlink()
+            raise
+        folder = os.open(self.path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+
+
+def _read_object(text: bytes) -> dict[str, Any]:
+    value = orjson.loads(text)
+    if not isinstance(value, dict):
+        raise TypeError(f"no object: {value!r:.100}")
+    return value
+
+
+def _read_latch(stop: dict[str, Any]) -> Latch:
+    since, by = datetime.fromisoformat(stop["since"]), stop["by"]
+    if since.tzinfo is None or not (by is None or isinstance(by, str)):
+        raise ValueError(f"no stop: {stop!r:.100}")
+    return Latch(since, by)
+
+
+class LatchWriter:
+    """Stores the newest state behind the loop, again and again until the disk has taken it.
+
+    Args:
+        file: The file.
+        on_change: Called when `problem` has changed.
+
+    Attributes:
+        problem: Why the newest state is not on the disk, once that is known to be so; None otherwise.
+    """
+
+    def __init__(self, file: LatchFile, on_change: Callable[[], None]) -> None:
+        self.problem: str | None = None
+        self._file = file
+        self._on_change = on_change
+        self._newest: dict[str, Latch] = {}
+        self._stored = asyncio.Event()
+        self._stored.set()
+        self._writing: asyncio.Task[None] | None = None
+        self._disk = ThreadPoolExecutor(1, thread_name_prefix="latch")
+
+    def put(self, held: dict[str, Latch]) -> None:
+        """Store this from now on."""
+        self._newest = dict(held)
+        self._stored.clear()
+        if self._writing is None or self._writing.done():
+            self._writing = asyncio.create_task(self._write())
+
+    async def wait(self, timeout: float) -> bool:
+        """Wait until the newest state is on the disk; False, and a `problem`, where it is not in time."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(timeout):
+                await self._stored.wait()
+        if not self._stored.is_set() and self.problem is None:
+            self._tell(NOT_YET)
+        return self._stored.is_set()
+
+    async def _write(self) -> None:
+        loop = asyncio.get_running_loop()
+        written = None
+        while written is not self._newest:
+            written = self._newest
+            try:
+                await loop.run_in_executor(self._disk, self._file.write, written)
+            except Exception as error:  # noqa: BLE001 - whatever it is, a restart would read something else
+                self._tell(f"{self._file.path} cannot be written: {error}")
+                written = None
+                await asyncio.sleep(RETRY_AFTER)
+        self._stored.set()
+        self._tell(None)
+
+    def _tell(self, problem: str | None) -> None:
+        if problem == self.problem:
+            return
+        if problem is None:
+            log.warning("the stops are on the disk again")
+        else:
+            level = logging.WARNING if problem is NOT_YET else logging.ERROR
+            log.log(level, "a restart of the gateway would forget the latest stop or release: %s", problem)
+        self.problem = problem
+        self._on_change()
+
+    async def close(self) -> None:
+        """Wait for what is being written, where the disk does not hang."""
+        await self.wait(CLOSE_WITHIN)
+        if self._writing is not None:
+            await cancel(self._writing)
+        self._disk.shutdown(wait=False)

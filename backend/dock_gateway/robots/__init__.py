@@ -1,0 +1,1 @@
+"""One robot, which is a namespace: its battery, its velocity, its simulator."""

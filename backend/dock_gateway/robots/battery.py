@@ -1,0 +1,197 @@
+"""The battery as it was last heard of, and the publisher that stands in for a robot's battery driver."""
+
+import asyncio
+import logging
+import time
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from enum import IntEnum
+from typing import Any
+
+import orjson
+
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.event import message_event, system_event, utc_now
+from dock_gateway.core.goal import Json, fragment
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.tasks import cancel
+from dock_gateway.ros.robot_ports import BatteryPort
+
+log = logging.getLogger(__name__)
+
+# The count of published messages is told to subscribers so often, in seconds.
+COUNT_INTERVAL = 1.0
+
+
+class PowerSupply(IntEnum):
+    """sensor_msgs/BatteryState, power_supply_status."""
+
+    UNKNOWN = 0
+    CHARGING = 1
+    DISCHARGING = 2
+    NOT_CHARGING = 3
+    FULL = 4
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What of a battery state decides something; `percentage` is 0 to 1, None where it is not measured."""
+
+    power_supply: int = PowerSupply.UNKNOWN
+    percentage: float | None = None
+
+
+@dataclass
+class Publisher:
+    """What is being published, how often, and how many messages have gone out."""
+
+    active: bool = False
+    state: Any = None
+    rate_hz: float | None = None
+    published_count: int = 0
+    started_at: datetime | None = None
+
+
+class Battery:
+    """The latest battery state.
+
+    Args:
+        hub: Where battery events go.
+        stale_after: Age in seconds from which the state is stale.
+        robot: The namespace.
+    """
+
+    def __init__(self, hub: Hub, stale_after: float, robot: str) -> None:
+        self._robot = robot
+        self._hub = hub
+        self._stale_after = stale_after
+        self._state: Json | None = None
+        self._reading: Reading | None = Reading()
+        self._heard_at = 0.0
+        self._received_at: datetime | None = None
+
+    def on_battery(self, state: Json, stamp_ns: int) -> None:
+        """A message of the battery topic."""
+        self._state = state
+        self._reading = None
+        self._heard_at = time.monotonic()
+        self._received_at = utc_now()
+        self._hub.publish(message_event("battery", state, self._hub.clock.stamp(stamp_ns), stamp_ns, robot=self._robot))
+
+    @property
+    def stale_since(self) -> datetime | None:
+        """When the state became stale; None where it is not, or where there never was one."""
+        age, received_at = self.age, self._received_at
+        if age is None or received_at is None or age <= self._stale_after:
+            return None
+        return received_at + timedelta(seconds=self._stale_after)
+
+    @property
+    def age(self) -> float | None:
+        """Seconds since the last message; None where there was none."""
+        return None if self._state is None else time.monotonic() - self._heard_at
+
+    @property
+    def reading(self) -> Reading:
+        """What the last message says; it is decoded once, and only where somebody asks."""
+        if self._reading is None:
+            state = orjson.loads(self._state or b"{}")
+            self._reading = Reading(state["power_supply_status"], state["percentage"])
+        return self._reading
+
+    def lasting(self) -> dict[str, Any]:
+        """State and whether it is stale, without what changes by itself all the time, ready for `orjson`."""
+        age = self.age
+        return {
+            "state": fragment(self._state),
+            "received_at": self._received_at,
+            "stale": age is None or age > self._stale_after,
+            "stale_after_s": self._stale_after,
+        }
+
+    def document(self) -> dict[str, Any]:
+        """State, age in seconds and whether it is stale, ready for `orjson`."""
+        age = self.age
+        return {**self.lasting(), "age_s": None if age is None else round(age, 3)}
+
+
+class BatteryPublisher:
+    """Publishes battery states, once or at a rate, as `ros2 topic pub` does."""
+
+    def __init__(self, port: BatteryPort, hub: Hub, robot: str) -> None:
+        self._robot = robot
+        self._port = port
+        self._hub = hub
+        self._publisher = Publisher()
+        self._task: asyncio.Task[None] | None = None
+        self._changing = asyncio.Lock()
+        self._told_at = 0.0
+
+    @property
+    def active(self) -> bool:
+        """Whether a state is being published, again and again."""
+        return self._publisher.active
+
+    def document(self) -> dict[str, Any]:
+        """What is being published, ready for `orjson`."""
+        return dict(vars(self._publisher))
+
+    async def publish(self, value: object, path: str = "") -> Json:
+        """Publish one partial BatteryState; returns the message as it went out. `path` is for errors.
+
+        Raises:
+            InvalidField: It is not a BatteryState.
+        """
+        message = self._port.codec.parse(value, path)
+        return await self._port.publish(message, stamp=_unstamped(message))
+
+    async def start(self, value: object, rate_hz: float) -> None:
+        """Publish a partial BatteryState from now on, `rate_hz` times a second, in place of what was published before.
+
+        Raises:
+            InvalidField: It is not a BatteryState.
+        """
+        message = self._port.codec.parse(value, "state")
+        async with self._changing:
+            await self._cancel()
+            stamp = _unstamped(message)
+            state = fragment(await self._port.publish(message, stamp=stamp))
+            self._publisher = Publisher(True, state, rate_hz, 1, utc_now())
+            self._task = asyncio.create_task(self._run(message, 1 / rate_hz, stamp=stamp))
+            self._tell()
+
+    async def stop(self) -> None:
+        """Publish no more."""
+        async with self._changing:
+            was_active = self._publisher.active
+            await self._cancel()
+            if was_active:
+                self._tell()
+
+    async def _cancel(self) -> None:
+        task, self._task = self._task, None
+        self._publisher = Publisher()
+        if task is not None:
+            await cancel(task)
+
+    async def _run(self, message: Any, period: float, *, stamp: bool) -> None:
+        due = time.monotonic() + period
+        while True:
+            await asyncio.sleep(max(0.0, due - time.monotonic()))
+            due = max(due + period, time.monotonic())  # what was missed is not made up for
+            try:
+                await self._port.publish(message, stamp=stamp)
+            except GatewayError as error:
+                log.warning("the battery state could not be published: %s", error.detail)
+                continue
+            self._publisher.published_count += 1
+            if time.monotonic() - self._told_at >= COUNT_INTERVAL:
+                self._tell()
+
+    def _tell(self) -> None:
+        self._told_at = time.monotonic()
+        self._hub.publish(system_event("battery_publisher", self.document(), utc_now(), robot=self._robot))
+
+
+def _unstamped(message: Any) -> bool:
+    return bool(message.header.stamp.sec == 0 and message.header.stamp.nanosec == 0)

@@ -1,0 +1,100 @@
+"""What goals came to: of some actions, the last one that ended and the last one that succeeded."""
+
+import asyncio
+import logging
+from collections.abc import Iterable
+
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.tasks import cancel
+from dock_gateway.history import GoalFilter, History
+
+log = logging.getLogger(__name__)
+
+FINAL = frozenset(status for status in GoalStatus if status.final)
+SUCCEEDED = frozenset({GoalStatus.SUCCEEDED})
+# So many goals of an action are read; an action server that was there before us may tell of them again.
+READ = 10
+# A history that does not answer is asked again after so many seconds.
+RETRY_INTERVAL = 1.0
+
+
+class LastGoals:
+    """Remembers how goals ended: what the history says of the time before, then what is seen.
+
+    Args:
+        history: Where goals are kept.
+    """
+
+    def __init__(self, history: History) -> None:
+        self._history = history
+        self._watched: set[str] = set()
+        self._last: dict[str, Goal] = {}
+        self._succeeded: dict[str, Goal] = {}
+        self._read: set[str] = set()  # ids of goals that the history told of
+        self._unread: asyncio.Queue[str] = asyncio.Queue()
+        self._task = asyncio.create_task(self._read_on())
+
+    def watch(self, *action_names: str) -> None:
+        """Remember the outcomes of goals on these actions from now on, and look up what there was before."""
+        for name in action_names:
+            if name not in self._watched:
+                self._watched.add(name)
+                self._unread.put_nowait(name)
+
+    def take(self, goal: Goal) -> None:
+        """A goal has ended."""
+        if goal.action_name not in self._watched or goal.goal_id in self._read:
+            return
+        self._last[goal.action_name] = latest([self._last.get(goal.action_name), goal]) or goal
+        if goal.status is GoalStatus.SUCCEEDED:
+            self._succeeded[goal.action_name] = latest([self._succeeded.get(goal.action_name), goal]) or goal
+
+    def last(self, *action_names: str) -> Goal | None:
+        """The last goal on these actions that ended."""
+        return latest(self._last.get(name) for name in action_names)
+
+    def succeeded(self, *action_names: str) -> Goal | None:
+        """The last goal on these actions that succeeded."""
+        return latest(self._succeeded.get(name) for name in action_names)
+
+    async def _read_on(self) -> None:
+        while True:
+            name = await self._unread.get()
+            if not await self._look_up(name):
+                self._unread.put_nowait(name)
+                await asyncio.sleep(RETRY_INTERVAL)
+
+    async def _look_up(self, name: str) -> bool:
+        try:
+            found = await self._history.page(GoalFilter(frozenset({name}), statuses=FINAL), limit=READ)
+            if not any(goal.status is GoalStatus.SUCCEEDED for goal in found):
+                found += await self._history.page(GoalFilter(frozenset({name}), statuses=SUCCEEDED), limit=1)
+        except Unavailable:
+            return False
+        except Exception:
+            log.exception("while the outcomes of goals on %s were looked up", name)
+            return True
+        for goal in found:
+            self.take(goal)
+        self._read |= {goal.goal_id for goal in found}
+        return True
+
+    async def close(self) -> None:
+        """Look nothing up any more."""
+        await cancel(self._task)
+
+
+def latest(goals: Iterable[Goal | None]) -> Goal | None:
+    """Of goals that have ended, the one that was the last to run; the earlier one where two are the same."""
+    last: Goal | None = None
+    for goal in goals:
+        if goal is not None and (last is None or _follows(goal, last)):
+            last = goal
+    return last
+
+
+def _follows(goal: Goal, last: Goal) -> bool:
+    if GoalStatus.REJECTED in (goal.status, last.status):  # it never ran, maybe because the other one did
+        return (goal.finished_at or goal.created_at) > (last.finished_at or last.created_at)
+    return goal.created_at > last.created_at

@@ -1,0 +1,80 @@
+"""Topics of robots that are heard only while a subscriber wants them, and a moment longer."""
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from typing import Protocol
+
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.tasks import cancel
+from dock_gateway.ros.bridge import Bridge
+
+log = logging.getLogger(__name__)
+
+# A page that is reloaded is back within so many seconds.
+LINGER = 3.0
+
+
+class Port(Protocol):
+    """What hears the topic of one robot; made and closed on the ROS thread."""
+
+    def close(self) -> None:
+        """Hear it no more."""
+
+
+class OnDemand:
+    """Opens and closes ports of one kind as subscribers come and go.
+
+    Args:
+        bridge: Where the ROS thread is.
+        hub: Who wants what.
+        topic: What `?include=` calls it.
+        make: Makes the port of a robot.
+    """
+
+    def __init__(self, bridge: Bridge, hub: Hub, topic: str, make: Callable[[str], Port]) -> None:
+        self._bridge = bridge
+        self._hub = hub
+        self._topic = topic
+        self._make = make
+        self._ports: dict[str, Port] = {}
+        self._changed = asyncio.Event()
+        self._task = asyncio.create_task(self._run())
+        hub.on_watch(topic, self._changed.set)
+
+    @property
+    def _wanted(self) -> set[str]:
+        return self._hub.watched(self._topic)
+
+    async def _run(self) -> None:
+        while True:
+            unwanted = self._ports.keys() - self._wanted
+            try:
+                async with asyncio.timeout(LINGER if unwanted else None):
+                    await self._changed.wait()
+            except TimeoutError:
+                await self._change(self._close, self._ports.keys() - self._wanted)
+            self._changed.clear()
+            await self._change(self._open, self._wanted - self._ports.keys())
+
+    async def _change(self, change: Callable[[str], Awaitable[None]], robots: set[str]) -> None:
+        for robot in robots:
+            try:
+                await change(robot)
+            except GatewayError as error:
+                log.warning("%s of %s is not heard: %s", self._topic, robot, error.detail)
+            except Exception:
+                log.exception("while %s of %s was opened or closed", self._topic, robot)
+
+    async def _open(self, robot: str) -> None:
+        self._ports[robot] = await self._bridge.call(lambda: self._make(robot), undo=lambda port: port.close())
+        log.info("hearing %s of %s", self._topic, robot)
+
+    async def _close(self, robot: str) -> None:
+        self._bridge.to_ros(self._ports.pop(robot).close)
+        log.info("no longer hearing %s of %s", self._topic, robot)
+
+    async def close(self) -> None:
+        """Open and close nothing any more."""
+        await cancel(self._task)

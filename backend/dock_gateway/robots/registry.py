@@ -1,0 +1,194 @@
+"""A robot is a namespace: its battery topic, its velocity topic, its actions."""
+
+import logging
+import re
+from contextlib import ExitStack
+from dataclasses import dataclass
+
+from dock_gateway.core.discovery import Discovery
+from dock_gateway.core.errors import FieldError, InvalidField, NotFound
+from dock_gateway.core.filters import is_under, prefix_of
+from dock_gateway.core.hub import Hub
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.robots.battery import Battery, BatteryPublisher
+from dock_gateway.robots.last_goals import LastGoals
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.graph import Scan, find_presence
+from dock_gateway.ros.robot_ports import BatteryPort, LatchPort, VelocityPort
+from dock_gateway.settings import Settings
+
+log = logging.getLogger(__name__)
+
+
+NAME_PART = "[A-Za-z_][A-Za-z0-9_]*"
+NAMESPACE = re.compile(f"/(?:{NAME_PART}(?:/{NAME_PART})*/?)?")
+
+Ports = tuple[BatteryPort, VelocityPort, LatchPort]
+
+
+@dataclass(frozen=True)
+class Robot:
+    """What belongs to one namespace. `ports` are all of its topics that we are at, that of the stop being the last."""
+
+    namespace: str
+    battery: Battery
+    publisher: BatteryPublisher
+    velocity: VelocityPort
+    ports: Ports
+
+
+class RobotRegistry:
+    """The robots on the graph: the configured one always, others as their battery topic or docking action appears."""
+
+    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub, interlock: Interlock, outcomes: LastGoals) -> None:
+        self._settings = settings
+        self._bridge = bridge
+        self._hub = hub
+        self._interlock = interlock
+        self._outcomes = outcomes
+        self._robots: dict[str, Robot] = {}
+        self._forgotten: set[str] = set()
+        self._discovery = Discovery("robot", settings.max_robots, "max_robots")
+        self.default_namespace = normalize_namespace(settings.namespace)
+
+    async def open(self, namespace: str) -> Robot:
+        """Join the topics of a robot."""
+        settings, hub = self._settings, self._hub
+        battery = Battery(hub, settings.battery_stale_after, namespace)
+
+        def hear_latch(latched: bool, received: float) -> None:
+            self._interlock.heard(namespace, latched=latched, received=received)
+
+        def make() -> Ports:
+            battery_topic = settings.resolve(settings.battery_topic, namespace)
+            velocity_topic = settings.resolve(settings.cmd_vel_topic, namespace)
+            stop_topic = settings.resolve(settings.stop_topic, namespace)
+            with ExitStack() as undo:
+                battery_port = BatteryPort(self._bridge, battery_topic, battery.on_battery)
+                undo.callback(battery_port.close)
+                velocity_port = VelocityPort(self._bridge, velocity_topic)
+                undo.callback(velocity_port.close)
+                ports = battery_port, velocity_port, LatchPort(self._bridge, stop_topic, hear_latch)
+                undo.pop_all()
+            return ports
+
+        ports = await self._bridge.call(make, undo=_leave)
+        battery_port, velocity, latch = ports
+        robot = Robot(namespace, battery, BatteryPublisher(battery_port, hub, namespace), velocity, ports)
+        self._robots[namespace] = robot
+        self._forgotten.discard(namespace)
+        self._interlock.join(namespace, latch)
+        self._outcomes.watch(*settings.docking_actions(namespace))
+        log.info("robot %s", namespace)
+        return robot
+
+    async def update(self, scan: Scan) -> bool:
+        """Take up robots that have appeared, or are back; whether some are still to be taken up.
+
+        One that was forgotten is not back for a topic that merely another gateway is at.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+        settings = self._settings
+        suffixes = tuple(f"/{name}" for name in (settings.dock_action, settings.undock_action, settings.battery_topic))
+        names = (*scan.actions, *scan.topics)
+        found = (name.removesuffix(suffix) or "/" for name in names for suffix in suffixes if name.endswith(suffix))
+        new = [namespace for namespace in dict.fromkeys(found) if namespace not in self._robots]
+
+        async def take_up(namespace: str) -> None:
+            if namespace not in self._forgotten or await self.is_there(namespace, scan):
+                await self.open(namespace)
+
+        self._discovery.keep(new)
+        return await self._discovery.take_up(new, self._robots, take_up)
+
+    async def is_there(self, namespace: str, scan: Scan) -> bool:
+        """Whether somebody other than gateways is in a namespace, and not in that of a robot below.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+        settings = self._settings
+
+        prefix = prefix_of(namespace)
+
+        def belongs(name: str) -> bool:
+            if not name.startswith(prefix):  # most do not, and this is asked of thousands
+                return False
+            owner = self.owner(name)
+            return owner is None or is_under(namespace, owner.namespace)
+
+        if any(belongs(name) for name in scan.actions):
+            return True
+        topics = [name for name in scan.topics if belongs(name)]
+        presence = await self._bridge.call(
+            lambda: find_presence(
+                self._bridge.node,
+                topics,
+                stop_topic=settings.resolve(settings.stop_topic, namespace),
+                velocity_topic=settings.resolve(settings.cmd_vel_topic, namespace),
+            )
+        )
+        return presence.at_topics or any(belongs(name) for name in presence.nodes)
+
+    def forget(self, namespace: str) -> None:
+        """Leave the topics of a robot that has gone; it comes back with its past when it appears again."""
+        robot = self._robots.pop(namespace)
+        self._forgotten.add(namespace)
+        self._interlock.leave(namespace)
+        self._bridge.to_ros(lambda: _leave(robot.ports))
+
+    def all(self) -> list[Robot]:
+        """The robots, by namespace."""
+        return sorted(self._robots.values(), key=lambda robot: robot.namespace)
+
+    def under(self, namespace: str) -> list[Robot]:
+        """The robot of a namespace and those below it."""
+        return [robot for robot in self.all() if is_under(robot.namespace, namespace)]
+
+    def owner(self, name: str) -> Robot | None:
+        """The robot that an action belongs to: the one with the longest namespace that it is in."""
+        while name:
+            name = name.rpartition("/")[0]
+            if robot := self._robots.get(name or "/"):
+                return robot
+        return None
+
+    def get(self, namespace: str | None = None) -> Robot:
+        """The robot of a namespace, the configured one where none is named.
+
+        Raises:
+            NotFound: `robot_not_found`.
+        """
+        name = self.default_namespace if namespace is None else read_namespace(namespace)
+        robot = self._robots.get(name)
+        if robot is None:
+            raise NotFound(f"there is no robot {name}", code="robot_not_found")
+        return robot
+
+    async def close(self) -> None:
+        """Publish no more."""
+        for robot in self.all():
+            await robot.publisher.stop()
+
+
+def _leave(ports: Ports) -> None:
+    for port in ports:
+        port.close()
+
+
+def normalize_namespace(namespace: str) -> str:
+    """`robot1`, `/robot1` and `/robot1/` are `/robot1`; nothing is `/`."""
+    return f"/{namespace.strip('/')}"
+
+
+def read_namespace(namespace: str) -> str:
+    """A namespace that a client named.
+
+    Raises:
+        InvalidField: It is not one.
+    """
+    if not NAMESPACE.fullmatch(namespace):
+        raise InvalidField([FieldError("query.robot", "a ROS namespace such as /robot1", f"got {namespace[:60]!r}")])
+    return normalize_namespace(namespace)

@@ -1,0 +1,184 @@
+"""The simulators on the graph: what each says of itself, and what can be done to it."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from dock_gateway.core.errors import NotFound, ServerTimeout
+from dock_gateway.core.event import system_event, utc_now
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.scene import Pose
+from dock_gateway.core.tasks import cancel
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.simulator_port import FAULTS, SimulatorPort
+from dock_gateway.settings import Settings
+
+log = logging.getLogger(__name__)
+
+# A simulator reports once a second; one that has not for so many seconds is gone.
+GONE_AFTER = 3.5
+# A fault that was switched shows in the report within so many seconds.
+REPORT_WAIT = 1.0
+
+Values = Mapping[str, str]
+
+
+@dataclass
+class Simulator:
+    """One simulator, as it reports."""
+
+    port: SimulatorPort
+    values: Values
+    heard_at: float
+    changed: asyncio.Event = field(default_factory=asyncio.Event)
+    available: bool = True
+
+    def document(self) -> dict[str, Any]:
+        """As `GET /simulator` shows it, ready for `orjson`."""
+        return {
+            "available": self.available,
+            "faults": {fault: self.values[fault] == "true" for fault in FAULTS if fault in self.values},
+            "contact": _truth(self.values.get("contact")),
+            "docked": _truth(self.values.get("docked")),
+            "battery_publisher": self.values.get("battery_publisher"),
+            "real_time_factor": _number(self.values.get("real_time_factor")),
+        }
+
+
+class Simulators:
+    """The simulators by robot.
+
+    Args:
+        settings: Names.
+        bridge: Where the ROS thread is.
+        hub: Where events go.
+    """
+
+    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub) -> None:
+        self._settings = settings
+        self._bridge = bridge
+        self._hub = hub
+        self._simulators: dict[str, Simulator] = {}
+        self._task = asyncio.create_task(self._watch())
+
+    # ------------------------------------------------------------------ what they say
+
+    def on_report(self, namespace: str, values: Values) -> None:
+        """A simulator says how it is."""
+        known = self._simulators.get(namespace)
+        if known is None:
+            resolve = self._settings.resolve
+            port = SimulatorPort(self._bridge, lambda name: resolve(name, namespace))
+            self._simulators[namespace] = Simulator(port, values, time.monotonic())
+            log.info("simulator of %s", namespace)
+            self._tell(namespace)
+            return
+        before = known.document()
+        known.values, known.heard_at, known.available = values, time.monotonic(), True
+        known.changed.set()
+        if known.document() != before:
+            self._tell(namespace)
+
+    async def _watch(self) -> None:
+        while True:
+            await asyncio.sleep(1.0)
+            for namespace, simulator in self._simulators.items():
+                if simulator.available and time.monotonic() - simulator.heard_at > GONE_AFTER:
+                    log.info("the simulator of %s has gone", namespace)
+                    simulator.available = False
+                    self._tell(namespace)
+
+    def _tell(self, namespace: str) -> None:
+        self._hub.publish(system_event("simulator", self.document(namespace), utc_now(), robot=namespace))
+
+    # ------------------------------------------------------------------ what is done
+
+    def find(self, namespace: str) -> Simulator | None:
+        """The simulator of a robot, where it has one."""
+        simulator = self._simulators.get(namespace)
+        return simulator if simulator is not None and simulator.available else None
+
+    def document(self, namespace: str) -> dict[str, Any] | None:
+        """The simulator of a robot as it reported last, also where it has gone; None where there never was one."""
+        simulator = self._simulators.get(namespace)
+        return None if simulator is None else simulator.document()
+
+    def get(self, namespace: str) -> Simulator:
+        """The simulator of a robot.
+
+        Raises:
+            NotFound: `simulator_not_found`.
+        """
+        simulator = self.find(namespace)
+        if simulator is None:
+            raise NotFound(f"there is no simulator of {namespace}", code="simulator_not_found")
+        return simulator
+
+    async def reset(self, namespace: str) -> dict[str, Any]:
+        """Put the robot to its start, fill its battery as it was, and end every fault; returns the simulator.
+
+        Raises:
+            NotFound: `simulator_not_found`.
+            ServerTimeout: `simulator_timeout`.
+        """
+        simulator = self.get(namespace)
+        await self._do(simulator.port.reset)
+        await self._until(simulator, lambda: not any(simulator.document()["faults"].values()))
+        return simulator.document()
+
+    async def place(self, namespace: str, pose: Pose) -> dict[str, Any]:
+        """Put the robot somewhere, in the frame `world`; returns the simulator.
+
+        Raises:
+            NotFound: `simulator_not_found`.
+            ServerTimeout: `simulator_timeout`.
+        """
+        simulator = self.get(namespace)
+        await self._do(lambda: simulator.port.place(pose))
+        return simulator.document()
+
+    async def switch(self, namespace: str, fault: str, *, active: bool) -> dict[str, Any]:
+        """Let something break, or work again; returns the simulator.
+
+        Raises:
+            NotFound: `simulator_not_found`.
+            ServerTimeout: `simulator_timeout`.
+        """
+        simulator = self.get(namespace)
+        await self._do(lambda: simulator.port.switch(fault, active=active))
+        await self._until(simulator, lambda: simulator.document()["faults"].get(fault) is active)
+        return simulator.document()
+
+    async def _do(self, what: Callable[[], Awaitable[None]]) -> None:
+        try:
+            await what()
+        except TimeoutError:
+            raise ServerTimeout("the simulator does not answer", code="simulator_timeout") from None
+
+    async def _until(self, simulator: Simulator, holds: Callable[[], bool]) -> None:
+        """Wait until a report says so, which comes by another way than the answer."""
+        try:
+            async with asyncio.timeout(REPORT_WAIT):
+                while not holds():
+                    simulator.changed.clear()
+                    await simulator.changed.wait()
+        except TimeoutError:
+            log.warning("the simulator has not reported what it was told")
+
+    async def close(self) -> None:
+        """Look no more."""
+        await cancel(self._task)
+
+
+def _truth(text: str | None) -> bool | None:
+    return None if text is None else text == "true"
+
+
+def _number(text: str | None) -> float | None:
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        return None

@@ -1,0 +1,1 @@
+"""ROS messages to JSON and back, compiled from the message definitions."""

@@ -1,0 +1,95 @@
+"""What can be done to a simulated robot: its services, and RViz's way to place it."""
+
+import asyncio
+import math
+from collections.abc import Callable
+from typing import Any
+
+from geometry_msgs.msg import PoseWithCovarianceStamped
+from rclpy.client import Client
+from std_srvs.srv import SetBool, Trigger
+
+from dock_gateway.core.scene import WORLD, Pose
+from dock_gateway.ros.bridge import Bridge
+
+FAULTS = ("dead_charger", "occluded_marker", "stuck_wheel", "silent_battery", "percentage_0_to_100")
+# A service or a subscriber that is on the graph is found within so many seconds.
+FIND_WITHIN = 2.0
+# Both sides have found each other once the first answer came; until then a request may get none.
+ANSWER_WITHIN = 1.0
+ATTEMPTS = 2
+
+
+class SimulatorPort:
+    """Clients of one simulator. Each is made when it is needed for the first time.
+
+    Args:
+        bridge: Where the ROS thread is.
+        resolve: Makes a name absolute.
+    """
+
+    def __init__(self, bridge: Bridge, resolve: Callable[[str], str]) -> None:
+        self._bridge = bridge
+        self._resolve = resolve
+        self._clients: dict[str, Client] = {}
+        self._publisher: Any = None
+
+    async def reset(self) -> None:
+        """Robot, battery and faults as they were at the start.
+
+        Raises:
+            TimeoutError: There was no answer.
+        """
+        await self._call(Trigger, "dock_simulator/reset", Trigger.Request())
+
+    async def switch(self, fault: str, *, active: bool) -> None:
+        """Switch a fault.
+
+        Raises:
+            TimeoutError: There was no answer.
+        """
+        await self._call(SetBool, f"dock_simulator/faults/{fault}", SetBool.Request(data=active))
+
+    async def place(self, pose: Pose) -> None:
+        """Put the robot somewhere, in the frame `world`.
+
+        Raises:
+            TimeoutError: Nobody listens.
+        """
+        if self._publisher is None:
+            node, topic = self._bridge.node, self._resolve("initialpose")
+            self._publisher = await self._bridge.call(
+                lambda: node.create_publisher(PoseWithCovarianceStamped, topic, 10), undo=node.destroy_publisher
+            )
+        await self._until(self._publisher.get_subscription_count)
+        message = PoseWithCovarianceStamped()
+        message.header.frame_id = WORLD
+        message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
+        message.pose.pose.orientation.z = math.sin(pose.theta / 2)
+        message.pose.pose.orientation.w = math.cos(pose.theta / 2)
+        await self._bridge.call(lambda: self._publisher.publish(message))
+
+    async def _call(self, kind: Any, name: str, request: Any) -> None:
+        if name not in self._clients:
+            node, path = self._bridge.node, self._resolve(name)
+            self._clients[name] = await self._bridge.call(
+                lambda: node.create_client(kind, path), undo=node.destroy_client
+            )
+        client = self._clients[name]
+        await self._until(client.service_is_ready)
+        for attempt in range(ATTEMPTS):
+            pending = self._bridge.request(client, request)
+            try:
+                async with asyncio.timeout(ANSWER_WITHIN):
+                    await asyncio.shield(pending.response)
+            except TimeoutError:
+                pending.forget()
+                if attempt + 1 == ATTEMPTS:
+                    raise
+            else:
+                return
+
+    async def _until(self, holds: Callable[[], Any]) -> None:
+        async with asyncio.timeout(FIND_WITHIN):
+            while not await self._bridge.call(holds):  # noqa: ASYNC110 - DDS tells nobody
+                await asyncio.sleep(0.02)

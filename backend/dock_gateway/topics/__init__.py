@@ -1,0 +1,1 @@
+"""The ROS graph, and the messages of any topic."""

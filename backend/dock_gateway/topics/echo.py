@@ -1,0 +1,275 @@
+"""A topic that somebody looks at: heard once however many look, decoded as often as the fastest of them wants."""
+
+import asyncio
+import logging
+import time
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from dock_gateway.core.errors import GatewayError, NotFound
+from dock_gateway.core.event import Event, moment, notice, utc_now
+from dock_gateway.core.goal import fragment
+from dock_gateway.core.graph import Endpoint, Topic
+from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.tasks import cancel
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.raw_port import EchoPort, EchoType, Heard, Reading
+from dock_gateway.topics.graph_cache import GraphCache
+
+log = logging.getLogger(__name__)
+
+# Rates are told, and the topic is looked at again, so often, in seconds; a rate is that of the last WINDOW seconds.
+TICK = 1.0
+WINDOW = 3
+# A message that takes long to decode leaves the others so many times as long before the next of its topic.
+REST = 20
+
+
+@dataclass(eq=False)
+class Viewer:
+    """Somebody who looks.
+
+    Attributes:
+        subscriber: Where messages go.
+        period: Seconds between two of them.
+        due: When the next may come.
+        seen: How many had been heard when the last one went.
+    """
+
+    subscriber: Subscriber
+    period: float
+    due: float = 0.0
+    seen: int = 0
+
+
+@dataclass(frozen=True)
+class Listening:
+    """How a topic is listened to."""
+
+    kind: str
+    reliable: bool
+    latched: bool
+
+
+class Echo:
+    """One topic, for all who look at it.
+
+    Args:
+        bridge: Where the ROS thread is.
+        lookout: Tells who is at the topic.
+        topic: As it is now.
+    """
+
+    def __init__(self, bridge: Bridge, lookout: GraphCache, topic: Topic) -> None:
+        self._bridge = bridge
+        self._lookout = lookout
+        self._topic = topic
+        self._viewers: set[Viewer] = set()
+        self._listening: Listening | None = None
+        self._kind: EchoType | None = None
+        self._unreadable: str | None = None
+        self._port: EchoPort | None = None
+        self._past: deque[tuple[float, Heard]] = deque([(time.monotonic(), Heard())], maxlen=WINDOW + 1)
+        self._changed = asyncio.Event()
+        self._task: asyncio.Task[None] | None = None
+
+    async def open(self) -> None:
+        """Listen.
+
+        Raises:
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        await self._listen(listening_for(self._topic, None))
+        self._task = asyncio.create_task(self._run())
+
+    async def close(self) -> None:
+        """Listen no more."""
+        if self._task is not None:
+            await cancel(self._task)
+        if self._port is not None:
+            self._bridge.to_ros(self._port.close)
+
+    def add(self, viewer: Viewer) -> None:
+        """Show somebody the topic, the newest message, and what comes."""
+        self._viewers.add(viewer)
+        viewer.subscriber.put(self._topic_event())
+        self._changed.set()
+
+    def remove(self, viewer: Viewer) -> None:
+        """Show it no more."""
+        self._viewers.discard(viewer)
+
+    @property
+    def viewed(self) -> bool:
+        """Whether somebody looks."""
+        return bool(self._viewers)
+
+    @property
+    def _heard(self) -> Heard:
+        return Heard() if self._port is None else self._port.heard
+
+    async def _run(self) -> None:
+        tick = time.monotonic() + TICK
+        while True:
+            try:
+                await self._wait(min(tick, self._next_due()))
+                await self._show()
+                if time.monotonic() >= tick:
+                    tick = time.monotonic() + TICK
+                    self._tell_rate()
+                    await self._look_again()
+            except GatewayError as error:
+                log.warning("%s cannot be looked at: %s", self._topic.name, error.detail)
+            except Exception:
+                log.exception("while %s was looked at", self._topic.name)
+                await asyncio.sleep(TICK)
+
+    async def _wait(self, until: float) -> None:
+        try:
+            async with asyncio.timeout(max(0.0, until - time.monotonic())):
+                await self._changed.wait()
+        except TimeoutError:
+            pass
+        self._changed.clear()
+
+    def _waiting(self) -> list[Viewer]:
+        heard = self._heard
+        if heard.newest is None or self._kind is None or not self._kind.installed:
+            return []
+        return [viewer for viewer in self._viewers if viewer.seen < heard.messages]
+
+    def _next_due(self) -> float:
+        if not self._waiting() and self._port is not None:
+            self._port.tell_next()  # one that comes right now wakes us, or is seen in the next line
+        return min((viewer.due for viewer in self._waiting()), default=float("inf"))
+
+    async def _show(self) -> None:
+        began, heard = time.monotonic(), self._heard
+        due = [viewer for viewer in self._waiting() if viewer.due <= began]
+        if not due or heard.newest is None or self._kind is None:
+            return
+        reading = await self._read(self._kind, heard.newest)
+        if reading is not None:
+            event = _event(
+                "message",
+                self._topic.name,
+                time=moment(heard.stamp_ns),
+                message=fragment(reading.message),
+                abbreviated=bool(reading.lengths),
+                lengths=reading.lengths,
+            )
+            self._send(due, event)
+        rest = 0.0 if reading is None else REST * reading.took
+        for viewer in due:
+            viewer.seen, viewer.due = heard.messages, began + max(viewer.period, rest)
+
+    async def _read(self, kind: EchoType, message: bytes) -> Reading | None:
+        before, self._unreadable = self._unreadable, None
+        reading: Reading | None = None
+        try:
+            reading = await asyncio.to_thread(kind.read, message)
+        except Exception as error:  # noqa: BLE001 - whatever the bytes of others bring about
+            self._unreadable = f"its messages cannot be read as {kind.name}: {error}"
+            if before is None:
+                log.warning("%s: %s", self._topic.name, self._unreadable)
+        if self._unreadable != before:
+            self._send(self._viewers, self._topic_event())
+        return reading
+
+    def _tell_rate(self) -> None:
+        if self._kind is None or not self._kind.installed:  # nothing is heard
+            return
+        now, heard = time.monotonic(), self._heard
+        self._past.append((now, heard._replace(newest=None)))
+        then, before = self._past[0]
+        event = _event(
+            "rate",
+            self._topic.name,
+            hz=round((heard.messages - before.messages) / (now - then), 2),
+            bytes_per_s=round((heard.size - before.size) / (now - then)),
+            messages=heard.messages,
+        )
+        self._send(self._viewers, event)
+
+    async def _look_again(self) -> None:
+        try:
+            topic = await self._lookout.topic(self._topic.name)
+        except NotFound:  # it may come back
+            topic = Topic(self._topic.name, [], [])
+        same = topic.document() == self._topic.document()
+        self._topic = topic
+        listening = listening_for(topic, self._listening)
+        if listening != self._listening:
+            await self._listen(listening)
+        elif same:
+            return
+        self._send(self._viewers, self._topic_event())
+
+    async def _listen(self, listening: Listening) -> None:
+        if self._kind is None or self._kind.name != listening.kind:
+            self._kind = await asyncio.to_thread(EchoType, listening.kind)
+            self._unreadable = None
+        kind, before = self._kind, self._port
+
+        def change() -> EchoPort:
+            if before is not None:
+                before.close()
+            return EchoPort(
+                self._bridge,
+                self._topic.name,
+                kind,
+                reliable=listening.reliable,
+                latched=listening.latched,
+                on_news=self._changed.set,
+                heard=self._heard,
+            )
+
+        self._port, self._listening = await self._bridge.call(change, undo=EchoPort.close), listening
+
+    def _topic_event(self) -> Event:
+        kind = self._kind
+        return _event(
+            "topic",
+            self._topic.document(),
+            message_type=kind and kind.name,
+            installed=kind is not None and kind.installed,
+            hint=self._unreadable or (kind and kind.hint),
+        )
+
+    @staticmethod
+    def _send(viewers: Iterable[Viewer], event: Event) -> None:
+        for viewer in viewers:
+            viewer.subscriber.put(event)
+
+
+def listening_for(topic: Topic, now: Listening | None) -> Listening:
+    """How to hear every publisher of a topic, and what they published before where all of them keep it.
+
+    Where a topic has more than one type, which is a mistake on the graph, one of the publishers' counts.
+
+    Args:
+        topic: As it is.
+        now: How it is listened to; that goes on while nobody publishes.
+    """
+    publishers = topic.publishers
+    if not publishers and now is not None:
+        return now
+    types = sorted({endpoint.type for endpoint in publishers}) or topic.types
+
+    def all_are(name: str, value: str) -> bool:
+        return bool(publishers) and all(_quality(endpoint, name) == value for endpoint in publishers)
+
+    return Listening(types[0], all_are("reliability", "reliable"), all_are("durability", "transient_local"))
+
+
+def _quality(endpoint: Endpoint, name: str) -> str:
+    value: str = getattr(endpoint.qos, name)
+    return value
+
+
+def _event(kind: str, topic: Any, **payload: Any) -> Event:
+    """An event of an echo; who has not been sent the one before of its kind gets the newest alone."""
+    now = payload.pop("time", None) or utc_now()
+    return replace(notice(kind, now, topic=topic, **payload), topic=kind, droppable=True, supersedes=True)

@@ -1,0 +1,76 @@
+"""The ROS graph for those who ask: looked at once for all of them, and not at all while nobody asks."""
+
+import asyncio
+import hashlib
+import time
+from dataclasses import dataclass
+
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.goal import encode
+from dock_gateway.core.graph import Seen, Topic, graph_document
+from dock_gateway.core.tasks import cancel
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.graph import Survey, read_topic
+
+# Between the beginnings of two looks at the whole graph, in seconds.
+INTERVAL = 1.0
+
+
+@dataclass(frozen=True)
+class View:
+    """The graph, encoded; the same graph has the same tag."""
+
+    body: bytes
+    tag: str
+
+
+class GraphCache:
+    """Looks at the graph.
+
+    Args:
+        bridge: Where the ROS thread is.
+    """
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+        self._looking: asyncio.Task[View] | None = None
+        self._began = 0.0
+
+    async def graph(self) -> View:
+        """The whole graph, at most a second old.
+
+        Raises:
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        now = time.monotonic()
+        if self._looking is None or (self._looking.done() and now - self._began >= INTERVAL):
+            self._looking, self._began = asyncio.create_task(self._look()), now
+        return await asyncio.shield(self._looking)  # others wait for it, too
+
+    async def topic(self, name: str) -> Topic:
+        """One topic, as it is now.
+
+        Raises:
+            NotFound: It is not on the graph.
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        topic = await self._bridge.call(lambda: read_topic(self._bridge.node, name))
+        if not topic.types:
+            raise NotFound(f"there is no topic {name[:200]} on the ROS graph", code="topic_not_found")
+        return topic
+
+    async def _look(self) -> View:
+        survey = await self._bridge.call(lambda: Survey(self._bridge.node))
+        while not await self._bridge.call(survey.proceed):
+            pass
+        return await asyncio.to_thread(_view, survey.seen)
+
+    async def close(self) -> None:
+        """Look no more."""
+        if self._looking is not None:
+            await cancel(self._looking)
+
+
+def _view(seen: Seen) -> View:
+    body = encode(graph_document(seen))
+    return View(body, f'"{hashlib.sha256(body).hexdigest()[:32]}"')

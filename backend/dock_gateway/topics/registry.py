@@ -1,0 +1,69 @@
+"""The topics that somebody looks at; nothing is heard of the others."""
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from dock_gateway.core.errors import TooManyRequests
+from dock_gateway.core.hub import Subscriber
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.topics.echo import Echo, Viewer
+from dock_gateway.topics.graph_cache import GraphCache
+
+log = logging.getLogger(__name__)
+
+MAX_TOPICS = 20
+
+
+class EchoRegistry:
+    """All topics that somebody looks at.
+
+    Args:
+        bridge: Where the ROS thread is.
+        lookout: Tells who is at a topic.
+    """
+
+    def __init__(self, bridge: Bridge, lookout: GraphCache) -> None:
+        self._bridge = bridge
+        self._lookout = lookout
+        self._echoes: dict[str, Echo] = {}
+        self._changing = asyncio.Lock()
+
+    @asynccontextmanager
+    async def watch(self, topic: str, subscriber: Subscriber, max_rate: float) -> AsyncIterator[None]:
+        """Show a topic to a subscriber, with at most so many messages a second, until the block ends.
+
+        Raises:
+            NotFound: There is no such topic.
+            TooManyRequests: Too many others are looked at.
+            Unavailable: `ros_unavailable`, when the ROS thread is down.
+        """
+        viewer = Viewer(subscriber, 1 / max_rate)
+        async with self._changing:
+            echo = self._echoes.get(topic) or await self._open(topic)
+            echo.add(viewer)
+        try:
+            yield
+        finally:
+            echo.remove(viewer)
+            async with self._changing:
+                if not echo.viewed and self._echoes.get(topic) is echo:
+                    del self._echoes[topic]
+                    await echo.close()
+                    log.info("nobody looks at %s any more", topic)
+
+    async def _open(self, topic: str) -> Echo:
+        found = await self._lookout.topic(topic)
+        if len(self._echoes) >= MAX_TOPICS:
+            raise TooManyRequests(f"{MAX_TOPICS} topics are looked at already")
+        echo = Echo(self._bridge, self._lookout, found)
+        await echo.open()
+        self._echoes[topic] = echo
+        log.info("somebody looks at %s", topic)
+        return echo
+
+    async def close(self) -> None:
+        """Look no more."""
+        for echo in list(self._echoes.values()):
+            await echo.close()

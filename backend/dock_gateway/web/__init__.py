@@ -1,0 +1,1 @@
+"""HTTP and WebSocket: each route parses a request, calls the gateway and answers."""

@@ -1,0 +1,102 @@
+"""The ASGI application."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, nullcontext
+from typing import TypedDict
+
+from fastapi import FastAPI
+from starlette.middleware.cors import CORSMiddleware
+
+from dock_gateway import __version__
+from dock_gateway.gateway import Gateway, open_gateway
+from dock_gateway.settings import Settings
+from dock_gateway.web.dashboard import install_dashboard
+from dock_gateway.web.docs import install_docs
+from dock_gateway.web.methods import allowed_methods
+from dock_gateway.web.openapi import install_openapi
+from dock_gateway.web.origin import OriginGuard
+from dock_gateway.web.problems import install_problems
+from dock_gateway.web.routes import (
+    actions,
+    battery,
+    battery_history,
+    dock,
+    exports,
+    fleet,
+    goals,
+    graph,
+    health,
+    interfaces,
+    simulator,
+    stop,
+)
+from dock_gateway.web.streams import events, socket, topics
+
+DESCRIPTION = "Drive ROS 2 actions from a browser, curl or a WebSocket."
+
+
+class State(TypedDict):
+    """What lives as long as the app runs."""
+
+    gateway: Gateway
+
+
+def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
+    """Make the application.
+
+    Args:
+        settings: The settings.
+        gateway: A gateway that is open. Without one, the application joins the ROS graph when it starts, and leaves it
+            when it ends.
+    """
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[State]:
+        async with open_gateway(settings) if gateway is None else nullcontext(gateway) as opened:
+            yield {"gateway": opened}
+
+    app = FastAPI(
+        title="dock-gateway",
+        version=__version__,
+        description=DESCRIPTION,
+        lifespan=lifespan,
+        openapi_url=None,
+        docs_url=None,
+        redoc_url=None,
+        swagger_ui_oauth2_redirect_url=None,
+        generate_unique_id_function=lambda route: route.name,
+    )
+    modules = (
+        stop,
+        events,
+        exports,  # before the goals: `export` is no id of one
+        goals,
+        actions,
+        interfaces,
+        graph,
+        battery,
+        battery_history,
+        fleet,
+        simulator,
+        health,
+        socket,
+        topics,
+    )
+    routers = (*dock.routers, *(module.router for module in modules))
+    for router in routers:
+        app.include_router(router)
+    install_openapi(app)
+    install_docs(app)
+    install_dashboard(app, settings)
+    install_problems(app, allowed_methods([*(route for router in routers for route in router.routes), *app.routes]))
+    if settings.allowed_origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=settings.allowed_origins,
+            allow_methods=("GET", "POST", "PUT", "DELETE"),
+            allow_headers=("Content-Type", "Idempotency-Key", "If-None-Match", "Last-Event-ID", "Prefer"),
+            expose_headers=("Content-Disposition", "ETag", "Location", "Retry-After"),
+            allow_private_network=True,  # a robot's address mostly is in one
+        )
+    app.add_middleware(OriginGuard, settings=settings)  # comes first, the last added being the outermost
+    return app

@@ -1,0 +1,26 @@
+"""What uvicorn has to be told so that its connections are ours."""
+
+from functools import partial
+from typing import Any
+
+from dock_gateway.settings import Settings
+from dock_gateway.web.edge.connection import Edge
+from dock_gateway.web.edge.http import create_connection
+from dock_gateway.web.edge.limits import ConnectionLimits
+from dock_gateway.web.edge.websocket import WebSocketProtocol
+
+# Seconds that a connection stays open between two requests. Not as long as heartbeats and other usual intervals are
+# apart: a client that sends its next request just then would find the connection closed.
+KEEP_ALIVE = 17
+
+
+def edge_options(settings: Settings) -> dict[str, Any]:
+    """Options of `uvicorn.Config`."""
+    edge = Edge(settings, ConnectionLimits(settings))
+    return {
+        "http": partial(create_connection, edge),
+        "h11_max_incomplete_event_size": settings.max_header_bytes,
+        "timeout_keep_alive": KEEP_ALIVE,
+        "ws": partial(WebSocketProtocol, edge),
+        "ws_max_size": settings.max_body_bytes,
+    }

@@ -1,0 +1,73 @@
+"""Answers in pieces, to clients that may be slow, leave, or not read at all."""
+
+import asyncio
+import logging
+from collections.abc import AsyncGenerator, AsyncIterator, Mapping
+from contextlib import aclosing
+
+from starlette.requests import ClientDisconnect
+from starlette.responses import StreamingResponse
+from starlette.types import Message, Receive, Scope, Send
+
+from dock_gateway.core.errors import GatewayError
+
+log = logging.getLogger(__name__)
+
+
+async def send_in_time(send: Send, message: Message, timeout: float) -> None:
+    """Send a message; a client that does not read for so long is cut off.
+
+    Raises:
+        TimeoutError: It did not.
+    """
+    try:
+        async with asyncio.timeout(timeout):
+            await send(message)
+    except TimeoutError:
+        log.info("a subscriber did not read for %g s and is cut off", timeout)
+        raise
+
+
+class PacedResponse(StreamingResponse):
+    """An answer in pieces; a client that does not read for so long is cut off.
+
+    Where the rest cannot be had any more the connection is broken off, so that nobody takes a part for the whole.
+
+    Args:
+        first: The first piece.
+        chunks: The others; closed when the answer ends, however it does.
+        timeout: Seconds that the client may not read.
+        media_type: What it is.
+        headers: Besides.
+    """
+
+    def __init__(
+        self,
+        first: bytes,
+        chunks: AsyncGenerator[bytes],
+        timeout: float,
+        *,
+        media_type: str,
+        headers: Mapping[str, str],
+    ) -> None:
+        super().__init__(
+            self._pieces(first, chunks), media_type=media_type, headers={"Cache-Control": "no-store", **headers}
+        )
+        self._chunks = chunks
+        self._timeout = timeout
+
+    @staticmethod
+    async def _pieces(first: bytes, chunks: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
+        yield first
+        async for chunk in chunks:
+            yield chunk
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Send it."""
+        async with aclosing(self._chunks):
+            try:
+                await super().__call__(scope, receive, lambda message: send_in_time(send, message, self._timeout))
+            except (TimeoutError, ClientDisconnect):
+                log.debug("an answer was left unfinished")
+            except GatewayError as error:
+                log.warning("an answer is broken off: %s", error.detail)

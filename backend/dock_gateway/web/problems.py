@@ -1,0 +1,65 @@
+"""Errors on the way out: the core's, FastAPI's and Starlette's all become the same problem+json."""
+
+from http import HTTPStatus
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, got
+from dock_gateway.core.goal import encode
+from dock_gateway.web.methods import AllowedMethods
+
+MEDIA_TYPE = "application/problem+json"
+CODES = {404: "not_found", 405: "method_not_allowed"}
+
+
+def problem_response(error: GatewayError) -> Response:
+    """The answer that tells of an error."""
+    headers = (
+        {"Retry-After": "1"} if error.status in (HTTPStatus.SERVICE_UNAVAILABLE, HTTPStatus.TOO_MANY_REQUESTS) else {}
+    )
+    if error.status in (HTTPStatus.REQUEST_ENTITY_TOO_LARGE, HTTPStatus.REQUEST_TIMEOUT):
+        headers["Connection"] = "close"  # the rest of the body is not read
+    return Response(encode(error.problem()), error.status, headers, MEDIA_TYPE)
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """The `responses=` of a route that can fail so."""
+    content = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
+    return {status: {"description": HTTPStatus(status).phrase, "content": content} for status in statuses}
+
+
+def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> None:
+    """Register the handlers; `allowed` says which methods a path has."""
+
+    @app.exception_handler(GatewayError)
+    async def gateway_error(_: Request, error: GatewayError) -> Response:
+        return problem_response(error)
+
+    @app.exception_handler(RequestValidationError)
+    async def validation_error(_: Request, error: RequestValidationError) -> Response:
+        return problem_response(InvalidField([_field_error(item) for item in error.errors()[:20]]))
+
+    @app.exception_handler(HTTPException)
+    async def http_error(request: Request, error: HTTPException) -> Response:
+        headers = dict(error.headers or {})
+        if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
+            headers["Allow"] = allowed(request.scope["path"]) or headers.get("Allow", "")
+            if request.method == "OPTIONS":
+                return Response(status_code=HTTPStatus.NO_CONTENT, headers=headers)
+        code = CODES.get(error.status_code, "malformed_request")
+        response = problem_response(GatewayError(str(error.detail), code=code, status=HTTPStatus(error.status_code)))
+        response.headers.update(headers)
+        return response
+
+    @app.exception_handler(Exception)
+    async def bug(_: Request, __: Exception) -> Response:  # uvicorn logs the traceback
+        return problem_response(GatewayError("an error inside of the gateway; its log has the details"))
+
+
+def _field_error(item: dict[str, Any]) -> FieldError:
+    path = ".".join(str(part) for part in item["loc"])
+    return FieldError(path, str(item["msg"]).removeprefix("Input should be "), got(item.get("input"), 60))

@@ -1,0 +1,152 @@
+"""Query parameters that select goals (`?robot= ?status= …`) or the events of a stream (`?include= ?after= …`)."""
+
+import re
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from typing import Annotated
+
+from fastapi import Depends, Query
+from pydantic import AfterValidator, AwareDatetime, BeforeValidator, StringConstraints
+
+from dock_gateway.core.errors import FieldError, InvalidField
+from dock_gateway.core.filters import EventFilter, WithoutFeedback
+from dock_gateway.core.goal import Origin
+from dock_gateway.gateway import Gateway
+from dock_gateway.history import GoalFilter
+from dock_gateway.robots.registry import NAME_PART, read_namespace
+from dock_gateway.web.requests import ROBOT_PATTERN, StatusQuery, TheGateway, read_goal_id
+
+QUERY = ("robot", "action", "status", "origin", "since", "until")
+# What nanoseconds in 64 bits reach, as ROS has them.
+EARLIEST, LATEST = datetime(1970, 1, 1, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
+RFC_3339 = re.compile(
+    r"(?:19[7-9][0-9]|2[01][0-9]{2}|22[0-5][0-9]|226[01])-(?:0[1-9]|1[0-2])-(?:0[1-9]|[12][0-9]|3[01])"
+    r"[Tt](?:[01][0-9]|2[0-3]):[0-5][0-9]:[0-5][0-9](?:\.[0-9]+)?(?:[Zz]|[+-](?:[01][0-9]|2[0-3]):[0-5][0-9])"
+)
+
+
+def _as_documented(text: object) -> object:
+    """Refuse the numbers and shorter forms that pydantic takes for times, too, and what is out of reach."""
+    if not isinstance(text, str) or not RFC_3339.fullmatch(text):
+        raise ValueError("a time as of RFC 3339, from 1970 to 2261, such as 2026-11-21T03:32:40Z")
+    return text
+
+
+def _in_utc(time: datetime) -> datetime:
+    """The time in UTC, and not beyond reach by its time zone."""
+    return min(max(time.astimezone(UTC), EARLIEST), LATEST)
+
+
+Time = Annotated[AwareDatetime, BeforeValidator(_as_documented), AfterValidator(_in_utc)]
+ActionName = Annotated[str, StringConstraints(pattern=f"^/?{NAME_PART}(?:/{NAME_PART})*$")]
+TIME_PATTERN = {"pattern": f"^{RFC_3339.pattern}$"}
+SinceQuery = Annotated[
+    Time | None, Query(description="At this time or later, RFC 3339", json_schema_extra=TIME_PATTERN)
+]
+UntilQuery = Annotated[Time | None, Query(description="Before this time, RFC 3339", json_schema_extra=TIME_PATTERN)]
+
+
+async def read_goal_filter(
+    *,
+    gateway: TheGateway,
+    robot: Annotated[
+        str | None,
+        Query(description="Only goals on actions in this namespace or below", json_schema_extra=ROBOT_PATTERN),
+    ] = None,
+    action: Annotated[list[ActionName] | None, Query(description="Only goals on these actions")] = None,
+    status: StatusQuery = None,
+    origin: Annotated[Origin | None, Query(description="Only goals that were sent so")] = None,
+    since: SinceQuery = None,
+    until: UntilQuery = None,
+) -> GoalFilter:
+    """The goals that a query describes; they may be on actions and of robots that have left the graph.
+
+    Raises:
+        InvalidField: A value is wrong.
+    """
+    namespace = "/" if robot is None else read_namespace(robot)
+    under = None if robot is None else namespace
+    return GoalFilter(
+        frozenset(gateway.settings.resolve(name, under) for name in action or ()),
+        namespace,
+        frozenset(status or ()),
+        origin,
+        since,
+        until,
+    )
+
+
+GoalFilterQuery = Annotated[GoalFilter, Depends(read_goal_filter)]
+
+
+STREAM_QUERY = ("goal_id", "action", "robot", "include", "feedback")
+INCLUDES = ("battery", "cmd_vel", "system", "scene", "robots")
+EVENT_ID = re.compile(r"[0-9]{20}-[A-Za-z0-9_/-]{1,300}")
+MIN_RATE, MAX_RATE = 0.01, 1000.0
+
+
+def read_after(query: Mapping[str, str]) -> str | None:
+    """The event to resume after.
+
+    Raises:
+        InvalidField: It is not the id of an event.
+    """
+    after = query.get("after")
+    if after is not None and not EVENT_ID.fullmatch(after):
+        raise InvalidField([FieldError("query.after", "the id of an event", f"got {after[:60]!r}")])
+    return after
+
+
+def read_max_rate(query: Mapping[str, str], lowest: float = MIN_RATE, highest: float = MAX_RATE) -> float | None:
+    """Messages a second that the reader wants at most.
+
+    Raises:
+        InvalidField: It is not a number in range.
+    """
+    text = query.get("max_rate")
+    if text is None:
+        return None
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = 0.0
+    if not lowest <= rate <= highest:
+        expected = f"a number from {lowest:g} to {highest:g}"
+        raise InvalidField([FieldError("query.max_rate", expected, f"got {text[:60]!r}")])
+    return rate
+
+
+def read_feedback(query: Mapping[str, str]) -> bool:
+    """Whether feedback is wanted.
+
+    Raises:
+        InvalidField: It is neither true nor false.
+    """
+    text = query.get("feedback", "true").lower()
+    if text not in ("true", "false"):
+        raise InvalidField([FieldError("query.feedback", "true or false", f"got {text[:60]!r}")])
+    return text == "true"
+
+
+async def read_event_filter(gateway: Gateway, query: Mapping[str, str]) -> EventFilter:
+    """The interest that a query describes.
+
+    Without `robot`, goals are those of every robot, battery, velocity and scene those of the configured one.
+
+    Raises:
+        InvalidField: A value is wrong.
+        NotFound: There is no such goal or robot.
+    """
+    robot, action, goal_id = query.get("robot"), query.get("action"), query.get("goal_id")
+    namespace = "/" if robot is None else read_namespace(robot)
+    names = [name.strip() for name in query.get("include", "").split(",") if name.strip()]
+    if unknown := [name for name in names if name not in INCLUDES]:
+        raise InvalidField([FieldError("query.include", f"any of {', '.join(INCLUDES)}", f"got {unknown[0][:60]!r}")])
+    kind = EventFilter if read_feedback(query) else WithoutFeedback
+    return kind(
+        topics=frozenset({"goals", *names}),
+        goal_id=None if goal_id is None else (await gateway.goal(read_goal_id(goal_id))).goal_id,
+        action_name=None if action is None else gateway.settings.resolve(action, None if robot is None else namespace),
+        namespace=namespace,
+        robot=gateway.robots.get(robot).namespace,
+    )

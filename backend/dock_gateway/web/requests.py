@@ -1,0 +1,243 @@
+"""Reading requests: bodies within their limits, headers, and nothing that we would have to ignore."""
+
+import asyncio
+import re
+import uuid
+from collections.abc import Awaitable, Callable
+from http import HTTPStatus
+from typing import Annotated, Any
+
+import orjson
+from fastapi import Depends, Path, Query, Request
+from starlette.requests import ClientDisconnect, HTTPConnection
+from starlette.responses import Response
+
+from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, got
+from dock_gateway.core.goal import Goal, GoalStatus, encode
+from dock_gateway.gateway import Gateway
+from dock_gateway.robots.registry import NAME_PART, NAMESPACE
+
+# What curl -d says by itself is taken as JSON, too; a page of another origin cannot use that (api/origin.py).
+JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
+MAX_WAIT = 300.0
+MAX_KEY = 200
+MAX_DIGITS = 18  # no number in a header that matters has more
+# A line of text: no controls, nothing that changes the direction of writing or that cannot be seen; not blank.
+_UNSEEN = r"\x00-\x1f\x7f-\x9f\xad\u200b-\u200f\u2028-\u202f\u205f-\u206f\ufeff\ufff9-\uffff"
+NAME = re.compile(rf"[^{_UNSEEN}]*[^\s{_UNSEEN}][^{_UNSEEN}]*")
+
+
+def get_gateway(connection: HTTPConnection) -> Gateway:
+    """The gateway of the running app."""
+    gateway: Gateway = connection.state.gateway
+    return gateway
+
+
+# Dependencies are coroutines: FastAPI sends plain functions through a thread of a pool, each of them, each time.
+
+
+async def depend_on_gateway(connection: HTTPConnection) -> Gateway:
+    """The gateway of the running app, for `Depends`."""
+    return get_gateway(connection)
+
+
+def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
+    """A dependency that refuses query parameters other than these.
+
+    A parameter that is misspelt, or that belongs to another version, must not be ignored where a robot moves.
+
+    Raises:
+        InvalidField: With each unknown parameter.
+    """
+
+    async def check(connection: HTTPConnection) -> None:
+        expected = f"one of {', '.join(names)}" if names else "no query parameters"
+        unknown = [name for name in connection.query_params if name not in names]
+        if unknown:
+            raise InvalidField(
+                [FieldError(f"query.{name[:100]}", expected, "got an unknown parameter") for name in unknown[:20]]
+            )
+
+    return check
+
+
+async def read_json(request: Request, *, empty: Any = None, within: float | None = None) -> Any:
+    """The body as decoded JSON, `empty` where there is none. It may take `within` seconds, where more are set.
+
+    Raises:
+        InvalidField: There is none, and nothing that it would mean.
+        MalformedRequest: It is not JSON, too large, too slow, not all there, or says that it is something else.
+    """
+    raw = b"" if request.headers.get("content-length") == "0" else await _read_in_time(request, within)
+    if not raw:
+        if empty is None:
+            raise InvalidField([FieldError("", "an object, {} for the defaults", "got no body")])
+        return empty
+    content_type = request.headers.get("content-type", JSON_TYPES[0]).partition(";")[0].strip().lower()
+    if content_type not in JSON_TYPES and not content_type.endswith("+json"):
+        raise MalformedRequest(
+            f"the body is {content_type[:100]!r}; application/json is expected",
+            code="unsupported_media_type",
+            status=HTTPStatus.UNSUPPORTED_MEDIA_TYPE,
+        )
+    try:
+        return orjson.loads(raw)
+    except orjson.JSONDecodeError as error:
+        raise MalformedRequest(f"the body is not JSON: {error}") from None
+
+
+async def _read_in_time(request: Request, within: float | None) -> bytes:
+    settings = get_gateway(request).settings
+    timeout = settings.body_timeout if within is None else min(within, settings.body_timeout)
+    try:
+        async with asyncio.timeout(timeout):
+            return await _read(request, settings.max_body_bytes)
+    except TimeoutError:
+        raise MalformedRequest(
+            f"the body did not arrive within {timeout:g} s",
+            code="request_timeout",
+            status=HTTPStatus.REQUEST_TIMEOUT,
+        ) from None
+    except ClientDisconnect:
+        raise MalformedRequest("the body was cut off") from None
+
+
+async def _read(request: Request, limit: int) -> bytes:
+    raw = bytearray()
+    too_large = MalformedRequest(
+        f"the body is larger than {limit} bytes",
+        code="body_too_large",
+        status=HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
+    )
+    if (read_digits(request.headers.get("content-length", "")) or 0) > limit:
+        raise too_large
+    async for chunk in request.stream():
+        raw += chunk
+        if len(raw) > limit:
+            raise too_large
+    return bytes(raw)
+
+
+def read_object(value: object, *fields: str) -> dict[str, Any]:
+    """A decoded body that must be an object with no fields but these.
+
+    Raises:
+        InvalidField: It is not.
+    """
+    expected = f"an object with {', '.join(fields)}"
+    if not isinstance(value, dict):
+        raise InvalidField([FieldError("", expected, "got something else")])
+    unknown = [name for name in value if name not in fields]
+    if unknown:
+        raise InvalidField(
+            [FieldError(name[:200], f"one of {', '.join(fields)}", "got an unknown field") for name in unknown[:20]]
+        )
+    return value
+
+
+def read_name(value: object, longest: int) -> str:
+    """Who it is that asks, out of the field `by`; without the blanks around it.
+
+    Raises:
+        InvalidField: It is not a name of at most `longest` characters.
+    """
+    if not isinstance(value, str) or len(value) > longest or not NAME.fullmatch(value):
+        raise InvalidField([FieldError("by", f"1 to {longest} characters, in one line", got(value))])
+    return value.strip()
+
+
+def name_schema(longest: int) -> dict[str, Any]:
+    """The same for the OpenAPI document."""
+    return {"type": "string", "maxLength": longest, "pattern": f"^{NAME.pattern}$"}
+
+
+def read_wait(request: Request) -> float:
+    """Seconds to wait for the end of a goal, out of `Prefer: wait=30`; 0 where it is not asked for.
+
+    Raises:
+        InvalidField: It is not a number of seconds from 0 to 300.
+    """
+    for preference in request.headers.get("prefer", "").split(","):
+        name, _, value = preference.partition("=")
+        if name.strip().lower() != "wait":
+            continue
+        seconds = read_digits(value.partition(";")[0].strip().strip('"'))
+        if seconds is None or seconds > MAX_WAIT:
+            raise InvalidField(
+                [FieldError("header.Prefer", f"wait=0 to wait={MAX_WAIT:.0f}", f"got {preference.strip()[:60]!r}")]
+            )
+        return float(seconds)
+    return 0.0
+
+
+def read_digits(text: str) -> int | None:
+    """A number out of a header; None where it is none. More digits than Python reads are as many as it does read."""
+    return int(text[:MAX_DIGITS]) if text.isascii() and text.isdecimal() else None
+
+
+def read_key(request: Request) -> str | None:
+    """The Idempotency-Key.
+
+    Raises:
+        InvalidField: It is empty or too long.
+    """
+    return check_key(request.headers.get("idempotency-key"), "header.Idempotency-Key")
+
+
+def check_key(key: str | None, path: str) -> str | None:
+    """An idempotency key, if it is one.
+
+    Raises:
+        InvalidField: It is empty or too long.
+    """
+    if key is not None and not 0 < len(key) <= MAX_KEY:
+        raise InvalidField([FieldError(path, f"1 to {MAX_KEY} characters", f"got {len(key)}")])
+    return key
+
+
+GOAL_ID = re.compile(r"[0-9A-Fa-f]{8}-?(?:[0-9A-Fa-f]{4}-?){3}[0-9A-Fa-f]{12}")
+
+TheGateway = Annotated[Gateway, Depends(depend_on_gateway)]
+# A name on the ROS graph without the slash that it begins with.
+GraphName = Annotated[
+    str,
+    Path(
+        description="The name on the ROS graph without its first slash",
+        json_schema_extra={"pattern": f"^{NAME_PART}(?:/{NAME_PART})*$"},
+    ),
+]
+ROBOT_PATTERN = {"pattern": f"^{NAMESPACE.pattern}$"}
+RobotQuery = Annotated[
+    str | None, Query(description="Namespace of the robot, such as `/robot1`", json_schema_extra=ROBOT_PATTERN)
+]
+StatusQuery = Annotated[list[GoalStatus] | None, Query(description="Only goals in these states")]
+LimitQuery = Annotated[int, Query(ge=1, le=500)]
+CursorQuery = Annotated[uuid.UUID | None, Query(description="`next_cursor` of the page before")]
+
+
+def json_response(document: object, status: int = 200, headers: dict[str, str] | None = None) -> Response:
+    """An answer in JSON, as the whole gateway writes it."""
+    return Response(encode(document), status, headers, "application/json")
+
+
+def goal_response(goal: Goal, location: str, status: int = 200) -> Response:
+    """A goal, and where it is found from now on."""
+    return json_response(goal.document(), status, {"Location": location})
+
+
+def read_goal_id(goal_id: str) -> str:
+    """A goal id in its canonical form; `ros2 action send_goal` prints it without the hyphens.
+
+    Raises:
+        InvalidField: It is not a UUID.
+    """
+    if not GOAL_ID.fullmatch(goal_id):
+        raise InvalidField([FieldError("goal_id", "a UUID", f"got {goal_id[:60]!r}")])
+    return str(uuid.UUID(goal_id))
+
+
+async def _goal_id_in_path(goal_id: Annotated[str, Path(json_schema_extra={"pattern": f"^{GOAL_ID.pattern}$"})]) -> str:
+    return read_goal_id(goal_id)
+
+
+GoalId = Annotated[str, Depends(_goal_id_in_path)]

@@ -1,0 +1,124 @@
+"""`/actions`: the same verbs as `/dock` for every action on the graph whose interface package is installed."""
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import Response
+
+from dock_gateway.actions.registry import Action
+from dock_gateway.web.openapi import body
+from dock_gateway.web.problems import problems
+from dock_gateway.web.requests import (
+    CursorQuery,
+    GoalId,
+    GraphName,
+    LimitQuery,
+    StatusQuery,
+    TheGateway,
+    goal_response,
+    json_response,
+    known_query,
+)
+from dock_gateway.web.routes import goals
+from dock_gateway.web.schemas.goals import ActionGoal, ActionGoalPage, ActionInfo, ActionList
+
+router = APIRouter(tags=["Actions"], prefix="/actions")
+
+NO_QUERY = Depends(known_query())
+GOAL_BODY = body({"type": "object", "description": "The goal message's own fields"}, required=True)
+
+
+def describe(action: Action) -> dict[str, object]:
+    """An action as `/actions` shows it."""
+    state = action.watch.state
+    return {
+        "action_name": action.name,
+        "action_type": action.type,
+        "available": state.available,
+        "answering": state.answering,
+        "duplicate": state.duplicate,
+        "installed": True,
+        "hint": None,
+        "running_goals": len(action.tracker.running()),
+        "feedback_dropped": action.feedback_dropped,
+    }
+
+
+@router.get("", response_model=ActionList, dependencies=[NO_QUERY])
+async def list_actions(gateway: TheGateway) -> Response:
+    """Every action on the graph; one whose package is missing says what to install."""
+    missing = [
+        {
+            "action_name": entry.name,
+            "action_type": entry.type,
+            "available": True,
+            "answering": False,
+            "duplicate": False,
+            "installed": False,
+            "hint": entry.hint,
+            "running_goals": 0,
+            "feedback_dropped": 0,
+        }
+        for entry in gateway.actions.uninstalled()
+    ]
+    return json_response({"actions": [*map(describe, gateway.actions.all()), *missing]})
+
+
+@router.post(
+    "/{name:path}/goals",
+    status_code=202,
+    response_model=ActionGoal,
+    responses={
+        200: {"model": ActionGoal, "description": "It ended"},
+        **problems(400, 404, 409, 413, 415, 422, 429, 503, 504),
+    },
+    openapi_extra={**GOAL_BODY, "parameters": goals.HEADERS},
+    dependencies=[NO_QUERY],
+)
+async def send_action_goal(name: GraphName, request: Request, gateway: TheGateway) -> Response:
+    """Send a goal; the body holds the goal message's own fields, `{}` for its defaults."""
+    action = await gateway.actions.find(f"/{name}")
+    return await goals.send_goal(request, action, f"/actions{action.name}/goals")
+
+
+@router.get(
+    "/{name:path}/goals",
+    response_model=ActionGoalPage,
+    responses=problems(404, 422, 503),
+    dependencies=[Depends(known_query("status", "limit", "cursor"))],
+)
+async def list_action_goals(
+    name: GraphName,
+    gateway: TheGateway,
+    status: StatusQuery = None,
+    limit: LimitQuery = 50,
+    cursor: CursorQuery = None,
+) -> Response:
+    """Goals of an action, newest first."""
+    wanted = goals.on_action(await gateway.actions.find(f"/{name}"), status)
+    return await goals.list_goals(gateway, wanted, limit, cursor)
+
+
+@router.get("/{name:path}/goals/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503))
+async def get_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
+    """One goal of an action."""
+    action = await gateway.actions.find(f"/{name}")
+    goal = await goals.find_goal(gateway, action, goal_id)
+    return goal_response(goal, f"/actions{action.name}/goals/{goal_id}")
+
+
+@router.post(
+    "/{name:path}/goals/{goal_id}/cancel",
+    status_code=202,
+    response_model=ActionGoal,
+    responses=problems(404, 409, 422, 503, 504),
+)
+async def cancel_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
+    """Ask the action server to cancel a goal, whoever sent it."""
+    action = await gateway.actions.find(f"/{name}")
+    await goals.find_goal(gateway, action, goal_id)
+    return goal_response(await action.goals.cancel(goal_id), f"/actions{action.name}/goals/{goal_id}", 202)
+
+
+@router.get("/{name:path}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+async def get_action(name: GraphName, gateway: TheGateway) -> Response:
+    """One action."""
+    return json_response(describe(await gateway.actions.find(f"/{name}")))

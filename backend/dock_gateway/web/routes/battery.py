@@ -1,0 +1,88 @@
+"""`/battery`: the latest state, and publishing one in place of a robot's battery driver."""
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import Response
+
+from dock_gateway.core.errors import FieldError, InvalidField, got
+from dock_gateway.core.goal import fragment
+from dock_gateway.web.openapi import battery_body, body
+from dock_gateway.web.problems import problems
+from dock_gateway.web.requests import RobotQuery, TheGateway, json_response, known_query, read_json, read_object
+from dock_gateway.web.schemas.goals import Battery, Published, Publisher
+
+router = APIRouter(tags=["Battery"], dependencies=[Depends(known_query("robot"))])
+
+MIN_RATE, MAX_RATE, USUAL_RATE = 0.1, 100.0, 1.0
+PUBLISHER_REQUEST = {
+    "type": "object",
+    "required": ["state"],
+    "additionalProperties": False,
+    "properties": {
+        "state": {"$ref": "#/components/schemas/BatteryStateInput"},
+        "rate_hz": {
+            "type": "number",
+            "minimum": MIN_RATE,
+            "maximum": MAX_RATE,
+            "description": f"{USUAL_RATE:g} by default",
+        },
+    },
+}
+
+
+def read_rate(value: object) -> float:
+    """Messages a second.
+
+    Raises:
+        InvalidField: It is not a number in range.
+    """
+    if not isinstance(value, int | float) or isinstance(value, bool) or not MIN_RATE <= value <= MAX_RATE:
+        expected = f"a number from {MIN_RATE:g} to {MAX_RATE:g}"
+        raise InvalidField([FieldError("rate_hz", expected, got(value))])
+    return float(value)
+
+
+@router.get("/battery", response_model=Battery, responses=problems(404, 422))
+async def get_battery(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """The latest battery state, its age, and whether it is stale."""
+    return json_response(gateway.robots.get(robot).battery.document())
+
+
+@router.post(
+    "/battery",
+    response_model=Published,
+    responses=problems(400, 404, 413, 415, 422, 503),
+    openapi_extra=battery_body(required=True),
+)
+async def publish_battery(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Publish one battery state; floats that are left out are NaN."""
+    state = await gateway.robots.get(robot).publisher.publish(await read_json(request))
+    return json_response({"state": fragment(state)})
+
+
+@router.get("/battery/publisher", response_model=Publisher, responses=problems(404, 422))
+async def get_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """What is being published repeatedly."""
+    return json_response(gateway.robots.get(robot).publisher.document())
+
+
+@router.put(
+    "/battery/publisher",
+    response_model=Publisher,
+    responses=problems(400, 404, 413, 415, 422, 503),
+    openapi_extra=body(PUBLISHER_REQUEST, required=True),
+)
+async def start_publisher(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Publish a battery state repeatedly, from now on, in place of what was published before."""
+    fields = read_object(await read_json(request), "state", "rate_hz")
+    if "state" not in fields:
+        raise InvalidField([FieldError("state", "an object, {} for the defaults", "got none")])
+    rate_hz = read_rate(fields.get("rate_hz", USUAL_RATE))
+    await gateway.robots.get(robot).publisher.start(fields["state"], rate_hz)
+    return json_response(gateway.robots.get(robot).publisher.document())
+
+
+@router.delete("/battery/publisher", status_code=204, responses=problems(404, 422))
+async def stop_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Publish no more."""
+    await gateway.robots.get(robot).publisher.stop()
+    return Response(status_code=204)

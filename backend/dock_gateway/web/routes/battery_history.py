@@ -1,0 +1,83 @@
+"""`/battery/history`: the battery of a span of time, as a plot needs it."""
+
+from datetime import datetime, timedelta
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Query
+from starlette.responses import Response
+
+from dock_gateway.core.errors import FieldError, InvalidField
+from dock_gateway.core.event import moment, nanoseconds, utc_now
+from dock_gateway.history.battery import FIELDS, BatterySpan, Bucket
+from dock_gateway.robots.registry import read_namespace
+from dock_gateway.web.problems import problems
+from dock_gateway.web.queries import SinceQuery, UntilQuery
+from dock_gateway.web.requests import RobotQuery, TheGateway, json_response, known_query
+from dock_gateway.web.schemas.robots import BatteryHistory
+
+router = APIRouter(tags=["Battery"])
+
+DEFAULT_SPAN = timedelta(minutes=5)
+MIN_STEP = 1_000  # in nanoseconds: times are told in microseconds
+
+
+@router.get(
+    "/battery/history",
+    response_model=BatteryHistory,
+    responses=problems(422, 503),
+    dependencies=[Depends(known_query("robot", "since", "until", "points"))],
+)
+async def battery_history(
+    gateway: TheGateway,
+    *,
+    robot: RobotQuery = None,
+    since: SinceQuery = None,
+    until: UntilQuery = None,
+    points: Annotated[int, Query(ge=2, le=2000)] = 600,
+) -> Response:
+    """What was measured of a battery from `since` on and before `until`, at so many points; the last five minutes."""
+    namespace = gateway.robots.default_namespace if robot is None else read_namespace(robot)
+    until = until or utc_now()
+    since = since or until - DEFAULT_SPAN
+    span = divide(namespace, since, until, points)
+    return json_response(describe(span, since, until, await gateway.history.battery(span)))
+
+
+def divide(robot: str, since: datetime, until: datetime, points: int) -> BatterySpan:
+    """A span of time in as many buckets, at most.
+
+    Raises:
+        InvalidField: It ends before it begins.
+    """
+    first, last = nanoseconds(since), nanoseconds(until)
+    if first >= last:
+        raise InvalidField([FieldError("query.since", "a time before `until`", f"got {since.isoformat()}")])
+    # One less, because the first and the last one may begin before the span and end after it.
+    return BatterySpan(robot, first, last, max(MIN_STEP, -((first - last) // (points - 1))))
+
+
+def describe(span: BatterySpan, since: datetime, until: datetime, buckets: list[Bucket]) -> dict[str, Any]:
+    """The answer: a column for each field, and a row for each bucket."""
+
+    def columns(name: str) -> dict[str, list[float | None]]:
+        tallies = [bucket.tallies[name] for bucket in buckets]
+        return {
+            "mean": [short(tally.mean) for tally in tallies],
+            "min": [tally.low for tally in tallies],
+            "max": [tally.high for tally in tallies],
+        }
+
+    return {
+        "robot": span.robot,
+        "since": since,
+        "until": until,
+        "resolution_s": span.step / 1e9,
+        "time": [moment(bucket.stamp) for bucket in buckets],
+        **{name: columns(name) for name in FIELDS},
+        "power_supply_status": [bucket.status for bucket in buckets],
+    }
+
+
+def short(value: float | None) -> float | None:
+    """A mean with the digits that a float32 has."""
+    return None if value is None else float(f"{value:.7g}")

@@ -1,0 +1,122 @@
+"""Downloads: goals as they are listed, and one goal with its events; CSV for spreadsheets or JSON for programs."""
+
+import asyncio
+from collections.abc import AsyncGenerator
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Depends, Query
+from starlette.responses import Response
+
+from dock_gateway.core.event import FEEDBACK, KINDS, Event, utc_now
+from dock_gateway.core.goal import Goal, encode
+from dock_gateway.gateway import Gateway
+from dock_gateway.history import GoalFilter
+from dock_gateway.history.protocol import NEVER
+from dock_gateway.web.paced import PacedResponse
+from dock_gateway.web.problems import problems
+from dock_gateway.web.queries import QUERY, GoalFilterQuery
+from dock_gateway.web.requests import GoalId, TheGateway, known_query
+from dock_gateway.web.routes.sheets import GOAL_COLUMNS, FeedbackSheet, goal_row, rows_of
+from dock_gateway.web.schemas.goals import ActionGoal, ExportedGoal
+
+router = APIRouter(tags=["Goals"], prefix="/goals")
+
+# Fetched at a time, so that nobody waits long for anything else.
+GOALS, EVENTS = 200, 500
+
+Format = Literal["csv", "json"]
+FormatQuery = Annotated[Format, Query(description="`csv` for spreadsheets, `json` for programs")]
+MEDIA_TYPES = {"csv": "text/csv; charset=utf-8", "json": "application/json"}
+CSV = {"text/csv": {"schema": {"type": "string"}}}
+
+
+@router.get(
+    "/export",
+    response_model=list[ActionGoal],
+    responses={200: {"description": "A file", "content": CSV}, **problems(422, 503)},
+    dependencies=[Depends(known_query(*QUERY, "format"))],
+)
+async def export_goals(gateway: TheGateway, wanted: GoalFilterQuery, format: FormatQuery = "json") -> Response:  # noqa: A002
+    """Every goal that matches, newest first: in CSV a row each, goal and result as JSON; or an array."""
+    chunks = goals_as_csv(gateway, wanted) if format == "csv" else goals_as_json(gateway, wanted)
+    return await download(gateway, chunks, f"goals-{utc_now():%Y%m%dT%H%M%SZ}", format)
+
+
+@router.get(
+    "/{goal_id}/export",
+    response_model=ExportedGoal,
+    responses={200: {"description": "A file", "content": CSV}, **problems(404, 422, 503)},
+    dependencies=[Depends(known_query("format"))],
+)
+async def export_goal(goal_id: GoalId, gateway: TheGateway, format: FormatQuery = "json") -> Response:  # noqa: A002
+    """A goal: in CSV its feedback, a row for each event and a column for each field; or the goal with its events."""
+    goal = await gateway.goal(goal_id)
+    chunks = goal_as_csv(gateway, goal) if format == "csv" else goal_as_json(gateway, goal)
+    return await download(gateway, chunks, f"goal-{goal_id}", format)
+
+
+async def download(gateway: Gateway, chunks: AsyncGenerator[bytes], name: str, kind: Format) -> Response:
+    """A file in pieces; what is wrong is said before the first."""
+    first = await anext(chunks)
+    headers = {"Content-Disposition": f'attachment; filename="{name}.{kind}"'}
+    timeout = gateway.settings.subscriber_timeout
+    return PacedResponse(first, chunks, timeout, media_type=MEDIA_TYPES[kind], headers=headers)
+
+
+async def goals_as_csv(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[bytes]:
+    """A row for each goal, below the names of the columns."""
+    head: list[list[object]] = [[*GOAL_COLUMNS]]
+    async for goals in pages(gateway, wanted):
+        yield rows_of([*head, *map(goal_row, goals)])
+        head = []
+
+
+async def goals_as_json(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[bytes]:
+    """One array, a line for each goal."""
+    before = b"[\n"
+    async for goals in pages(gateway, wanted):
+        if goals:
+            yield before + b",\n".join(encode(goal.document()) for goal in goals)
+            before = b",\n"
+    yield b"\n]\n" if before == b",\n" else b"[]\n"
+
+
+async def goal_as_csv(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
+    """A row for each feedback event, below the names of the columns."""
+    sheet = FeedbackSheet()
+    last = ""
+    async for events in pieces(gateway, goal.goal_id, {FEEDBACK}):
+        await asyncio.to_thread(sheet.look_at, [event.data for event in events])
+        last = events[-1].id or last
+    yield sheet.head()
+    async for events in pieces(gateway, goal.goal_id, {FEEDBACK}, until=last):
+        yield await asyncio.to_thread(sheet.rows, [event.data for event in events])
+
+
+async def goal_as_json(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
+    """The goal with its `events`, and whether these are `complete`."""
+    complete = await gateway.history.knows_all_of(goal)
+    before = encode(goal.document() | {"complete": complete})[:-1] + b',"events":[\n'
+    async for events in pieces(gateway, goal.goal_id, set(KINDS.values())):
+        yield before + b",\n".join(event.data for event in events)
+        before = b",\n"
+    yield b"\n]}\n" if before == b",\n" else before + b"]}\n"
+
+
+async def pages(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[list[Goal]]:
+    """The goals that match, page by page; the first one may be empty."""
+    goals, cursor = await gateway.page(wanted, GOALS)
+    yield goals
+    while cursor is not None:
+        goals, cursor = await gateway.page(wanted, GOALS, cursor)
+        yield goals
+
+
+async def pieces(gateway: Gateway, goal_id: str, kinds: set[str], *, until: str = NEVER) -> AsyncGenerator[list[Event]]:
+    """The events of a goal, piece by piece, none of them empty."""
+    after = ""
+    while events := await gateway.history.events_of(goal_id, kinds=kinds, after=after, until=until, limit=EVENTS):
+        yield events
+        after = events[-1].id or ""
+        if len(events) < EVENTS:
+            return

@@ -1,0 +1,77 @@
+"""`/robots`: every robot at a glance. `/alerts`: what an operator has to know, and who has seen it."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Path, Request
+from starlette.responses import Response
+
+from dock_gateway.web.openapi import body
+from dock_gateway.web.problems import problems
+from dock_gateway.web.requests import (
+    RobotQuery,
+    TheGateway,
+    json_response,
+    known_query,
+    name_schema,
+    read_json,
+    read_name,
+    read_object,
+)
+from dock_gateway.web.schemas.goals import Alert, AlertList, RobotList
+
+router = APIRouter()
+NO_QUERY = Depends(known_query())
+
+
+@router.get(
+    "/robots",
+    tags=["Robots"],
+    response_model=RobotList,
+    responses=problems(404, 422),
+    dependencies=[Depends(known_query("robot"))],
+)
+async def list_robots(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Every robot that was found, or the one that is asked for."""
+    return json_response({"robots": gateway.fleet.documents(robot)})
+
+
+MAX_NAME = 60
+ACKNOWLEDGEMENT_REQUEST = {
+    "type": "object",
+    "required": ["by"],
+    "additionalProperties": False,
+    "properties": {"by": name_schema(MAX_NAME) | {"description": "Who has seen the alert"}},
+}
+AlertId = Annotated[str, Path(description="`id` of the alert")]
+
+
+@router.get("/alerts", tags=["Alerts"], response_model=AlertList, responses=problems(422), dependencies=[NO_QUERY])
+async def list_alerts(gateway: TheGateway) -> Response:
+    """What is wrong now: critical alerts first, then the oldest first."""
+    return json_response({"alerts": gateway.alarm.documents()})
+
+
+@router.put(
+    "/alerts/{alert_id}/acknowledgement",
+    tags=["Alerts"],
+    response_model=Alert,
+    responses=problems(400, 404, 408, 413, 415, 422),
+    dependencies=[NO_QUERY],
+    openapi_extra=body(ACKNOWLEDGEMENT_REQUEST, required=True),
+)
+async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) -> Response:
+    """Somebody has seen an alert. That holds at every gateway with the same history, until the alert is over."""
+    by = read_name(read_object(await read_json(request), "by").get("by"), MAX_NAME)
+    return json_response(await gateway.alarm.acknowledge(alert_id, by))
+
+
+@router.delete(
+    "/alerts/{alert_id}/acknowledgement",
+    tags=["Alerts"],
+    response_model=Alert,
+    responses=problems(404, 422),
+    dependencies=[NO_QUERY],
+)
+async def withdraw_acknowledgement(alert_id: AlertId, gateway: TheGateway) -> Response:
+    """Take an acknowledgement back; also where there is none."""
+    return json_response(await gateway.alarm.withdraw(alert_id))

@@ -1,0 +1,149 @@
+"""`/goals`: the goals of every action, and what `/dock` and `/actions/…` share: sending, listing and finding goals."""
+
+import uuid
+from typing import Annotated, Any, Literal
+
+import orjson
+from fastapi import APIRouter, Depends, Query, Request
+from starlette.responses import Response
+
+from dock_gateway.actions.registry import Action
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.event import KINDS
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.gateway import Gateway
+from dock_gateway.history import GoalFilter
+from dock_gateway.web.problems import problems
+from dock_gateway.web.queries import EVENT_ID, QUERY, GoalFilterQuery
+from dock_gateway.web.requests import (
+    CursorQuery,
+    GoalId,
+    LimitQuery,
+    TheGateway,
+    goal_response,
+    json_response,
+    known_query,
+    read_json,
+    read_key,
+    read_wait,
+)
+from dock_gateway.web.schemas.goals import ActionGoal, ActionGoalPage, GoalHistory
+
+HEADERS = [
+    {"name": "Prefer", "in": "header", "schema": {"type": "string"}, "example": "wait=30"},
+    {"name": "Idempotency-Key", "in": "header", "schema": {"type": "string", "minLength": 1, "maxLength": 200}},
+]
+
+
+async def send_goal(request: Request, action: Action, base: str, default: dict[str, Any] | None = None) -> Response:
+    """Send the goal in the body, or `default`; wait for its end where `Prefer` asks for it.
+
+    Args:
+        request: The request.
+        action: The action.
+        base: Path that a goal id is appended to for `Location`.
+        default: The goal's fields where the body is empty; None where it must not be. A message's defaults are a goal
+            only for who says `{}`: zeros may well be a pose to drive to.
+    """
+    wait, key = read_wait(request), read_key(request)
+    message = action.port.goal_codec.parse(await read_json(request, empty=default))
+    goal = await action.goals.submit(message, key)
+    if wait:
+        await action.goals.wait(goal, wait)
+    return goal_response(goal, f"{base}/{goal.goal_id}", 200 if wait and goal.status.terminal else 202)
+
+
+async def list_goals(gateway: Gateway, wanted: GoalFilter, limit: int, cursor: uuid.UUID | None) -> Response:
+    """A page of goals, newest first."""
+    goals, next_cursor = await gateway.page(wanted, limit, str(cursor) if cursor else None)
+    return json_response({"goals": [goal.document() for goal in goals], "next_cursor": next_cursor})
+
+
+def on_action(action: Action, statuses: list[GoalStatus] | None) -> GoalFilter:
+    """The goals of one action, in these states."""
+    return GoalFilter(frozenset({action.name}), statuses=frozenset(statuses or ()))
+
+
+async def find_goal(gateway: Gateway, action: Action, goal_id: str) -> Goal:
+    """A goal of this action.
+
+    Raises:
+        NotFound: There is none with this id.
+    """
+    goal = await gateway.goal(goal_id)
+    if goal.action_name != action.name:
+        raise NotFound(f"goal {goal_id} is on {goal.action_name}, not on {action.name}", code="goal_not_found")
+    return goal
+
+
+router = APIRouter(tags=["Goals"], prefix="/goals")
+
+NO_QUERY = Depends(known_query())
+
+
+@router.get(
+    "",
+    response_model=ActionGoalPage,
+    responses=problems(422, 503),
+    dependencies=[Depends(known_query(*QUERY, "limit", "cursor"))],
+)
+async def list_all_goals(
+    gateway: TheGateway, wanted: GoalFilterQuery, limit: LimitQuery = 50, cursor: CursorQuery = None
+) -> Response:
+    """Goals of every action, newest first."""
+    return await list_goals(gateway, wanted, limit, cursor)
+
+
+@router.get("/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+async def get_any_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
+    """One goal, on any action."""
+    return goal_response(await gateway.goal(goal_id), f"/goals/{goal_id}")
+
+
+@router.post(
+    "/{goal_id}/cancel",
+    status_code=202,
+    response_model=ActionGoal,
+    responses=problems(404, 409, 422, 503, 504),
+    dependencies=[NO_QUERY],
+)
+async def cancel_any_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
+    """Ask the action server to cancel a goal, on any action and whoever sent it."""
+    return goal_response(await gateway.cancel(goal_id), f"/goals/{goal_id}", 202)
+
+
+TypeQuery = Annotated[
+    list[Literal["status", "feedback", "result"]] | None, Query(description="Only events of these types")
+]
+AfterQuery = Annotated[
+    str | None, Query(pattern=f"^{EVENT_ID.pattern}$", description="Id of the event that they follow")
+]
+
+
+@router.get(
+    "/{goal_id}/history",
+    response_model=GoalHistory,
+    responses=problems(404, 422, 503),
+    dependencies=[Depends(known_query("type", "after", "limit"))],
+)
+async def goal_history(
+    goal_id: GoalId,
+    gateway: TheGateway,
+    *,
+    type: TypeQuery = None,  # noqa: A002 - it is what the events call it
+    after: AfterQuery = None,
+    limit: Annotated[int, Query(ge=1, le=5000)] = 1000,
+) -> Response:
+    """The events of a goal, as they were sent on the streams, oldest first."""
+    goal = await gateway.goal(goal_id)
+    kinds = frozenset(KINDS[name] for name in type or KINDS)
+    complete = await gateway.history.knows_all_of(goal)
+    events = await gateway.history.events_of(goal_id, kinds=kinds, after=after or "", limit=limit + 1)
+    page = events[:limit]
+    return json_response(
+        {
+            "events": [orjson.Fragment(event.data) for event in page],
+            "next_after": page[-1].id if len(events) > limit else None,
+            "complete": complete,
+        }
+    )

@@ -1,0 +1,32 @@
+"""`/graph`: nodes, topics, services and actions on the ROS graph."""
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import Response
+
+from dock_gateway.web.problems import problems
+from dock_gateway.web.requests import GraphName, TheGateway, json_response, known_query
+from dock_gateway.web.schemas.graph import Graph, GraphTopic
+
+router = APIRouter(tags=["Graph"], prefix="/graph", dependencies=[Depends(known_query())])
+
+
+@router.get("", response_model=Graph, responses={304: {"description": "As in `If-None-Match`"}, **problems(422, 503)})
+async def get_graph(request: Request, gateway: TheGateway) -> Response:
+    """The whole graph, at most a second old; with `If-None-Match` only where it has changed."""
+    view = await gateway.lookout.graph()
+    headers = {"ETag": view.tag, "Cache-Control": "no-cache"}
+    if is_known(request.headers.get("if-none-match"), view.tag):
+        return Response(status_code=304, headers=headers)
+    return Response(view.body, headers=headers, media_type="application/json")
+
+
+@router.get("/topics/{name:path}", response_model=GraphTopic, responses=problems(404, 422, 503))
+async def get_topic(name: GraphName, gateway: TheGateway) -> Response:
+    """One topic, as it is now, with those who publish and subscribe."""
+    return json_response((await gateway.lookout.topic(f"/{name}")).document())
+
+
+def is_known(condition: str | None, tag: str) -> bool:
+    """Whether `If-None-Match` names the tag (RFC 9110, section 13.1.2)."""
+    known = [part.strip().removeprefix("W/") for part in (condition or "").split(",")]
+    return tag in known or known == ["*"]

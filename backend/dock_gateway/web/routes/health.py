@@ -1,0 +1,47 @@
+"""`/healthz` and `/readyz`, for supervisors and load balancers."""
+
+from fastapi import APIRouter
+from starlette.responses import Response
+
+from dock_gateway import __version__
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.ros.bridge import ros_environment
+from dock_gateway.web.requests import TheGateway, json_response
+from dock_gateway.web.schemas.goals import Health, Readiness
+
+router = APIRouter(tags=["Health"])
+
+
+@router.get("/healthz", response_model=Health, responses={503: {"model": Health}})
+async def healthz(gateway: TheGateway) -> Response:
+    """Whether the ROS thread lives and does its work."""
+    try:
+        await gateway.bridge.call(lambda: None, timeout=1.0)
+        alive = True
+    except Unavailable:
+        alive = False
+    health = {
+        "status": "ok" if alive else "ros_unavailable",
+        "version": __version__,
+        "node": gateway.settings.resolve(gateway.settings.node_name),
+        "ros": ros_environment(),
+        "subscribers": len(gateway.hub),
+    }
+    return json_response(health, 200 if alive else 503)
+
+
+@router.get("/readyz", response_model=Readiness, responses={503: {"model": Readiness}})
+async def readyz(gateway: TheGateway) -> Response:
+    """Whether the action server is there and answers; and how the history is kept, which holds up no goal.
+
+    A latched stop is shown, and is no fault: the gateway is ready to release it.
+    """
+    state = gateway.dock.watch.state
+    ready = gateway.bridge.alive and gateway.dock.watch.ready
+    document = {
+        "ready": ready,
+        "action_server": state,
+        "history": gateway.history.stats(),
+        "stop": gateway.stopper.state(),
+    }
+    return json_response(document, 200 if ready else 503)

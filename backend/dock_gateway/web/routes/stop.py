@@ -1,0 +1,176 @@
+"""`/stop`: stop a robot, see whether a stop is latched, release it.
+
+Nothing in a request keeps a robot from being stopped but that it is not clear which one is meant: what else is wrong
+becomes the answer's `warning`.
+"""
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from fastapi import APIRouter, Depends, Request
+from starlette.datastructures import QueryParams
+from starlette.responses import Response
+
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, got
+from dock_gateway.gateway import Gateway
+from dock_gateway.web.openapi import body
+from dock_gateway.web.problems import problems
+from dock_gateway.web.requests import (
+    ROBOT_PATTERN,
+    RobotQuery,
+    TheGateway,
+    json_response,
+    known_query,
+    name_schema,
+    read_json,
+    read_name,
+    read_object,
+    read_wait,
+)
+from dock_gateway.web.schemas.goals import StopReport, StopState
+
+log = logging.getLogger(__name__)
+
+router = APIRouter(tags=["Stop"])
+only_robot = Depends(known_query("robot"))
+
+FIELDS = ("latch", "by")
+MAX_NAME = 100
+# A stop waits no longer for its body, in seconds: most come with the headers, and the answer is due within 0.1.
+BODY_WITHIN = 0.03
+STOP_REQUEST = {
+    "type": "object",
+    "additionalProperties": False,
+    "properties": {
+        "latch": {
+            "type": "boolean",
+            "description": "Whether goals are refused until the stop is released; true where it is left out",
+        },
+        "by": name_schema(MAX_NAME) | {"type": ["string", "null"], "description": "Who asks for the stop"},
+        "robot": {
+            "type": ["string", "null"],
+            "description": "The robot, where it is not in the query",
+            **ROBOT_PATTERN,
+        },
+    },
+}
+PREFER = [{"name": "Prefer", "in": "header", "schema": {"type": "string"}, "example": "wait=2"}]
+
+
+async def stop_robot(
+    gateway: Gateway, robot: str | None, value: object, *, wait: float = 0.0, wrong: list[GatewayError] | None = None
+) -> dict[str, Any]:
+    """Stop a robot in the way that is asked for; by the defaults, where that cannot be understood.
+
+    Args:
+        gateway: The gateway.
+        robot: The robot; None is the configured one.
+        value: The decoded body, or the fields of a command.
+        wait: Seconds that action servers may take to answer.
+        wrong: What is known to be wrong with the request already.
+
+    Returns:
+        The report, with what was wrong as `warning`.
+
+    Raises:
+        NotFound: There is no such robot.
+        Unavailable: Zero velocity could not be published.
+    """
+    wrong = [] if wrong is None else wrong
+    how: dict[str, Any] = {}
+    with _noting(wrong):
+        how = _read_stop(read_object(value, *FIELDS))
+    if wrong:
+        log.warning("a stop is carried out, though not all of it was understood: %s", _warning(wrong)["detail"])
+    report = vars(await gateway.stopper.stop(robot, **how, wait=wait))
+    if (problem := report.pop("problem")) is not None:
+        wrong.insert(0, problem)
+    return {**report, "warning": _warning(wrong) if wrong else None}
+
+
+@contextmanager
+def _noting(wrong: list[GatewayError]) -> Iterator[None]:
+    """Note what is wrong with a part of a request, whatever that is, and go on without that part."""
+    try:
+        yield
+    except GatewayError as error:
+        wrong.append(error)
+    except Exception:
+        log.exception("a part of a stop could not be read")
+        wrong.append(MalformedRequest("a part of the request could not be read", code="malformed_request"))
+
+
+def _warning(wrong: list[GatewayError]) -> dict[str, Any]:
+    """All that was wrong as one problem; the first gives its name."""
+    errors = [entry for error in wrong for entry in error.extra.get("errors", ())]
+    detail = "; ".join(error.detail for error in wrong)
+    return {**wrong[0].problem(), "detail": detail} | ({"errors": errors} if errors else {})
+
+
+def _read_stop(fields: dict[str, Any]) -> dict[str, Any]:
+    latch, by = fields.get("latch", True), fields.get("by")
+    if not isinstance(latch, bool):
+        raise InvalidField([FieldError("latch", "true or false", got(latch))])
+    return {"latch": latch, "by": None if by is None else read_name(by, MAX_NAME)}
+
+
+def _read_robot(query: QueryParams, value: object, wrong: list[GatewayError]) -> str | None:
+    """The robot that is to be stopped, None being the configured one; and the body is left without its name.
+
+    Raises:
+        InvalidField: It is not clear which one: two are named, or none by a parameter that may be a misspelt `robot`.
+    """
+    named = set(query.getlist("robot"))
+    if isinstance(value, dict) and (isinstance(value.get("robot"), str) or not named):
+        named |= {name for name in [value.pop("robot", None)] if name is not None}
+    if len(named) > 1 or not all(isinstance(name, str) for name in named):
+        raise InvalidField([FieldError("query.robot", "one robot, such as /robot1", got(sorted(named, key=str)))])
+    unknown = [name for name in query if name != "robot"]
+    if unknown:
+        expected, detail = "robot and nothing else", "got an unknown parameter"
+        error = InvalidField([FieldError(f"query.{name[:100]}", expected, detail) for name in unknown[:20]])
+        if not named:
+            raise error
+        wrong.append(error)
+    return next(iter(named), None)
+
+
+@router.post(
+    "/stop",
+    response_model=StopReport,
+    responses=problems(404, 422, 503),
+    openapi_extra={**body(STOP_REQUEST, required=False), "parameters": PREFER},
+)
+async def stop(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Publish zero velocity at once, cancel every goal on every action of the robot, and let none be sent any more.
+
+    Goals of other clients are canceled, too. New ones are refused (`409 stop_latched`) until the stop is released by
+    `DELETE /stop`; with `{"latch": false}` they are not. Robots in namespaces below are stopped, too: without
+    `robot`, on a gateway without a namespace, all of them. The answer comes within 100 ms: an action server that has
+    not answered by then is in `unconfirmed`. `Prefer: wait=2` waits for it that long. Nothing in a request keeps a
+    robot from being stopped: where it cannot be read, the robot is stopped as without it, and `warning` says what is
+    wrong. It also says where a restart of the gateway would forget the stop.
+    """
+    value: Any = {}
+    wait = 0.0
+    wrong: list[GatewayError] = []
+    with _noting(wrong):
+        value = await read_json(request, empty={}, within=BODY_WITHIN)
+    with _noting(wrong):
+        wait = read_wait(request)
+    robot = _read_robot(request.query_params, value, wrong)
+    return json_response(await stop_robot(gateway, robot, value, wait=wait, wrong=wrong))
+
+
+@router.get("/stop", response_model=StopState, responses=problems(404, 422), dependencies=[only_robot])
+async def get_stop(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Whether a stop is latched for a robot."""
+    return json_response(gateway.stopper.state(robot))
+
+
+@router.delete("/stop", response_model=StopState, responses=problems(404, 409, 422), dependencies=[only_robot])
+async def release_stop(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Release the stop of a robot and of those below it; also where none is latched. The robot stays where it is."""
+    return json_response(await gateway.stopper.release(robot))

@@ -1,0 +1,114 @@
+"""The server process: uvicorn with our farewell and our frame writer for WebSockets."""
+
+import asyncio
+import gc
+import logging
+import signal
+import socket
+import time
+from typing import cast
+
+import uvicorn
+from uvicorn.config import STARTUP_FAILURE
+
+from dock_gateway.core.log_limit import LogLimit
+from dock_gateway.gateway import Gateway, open_gateway
+from dock_gateway.settings import LOOPBACK_HOSTS, Settings
+from dock_gateway.web.app import create_app
+from dock_gateway.web.edge.limits import raise_file_limit
+from dock_gateway.web.edge.listener import Listener
+from dock_gateway.web.edge.options import edge_options
+from dock_gateway.web.edge.security import SecurityHeaders
+
+log = logging.getLogger(__name__)
+
+# Seconds that answers under way get when the process is told to end, and that streams get before to say goodbye.
+GRACE = 1
+FAREWELL = 0.5
+
+
+class Server(uvicorn.Server):
+    """uvicorn, which says where it listens and lets streams say goodbye before it closes their connections."""
+
+    def __init__(self, config: uvicorn.Config) -> None:
+        super().__init__(config)
+        self._gateway: Gateway | None = None
+
+    async def serve_gateway(self, gateway: Gateway, settings: Settings) -> None:
+        """Serve until a signal comes; not at all where it came before."""
+        if self.should_exit:
+            return
+        self._gateway = gateway
+        self.config.app = SecurityHeaders(create_app(settings, gateway))
+        gc.freeze()  # what is loaded stays: looking through it would stop everything else for 100 ms now and then
+        await self.serve()
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Start, and log the address."""
+        try:
+            listener = Listener(self.config.host, self.config.port)
+        except OSError as error:
+            log.error("cannot listen on %s, port %d: %s", self.config.host, self.config.port, error)
+            raise SystemExit(STARTUP_FAILURE) from error
+        await super().startup(sockets=[])
+        self.servers.append(cast("asyncio.Server", listener))
+        listener.start(self._connect)
+        for host, port, *_ in (bound.getsockname() for bound in listener.sockets):
+            log.info("listening on http://%s:%d", f"[{host}]" if ":" in host else host, port)
+
+    def _connect(self) -> asyncio.BaseProtocol:
+        return self.config.http_protocol_class(  # type: ignore[call-arg]
+            config=self.config, server_state=self.server_state, app_state=self.lifespan.state
+        )
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """End every stream with a reason, then everything else."""
+        if self._gateway is not None:
+            self._gateway.say_goodbye()
+            deadline = time.monotonic() + FAREWELL
+            while len(self._gateway.hub) and time.monotonic() < deadline:  # noqa: ASYNC110 - the last one does not say
+                await asyncio.sleep(0.01)
+        await super().shutdown(sockets)
+
+
+def _log_config(level: str) -> None:
+    logging.basicConfig(level=level.upper(), format="[%(levelname)s] [%(asctime)s] [%(name)s]: %(message)s")
+    if level != "debug":
+        for handler in logging.getLogger().handlers:
+            handler.addFilter(LogLimit())
+    for noisy in ("alembic", "asyncio", "httpcore", "httpx2", "websockets"):
+        logging.getLogger(noisy).setLevel(logging.WARNING)
+    if level != "debug":
+        logging.getLogger("uvicorn").setLevel(logging.WARNING)
+
+
+def run(settings: Settings) -> bool:
+    """Serve until a signal comes; False where the server could not be started."""
+    _log_config(settings.log_level)
+    raise_file_limit()
+    if settings.host not in LOOPBACK_HOSTS:
+        log.warning(
+            "listening on %s: everyone who reaches this machine on the network can move the robot",
+            settings.host,
+        )
+    config = uvicorn.Config(
+        "",
+        host=settings.host,
+        port=settings.port,
+        timeout_graceful_shutdown=GRACE,
+        log_config=None,
+        access_log=settings.log_level == "debug",
+        server_header=False,
+        **edge_options(settings),
+    )
+    with asyncio.Runner(loop_factory=config.get_loop_factory()) as runner:
+        return runner.run(_serve(Server(config), settings))
+
+
+async def _serve(server: Server, settings: Settings) -> bool:
+    with server.capture_signals():  # from now on, and until everything is closed
+        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # `nohup` has it ignored
+            signal.signal(signal.SIGHUP, server.handle_exit)  # the end of the terminal, which uvicorn leaves out
+        async with open_gateway(settings) as gateway:
+            await server.serve_gateway(gateway, settings)
+    return server.started

@@ -1,0 +1,1 @@
+"""Event streams: WebSocket and Server-Sent Events."""

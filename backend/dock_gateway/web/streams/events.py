@@ -1,0 +1,148 @@
+"""Reading along: `/ws/feedback`, one JSON text message an event, and the same as Server-Sent Events."""
+
+import asyncio
+import logging
+from collections.abc import AsyncGenerator, AsyncIterator, Coroutine
+from typing import Any
+
+from fastapi import APIRouter, Request, WebSocket
+from starlette.responses import Response, StreamingResponse
+from starlette.websockets import WebSocketDisconnect
+
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.event import Event
+from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.tasks import cancel
+from dock_gateway.gateway import Gateway
+from dock_gateway.web.paced import PacedResponse, send_in_time
+from dock_gateway.web.problems import problem_response, problems
+from dock_gateway.web.queries import STREAM_QUERY, read_after, read_event_filter, read_max_rate
+from dock_gateway.web.requests import GoalId, GraphName, TheGateway, known_query
+from dock_gateway.web.streams.feed import begin, feed, follow
+from dock_gateway.web.streams.frames import short_way
+
+log = logging.getLogger(__name__)
+
+router = APIRouter(tags=["Events"])
+
+SERVICE_RESTART, TRY_AGAIN_LATER = 1012, 1013
+SSE_RESPONSES = {
+    200: {"description": "Events, each with its id", "content": {"text/event-stream": {}}},
+    **problems(404, 422, 429, 503),
+}
+
+
+@router.websocket("/ws/feedback")
+async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
+    """A snapshot, then every event as it happens.
+
+    `?goal_id=`, `?action=` and `?robot=` narrow it; `?include=battery,cmd_vel,system,scene,robots` asks for more than
+    goals; `?feedback=false` leaves feedback out, `?max_rate=` thins it out; `?after=` resumes.
+    """
+    query = websocket.query_params
+    try:
+        await known_query(*STREAM_QUERY, "after", "max_rate")(websocket)
+        after, max_rate = read_after(query), read_max_rate(query)
+        subscriber = gateway.hub.subscribe(await read_event_filter(gateway, query))
+    except GatewayError as error:
+        await websocket.send_denial_response(problem_response(error))
+        return
+    try:
+        await websocket.accept()
+        if max_rate is None:
+            subscriber.immediate = short_way(websocket)
+        events = feed(gateway, subscriber, after=after, max_rate=max_rate)
+        await until_one_ends(write_events(websocket, gateway, subscriber, events), ignore_input(websocket))
+    finally:
+        gateway.hub.unsubscribe(subscriber)
+
+
+async def until_one_ends(*sides: Coroutine[Any, Any, None]) -> None:
+    """Run the sides of a WebSocket, such as its reader and its writer, until the first of them ends."""
+    tasks = [asyncio.create_task(side) for side in sides]
+    try:
+        done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        await cancel(*tasks)
+    for task in done:
+        error = task.exception()
+        if error is not None and not isinstance(error, WebSocketDisconnect | TimeoutError):
+            log.error("a WebSocket broke", exc_info=error)
+
+
+async def ignore_input(websocket: WebSocket) -> None:
+    """Read what a client says, which is nothing to us, until it leaves."""
+    while (await websocket.receive())["type"] != "websocket.disconnect":
+        pass
+
+
+async def write_events(
+    websocket: WebSocket, gateway: Gateway, subscriber: Subscriber, events: AsyncIterator[Event]
+) -> None:
+    """Send what a reader gets, to the end, and say why it has ended."""
+    async for event in events:
+        await send_text(websocket, gateway, event.text)
+    if subscriber.overrun:
+        await websocket.close(TRY_AGAIN_LATER, "too_slow")
+    else:
+        await websocket.close(SERVICE_RESTART, "shutting_down")
+
+
+async def send_text(websocket: WebSocket, gateway: Gateway, text: str) -> None:
+    """Send a message; a client that does not read for so long is cut off.
+
+    Raises:
+        TimeoutError: It did not.
+    """
+    await send_in_time(websocket.send, {"type": "websocket.send", "text": text}, gateway.settings.subscriber_timeout)
+
+
+class EventStream(PacedResponse):
+    """Server-Sent Events."""
+
+    def __init__(self, first: bytes, chunks: AsyncGenerator[bytes], timeout: float) -> None:
+        super().__init__(first, chunks, timeout, media_type="text/event-stream", headers={"X-Accel-Buffering": "no"})
+
+
+@router.get("/goals/{goal_id}/events", name="goal_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
+@router.get("/undock/{goal_id}/events", name="undock_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
+@router.get("/dock/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
+async def dock_events(goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
+    """The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes."""
+    return await _sse(request, gateway, goal_id)
+
+
+@router.get("/actions/{name:path}/goals/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
+async def action_events(name: GraphName, goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
+    """The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes."""
+    return await _sse(request, gateway, goal_id)
+
+
+async def _sse(request: Request, gateway: Gateway, goal_id: str) -> Response:
+    await known_query("feedback", "after", "max_rate")(request)
+    last = request.headers.get("last-event-id")
+    after = read_after(request.query_params if last is None else {"after": last})
+    query = {"goal_id": goal_id, "feedback": request.query_params.get("feedback", "true")}
+    chunks = _sse_chunks(gateway, query, after, read_max_rate(request.query_params))
+    first = await anext(chunks)  # what is wrong is said before the stream begins
+    return EventStream(first, chunks, gateway.settings.subscriber_timeout)
+
+
+async def _sse_chunks(
+    gateway: Gateway, query: dict[str, str], after: str | None, max_rate: float | None
+) -> AsyncGenerator[bytes]:
+    subscriber = gateway.hub.subscribe(await read_event_filter(gateway, query))
+    try:
+        # Whether the goal has ended is read off what the client is sent: looked up on the side it could end in between.
+        ended = False
+        async for event in begin(gateway, subscriber, after):
+            yield event.sse
+            ended = event.ends_goal
+        if ended:
+            return
+        async for event in follow(gateway, subscriber, max_rate):
+            yield event.sse
+            if event.ends_goal:
+                return
+    finally:
+        gateway.hub.unsubscribe(subscriber)

@@ -1,0 +1,167 @@
+"""What one reader of events gets, in order: a snapshot or what it missed, then everything as it happens."""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator
+
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.throttle import Throttle
+from dock_gateway.gateway import Gateway
+from dock_gateway.history import LaterEvents
+
+
+async def snapshot(gateway: Gateway, interest: EventFilter) -> Event:
+    """Running and recent goals; the robot's battery, stop and servers; all robots and alerts if asked for."""
+    goals = await gateway.recent_goals(interest)
+    robot = gateway.robots.get(interest.robot)
+    dock, undock = gateway.servers_of(interest.robot)
+    fleet = {}
+    if "robots" in interest.topics:
+        fleet = {"robots": gateway.fleet.documents(), "alerts": gateway.alarm.documents()}
+    return notice(
+        "snapshot",
+        utc_now(),
+        ends_goal=interest.goal_id is not None and all(goal.status.terminal for goal in goals),
+        goals=[goal.document() for goal in goals],
+        battery=robot.battery.document(),
+        battery_publisher=robot.publisher.document(),
+        stop=gateway.stopper.state(interest.robot),
+        action_server=dock,
+        undock_server=undock,
+        **fleet,
+    )
+
+
+def present(gateway: Gateway, interest: EventFilter) -> list[Event]:
+    """What has no id, and so is not replayed, as it is now: the events that the reader may have missed."""
+    name, now = interest.robot, utc_now()
+    publisher = gateway.robots.get(name).publisher
+    events = [
+        system_event("stop", gateway.stopper.state(name), now, robot=name),
+        system_event("battery_publisher", publisher.document(), now, robot=name),
+    ]
+    events += [
+        system_event("action_server", state, now, action_name=state.action_name) for state in gateway.servers_of(name)
+    ]
+    if (simulator := gateway.simulators.document(name)) is not None:
+        events.append(system_event("simulator", simulator, now, robot=name))
+    wanted = [event for event in events if interest.covers(event)]
+    if "robots" in interest.topics:
+        wanted.append(fleet_event("robots", now, robots=gateway.fleet.documents(), gone=[]))
+        wanted.append(fleet_event("alerts", now, alerts=gateway.alarm.documents()))
+    return wanted
+
+
+# What was missed is fetched from the history in pieces of so many events, and not more than so many pieces.
+PIECE, MAX_PIECES = 1000, 100
+# Seconds that a reader which resumes waits for a history that does not answer.
+PATIENCE = 3.0
+
+
+async def feed(
+    gateway: Gateway, subscriber: Subscriber, *, after: str | None = None, max_rate: float | None = None
+) -> AsyncIterator[Event]:
+    """Every message for one reader; ends when the gateway closes or the reader is too slow.
+
+    Args:
+        gateway: The gateway.
+        subscriber: The reader's place in the hub.
+        after: Id of the last event that the reader has seen. What followed it comes first (`resumed`), then what
+            is not replayed, as it is now. Where some of it is gone, `gap`, what is left, and a snapshot.
+        max_rate: Messages a second of each goal's feedback, of battery and of velocity.
+    """
+    async for event in begin(gateway, subscriber, after):
+        yield event
+    async for event in follow(gateway, subscriber, max_rate):
+        yield event
+
+
+async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | None = None) -> AsyncIterator[Event]:
+    """Every message of a `feed` but the first: what a reader is sent, and what a stream says of itself."""
+    interval = gateway.settings.heartbeat_interval
+    conflator = Throttle(max_rate)
+    next_heartbeat = time.monotonic() + interval
+    while not (gateway.hub.closing or subscriber.overrun):
+        due = min(next_heartbeat, conflator.next_due())
+        events, dropped = await subscriber.take(max(0.0, due - time.monotonic()))
+        if dropped:
+            yield notice("dropped", utc_now(), count=dropped)
+        now = time.monotonic()
+        for event in conflator.let_through(events, now):
+            yield event
+        if now >= next_heartbeat:
+            yield notice("heartbeat", utc_now())
+            next_heartbeat = now + interval
+    yield notice("closing", utc_now(), reason="too_slow" if subscriber.overrun else "shutting_down")
+
+
+async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> AsyncIterator[Event]:
+    """The first messages: how things stand, or what was missed since an event.
+
+    Where the reader wants one goal alone, the last of them says by `ends_goal` whether it now knows how that ended.
+    """
+    subscriber.clear()  # all that happened up to now is in the snapshot, or in what is replayed
+    if after is not None and gateway.hub.clock.is_past(after):
+        missed = await _missed(gateway, subscriber, after)
+        if missed.complete:
+            over = await _ended_before(gateway, subscriber.interest, after)
+            yield notice("resumed", utc_now(), ends_goal=over, after=after, count=len(missed.events))
+            for event in (*missed.events, *present(gateway, subscriber.interest)):
+                yield event
+            return
+        yield notice("gap", utc_now(), after=after, count=len(missed.events))
+        for event in missed.events:
+            yield event
+    elif after is not None:
+        yield notice("gap", utc_now(), after=after, count=0)
+    yield await snapshot(gateway, subscriber.interest)
+
+
+async def _ended_before(gateway: Gateway, interest: EventFilter, after: str) -> bool:
+    """Whether a reader of one goal that has had the event `after` knows how that goal ended."""
+    if interest.goal_id is None:
+        return False
+    goal = await gateway.goal(interest.goal_id)
+    return goal.status.terminal and (goal.last_event_id or "") <= after
+
+
+async def _missed(gateway: Gateway, subscriber: Subscriber, after: str) -> LaterEvents:
+    """What followed an event, wherever that was published; the reader gets nothing else up to now."""
+    subscriber.after = after
+    missed = gateway.hub.since(after, subscriber.interest)
+    if missed is not None:
+        return LaterEvents(missed, complete=True)
+    later = await _from_history(gateway, subscriber.interest, after)
+    if later.events:
+        subscriber.catch_up(later.events[-1].id or after)
+    return later
+
+
+async def _from_history(gateway: Gateway, interest: EventFilter, after: str) -> LaterEvents:
+    """What followed an event that this process has not seen, or has forgotten, as far as it is stored."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            return await _read_history(gateway, interest, after)
+        except GatewayError:
+            if time.monotonic() >= deadline or gateway.hub.closing:
+                return LaterEvents([], complete=False)
+            await asyncio.sleep(0.1)
+
+
+async def _read_history(gateway: Gateway, interest: EventFilter, after: str) -> LaterEvents:
+    missed: list[Event] = []
+    complete, last = True, after
+    for _ in range(MAX_PIECES):
+        piece = await gateway.history.events_after(
+            last, goal_id=interest.goal_id, action_name=interest.action_name, topics=interest.topics, limit=PIECE
+        )
+        complete = complete and piece.complete
+        missed.extend(event for event in piece.events if interest.covers(event))
+        if len(piece.events) < PIECE:
+            return LaterEvents(missed, complete)
+        last = piece.events[-1].id or last
+    return LaterEvents([], complete=False)

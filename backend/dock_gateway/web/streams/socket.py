@@ -1,0 +1,228 @@
+"""`/ws`: commands and events on one socket, each command answered under the caller's id.
+
+Goals belong to the gateway: a socket that breaks takes none with it, and no command is ever repeated by us.
+"""
+
+import asyncio
+import logging
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import orjson
+from fastapi import APIRouter, WebSocket
+from starlette.types import Message
+from starlette.websockets import WebSocketDisconnect
+
+from dock_gateway.core.errors import (
+    Conflict,
+    FieldError,
+    GatewayError,
+    InvalidField,
+    MalformedRequest,
+    TooManyRequests,
+    Unavailable,
+)
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.goal import encode
+from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.tasks import cancel
+from dock_gateway.gateway import Gateway
+from dock_gateway.web.problems import problem_response
+from dock_gateway.web.queries import read_after, read_event_filter, read_max_rate
+from dock_gateway.web.requests import TheGateway, known_query
+from dock_gateway.web.streams.commands import COMMANDS, STOP, Fields, check_fields, read_command
+from dock_gateway.web.streams.events import SERVICE_RESTART, TRY_AGAIN_LATER, send_text, until_one_ends
+from dock_gateway.web.streams.feed import feed
+
+log = logging.getLogger(__name__)
+
+router = APIRouter()
+
+MAX_SUBSCRIPTIONS = 32
+MAX_COMMANDS = 64
+# Stops come beside them, and are never refused: beyond this number the socket is not read until one is answered.
+MAX_STOPS = 64
+INTERNAL = GatewayError("an error inside of the gateway; its log has the details")
+SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
+
+
+@router.websocket("/ws")
+async def socket(websocket: WebSocket, gateway: TheGateway) -> None:
+    """Take commands, send acks and events."""
+    try:
+        await known_query()(websocket)
+        # A socket counts as a subscriber, also without a subscription, and is woken for the farewell.
+        place = gateway.hub.subscribe(EventFilter(topics=frozenset()))
+    except GatewayError as error:
+        await websocket.send_denial_response(problem_response(error))
+        return
+    session = Session(websocket, gateway)
+    try:
+        await websocket.accept()
+        await session.run(place)
+    finally:
+        gateway.hub.unsubscribe(place)
+        await session.close()
+
+
+@dataclass
+class Subscription:
+    """One subscription of a socket, as long as its task runs, which has a place in the hub and gives it back."""
+
+    task: asyncio.Task[None]
+    acknowledged: bool = False
+
+
+class Session:
+    """One connection of `/ws`."""
+
+    def __init__(self, websocket: WebSocket, gateway: Gateway) -> None:
+        self._websocket = websocket
+        self._gateway = gateway
+        self._sending = asyncio.Lock()
+        self._subscriptions: dict[str, Subscription] = {}
+        self._commands: set[asyncio.Task[None]] = set()
+        self._closed = False
+
+    async def run(self, place: Subscriber) -> None:
+        """Go on until the client leaves, does not read, or the gateway closes."""
+        await until_one_ends(self._read(), self._farewell(place))
+
+    async def close(self) -> None:
+        """End the subscriptions; other commands that are under way go on without us."""
+        self._closed = True
+        await cancel(*self._tasks())
+
+    async def _farewell(self, place: Subscriber) -> None:
+        while not self._gateway.hub.closing:
+            await place.take(60.0)
+        if tasks := self._tasks():  # each of them says `closing` first
+            await asyncio.wait(tasks)
+        await self._close(SERVICE_RESTART, "shutting_down")
+
+    def _tasks(self) -> list[asyncio.Task[None]]:
+        return [subscription.task for subscription in self._subscriptions.values()]
+
+    async def _read(self) -> None:
+        while True:
+            received = await self._websocket.receive()
+            if received["type"] == "websocket.disconnect":
+                return
+            if len(self._commands) >= MAX_COMMANDS and not _is_stop(received):
+                await self._answer_error(None, TooManyRequests(f"{MAX_COMMANDS} commands are under way already"))
+                continue
+            while len(self._commands) >= MAX_COMMANDS + MAX_STOPS:
+                await asyncio.wait(self._commands, return_when=asyncio.FIRST_COMPLETED)
+            task = asyncio.create_task(self._handle(received))
+            self._commands.add(task)
+            task.add_done_callback(self._commands.discard)
+
+    async def _handle(self, received: Message) -> None:
+        identity: str | None = None
+        try:
+            op, identity, fields = read_command(_decode(received))
+            if op == "subscribe":
+                self._subscribe(identity, fields)  # it answers by itself
+            else:
+                await self._answer("ack", identity, await self._do(op, fields))
+        except GatewayError as error:
+            await self._answer_error(identity, error)
+        except (WebSocketDisconnect, TimeoutError, RuntimeError) as error:
+            log.debug("an answer could not be sent: %s", error)
+        except Exception:
+            log.exception("a command failed")
+            await self._answer_error(identity, INTERNAL)
+
+    async def _do(self, op: str, fields: Fields) -> Fields:
+        if op == "unsubscribe":
+            return await self._unsubscribe(fields)
+        command = COMMANDS.get(op)
+        if command is None:
+            expected = f"one of subscribe, unsubscribe, {', '.join(COMMANDS)}"
+            raise InvalidField([FieldError("op", expected, f"got {op[:60]!r}")])
+        return await command(self._gateway, fields)
+
+    def _subscribe(self, identity: str | None, fields: Fields) -> None:
+        """Begin a subscription. Nothing is awaited here: what was checked still holds when its name is taken."""
+        check_fields(fields, SUBSCRIPTION_TEXTS, ("max_rate", "feedback"))
+        if not identity:
+            raise InvalidField([FieldError("id", "a string, which names the subscription", "got none")])
+        if identity in self._subscriptions:
+            raise Conflict(f"there is a subscription {identity} already", code="subscription_exists")
+        if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
+            raise TooManyRequests(f"this socket has {MAX_SUBSCRIPTIONS} subscriptions already")
+        query = {name: str(value) for name, value in fields.items() if value is not None}
+        after, max_rate = read_after(query), read_max_rate(query)
+        if self._closed:
+            raise Unavailable("the socket is closed", code="shutting_down")
+        task = asyncio.create_task(self._run_subscription(identity, query, after, max_rate))
+        self._subscriptions[identity] = Subscription(task)
+        task.add_done_callback(lambda _: self._subscriptions.pop(identity))
+
+    async def _run_subscription(
+        self, identity: str, query: dict[str, str], after: str | None, max_rate: float | None
+    ) -> None:
+        try:
+            subscriber = self._gateway.hub.subscribe(await read_event_filter(self._gateway, query))
+            try:
+                await self._answer("ack", identity, {"subscription": identity})
+                self._subscriptions[identity].acknowledged = True
+                async for event in feed(self._gateway, subscriber, after=after, max_rate=max_rate):
+                    await self._send(event.text)
+                if subscriber.overrun:
+                    await self._close(TRY_AGAIN_LATER, "too_slow")
+            finally:
+                self._gateway.hub.unsubscribe(subscriber)
+        except GatewayError as error:
+            await self._answer_error(identity, error)
+        except (WebSocketDisconnect, TimeoutError, RuntimeError):
+            await self._close(TRY_AGAIN_LATER, "too_slow")
+        except Exception:
+            log.exception("a subscription failed")
+            await self._answer_error(identity, INTERNAL)
+
+    async def _unsubscribe(self, fields: Fields) -> Fields:
+        check_fields(fields, ("subscription",))
+        identity = fields.get("subscription") or ""
+        subscription = self._subscriptions.get(identity)
+        if subscription is None or not subscription.acknowledged:
+            raise InvalidField([FieldError("subscription", "the id of a subscription", f"got {identity[:60]!r}")])
+        await cancel(subscription.task)
+        return {"subscription": identity}
+
+    async def _answer(self, op: str, identity: str | None, fields: Fields) -> None:
+        await self._send(encode({"op": op, "id": identity, **fields}).decode())
+
+    async def _answer_error(self, identity: str | None, error: GatewayError) -> None:
+        try:
+            await self._answer("error", identity, error.problem())
+        except (WebSocketDisconnect, TimeoutError, RuntimeError) as broken:
+            log.debug("an answer could not be sent: %s", broken)
+
+    async def _close(self, code: int, reason: str) -> None:
+        with suppress(WebSocketDisconnect, RuntimeError):  # it is closed already
+            await self._websocket.close(code, reason)
+
+    async def _send(self, text: str) -> None:
+        async with self._sending:
+            await send_text(self._websocket, self._gateway, text)
+
+
+def _is_stop(received: Message) -> bool:
+    try:
+        message = _decode(received)
+    except MalformedRequest:
+        return False
+    return isinstance(message, dict) and message.get("op") == STOP
+
+
+def _decode(received: Message) -> Any:
+    text = received.get("text")
+    try:
+        message = orjson.loads((received.get("bytes") or b"") if text is None else text)
+    except orjson.JSONDecodeError as error:
+        raise MalformedRequest(f"the message is not JSON: {error}") from None
+    if text is None and not (isinstance(message, dict) and message.get("op") == STOP):
+        raise MalformedRequest("a text message is expected, not a binary one")
+    return message

@@ -1,0 +1,226 @@
+"""Goals that turn up by themselves are looked up before anything is said of them."""
+
+import asyncio
+import time
+from collections.abc import Collection
+from datetime import UTC, datetime
+from functools import partial
+from uuid import UUID
+
+import pytest
+
+from dock_gateway.actions import adoption as adoption_module
+from dock_gateway.actions.adoption import BATCH_INTERVAL, Adoption, Newcomer
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.goal import Goal, GoalError, encode
+from dock_gateway.history import MemoryHistory
+from tests.support.history import make_goal, until
+from tests.support.tracking import A, B, S, Scene, scene
+
+__all__ = ["scene"]
+
+SENT_AT = datetime(2026, 1, 1, tzinfo=UTC)
+
+
+def goal_of_before(**more: object) -> Goal:
+    goal = Goal(B, "/dock", "pkg/action/Dock", SENT_AT, goal=b'{"n":1}')
+    for name, value in more.items():
+        setattr(goal, name, value)
+    return goal
+
+
+def replace_id(goal: Goal, goal_id: str) -> Goal:
+    goal.goal_id = goal_id
+    return goal
+
+
+def away(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def known(_: Collection[str]) -> dict[str, Goal]:
+        raise Unavailable("away", code="history_unavailable")
+
+    monkeypatch.setattr(scene.history, "known", known)
+
+
+async def test_a_goal_of_another_gateway_is_told_with_its_sender_from_the_first_event_on(scene: Scene) -> None:
+    scene.history.record(goal_of_before())
+    scene.status((B, S.ACCEPTED))
+    scene.feedback(1, B)
+    scene.feedback(2, B)
+    scene.status((B, S.EXECUTING))
+    scene.feedback(3, B)
+    events = await scene.documents()
+    assert [event["type"] for event in events] == ["status", "feedback", "feedback", "status", "feedback"]
+    states = [event for event in events if event["type"] == "status"]
+    assert [(state["status"], state["feedback_count"]) for state in states] == [("accepted", 0), ("executing", 2)]
+    for state in states:
+        assert (state["origin"], state["goal"]) == ("gateway", {"n": 1})
+        assert datetime.fromisoformat(state["created_at"]) == SENT_AT
+    kept = await scene.history.get(B)
+    assert kept is not None
+    assert scene.tracker.live[B].last_event_id == events[-1]["id"]
+
+
+async def test_a_goal_of_before_goes_on_from_what_is_known(scene: Scene) -> None:
+    scene.history.record(goal_of_before(status=S.EXECUTING, stage="CONTROLLING", feedback_count=10))
+    scene.status((B, S.EXECUTING))
+    scene.feedback(1, B)
+    scene.status((B, S.CANCELING))
+    states = [event for event in await scene.documents() if event["type"] == "status"]
+    assert [(state["status"], state["feedback_count"], state["stage"]) for state in states] == [
+        ("canceling", 11, "CONTROLLING")
+    ]
+
+
+@pytest.mark.parametrize("status", [S.SUCCEEDED, S.CANCELED, S.ABORTED])
+async def test_a_goal_that_has_ended_stays_as_it_is(scene: Scene, status: S) -> None:
+    """An action server remembers its goals for a while, and tells of them all again after each restart of ours."""
+    ended = goal_of_before(status=status, result=b'{"n":9}', error=GoalError("why", "because"), last_event_id="z")
+    scene.history.record(ended)
+    for _ in range(3):
+        scene.status((B, status))
+        scene.feedback(1, B)
+        assert await scene.events() == []
+    kept = await scene.history.get(B)
+    assert kept is not None
+    assert encode(kept.document()) == encode(ended.document())
+    assert scene.port.calls == {}
+    assert scene.tracker.live == {}
+
+
+async def test_a_goal_that_is_first_seen_by_its_feedback(scene: Scene) -> None:
+    scene.feedback(1, B)
+    scene.status((B, S.EXECUTING))
+    scene.feedback(2, B)
+    assert await scene.events() == ["status:executing", "feedback:1", "feedback:2"]
+    goal, kept = scene.tracker.live[B], await scene.history.get(B)
+    assert kept is not None
+    assert (goal.feedback_count, goal.origin) == (2, "external")
+
+
+async def test_nothing_is_said_while_the_history_cannot_tell_whether_a_goal_has_ended(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(adoption_module, "PATIENCE", 0.05)
+    with monkeypatch.context() as outage:
+        away(scene, outage)
+        scene.history.record(goal_of_before(status=S.SUCCEEDED, result=b"{}"))
+        scene.status((B, S.SUCCEEDED), (A, S.EXECUTING))
+        await until(lambda: A in scene.tracker.live)
+        assert scene.tracker.live[A].origin == "external", "a robot that moves is shown, whoever sent it"
+        assert B not in scene.tracker.live
+    await asyncio.sleep(0.3)
+    assert B not in scene.tracker.live
+    assert await scene.events() == ["status:executing"]
+
+
+async def test_a_goal_turns_out_to_be_ours_when_the_history_is_back(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(adoption_module, "PATIENCE", 0.0)
+    away(scene, monkeypatch)
+    scene.status((B, S.EXECUTING))
+    await until(lambda: B in scene.tracker.live)
+    scene.tracker.take_up(goal_of_before(status=S.EXECUTING, feedback_count=3))
+    states = [event for event in await scene.documents() if event["type"] == "status"]
+    assert [(state["origin"], state["feedback_count"]) for state in states] == [("external", 0), ("gateway", 3)]
+
+
+@pytest.mark.parametrize("claimed_first", [True, False])
+async def test_a_goal_that_is_taken_up_while_it_is_looked_up(scene: Scene, claimed_first: bool) -> None:
+    scene.history.record(goal_of_before(status=S.ACCEPTED))
+    scene.status((B, S.EXECUTING))
+    if not claimed_first:
+        await asyncio.sleep(0.05)
+    scene.tracker.take_up(goal_of_before(status=S.ACCEPTED))
+    scene.feedback(1, B)
+    assert await scene.events() == ["status:executing", "feedback:1"]
+    assert scene.tracker.live[B].origin == "gateway"
+
+
+async def test_those_that_run_are_seen_though_thousands_have_ended(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(adoption_module, "BATCH_INTERVAL", 0.01)
+    seen: list[str] = []
+
+    def adopt(goal_id: str, _: Goal | None, newcomer: Newcomer) -> None:
+        seen.append(goal_id)
+
+    adoption = Adoption(MemoryHistory(10), adopt)
+    for number in range(3000):
+        adoption.hear(f"{number}", lambda _: None, created_ns=1, running=number >= 2990)
+    await until(lambda: len(seen) >= 1000)
+    assert set(seen[:50]) >= {f"{number}" for number in range(2990, 3000)}
+    assert len(seen) == adoption_module.MAX_NEWCOMERS
+    assert "left out" in caplog.text
+    await adoption.close()
+
+
+async def test_made_up_goals_are_taken_up_at_a_rate_that_harms_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(adoption_module, "BATCH_INTERVAL", 0.1)
+    history, batches = MemoryHistory(10), []
+
+    async def known(goal_ids: Collection[str]) -> dict[str, Goal]:
+        batches.append((time.monotonic(), len(goal_ids)))
+        return {}
+
+    monkeypatch.setattr(history, "known", known)
+    adoption = Adoption(history, lambda *_: None)
+    for number in range(200):
+        adoption.hear(f"{number}", lambda _: None, created_ns=1, running=True)
+    await until(lambda: len(batches) == 4)
+    assert [size for _, size in batches] == [200, 150, 100, 50], "one query for all that wait"
+    assert batches[-1][0] - batches[0][0] >= 0.3
+    await adoption.close()
+
+
+async def test_goals_that_have_ended_are_recognized_at_once_however_many(scene: Scene) -> None:
+    """As after a start: an action server tells of all goals that it remembers, and what follows waits for that."""
+    ended = [str(UUID(int=number)) for number in range(1, 91)]
+    for goal_id in ended:
+        scene.history.record(replace_id(goal_of_before(status=S.SUCCEEDED, result=b"{}"), goal_id))
+    scene.status(*((goal_id, S.SUCCEEDED) for goal_id in ended), (A, S.EXECUTING))
+    await until(lambda: A in scene.tracker.live, timeout=BATCH_INTERVAL / 2)
+    assert set(scene.tracker.live) == {A}
+
+
+async def test_a_goal_that_cannot_be_taken_up_harms_no_other(caplog: pytest.LogCaptureFixture) -> None:
+    seen: list[str] = []
+
+    def adopt(goal_id: str, _: Goal | None, __: Newcomer) -> None:
+        if goal_id == "bad":
+            raise ValueError("broken")
+        seen.append(goal_id)
+
+    adoption = Adoption(MemoryHistory(10), adopt)
+    for goal_id in ("bad", "good"):
+        adoption.hear(goal_id, lambda _: None, created_ns=1, running=False)
+    await until(lambda: seen == ["good"])
+    adoption.hear("next", lambda _: None, created_ns=1, running=False)
+    await until(lambda: seen == ["good", "next"])
+    assert "goal bad" in caplog.text
+    await adoption.close()
+
+
+async def test_what_waits_of_a_goal_is_bounded() -> None:
+    taken: list[int] = []
+
+    def adopt(_: str, __: Goal | None, newcomer: Newcomer) -> None:
+        for take in newcomer.messages:
+            take(make_goal(1))
+
+    adoption = Adoption(MemoryHistory(10), adopt)
+    for number in range(1000):
+        adoption.hear("one", partial(lambda number, _: taken.append(number), number), created_ns=1, running=True)
+    await until(lambda: bool(taken))
+    assert taken == list(range(900, 1000))
+    await adoption.close()
+
+
+async def test_the_end_that_another_gateway_saw_first_is_told_here_too(scene: Scene) -> None:
+    """It was quicker than our look-up. Readers of this gateway have not been told."""
+    scene.history.record(goal_of_before(status=S.SUCCEEDED, result=b"{}", finished_at=datetime.now(UTC)))
+    for _ in range(2):
+        scene.status((B, S.EXECUTING))
+        scene.status((B, S.SUCCEEDED))
+    assert await scene.events() == ["status:succeeded", "result:succeeded"]

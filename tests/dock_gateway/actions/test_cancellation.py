@@ -1,0 +1,252 @@
+"""A goal that must not run is canceled whenever it turns up. The port is a fake; tests/system has the real one."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from datetime import UTC, datetime
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from dock_gateway.actions import cancellation as canceler_module
+from dock_gateway.actions.cancellation import STOPPED, TOO_LATE, Canceler
+from dock_gateway.actions.tracker import GoalTracker
+from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.tasks import PendingFacts
+from dock_gateway.history import MemoryHistory
+from dock_gateway.ros.action_port import CancelAnswer, StatusReport
+from dock_gateway.settings import Settings
+from tests.support.history import until
+
+A = "aaaaaaaa-0000-4000-8000-000000000000"
+S = GoalStatus
+LOST = GoalError("action_server_lost", "silent")
+
+
+class FakePort:
+    """Answers a cancel request with what the test has put into `script`; the last one stays."""
+
+    action_name = "/dock"
+    action_type = "pkg/action/Dock"
+
+    def __init__(self) -> None:
+        self.asked: list[str | None] = []
+        self.script: list[CancelAnswer | Exception] = [CancelAnswer(frozenset({A}), 0)]
+
+    async def cancel(self, goal_id: str | None, timeout: float) -> CancelAnswer:
+        self.asked.append(goal_id)
+        answer = self.script.pop(0) if len(self.script) > 1 else self.script[0]
+        if isinstance(answer, Exception):
+            raise answer
+        return answer
+
+    def request_result(self, goal_id: str) -> None:
+        raise Unavailable("asked again later")
+
+
+class Scene:
+    def __init__(self) -> None:
+        self.port = FakePort()
+        hub = Hub(queue_limit=10, max_subscribers=10)
+        self.tracker = GoalTracker(self.port, hub, MemoryHistory(10), PendingFacts(0.01))  # type: ignore[arg-type]
+        self.held = False
+        interlock: Any = SimpleNamespace(holds=lambda _: self.held)
+        self.canceler = Canceler(Settings(), self.tracker, interlock)
+
+    def goal(self, status: GoalStatus) -> Goal:
+        goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC))
+        self.tracker.add(goal)
+        if status is S.LOST:
+            self.tracker.move(goal, S.EXECUTING)
+            self.tracker.lose(goal, LOST)
+        elif status is not S.PENDING:
+            self.tracker.move(goal, status)
+        return goal
+
+
+@pytest.fixture
+async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
+    monkeypatch.setattr(canceler_module, "RETRY_INTERVAL", 0.01)
+    scene = Scene()
+    yield scene
+    await scene.tracker.close()
+
+
+async def test_a_running_goal(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    await scene.canceler.cancel(goal)
+    assert goal.status is S.CANCELING
+    await scene.canceler.cancel(goal)  # once more does no harm
+    assert scene.port.asked == [A, A]
+
+
+async def test_a_refusal(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel(goal)
+    assert refused.value.code == "cancel_rejected"
+    assert goal.status is S.EXECUTING
+
+
+async def test_an_ended_goal(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel(goal)
+    assert refused.value.code == "goal_terminal"
+    assert scene.port.asked == []
+
+
+async def test_a_goal_on_its_way_is_canceled_once_it_is_accepted(scene: Scene) -> None:
+    goal = scene.goal(S.PENDING)
+    scene.port.script = [CancelAnswer(frozenset(), 2), CancelAnswer(frozenset(), 2), CancelAnswer(frozenset({A}), 0)]
+    await scene.canceler.cancel(goal)
+    scene.tracker.move(goal, S.ACCEPTED)
+    scene.canceler.seen_again(goal)
+    await asyncio.sleep(0.05)
+    assert goal.status is S.CANCELING
+
+
+async def test_a_lost_goal_is_canceled_when_it_is_back(scene: Scene) -> None:
+    goal = scene.goal(S.LOST)
+    await scene.canceler.cancel(goal)
+    assert scene.port.asked == []
+    scene.tracker.move(goal, S.EXECUTING)
+    await asyncio.sleep(0.05)
+    assert goal.status is S.CANCELING
+    assert goal.error is not None
+
+
+@pytest.mark.parametrize("failure", [TimeoutError(), Unavailable("gone")])
+async def test_a_server_that_cannot_be_reached_is_asked_again(scene: Scene, failure: Exception) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [failure, failure, failure, CancelAnswer(frozenset({A}), 0)]
+    with pytest.raises((ServerTimeout, Unavailable)):
+        await scene.canceler.cancel(goal)
+    await asyncio.sleep(0.1)
+    assert goal.status is S.CANCELING
+    assert scene.port.asked == [A] * 4
+
+
+async def test_a_goal_that_was_given_up(scene: Scene) -> None:
+    goal = scene.goal(S.PENDING)
+    scene.canceler.mark_unwanted(goal, TOO_LATE)
+    scene.tracker.lose(goal, LOST)
+    scene.port.script = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
+    scene.tracker.move(goal, S.ACCEPTED)  # late
+    await asyncio.sleep(0.1)
+    assert goal.status is S.CANCELING
+    assert goal.error == TOO_LATE
+
+
+async def test_a_stop_reaches_goals_that_run_are_on_their_way_or_lost(scene: Scene) -> None:
+    goal = scene.goal(S.LOST)
+    scene.port.script = [Unavailable("gone"), CancelAnswer(frozenset({A}), 0)]
+    with pytest.raises(Unavailable):
+        await scene.canceler.cancel_all()
+    scene.tracker.move(goal, S.EXECUTING)
+    await asyncio.sleep(0.05)
+    assert goal.status is S.CANCELING
+    assert scene.port.asked == [None, A]
+
+
+async def test_a_stop_tells_which_goals_the_server_refuses_to_cancel(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    with pytest.raises(GatewayError) as refused:
+        await scene.canceler.cancel_all()
+    assert refused.value.code == "cancel_rejected"
+    assert A in refused.value.detail
+    assert goal.status is S.EXECUTING
+
+
+async def test_a_stop_without_goals_and_server_is_fine(scene: Scene) -> None:
+    scene.port.script = [Unavailable("nobody")]
+    assert await scene.canceler.cancel_all() == []
+
+
+async def test_nothing_is_remembered_of_ended_goals(scene: Scene) -> None:
+    goal = scene.goal(S.PENDING)
+    scene.canceler.mark_unwanted(goal, TOO_LATE)
+    scene.tracker.end(goal, S.REJECTED, error=LOST)
+    assert scene.canceler._unwanted == {}
+
+
+async def test_a_goal_that_turns_up_while_a_stop_holds_is_canceled_and_says_why(scene: Scene) -> None:
+    scene.held = True
+    for seen in scene.tracker.on_seen:
+        seen(goal := scene.goal(S.EXECUTING))
+    await until(lambda: goal.status is S.CANCELING)
+    assert goal.error is not None
+    assert goal.error.code == "stopped"
+    assert scene.port.asked == [A]
+
+
+async def test_a_goal_of_another_client_is_canceled_as_soon_as_it_is_heard_of(scene: Scene) -> None:
+    scene.held = True
+    scene.tracker.on_status([StatusReport(A, S.EXECUTING, 1)], 1)
+    await until(lambda: scene.port.asked == [A])
+    await until(lambda: scene.tracker.live[A].status is S.CANCELING)
+    error = scene.tracker.live[A].error
+    assert error is not None
+    assert error.code == "stopped"
+
+
+async def test_a_goal_that_is_taken_up_while_a_stop_holds_is_canceled(scene: Scene) -> None:
+    scene.held = True
+    goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC), status=S.EXECUTING)
+    scene.tracker.take_up(goal)
+    await until(lambda: goal.status is S.CANCELING)
+
+
+async def test_one_that_had_ended_when_it_turned_up_is_left_alone(scene: Scene) -> None:
+    scene.held = True
+    scene.tracker.on_status([StatusReport(A, S.ABORTED, 1)], 1)
+    await until(lambda: A in scene.tracker.live)
+    await asyncio.sleep(0.05)
+    assert scene.port.asked == []
+    assert scene.tracker.live[A].error is None
+
+
+async def test_a_refusal_is_not_taken_while_a_stop_holds(scene: Scene) -> None:
+    scene.held = True
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    with pytest.raises(Conflict):
+        await scene.canceler.cancel_all()
+    await until(lambda: len(scene.port.asked) >= 4)
+    assert goal.status is S.EXECUTING
+    scene.port.script = [CancelAnswer(frozenset({A}), 0)]
+    await until(lambda: goal.status is S.CANCELING)
+    assert goal.error == STOPPED
+
+
+async def test_a_refusal_is_taken_once_the_stop_is_released(scene: Scene) -> None:
+    scene.held = True
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    scene.canceler.seen_again(goal)
+    await until(lambda: len(scene.port.asked) >= 2)
+    scene.held = False
+    await until(lambda: not scene.canceler._insisting)
+    asked = len(scene.port.asked)
+    await asyncio.sleep(0.05)
+    assert len(scene.port.asked) == asked
+    assert goal.error is None
+
+
+async def test_what_a_stop_of_another_gateway_left_running_is_canceled(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.held = True
+    scene.canceler.cancel_unwanted()
+    await until(lambda: goal.status is S.CANCELING)
+
+
+async def test_goals_that_a_stop_cancels_say_why(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    assert await scene.canceler.cancel_all() == [A]
+    assert goal.error == STOPPED
+    assert not scene.canceler.uncanceled

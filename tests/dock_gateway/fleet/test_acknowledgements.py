@@ -1,0 +1,97 @@
+"""Acknowledgements are shared by gateways that share a history, and hold while it is away."""
+
+import asyncio
+from datetime import UTC, datetime
+from pathlib import Path
+
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.fleet.alerts import Acknowledgements
+from dock_gateway.history import Acknowledgement, MemoryHistory
+from dock_gateway.history.memory import MemoryAcknowledgements
+from tests.support.history import open_at, until
+
+NOON = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
+ADA, BOB = Acknowledgement("Ada", NOON), Acknowledgement("Bo\u0308b", NOON)
+
+
+class Store(MemoryAcknowledgements):
+    """Does not answer, or slowly, where the test says so."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.away = False
+        self.gate = asyncio.Event()
+        self.gate.set()
+
+    async def read(self) -> dict[str, Acknowledgement]:
+        if self.away:
+            raise Unavailable("away", code="history_unavailable")
+        found = await super().read()
+        await self.gate.wait()
+        return found
+
+    async def write(self, alert_id: str, acknowledgement: Acknowledgement | None) -> None:
+        if self.away:
+            raise Unavailable("away", code="history_unavailable")
+        await super().write(alert_id, acknowledgement)
+
+
+async def test_they_are_kept_in_both_databases(database_url: str, tmp_path: Path) -> None:
+    async with open_at(database_url, tmp_path / "a") as first, open_at(database_url, tmp_path / "b") as second:
+        await until(lambda: second.stats().database_reachable)
+        here, there = Acknowledgements(first.acknowledgements), Acknowledgements(second.acknowledgements)
+        here.put("a", BOB)
+        here.put("a", ADA)
+        here.put("b", BOB)
+        assert await here.sync()
+        assert await there.sync()
+        assert (there.get("a"), there.get("b"), there.ids()) == (ADA, BOB, {"a", "b"})
+        there.put("b", None)
+        there.put("never", None)
+        await there.save()
+        assert await here.sync()
+        assert here.ids() == {"a"}
+    async with open_at(database_url, tmp_path / "c") as later:
+        again = Acknowledgements(later.acknowledgements)
+        assert await again.sync()
+        assert again.get("a") == ADA
+
+
+async def test_they_hold_while_the_history_is_away() -> None:
+    store = Store()
+    here, there = Acknowledgements(store), Acknowledgements(store)
+    store.away = True
+    here.put("a", ADA)
+    here.put("b", None)
+    await here.save()
+    assert not await here.sync()
+    assert (here.get("a"), here.unsaved) == (ADA, True)
+    store.away = False
+    assert await here.sync()
+    assert not here.unsaved
+    assert await there.sync()
+    assert there.get("a") == ADA
+
+
+async def test_what_is_read_meanwhile_does_not_undo_anything() -> None:
+    store = Store()
+    here = Acknowledgements(store)
+    store.gate.clear()
+    reading = asyncio.create_task(here.sync())
+    await asyncio.sleep(0)
+    here.put("a", ADA)
+    await here.save()
+    store.gate.set()
+    assert await reading
+    assert here.get("a") == ADA
+    assert await here.sync()
+    assert here.get("a") == ADA
+
+
+async def test_a_history_in_memory_keeps_them_too() -> None:
+    history = MemoryHistory(10)
+    here, again = Acknowledgements(history.acknowledgements), Acknowledgements(history.acknowledgements)
+    here.put("a", ADA)
+    assert await here.sync()
+    assert await again.sync()
+    assert again.get("a") == ADA

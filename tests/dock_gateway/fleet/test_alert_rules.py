@@ -1,0 +1,229 @@
+"""What is worth an alert, since when, and until when."""
+
+from datetime import UTC, datetime, timedelta
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from dock_gateway.actions.liveness import ServerState
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.fleet.alert_rules import Alert, AlertKind, AlertRules, alert_id
+from dock_gateway.fleet.robot_state import RobotState
+from dock_gateway.history import Acknowledgement, Incident
+from dock_gateway.robots.battery import Reading
+
+NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
+CHARGING, DISCHARGING, NOT_CHARGING, FULL = 1, 2, 3, 4
+
+
+def goal(action: str, status: GoalStatus = GoalStatus.EXECUTING, at: datetime = NOON) -> Goal:
+    goal = Goal("a", action, "pkg/action/Dock", at)
+    goal.advance(status, at)
+    return goal
+
+
+def robot(
+    name: str = "/robot1",
+    *,
+    supply: int = DISCHARGING,
+    percentage: float | None = 0.5,
+    stale_since: datetime | None = None,
+    latched: bool = False,
+    persisted: bool = True,
+    contact: bool | None = None,
+    **more: Any,
+) -> RobotState:
+    battery = SimpleNamespace(reading=Reading(supply, percentage), stale_since=stale_since)
+    known: dict[str, Any] = {
+        "default": False,
+        "battery": battery,
+        "battery_topic": f"{name}/battery_status",
+        "publisher": None,
+        "stop": {
+            "latched": latched,
+            "since": NOON if latched else None,
+            "by": "Ada" if latched else None,
+            "persisted": persisted,
+        },
+        "simulator": None if contact is None else {"contact": contact, "docked": None},
+        "dock": ServerState(f"{name}/dock", available=True, answering=True),
+        "undock": ServerState(f"{name}/undock", available=True, answering=True),
+        "goals": [],
+        "lost": [],
+        "last_goal": None,
+        "left_docked": None,
+    }
+    return RobotState(name, **(known | more))
+
+
+class Looks:
+    """Looks at robots at a number of seconds past noon."""
+
+    def __init__(self, low_battery: float = 0.2) -> None:
+        self._watch = AlertRules(low_battery)
+
+    def alerts(self, seconds: float, *robots: RobotState, strays: tuple[Goal, ...] = ()) -> list[Alert]:
+        return self._watch.look(list(robots), strays, NOON + timedelta(seconds=seconds), 1000 + seconds)
+
+    def kinds(self, seconds: float, *robots: RobotState) -> list[str]:
+        return [alert.kind.value for alert in self.alerts(seconds, *robots)]
+
+
+def test_a_robot_that_is_well() -> None:
+    looks = Looks()
+    for supply, docked in ((DISCHARGING, None), (CHARGING, True), (FULL, True)):
+        well = robot(supply=supply, left_docked=docked)
+        assert looks.kinds(0, well) == looks.kinds(60, well) == []
+
+
+def test_one_alert_for_a_stop_of_all() -> None:
+    stopped = [robot(name, latched=True) for name in ("/", "/robot1", "/robot1/arm")]
+    (alert,) = Looks().alerts(0, *stopped)
+    assert (alert.kind, alert.robot, alert.since) == (AlertKind.STOP_LATCHED, "/", NOON)
+    assert alert.detail.startswith("Ada stopped / and 2 below it")
+    separate = Looks().alerts(0, robot("/"), robot("/robot1", latched=True), robot("/robot10", latched=True))
+    assert {alert.robot for alert in separate} == {"/robot1", "/robot10"}
+
+
+def test_a_lost_goal_for_an_hour_at_most() -> None:
+    lost = goal("/robot1/dock", GoalStatus.LOST)
+    lost.error = GoalError("action_server_lost", "the action server left the ROS graph")
+    (alert,) = Looks().alerts(1, robot(lost=[lost]))
+    assert (alert.kind, alert.goal_id, alert.since) == (AlertKind.GOAL_LOST, "a", NOON)
+    assert "the action server left the ROS graph" in alert.detail
+    assert Looks().alerts(3601, robot(lost=[lost])) == []
+    (stray,) = Looks().alerts(1, strays=(goal("/fibonacci", GoalStatus.LOST),))
+    assert stray.robot == "/"
+
+
+@pytest.mark.parametrize(
+    "docked",
+    [
+        {"left_docked": True},
+        {"contact": True},
+        {"left_docked": True, "supply": NOT_CHARGING, "percentage": None},
+    ],
+)
+def test_a_docked_robot_without_power(docked: dict[str, Any]) -> None:
+    looks = Looks()
+    assert looks.kinds(0, robot(**docked)) == looks.kinds(9.9, robot(**docked)) == []
+    (alert,) = looks.alerts(10, robot(**docked))
+    assert (alert.kind, alert.since) == (AlertKind.DISCHARGING_ON_DOCK, NOON)
+    assert looks.kinds(11, robot(supply=CHARGING, left_docked=True)) == []
+    assert looks.kinds(12, robot(**docked)) == []  # it begins anew
+
+
+@pytest.mark.parametrize(
+    "excuse",
+    [
+        {"left_docked": False},
+        {"left_docked": True, "percentage": 0.995},
+        {"left_docked": True, "goals": [goal("/robot1/undock")]},
+        {"left_docked": True, "goals": [goal("/robot1/dock")]},
+        {"contact": False},
+    ],
+)
+def test_a_robot_that_need_not_be_charged(excuse: dict[str, Any]) -> None:
+    looks = Looks()
+    assert looks.kinds(0, robot(**excuse)) == looks.kinds(60, robot(**excuse)) == []
+
+
+def test_a_low_battery_until_it_is_well_above() -> None:
+    looks = Looks()
+    assert looks.kinds(0, robot(percentage=0.2)) == []
+    (alert,) = looks.alerts(1, robot(percentage=0.19))
+    assert (alert.kind, alert.since) == (AlertKind.LOW_BATTERY, NOON + timedelta(seconds=1))
+    assert "20%" in alert.detail
+    (same,) = looks.alerts(2, robot(percentage=0.24))
+    assert same == alert
+    assert looks.kinds(3, robot(percentage=0.25)) == []
+    assert looks.kinds(4, robot(percentage=0.24)) == []
+
+
+@pytest.mark.parametrize(
+    "excuse", [{"supply": CHARGING}, {"supply": FULL}, {"goals": [goal("/robot1/dock")]}, {"percentage": None}]
+)
+def test_a_low_battery_that_somebody_sees_to(excuse: dict[str, Any]) -> None:
+    looks = Looks()
+    assert looks.kinds(0, robot(percentage=0.1)) == ["low_battery"]
+    assert looks.kinds(1, robot(**({"percentage": 0.1} | excuse))) == []
+    assert looks.kinds(2, robot(percentage=0.1, goals=[goal("/robot1/undock")])) == ["low_battery"]
+
+
+def test_no_battery_is_low_where_nobody_wants_to_know() -> None:
+    assert Looks(0.0).kinds(0, robot(percentage=0.0)) == []
+
+
+def test_a_battery_that_fell_silent() -> None:
+    looks = Looks()
+    silent = robot(stale_since=NOON)
+    assert looks.kinds(5, silent) == []
+    (alert,) = looks.alerts(5.1, silent)
+    assert (alert.kind, alert.since) == (AlertKind.BATTERY_STALE, NOON)
+    assert "/robot1/battery_status" in alert.detail
+    assert looks.kinds(6, robot()) == []
+
+
+def test_critical_ones_come_first_then_the_oldest() -> None:
+    looks = Looks()
+    low = robot("/a", percentage=0.1)
+    looks.alerts(-5, low)
+    stopped = robot("/b", latched=True, stale_since=NOON - timedelta(seconds=20))
+    assert looks.kinds(1, low, stopped) == ["stop_latched", "battery_stale", "low_battery"]
+
+
+def test_what_happened_to_the_history_is_an_alert_of_no_robot() -> None:
+    incident = Incident(NOON, "It was deleted.")
+    (alert,) = AlertRules(0.2).look([], [], NOON + timedelta(hours=1), 1000.0, incident=incident)
+    document = alert.document(None)
+    named = {name: document[name] for name in ("kind", "robot", "severity", "since", "detail")}
+    expected = {"kind": "history_lost", "robot": None, "severity": "warning", "since": NOON, "detail": incident.detail}
+    assert named == expected
+
+
+def test_ids_are_the_same_everywhere() -> None:
+    assert alert_id(AlertKind.LOW_BATTERY, "/robot1") == "d52cd72bb043e060"  # as other gateways have it
+    names = [(kind, name, goal) for kind in AlertKind for name in ("/", "/r") for goal in (None, "a")]
+    ids = {alert_id(*name) for name in names}
+    assert len(ids) == len(names)
+    assert all(identity.isalnum() and identity.isascii() for identity in ids)
+
+
+def test_a_stop_that_is_not_stored() -> None:
+    (alert,) = Looks().alerts(0, robot(latched=True, persisted=False))
+    assert alert.detail.endswith("It is not stored: a restart of the gateway would forget it.")
+
+
+def test_an_alert_as_a_document() -> None:
+    (alert,) = Looks().alerts(0, robot(latched=True))
+    seen = Acknowledgement("Ada", NOON)
+    assert alert.document(seen) == {
+        "id": alert.id,
+        "kind": "stop_latched",
+        "robot": "/robot1",
+        "severity": "critical",
+        "since": NOON,
+        "title": "Stopped",
+        "detail": alert.detail,
+        "goal_id": None,
+        "acknowledged": seen,
+    }
+    assert alert.document(None)["acknowledged"] is None
+
+
+def test_two_servers_of_one_robot_are_one_alert() -> None:
+    watch = AlertRules(0.2)
+
+    def look(seconds: float, **duplicates: list[str]) -> list[Alert]:
+        by_robot = {f"/{name}": actions for name, actions in duplicates.items()}
+        return watch.look([], [], NOON + timedelta(seconds=seconds), seconds, duplicates=by_robot)
+
+    look(0, robot1=["/robot1/undock"])
+    (alert,) = look(5, robot1=["/robot1/undock", "/robot1/dock"])
+    assert (alert.kind, alert.robot, alert.since) == (AlertKind.DUPLICATE_ACTION_SERVER, "/robot1", NOON)
+    assert alert.kind.critical
+    assert "serves /robot1/dock and /robot1/undock" in alert.detail
+    assert look(6) == []
+    (again,) = look(7, robot1=["/robot1/dock"])
+    assert again.since == NOON + timedelta(seconds=7)

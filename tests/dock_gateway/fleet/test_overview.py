@@ -1,0 +1,229 @@
+"""All robots at a glance, from parts that are fakes; tests/system has the real ones."""
+
+from datetime import UTC, datetime
+from types import SimpleNamespace
+from typing import Any
+
+import orjson
+import pytest
+
+from dock_gateway.actions.liveness import ServerState
+from dock_gateway.core.event import Event, utc_now
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.goal import Goal, GoalStatus, encode
+from dock_gateway.core.hub import Hub, Subscriber
+from dock_gateway.fleet.overview import Fleet
+from dock_gateway.robots.battery import Battery
+from dock_gateway.settings import Settings
+
+NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
+RELEASED = {"latched": False, "since": None, "by": None, "robots": [], "persisted": True}
+
+
+def battery_message(status: int, percentage: float | None = 0.5) -> bytes:
+    return orjson.dumps({"voltage": 2.16, "percentage": percentage, "power_supply_status": status})
+
+
+class Parts:
+    """What a fleet is put together from; `outcome` holds the last goal that ended and the last that succeeded."""
+
+    def __init__(self, *names: str) -> None:
+        self.hub = Hub(queue_limit=10, max_subscribers=10)
+        self.robots = {name: self.robot(name) for name in names}
+        self.default_namespace = names[0]
+        self.goals: list[Goal] = []
+        self.outcome: list[Goal | None] = [None, None]
+        self.simulator: dict[str, Any] | None = None
+        self.looked: list[Any] = []
+        self.twice: list[str] = []
+
+    def robot(self, name: str) -> Any:
+        publisher = SimpleNamespace(document=lambda: {"active": False, "rate_hz": None, "published_count": 9})
+        return SimpleNamespace(namespace=name, battery=Battery(self.hub, 2.0, name), publisher=publisher)
+
+    # the registry of robots
+    def all(self) -> list[Any]:
+        return [self.robots[name] for name in sorted(self.robots)]
+
+    def owner(self, name: str) -> Any:
+        return self.robots.get(name.rpartition("/")[0] or "/")
+
+    # that of actions
+    def running(self) -> list[Goal]:
+        return [goal for goal in self.goals if not goal.status.terminal]
+
+    def lost(self) -> list[Goal]:
+        return [goal for goal in self.goals if goal.status is GoalStatus.LOST]
+
+    def duplicates(self) -> list[str]:
+        return self.twice
+
+    def get(self, name: str | None = None) -> Any:
+        if name in self.robots:
+            return self.robots[name]
+        watch = SimpleNamespace(state=ServerState(str(name), available=True, answering=True))
+        return SimpleNamespace(watch=watch) if str(name).startswith("/robot1/connect") else None
+
+    # and the others
+    def shown(self, _: str) -> dict[str, Any]:
+        return RELEASED
+
+    def find(self, _: str) -> Any:
+        return None if self.simulator is None else SimpleNamespace(document=lambda: self.simulator)
+
+    def last(self, *_: str) -> Goal | None:
+        return self.outcome[0]
+
+    def succeeded(self, *_: str) -> Goal | None:
+        return self.outcome[1]
+
+    # what looks after them
+    def look(self, states: list[Any], strays: list[Goal], duplicates: dict[str, list[str]]) -> None:
+        self.looked.append(([state.name for state in states], [goal.goal_id for goal in strays], duplicates))
+
+    def fleet(self) -> Fleet:
+        parts: Any = self
+        return Fleet(
+            Settings(),
+            self.hub,
+            robots=parts,
+            actions=parts,
+            interlock=parts,
+            simulators=parts,
+            outcomes=parts,
+            alarm=parts,
+        )
+
+
+def goal(action: str, goal_id: str = "a", status: GoalStatus = GoalStatus.EXECUTING, minute: int = 0) -> Goal:
+    goal = Goal(goal_id, action, "pkg/action/Dock", NOON.replace(minute=minute), goal=b"{}", feedback=b"{}")
+    goal.advance(status, goal.created_at)
+    return goal
+
+
+def document(fleet: Fleet, name: str = "/robot1") -> Any:
+    return orjson.loads(encode(fleet.documents(name)[0]))
+
+
+async def told(subscriber: Subscriber) -> list[dict[str, Any]]:
+    events, _ = await subscriber.take(0.01)
+    return [orjson.loads(event.data) for event in events]
+
+
+async def test_a_robot_at_a_glance() -> None:
+    parts = Parts("/", "/robot1")
+    fleet = parts.fleet()
+    parts.goals = [
+        goal("/robot1/fibonacci", "old"),
+        goal("/robot1/connect_to_charging_dock", "new", minute=1),
+        goal("/fibonacci", "elsewhere"),
+    ]
+    robot = document(fleet)
+    assert robot == {
+        "name": "/robot1",
+        "default": False,
+        "docked": None,
+        "simulated": False,
+        "battery": {"state": None, "received_at": None, "stale": True, "stale_after_s": 2.0},
+        "battery_topic": "/robot1/battery_status",
+        "battery_publisher": {"active": False, "rate_hz": None},
+        "stop": RELEASED,
+        "dock": {
+            "action_name": "/robot1/connect_to_charging_dock",
+            "available": True,
+            "answering": True,
+            "duplicate": False,
+        },
+        "undock": None,
+        "goals": robot["goals"],
+        "last_goal": None,
+    }
+    assert [running["goal_id"] for running in robot["goals"]] == ["new", "old"]
+    assert not {"goal", "feedback", "result"} & robot["goals"][0].keys()
+    assert [(robot["name"], robot["default"]) for robot in fleet.documents()] == [("/", True), ("/robot1", False)]
+    await fleet.close()
+
+
+@pytest.mark.parametrize(
+    ("simulated", "supply", "succeeded", "docked"),
+    [
+        (None, 2, None, None),
+        (None, 1, "disconnect_from_charging_dock", True),
+        (None, 4, None, True),
+        (None, 3, "connect_to_charging_dock", True),
+        (None, 1, None, True),
+        (None, 2, "disconnect_from_charging_dock", False),
+        (False, 1, "connect_to_charging_dock", False),
+        (True, 2, "disconnect_from_charging_dock", True),
+    ],
+)
+async def test_whether_a_robot_is_docked(
+    simulated: bool | None, supply: int, succeeded: str | None, docked: bool | None
+) -> None:
+    parts = Parts("/robot1")
+    if simulated is not None:
+        parts.simulator = {"docked": simulated}
+    parts.robots["/robot1"].battery.on_battery(battery_message(supply), 1)
+    parts.outcome[1] = goal(f"/robot1/{succeeded}", status=GoalStatus.SUCCEEDED) if succeeded else None
+    fleet = parts.fleet()
+    assert document(fleet)["docked"] is docked
+    assert document(fleet)["simulated"] is (simulated is not None)
+    await fleet.close()
+
+
+async def test_a_lost_docking_goal_is_the_last_one_until_it_returns() -> None:
+    parts = Parts("/robot1")
+    fleet = parts.fleet()
+    parts.outcome[0] = goal("/robot1/connect_to_charging_dock", "old", GoalStatus.ABORTED)
+    assert document(fleet)["last_goal"]["goal_id"] == "old"
+    parts.goals = [
+        goal("/robot1/disconnect_from_charging_dock", "lost", GoalStatus.LOST, minute=1),
+        goal("/robot1/fibonacci", "other", GoalStatus.LOST, minute=2),
+    ]
+    assert document(fleet)["last_goal"]["goal_id"] == "lost"
+    parts.goals[0].advance(GoalStatus.EXECUTING, utc_now())
+    assert document(fleet)["last_goal"]["goal_id"] == "old"
+    await fleet.close()
+
+
+async def test_the_alarm_sees_all_robots_and_the_goals_of_none() -> None:
+    parts = Parts("/robot1", "/robot2")
+    fleet = parts.fleet()
+    parts.goals = [goal("/fibonacci", "stray", GoalStatus.LOST), goal("/robot1/fibonacci", "own", GoalStatus.LOST)]
+    parts.twice = ["/robot1/dock", "/robot1/undock", "/arm/move"]
+    fleet.look()
+    duplicates = {"/robot1": ["/robot1/dock", "/robot1/undock"], "/arm": ["/arm/move"]}
+    assert parts.looked == [(["/robot1", "/robot2"], ["stray"], duplicates)]
+    assert [[goal.goal_id for goal in state.lost] for state in fleet.states()] == [["own"], []]
+    await fleet.close()
+
+
+async def test_changes_are_told_once_and_only_while_somebody_asks() -> None:
+    parts = Parts("/", "/robot1")
+    fleet = parts.fleet()
+    published: list[Event] = []
+    publish = parts.hub.publish
+    parts.hub.publish = lambda event: (published.append(event), publish(event))  # type: ignore[func-returns-value]
+    fleet.look()
+    assert published == []
+    asks = parts.hub.subscribe(EventFilter(frozenset({"goals", "robots"}), robot="/robot1"))
+    also = parts.hub.subscribe(EventFilter(frozenset({"robots"})))
+    other = parts.hub.subscribe(EventFilter())
+    fleet.look()
+    (event,) = await told(asks)
+    assert (event["type"], [robot["name"] for robot in event["robots"]]) == ("robots", ["/", "/robot1"])
+    fleet.look()
+    assert await told(asks) == []
+    parts.robots["/robot1"].battery.on_battery(battery_message(2, None), 1)
+    fleet.look()
+    (event,) = await told(asks)
+    assert [robot["name"] for robot in event["robots"]] == ["/robot1"]
+    assert event["robots"][0]["battery"]["state"]["percentage"] is None
+    del parts.robots["/robot1"]
+    fleet.look()
+    (event,) = await told(asks)
+    assert (event["robots"], event["gone"]) == ([], ["/robot1"])
+    assert len(await told(also)) == 3
+    assert await told(other) == []
+    assert len([event for event in published if event.topic == "robots"]) == 3
+    await fleet.close()

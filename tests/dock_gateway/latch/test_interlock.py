@@ -1,0 +1,262 @@
+"""Who is told of a latched stop, and what two gateways make of it. The topic is a fake; tests/system has a real one."""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any, ClassVar
+
+import orjson
+import pytest
+
+from dock_gateway.core.errors import Conflict
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.hub import Hub
+from dock_gateway.latch import interlock as interlock_module
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.latch.latch_file import LatchFile
+from tests.support.history import until
+
+
+def hear(interlock: Interlock, namespace: str = "/", *, latched: bool, received: float | None = None) -> None:
+    """Another gateway says something, now."""
+    interlock.heard(namespace, latched=latched, received=time.monotonic() if received is None else received)
+
+
+class FakeTopic:
+    """`stop_latched` of one robot, between gateways. The next `failures` messages are not taken."""
+
+    def __init__(self) -> None:
+        self.said: list[bool | None] = []
+        self.others: list[Interlock] = []
+        self.failures = 0
+
+    def publish(self, *, latched: bool) -> None:
+        if self.failures:
+            self.failures -= 1
+            raise RuntimeError("ROS does not take it")
+        self.said.append(latched)
+        for other in self.others:
+            asyncio.get_running_loop().call_soon(lambda to=other: hear(to, latched=latched))
+
+    async def withdraw(self) -> None:
+        self.said.append(None)
+
+
+class Gateway:
+    all: ClassVar[list["Gateway"]] = []
+
+    def __init__(self, path: Path) -> None:
+        self.all.append(self)
+        self.hub = Hub(queue_limit=10, max_subscribers=10)
+        self.reader = self.hub.subscribe(EventFilter(frozenset({"system"})))
+        self.interlock = Interlock(self.hub, LatchFile(path), "/")
+        self.topic = FakeTopic()
+        self.interlock.join("/", self.topic)
+
+    async def events(self) -> list[dict[str, Any]]:
+        return [orjson.loads(event.data) for event in (await self.reader.take(1.0))[0]]
+
+
+@pytest.fixture
+async def pair(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[tuple[Gateway, Gateway]]:
+    monkeypatch.setattr(interlock_module, "ECHO_AFTER", 0.02)
+    first, second = Gateway(tmp_path / "first.json"), Gateway(tmp_path / "second.json")
+    first.topic.others, second.topic.others = [second.interlock], [first.interlock]
+    yield first, second
+    Gateway.all.clear()
+    await first.interlock.close()
+    await second.interlock.close()
+
+
+async def settle() -> None:
+    """Wait until every topic says what holds."""
+    await asyncio.sleep(0.05)
+    await until(lambda: not any(gateway.interlock._echoes for gateway in Gateway.all))
+
+
+async def test_goals_are_refused_until_the_stop_is_released(pair: tuple[Gateway, Gateway]) -> None:
+    interlock = pair[0].interlock
+    interlock.require_released("/dock")
+    interlock.latch("/", "Ada")
+    for name in ("/dock", "/robot1/dock"):
+        with pytest.raises(Conflict, match="stopped by Ada") as refused:
+            interlock.require_released(name)
+        assert refused.value.code == "stop_latched"
+    event = (await pair[0].events())[0]
+    assert (event["type"], event["robot"], event["stop"]["latched"], event["stop"]["by"]) == ("stop", "/", True, "Ada")
+    await interlock.release("/")
+    interlock.require_released("/dock")
+    assert [event["stop"]["latched"] for event in await pair[0].events()] == [False]
+
+
+async def test_a_robot_that_has_left_is_told_nothing(pair: tuple[Gateway, Gateway]) -> None:
+    interlock, topic = pair[0].interlock, FakeTopic()
+    interlock.join("/robot1", topic)
+    hear(interlock, "/robot1", latched=True)
+    hear(interlock, "/robot1", latched=False)
+    interlock.leave("/robot1")
+    interlock.latch("/")
+    interlock.tell("/")
+    await settle()
+    assert topic.said == []
+    again = FakeTopic()
+    interlock.join("/robot1", again)
+    await settle()
+    assert again.said == [True], "a stop that came meanwhile holds for it"
+
+
+async def test_it_is_kept_across_a_restart_and_said_again(pair: tuple[Gateway, Gateway], tmp_path: Path) -> None:
+    pair[0].interlock.latch("/", "Ada")
+    assert await pair[0].interlock.stored(10.0) is None
+    again = Gateway(tmp_path / "first.json")
+    assert again.interlock.document("/")["by"] == "Ada"
+    await settle()
+    assert again.topic.said == [True]
+    await again.interlock.release("/")
+    await again.interlock.close()
+    assert LatchFile(tmp_path / "first.json").read("/") == {}
+
+
+async def test_a_robot_that_appears_below_is_held_too(pair: tuple[Gateway, Gateway]) -> None:
+    interlock, topic = pair[0].interlock, FakeTopic()
+    interlock.latch("/")
+    await pair[0].events()
+    interlock.join("/robot1", topic)
+    assert [event["stop"]["robots"] for event in await pair[0].events()] == [["/", "/robot1"]]
+    await settle()
+    assert topic.said == [True]
+    with pytest.raises(Conflict, match="release that") as refused:
+        await interlock.release("/robot1")
+    assert refused.value.code == "stop_latched"
+    await interlock.release("/")
+    assert topic.said == [True, False]
+    assert not interlock.holds("/robot1")
+
+
+async def test_a_robot_is_held_again_that_another_gateway_released_below_a_stop(pair: tuple[Gateway, Gateway]) -> None:
+    interlock, topic = pair[0].interlock, FakeTopic()
+    interlock.join("/robot1", topic)
+    interlock.latch("/", "Ada")
+    interlock.tell("/")
+    hear(interlock, "/robot1", latched=False)  # by one that knows of this robot alone
+    await settle()
+    assert topic.said == [True, True]
+    assert interlock.document("/")["robots"] == ["/", "/robot1"]
+    hear(interlock, "/robot1", latched=False)  # by one that released both: in whichever order it is heard
+    hear(interlock, latched=False)
+    await settle()
+    assert topic.said == [True, True, None]
+    assert not interlock.holds("/robot1")
+
+
+async def test_another_gateway_learns_it_and_says_it_should_the_first_go(pair: tuple[Gateway, Gateway]) -> None:
+    first, second = pair
+    first.interlock.latch("/", "Ada")
+    first.interlock.tell("/")
+    await settle()
+    assert second.interlock.holds("/dock")
+    assert second.interlock.document("/")["by"] is None
+    assert second.topic.said == [True]
+    await second.interlock.release("/")
+    await settle()
+    assert not first.interlock.holds("/dock")
+    assert first.topic.said == [True, None]  # who comes later hears the release alone
+
+
+async def test_a_stop_that_crosses_a_release_wins_and_then_there_is_peace(pair: tuple[Gateway, Gateway]) -> None:
+    first, second = pair
+    for gateway in pair:
+        gateway.interlock.latch("/")
+        gateway.interlock.tell("/")
+    await settle()
+    await second.interlock.release("/")
+    first.interlock.latch("/")
+    hear(first.interlock, latched=False)
+    hear(second.interlock, latched=True)
+    await settle()
+    assert [gateway.interlock.holds("/") for gateway in pair] == [True, True]
+    said = [list(gateway.topic.said) for gateway in pair]
+    await settle()
+    assert [gateway.topic.said for gateway in pair] == said
+
+
+async def test_a_release_that_came_before_the_stop_was_told_does_not_mean_it(pair: tuple[Gateway, Gateway]) -> None:
+    interlock = pair[0].interlock
+    before = time.monotonic()
+    interlock.latch("/", "Ada")
+    hear(interlock, latched=False)  # on its way while the stop was carried out
+    assert interlock.holds("/")
+    interlock.tell("/")
+    hear(interlock, latched=False, received=before)  # and one that waited for the loop
+    assert interlock.document("/")["by"] == "Ada"
+    await settle()
+    hear(interlock, latched=False)
+    assert not interlock.holds("/")
+
+
+@pytest.mark.parametrize("latched", [True, False])
+async def test_what_could_not_be_said_is_said_until_it_is(pair: tuple[Gateway, Gateway], latched: bool) -> None:
+    interlock, topic = pair[0].interlock, pair[0].topic
+    topic.others = []  # who has not heard of the release would say the stop again
+    interlock.latch("/")
+    if not latched:
+        interlock.tell("/")
+    said = len(topic.said)
+    topic.failures = 3
+    if latched:
+        interlock.tell("/")
+    else:
+        await interlock.release("/")
+    assert len(topic.said) == said
+    await until(lambda: topic.said[said:] == [latched])
+
+
+async def test_it_is_said_again_to_who_asks_again_but_not_many_times_a_second(
+    pair: tuple[Gateway, Gateway], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    interlock, topic = pair[0].interlock, pair[0].topic
+    interlock.latch("/")
+    for _ in range(100):
+        interlock.tell("/")
+    assert topic.said == [True]
+    monkeypatch.setattr(interlock_module, "SAY_AGAIN_AFTER", 0.0)
+    interlock.tell("/")
+    assert topic.said == [True, True]
+
+
+async def test_goals_are_looked_for_once_a_stop_of_another_gateway_is_said_here_too(
+    pair: tuple[Gateway, Gateway],
+) -> None:
+    stopped: list[str] = []
+    pair[0].interlock.on_latch.append(stopped.append)
+    hear(pair[0].interlock, latched=True)
+    await until(lambda: stopped == ["/"])
+
+
+async def test_a_disk_that_does_not_take_it_stops_nobody_from_stopping_and_is_told(
+    pair: tuple[Gateway, Gateway], tmp_path: Path
+) -> None:
+    (tmp_path / "first.json").mkdir()
+    interlock = pair[0].interlock
+    interlock.latch("/")
+    problem = await interlock.stored(10.0 if interlock.document("/")["persisted"] is False else 0.2)
+    assert problem is not None
+    assert problem.code == "stop_not_persisted"
+    assert interlock.holds("/")
+    assert interlock.document("/")["persisted"] is False
+    events = await pair[0].events()
+    assert [event["stop"]["latched"] for event in events] == [True] * len(events)
+    assert events[-1]["stop"]["persisted"] is False
+
+
+async def test_hundreds_of_robots_are_shown_as_fast_as_a_few(tmp_path: Path) -> None:
+    gateway = Gateway(tmp_path / "stops.json")
+    for number in range(1000):
+        gateway.interlock.join(f"/robot{number}", FakeTopic())
+    began = time.monotonic()
+    gateway.interlock.latch("/")
+    assert len(gateway.interlock.document("/")["robots"]) == 1001
+    gateway.interlock._show()
+    assert time.monotonic() - began < 1.0
+    await gateway.interlock.close()

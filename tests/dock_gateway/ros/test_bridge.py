@@ -1,0 +1,138 @@
+"""Calls into the ROS thread: each one runs, or its caller is told that it did not, and then it never runs."""
+
+import asyncio
+import threading
+from collections.abc import AsyncIterator, Iterator
+from contextlib import contextmanager
+from functools import partial
+
+import pytest
+from geometry_msgs.msg import Twist
+from sensor_msgs.msg import BatteryState
+
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.ros.action_port import ActionPort
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.robot_ports import BatteryPort, VelocityPort
+from tests.support.history import until
+from tests.support.observer import Observer
+
+pytestmark = pytest.mark.ros
+
+DOCK_TYPE = "action_tutorials_interfaces/action/ConnectToChargingDock"
+
+
+@pytest.fixture
+async def bridge(domain: int, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Bridge]:
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+    bridge = Bridge("tested", "", 1_000_000)
+    bridge.start()
+    yield bridge
+    await asyncio.to_thread(bridge.close)
+
+
+@contextmanager
+def blocked(bridge: Bridge) -> Iterator[None]:
+    """The ROS thread does nothing while the block runs."""
+    released = threading.Event()
+    bridge.to_ros(lambda: released.wait(30))
+    try:
+        yield
+    finally:
+        released.set()
+
+
+async def test_a_call_that_was_given_up_never_runs(bridge: Bridge) -> None:
+    ran: list[str] = []
+    with blocked(bridge):
+        with pytest.raises(Unavailable) as refused:
+            await bridge.call(lambda: ran.append("given up"), timeout=0.05)
+        assert refused.value.code == "ros_unavailable"
+        canceled = asyncio.create_task(bridge.call(lambda: ran.append("canceled")))
+        await asyncio.sleep(0)
+        canceled.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await canceled
+    await bridge.call(lambda: ran.append("next"))
+    assert ran == ["next"]
+
+
+async def test_calls_run_in_order(bridge: Bridge) -> None:
+    ran: list[int] = []
+    with blocked(bridge):
+        for number in range(20):
+            bridge.to_ros(partial(ran.append, number))
+    await bridge.call(lambda: None)
+    assert ran == list(range(20))
+
+
+async def test_a_call_that_has_begun_is_waited_for(bridge: Bridge) -> None:
+    begun, released = threading.Event(), threading.Event()
+
+    def work() -> str:
+        begun.set()
+        released.wait(30)
+        return "done"
+
+    call = asyncio.create_task(bridge.call(work, timeout=1.0))
+    await asyncio.to_thread(begun.wait, 10)
+    asyncio.get_running_loop().call_later(1.1, released.set)
+    assert await call == "done"
+
+
+async def test_what_comes_of_a_call_too_late_is_undone(bridge: Bridge) -> None:
+    undone: list[str] = []
+    released = threading.Event()
+
+    def make() -> str:
+        released.wait(30)
+        return "port"
+
+    with pytest.raises(Unavailable):
+        await bridge.call(make, timeout=0.05, undo=undone.append)
+    assert undone == []
+    released.set()
+    await until(lambda: bool(undone))
+    assert undone == ["port"]
+
+
+async def test_a_call_that_fails_says_why(bridge: Bridge) -> None:
+    with pytest.raises(ZeroDivisionError):
+        await bridge.call(lambda: 1 // 0)
+
+
+async def test_a_battery_state_answered_with_503_is_not_published_later(bridge: Bridge, observer: Observer) -> None:
+    heard = observer.record(BatteryState, "/battery_status")
+    port = await bridge.call(lambda: BatteryPort(bridge, "/battery_status", lambda *_: None))
+    await until(lambda: bool(port._publisher.get_subscription_count() == 2))
+    await port.publish(BatteryState(voltage=1.0), stamp=False)
+    await asyncio.to_thread(heard.wait_for, lambda message: message.voltage == 1)
+    with blocked(bridge), pytest.raises(Unavailable):
+        await port.publish(BatteryState(voltage=2.0), stamp=False)
+    await port.publish(BatteryState(voltage=3.0), stamp=False)
+    await asyncio.to_thread(heard.wait_for, lambda message: message.voltage == 3)
+    assert [message.voltage for message in heard.messages] == [1, 3]
+
+
+async def test_zero_velocity_does_not_wait_for_the_ros_thread(bridge: Bridge, observer: Observer) -> None:
+    heard = observer.record(Twist, "/cmd_vel")
+    port = await bridge.call(lambda: VelocityPort(bridge, "/cmd_vel"))
+    await until(lambda: bool(port._publisher.get_subscription_count() == 1))
+    with blocked(bridge):
+        port.publish_zero()
+        await asyncio.to_thread(heard.wait_for, lambda message: message.linear.x == 0)
+
+
+async def test_a_port_that_nobody_waits_for_any_more_is_never_made(bridge: Bridge) -> None:
+    def make() -> ActionPort:
+        port = ActionPort(bridge, "/dock", DOCK_TYPE)
+        port.listen(lambda *_: None, lambda *_: None, lambda *_: None)
+        return port
+
+    def entities() -> int:
+        return len(list(bridge.node.subscriptions)) + len(list(bridge.node.clients))
+
+    before = await bridge.call(entities)
+    with blocked(bridge), pytest.raises(Unavailable):
+        await bridge.call(make, timeout=0.05, undo=ActionPort.close)
+    assert await bridge.call(entities) == before

@@ -1,0 +1,70 @@
+"""Bodies: one that is not there means something only where that is documented."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from starlette.requests import Request
+
+from dock_gateway.core.errors import InvalidField
+from dock_gateway.settings import Settings
+from dock_gateway.web.requests import read_goal_id, read_json, read_name
+from dock_gateway.web.routes.goals import send_goal
+
+
+def request(body: bytes) -> Request:
+    async def receive() -> dict[str, Any]:
+        return {"type": "http.request", "body": body, "more_body": False}
+
+    state = {"gateway": SimpleNamespace(settings=Settings())}
+    return Request({"type": "http", "headers": [], "state": state}, receive)
+
+
+async def test_an_empty_body_is_refused() -> None:
+    with pytest.raises(InvalidField) as refused:
+        await read_json(request(b""))
+    assert refused.value.extra["errors"][0]["expected"] == "an object, {} for the defaults"
+
+
+async def test_an_empty_body_where_it_has_a_meaning() -> None:
+    assert await read_json(request(b""), empty={"order": 1}) == {"order": 1}
+    assert await read_json(request(b""), empty={}) == {}
+
+
+@pytest.mark.parametrize(("body", "value"), [(b"null", None), (b"[]", []), (b"0", 0), (b'""', ""), (b"false", False)])
+async def test_what_is_false_is_not_empty(body: bytes, value: object) -> None:
+    assert await read_json(request(body), empty={"order": 1}) == value
+
+
+@pytest.mark.parametrize(("value", "name"), [("Ada", "Ada"), (" Ada L. ", "Ada L."), ("Ä" * 10, "Ä" * 10)])
+def test_a_name(value: str, name: str) -> None:
+    assert read_name(value, 10) == name
+
+
+@pytest.mark.parametrize(
+    "value", ["", " \t", "a" * 11, " " * 8 + "Ada", "a\nb", "a\0", "\u2028", "a\u202eb", "\u200b", 7, None, ["Ada"]]
+)
+def test_what_is_no_name(value: object) -> None:
+    with pytest.raises(InvalidField) as refused:
+        read_name(value, 10)
+    (error,) = refused.value.extra["errors"]
+    assert (error["path"], error["expected"]) == ("by", "1 to 10 characters, in one line")
+
+
+async def test_no_goal_is_sent_for_an_empty_body() -> None:
+    action: Any = SimpleNamespace(port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value)))
+    with pytest.raises(InvalidField):
+        await send_goal(request(b""), action, "/actions/fibonacci/goals")
+
+
+@pytest.mark.parametrize("text", ["7D9C1C9E-0000-4000-8000-00000000000A", "7d9c1c9e00004000800000000000000a"])
+def test_a_goal_id_as_others_write_it(text: str) -> None:
+    assert read_goal_id(text) == "7d9c1c9e-0000-4000-8000-00000000000a"
+
+
+@pytest.mark.parametrize(
+    "text", ["", "1234", "{7d9c1c9e-0000-4000-8000-00000000000a}", "7d9c1c9e" * 4 + "\n", "\u0661" * 32]
+)
+def test_what_is_no_goal_id(text: str) -> None:
+    with pytest.raises(InvalidField):
+        read_goal_id(text)
