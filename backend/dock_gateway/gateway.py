@@ -4,9 +4,10 @@ import asyncio
 import logging
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
-from contextlib import asynccontextmanager, contextmanager, suppress
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager, suppress
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Protocol, TypeVar
 
 from dock_gateway.actions.cancellation import require_unfinished
 from dock_gateway.actions.liveness import ServerState
@@ -16,7 +17,7 @@ from dock_gateway.core.event import message_event, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalError, Json
 from dock_gateway.core.hub import Hub
-from dock_gateway.core.tasks import PendingFacts, cancel
+from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.fleet.alerts import Acknowledgements, AlertBoard
 from dock_gateway.fleet.departures import Departures
 from dock_gateway.fleet.overview import Fleet
@@ -59,8 +60,8 @@ class Gateway:
     stopper: Stopper
     simulators: Simulators
     fleet: Fleet
-    alarm: AlertBoard
-    lookout: GraphCache
+    alerts: AlertBoard
+    graph: GraphCache
     echoes: EchoRegistry
     dock: Action
     undock: Action
@@ -131,7 +132,9 @@ class Gateway:
         goal = await self.goal(goal_id)
         require_unfinished(goal)
         action = await self.actions.find(goal.action_name)
-        return await action.goals.cancel(goal_id)
+        goal = await self.goal(goal_id)  # it may be back, or have ended, meanwhile
+        await action.canceler.cancel(goal)
+        return goal
 
     async def recent_goals(self, interest: EventFilter) -> list[Goal]:
         """What a new subscriber sees first: the goals that run and the newest ended ones, newest first."""
@@ -158,12 +161,13 @@ class Gateway:
 @asynccontextmanager
 async def open_gateway(settings: Settings) -> AsyncIterator[Gateway]:
     """Open the history, join the ROS graph and run the gateway until the block ends."""
-    async with open_history(settings) as history, _run_gateway(settings, history) as gateway:
-        yield gateway
+    async with AsyncExitStack() as stack:
+        history = await stack.enter_async_context(open_history(settings))
+        yield await _open(settings, history, stack)
 
 
-@asynccontextmanager
-async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Gateway]:
+async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> Gateway:
+    """Make every part, and have the stack close it."""
     hub = Hub(
         queue_limit=settings.subscriber_queue,
         max_subscribers=settings.max_subscribers,
@@ -173,83 +177,89 @@ async def _run_gateway(settings: Settings, history: History) -> AsyncIterator[Ga
     reasons: PendingFacts[GoalError] = PendingFacts(REASON_WAIT)
     bridge = Bridge(settings.node_name, settings.namespace, settings.max_message_bytes)
     bridge.start()
-    try:
-        interlock = Interlock(hub, LatchFile(settings.stop_file), normalize_namespace(settings.namespace))
-        outcomes = LastGoals(history)
-        actions = ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock, on_end=outcomes.take)
-        history.on_loss = lambda: _record_unfinished(actions, history)
-        robots = RobotRegistry(settings, bridge, hub, interlock, outcomes)
-        stopper = Stopper(robots, actions, interlock)
-        simulators = Simulators(settings, bridge, hub)
-        on_demand = _open_on_demand(settings, bridge, hub)
-        lookout = GraphCache(bridge)
-        echoes = EchoRegistry(bridge, lookout)
-        await bridge.call(
-            lambda: DiagnosticsPort(
-                bridge,
-                settings.diagnostics_topic,
-                on_reason=reasons.put,
-                on_progress=actions.on_progress,
-                on_simulator=simulators.on_report,
-            )
+    stack.push_async_callback(asyncio.to_thread, bridge.close)
+    interlock = _closed_by(
+        stack, Interlock(hub, LatchFile(settings.stop_file), normalize_namespace(settings.namespace))
+    )
+    last_goals = _closed_by(stack, LastGoals(history))
+    actions = _closed_by(
+        stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock, on_end=last_goals.take)
+    )
+    history.on_loss = lambda: _record_unfinished(actions, history)
+    robots = _closed_by(stack, RobotRegistry(settings, bridge, hub, interlock, last_goals))
+    stopper = _closed_by(stack, Stopper(robots, actions, interlock))
+    simulators = _closed_by(stack, Simulators(settings, bridge, hub))
+    _open_on_demand(settings, bridge, hub, stack)
+    graph = _closed_by(stack, GraphCache(bridge))
+    echoes = _closed_by(stack, EchoRegistry(bridge, graph))
+    await bridge.call(
+        lambda: DiagnosticsPort(
+            bridge,
+            settings.diagnostics_topic,
+            on_reason=reasons.put,
+            on_progress=actions.on_progress,
+            on_simulator=simulators.on_report,
         )
-        await robots.open(robots.default_namespace)
-        names = settings.docking_actions()
-        dock = await actions.open(names.dock, settings.dock_action_type, pinned=True)
-        undock = await actions.open(names.undock, settings.undock_action_type, pinned=True)
-        alarm = AlertBoard(
+    )
+    await robots.open(robots.default_namespace)
+    names = settings.docking_actions()
+    dock = await actions.open(names.dock, settings.dock_action_type, pinned=True)
+    undock = await actions.open(names.undock, settings.undock_action_type, pinned=True)
+    alerts = _closed_by(
+        stack,
+        AlertBoard(
             hub,
             Acknowledgements(history.acknowledgements),
             low_battery=settings.low_battery,
             incident=lambda: history.incident,
-        )
-        fleet = Fleet(
+        ),
+    )
+    fleet = _closed_by(
+        stack,
+        Fleet(
             settings,
             hub,
             robots=robots,
             actions=actions,
             interlock=interlock,
             simulators=simulators,
-            outcomes=outcomes,
-            alarm=alarm,
-        )
-        absences = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
-        watching = asyncio.create_task(_watch_graph(bridge, actions, robots, absences))
-        taking_up = asyncio.create_task(_take_up_unfinished(actions, history))
-        try:
-            yield Gateway(
-                settings,
-                bridge,
-                hub,
-                history,
-                actions,
-                robots,
-                stopper,
-                simulators,
-                fleet,
-                alarm,
-                lookout,
-                echoes,
-                dock,
-                undock,
-            )
-        finally:
-            hub.close()
-            await cancel(watching, taking_up)
-            await fleet.close()
-            await alarm.close()
-            await outcomes.close()
-            await stopper.close()
-            await echoes.close()
-            await lookout.close()
-            for ports in on_demand:
-                await ports.close()
-            await simulators.close()
-            await robots.close()
-            await actions.close()
-            await interlock.close()
-    finally:
-        await asyncio.to_thread(bridge.close)
+            last_goals=last_goals,
+            alerts=alerts,
+        ),
+    )
+    departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
+    tasks = _closed_by(stack, Tasks("running the gateway"))
+    tasks.spawn(_watch_graph(bridge, actions, robots, departures))
+    tasks.spawn(_take_up_unfinished(actions, history))
+    stack.callback(hub.close)
+    return Gateway(
+        settings,
+        bridge,
+        hub,
+        history,
+        actions,
+        robots,
+        stopper,
+        simulators,
+        fleet,
+        alerts,
+        graph,
+        echoes,
+        dock,
+        undock,
+    )
+
+
+class _Part(Protocol):
+    async def close(self) -> None: ...
+
+
+PartT = TypeVar("PartT", bound=_Part)
+
+
+def _closed_by(stack: AsyncExitStack, part: PartT) -> PartT:
+    stack.push_async_callback(part.close)
+    return part
 
 
 async def _take_up_unfinished(actions: ActionRegistry, history: History) -> None:
@@ -280,7 +290,7 @@ def _record_unfinished(actions: ActionRegistry, history: History) -> None:
         history.record(goal)
 
 
-def _open_on_demand(settings: Settings, bridge: Bridge, hub: Hub) -> tuple[OnDemand, OnDemand]:
+def _open_on_demand(settings: Settings, bridge: Bridge, hub: Hub, stack: AsyncExitStack) -> None:
     """What is heard of a robot only while somebody wants it: its scene and its velocity."""
 
     def make_scene(robot: str) -> ScenePort:
@@ -292,15 +302,16 @@ def _open_on_demand(settings: Settings, bridge: Bridge, hub: Hub) -> tuple[OnDem
 
         return VelocityListener(bridge, settings.resolve(settings.cmd_vel_topic, robot), hear)
 
-    return OnDemand(bridge, hub, "scene", make_scene), OnDemand(bridge, hub, "cmd_vel", make_velocity)
+    _closed_by(stack, OnDemand(bridge, hub, "scene", make_scene))
+    _closed_by(stack, OnDemand(bridge, hub, "cmd_vel", make_velocity))
 
 
-async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, absences: Departures) -> None:
+async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, departures: Departures) -> None:
     """See who comes and goes."""
     steps: tuple[Callable[[Scan], Awaitable[bool | None]], ...] = (
         actions.update,
         robots.update,
-        lambda found: absences.look(found, time.monotonic()),
+        lambda found: departures.look(found, time.monotonic()),
     )
     while True:
         more = False

@@ -57,7 +57,7 @@ class FakeGoals:
         self.answers = asyncio.Event()
         self.answers.set()
 
-    def disown_pending(self) -> None:
+    def stop(self) -> None:
         pass
 
     @property
@@ -126,7 +126,7 @@ class Action:
 
     def __init__(self, name: str, goals: FakeGoals) -> None:
         self.name = name
-        self.goals = goals
+        self.delivery = self.canceler = goals
 
 
 @asynccontextmanager

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from dock_gateway.actions.cancellation import Canceler
+from dock_gateway.actions.idempotency import Submitter
 from dock_gateway.actions.liveness import ServerState, ServerWatch
-from dock_gateway.actions.service import GoalService
 from dock_gateway.actions.submission import Delivery
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.discovery import Discovery
@@ -38,6 +38,11 @@ class Action:
     """One action: its goals, what can be done with them, and whether its server lives.
 
     Attributes:
+        tracker: The goals, whoever sent them.
+        submitter: Submits goals.
+        delivery: The goals that are on their way to the action server.
+        canceler: Cancels goals.
+        watch: Whether the action server is there and answers.
         feedback_dropped: Feedback messages that were not read since the gateway started.
     """
 
@@ -61,11 +66,11 @@ class Action:
         self._hub = hub
         self.tracker = GoalTracker(port, hub, history, reasons)
         self.watch = ServerWatch(self.tracker, settings, self._tell, ping_idle=pinned)
-        canceler = Canceler(settings, self.tracker, interlock)
-        delivery = Delivery(
-            settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=canceler
+        self.canceler = Canceler(settings, self.tracker, interlock)
+        self.delivery = Delivery(
+            settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=self.canceler
         )
-        self.goals = GoalService(settings, history, self.tracker, canceler, delivery)
+        self.submitter = Submitter(settings, history, self.tracker, self.delivery)
         self._tasks = Tasks(f"looking after {self.name}")
         self._tasks.spawn(self.watch.run())
 
@@ -255,7 +260,7 @@ class ActionRegistry:
 
     def _stop_under(self, namespace: str) -> None:
         for action in self.under(namespace):
-            action.goals.cancel_unwanted()
+            action.canceler.cancel_unwanted()
 
     async def find(self, name: str) -> Action:
         """An action by its absolute name; one that is just appearing is waited for.

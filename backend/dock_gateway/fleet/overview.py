@@ -36,8 +36,8 @@ class Fleet:
         actions: The actions.
         interlock: Which robots are held by a stop.
         simulators: The simulators.
-        outcomes: How docking and undocking goals ended.
-        alarm: What looks whether something is wrong with them.
+        last_goals: How docking and undocking goals ended.
+        alerts: What looks whether something is wrong with them.
     """
 
     def __init__(
@@ -49,8 +49,8 @@ class Fleet:
         actions: ActionRegistry,
         interlock: Interlock,
         simulators: Simulators,
-        outcomes: LastGoals,
-        alarm: AlertBoard,
+        last_goals: LastGoals,
+        alerts: AlertBoard,
     ) -> None:
         self._settings = settings
         self._hub = hub
@@ -58,8 +58,8 @@ class Fleet:
         self._actions = actions
         self._interlock = interlock
         self._simulators = simulators
-        self._outcomes = outcomes
-        self._alarm = alarm
+        self._last_goals = last_goals
+        self._alerts = alerts
         self._told: dict[str, bytes] = {}
         self._task = asyncio.create_task(self._run())
 
@@ -91,7 +91,7 @@ class Fleet:
         dock, undock = self._actions.get(names.dock), self._actions.get(names.undock)
         simulator = self._simulators.find(name)
         ended = [goal for goal in lost if goal.action_name in names]
-        succeeded = self._outcomes.succeeded(*names)
+        succeeded = self._last_goals.succeeded(*names)
         return RobotState(
             name=name,
             default=name == self._robots.default_namespace,
@@ -104,7 +104,7 @@ class Fleet:
             undock=None if undock is None else undock.watch.state,
             goals=running,
             lost=lost,
-            last_goal=latest([self._outcomes.last(*names), *ended]),
+            last_goal=latest([self._last_goals.last(*names), *ended]),
             left_docked=None if succeeded is None else succeeded.action_name == names.dock,
         )
 
@@ -139,7 +139,7 @@ class Fleet:
     def look(self) -> None:
         """See what is wrong; and tell of the robots that have changed, where somebody wants to hear of them."""
         states, strays = self._see()
-        self._alarm.look(states, strays, self._duplicates())
+        self._alerts.look(states, strays, self._duplicates())
         if not self._hub.watched(TOPIC):
             self._told = {}
             return

@@ -194,14 +194,14 @@ class Stopper:
         if time.monotonic() - halt.told_at > REST * halt.took:
             halt.publish_zero()
         for action, cancel in list(halt.cancels.items()):
-            if cancel.done() and action.goals.uncanceled:
+            if cancel.done() and action.canceler.uncanceled:
                 self._cancel(halt, action)
             else:
-                action.goals.disown_pending()
+                action.delivery.stop()
 
     def _cancel(self, halt: Halt, action: Action) -> None:
-        action.goals.disown_pending()
-        halt.cancels[action] = self._tasks.spawn(action.goals.cancel_all())
+        action.delivery.stop()
+        halt.cancels[action] = self._tasks.spawn(action.canceler.cancel_all())
 
     async def _carry_on(self, name: str, halt: Halt) -> None:
         try:

@@ -40,12 +40,14 @@ class Robot:
 class RobotRegistry:
     """The robots on the graph: the configured one always, others as their battery topic or docking action appears."""
 
-    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub, interlock: Interlock, outcomes: LastGoals) -> None:
+    def __init__(
+        self, settings: Settings, bridge: Bridge, hub: Hub, interlock: Interlock, last_goals: LastGoals
+    ) -> None:
         self._settings = settings
         self._bridge = bridge
         self._hub = hub
         self._interlock = interlock
-        self._outcomes = outcomes
+        self._last_goals = last_goals
         self._robots: dict[str, Robot] = {}
         self._forgotten: set[str] = set()
         self._discovery = Discovery("robot", settings.max_robots, "max_robots")
@@ -78,7 +80,7 @@ class RobotRegistry:
         self._robots[namespace] = robot
         self._forgotten.discard(namespace)
         self._interlock.join(namespace, latch)
-        self._outcomes.watch(*settings.docking_actions(namespace))
+        self._last_goals.watch(*settings.docking_actions(namespace))
         log.info("robot %s", namespace)
         return robot
 

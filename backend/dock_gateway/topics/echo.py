@@ -58,13 +58,13 @@ class Echo:
 
     Args:
         bridge: Where the ROS thread is.
-        lookout: Tells who is at the topic.
+        graph: Tells who is at the topic.
         topic: As it is now.
     """
 
-    def __init__(self, bridge: Bridge, lookout: GraphCache, topic: Topic) -> None:
+    def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic) -> None:
         self._bridge = bridge
-        self._lookout = lookout
+        self._graph = graph
         self._topic = topic
         self._viewers: set[Viewer] = set()
         self._listening: Listening | None = None
@@ -195,7 +195,7 @@ class Echo:
 
     async def _look_again(self) -> None:
         try:
-            topic = await self._lookout.topic(self._topic.name)
+            topic = await self._graph.topic(self._topic.name)
         except NotFound:  # it may come back
             topic = Topic(self._topic.name, [], [])
         same = topic.document() == self._topic.document()

@@ -21,12 +21,12 @@ class EchoRegistry:
 
     Args:
         bridge: Where the ROS thread is.
-        lookout: Tells who is at a topic.
+        graph: Tells who is at a topic.
     """
 
-    def __init__(self, bridge: Bridge, lookout: GraphCache) -> None:
+    def __init__(self, bridge: Bridge, graph: GraphCache) -> None:
         self._bridge = bridge
-        self._lookout = lookout
+        self._graph = graph
         self._echoes: dict[str, Echo] = {}
         self._changing = asyncio.Lock()
 
@@ -54,10 +54,10 @@ class EchoRegistry:
                     log.info("nobody looks at %s any more", topic)
 
     async def _open(self, topic: str) -> Echo:
-        found = await self._lookout.topic(topic)
+        found = await self._graph.topic(topic)
         if len(self._echoes) >= MAX_TOPICS:
             raise TooManyRequests(f"{MAX_TOPICS} topics are looked at already")
-        echo = Echo(self._bridge, self._lookout, found)
+        echo = Echo(self._bridge, self._graph, found)
         await echo.open()
         self._echoes[topic] = echo
         log.info("somebody looks at %s", topic)

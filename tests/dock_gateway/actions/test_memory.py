@@ -91,7 +91,7 @@ class Scene:
 
     async def send(self) -> None:
         with suppress(GatewayError):
-            await self.action.goals.submit("{}", str(uuid.uuid4()))
+            await self.action.submitter.submit("{}", str(uuid.uuid4()))
 
     # What may become of a goal:
 
@@ -130,10 +130,10 @@ class Scene:
         for status in (GoalStatus.LOST, GoalStatus.EXECUTING):
             goal = self.new(status)
             self.history.record(goal)
-            await self.action.goals.cancel(goal.goal_id)
+            await self.action.canceler.cancel(goal)
 
     async def is_waited_for_in_vain(self) -> None:
-        await self.action.goals.wait(self.new(GoalStatus.EXECUTING), 0.01)
+        await self.action.tracker.wait_terminal(self.new(GoalStatus.EXECUTING), 0.01)
 
     async def has_a_reason_and_never_comes(self) -> None:
         self.reasons.put(self.new().goal_id, GoalError("goal_rejected", "why"))

@@ -11,7 +11,7 @@ from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Hub, Subscriber
-from dock_gateway.fleet import alerts as alarm_module
+from dock_gateway.fleet import alerts as alerts_module
 from dock_gateway.fleet.alert_rules import AlertKind, alert_id
 from dock_gateway.fleet.alerts import Acknowledgements, AlertBoard
 from dock_gateway.history import Acknowledgement
@@ -26,21 +26,21 @@ class Scene:
     def __init__(self) -> None:
         self.hub = Hub(queue_limit=10, max_subscribers=10)
         self.store = MemoryAcknowledgements()
-        self.alarms: list[AlertBoard] = []
+        self.boards: list[AlertBoard] = []
         self.reader = self.hub.subscribe(EventFilter(frozenset({"robots"})))
 
-    def alarm(self) -> AlertBoard:
-        self.alarms.append(AlertBoard(self.hub, Acknowledgements(self.store), low_battery=0.2))
-        return self.alarms[-1]
+    def board(self) -> AlertBoard:
+        self.boards.append(AlertBoard(self.hub, Acknowledgements(self.store), low_battery=0.2))
+        return self.boards[-1]
 
 
 @pytest.fixture
 async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
-    monkeypatch.setattr(alarm_module, "SYNC_INTERVAL", 0.01)
+    monkeypatch.setattr(alerts_module, "SYNC_INTERVAL", 0.01)
     scene = Scene()
     yield scene
-    for alarm in scene.alarms:
-        await alarm.close()
+    for board in scene.boards:
+        await board.close()
 
 
 async def told(subscriber: Subscriber) -> list[list[tuple[str, str | None]]]:
@@ -54,55 +54,55 @@ async def told(subscriber: Subscriber) -> list[list[tuple[str, str | None]]]:
     ]
 
 
-def acknowledged(alarm: AlertBoard) -> Any:
-    (document,) = alarm.documents()
+def acknowledged(board: AlertBoard) -> Any:
+    (document,) = board.documents()
     return document["acknowledged"]
 
 
-async def until_acknowledged(alarm: AlertBoard, by: str | None) -> None:
+async def until_acknowledged(board: AlertBoard, by: str | None) -> None:
     for _ in range(200):
-        if (acknowledged(alarm).by if acknowledged(alarm) else None) == by:
+        if (acknowledged(board).by if acknowledged(board) else None) == by:
             return
         await asyncio.sleep(0.01)
-    raise AssertionError(f"not acknowledged by {by}: {alarm.documents()}")
+    raise AssertionError(f"not acknowledged by {by}: {board.documents()}")
 
 
 async def test_alerts_are_told_when_they_change(scene: Scene) -> None:
-    alarm = scene.alarm()
-    alarm.look(WELL, [])
+    board = scene.board()
+    board.look(WELL, [])
     assert await told(scene.reader) == [[]]
-    alarm.look(LOW, [])
-    alarm.look(LOW, [])
+    board.look(LOW, [])
+    board.look(LOW, [])
     assert await told(scene.reader) == [[("low_battery", None)]]
-    document = await alarm.acknowledge(ID, "Ada")
+    document = await board.acknowledge(ID, "Ada")
     assert document["acknowledged"].by == "Ada"
     assert await told(scene.reader) == [[("low_battery", "Ada")]]
-    assert (await alarm.withdraw(ID))["acknowledged"] is None
+    assert (await board.withdraw(ID))["acknowledged"] is None
     assert await told(scene.reader) == [[("low_battery", None)]]
-    alarm.look(WELL, [])
+    board.look(WELL, [])
     assert await told(scene.reader) == [[]]
-    for change in (alarm.acknowledge(ID, "Ada"), alarm.withdraw(ID)):
+    for change in (board.acknowledge(ID, "Ada"), board.withdraw(ID)):
         with pytest.raises(NotFound) as refused:
             await change
         assert refused.value.code == "alert_not_found"
 
 
 async def test_an_alert_that_comes_back_is_not_acknowledged(scene: Scene) -> None:
-    alarm = scene.alarm()
-    alarm.look(LOW, [])
-    await alarm.acknowledge(ID, "Ada")
-    alarm.look(WELL, [])
-    alarm.look(LOW, [])
-    assert acknowledged(alarm) is None
+    board = scene.board()
+    board.look(LOW, [])
+    await board.acknowledge(ID, "Ada")
+    board.look(WELL, [])
+    board.look(LOW, [])
+    assert acknowledged(board) is None
     await asyncio.sleep(0.05)
-    assert acknowledged(alarm) is None
+    assert acknowledged(board) is None
     assert await scene.store.read() == {}
 
 
 async def test_another_gateway_hears_of_it(scene: Scene) -> None:
-    one, other = scene.alarm(), scene.alarm()
-    for alarm in (one, other):
-        alarm.look(LOW, [])
+    one, other = scene.board(), scene.board()
+    for board in (one, other):
+        board.look(LOW, [])
     await one.acknowledge(ID, "Ada")
     await until_acknowledged(other, "Ada")
     other.look(LOW, [])
@@ -114,12 +114,12 @@ async def test_another_gateway_hears_of_it(scene: Scene) -> None:
 async def test_after_a_restart_it_holds_where_the_alert_does(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     await scene.store.write(ID, Acknowledgement("Ada", utc_now()))
     await scene.store.write("over", Acknowledgement("Bob", utc_now()))
-    monkeypatch.setattr(alarm_module, "SETTLED_AFTER", 0.2)
-    alarm = scene.alarm()
+    monkeypatch.setattr(alerts_module, "SETTLED_AFTER", 0.2)
+    board = scene.board()
     await asyncio.sleep(0.05)
     assert len(await scene.store.read()) == 2
-    alarm.look(LOW, [])
-    assert acknowledged(alarm).by == "Ada"
+    board.look(LOW, [])
+    assert acknowledged(board).by == "Ada"
     for _ in range(200):
         if list(await scene.store.read()) == [ID]:
             break

@@ -58,71 +58,71 @@ def parts() -> Parts:
     return Parts()
 
 
-def absences_of(parts: Any, forget_after: float = AFTER) -> Departures:
+def departures_of(parts: Any, forget_after: float = AFTER) -> Departures:
     return Departures(parts, parts, parts, forget_after=forget_after)
 
 
 async def test_a_robot_that_is_away_for_long_is_forgotten_and_the_configured_one_never(parts: Parts) -> None:
-    absences = absences_of(parts)
+    departures = departures_of(parts)
     parts.there = {"/robot1"}
-    await absences.look(SCAN, 1000.0)
+    await departures.look(SCAN, 1000.0)
     parts.there = set()
-    await absences.look(SCAN, 1000.0 + AFTER)
+    await departures.look(SCAN, 1000.0 + AFTER)
     assert set(parts.robots) == {"/", "/robot1"}
-    await absences.look(SCAN, 1020.0 + AFTER)
+    await departures.look(SCAN, 1020.0 + AFTER)
     assert set(parts.robots) == {"/"}
-    await absences.look(SCAN, 1e6)
+    await departures.look(SCAN, 1e6)
     assert set(parts.robots) == {"/"}
 
 
 async def test_one_that_was_away_for_a_moment_starts_anew(parts: Parts) -> None:
-    absences = absences_of(parts)
+    departures = departures_of(parts)
     for seconds in (0.0, AFTER - 1):
         parts.there = {"/robot1"} if seconds else set()
-        await absences.look(SCAN, seconds)
+        await departures.look(SCAN, seconds)
     parts.there = set()
-    await absences.look(SCAN, 2 * AFTER - 2)
+    await departures.look(SCAN, 2 * AFTER - 2)
     assert "/robot1" in parts.robots
-    await absences.look(SCAN, 2 * AFTER + 10)
+    await departures.look(SCAN, 2 * AFTER + 10)
     assert "/robot1" not in parts.robots
 
 
 @pytest.mark.parametrize("reason", ["running", "lost", "stop", "publisher"])
 async def test_what_waits_for_a_robot_keeps_it(parts: Parts, reason: str) -> None:
-    absences = absences_of(parts)
+    departures = departures_of(parts)
     parts.running_on = ["/robot1/dock"] * (reason == "running")
     parts.lost_on = ["/robot1/dock"] * (reason == "lost")
     parts.held = reason == "stop"
     parts.robots["/robot1"].publisher.active = reason == "publisher"
     for seconds in (0.0, AFTER + 10, 2 * AFTER):
-        await absences.look(SCAN, seconds)
+        await departures.look(SCAN, seconds)
     assert "/robot1" in parts.robots
     parts.running_on, parts.lost_on, parts.held = ["/dock"], ["/elsewhere/dock"], False
     parts.robots["/robot1"].publisher.active = False
-    await absences.look(SCAN, 2 * AFTER + 10)
+    await departures.look(SCAN, 2 * AFTER + 10)
     assert "/robot1" not in parts.robots
 
 
 async def test_a_battery_that_is_heard_counts(parts: Parts) -> None:
-    absences = absences_of(parts)
+    departures = departures_of(parts)
     battery = parts.robots["/robot1"].battery
     battery.age = 0.1
-    await absences.look(SCAN, 10.0)
-    await absences.look(SCAN, 10.0 + AFTER + 20)
+    await departures.look(SCAN, 10.0)
+    await departures.look(SCAN, 10.0 + AFTER + 20)
     battery.age = AFTER - 10
-    await absences.look(SCAN, 10.0 + 2 * AFTER)
+    await departures.look(SCAN, 10.0 + 2 * AFTER)
     assert "/robot1" in parts.robots
     battery.age = AFTER + 10
-    await absences.look(SCAN, 30.0 + 2 * AFTER)
+    await departures.look(SCAN, 30.0 + 2 * AFTER)
     assert "/robot1" not in parts.robots
 
 
 async def test_it_is_not_looked_for_too_often_and_not_at_all_at_0(parts: Parts) -> None:
-    absences = absences_of(parts)
+    departures = departures_of(parts)
     for seconds in range(20):
-        await absences.look(SCAN, float(seconds))
+        await departures.look(SCAN, float(seconds))
     assert parts.looks == 2
-    never = absences_of(parts, 0.0)
+    never = departures_of(parts, 0.0)
     await never.look(SCAN, 0.0)
     await never.look(SCAN, 1e9)
     assert parts.looks == 2
@@ -137,7 +137,7 @@ async def test_one_robot_that_cannot_be_looked_at_keeps_no_other_from_being_forg
             raise RuntimeError
 
     parts.robots = {"/broken": Broken(), **parts.robots}
-    absences = absences_of(parts)
-    await absences.look(SCAN, 1000.0)
-    await absences.look(SCAN, 1020.0 + AFTER)
+    departures = departures_of(parts)
+    await departures.look(SCAN, 1000.0)
+    await departures.look(SCAN, 1020.0 + AFTER)
     assert set(parts.robots) == {"/", "/broken"}

@@ -90,8 +90,8 @@ class Parts:
             actions=parts,
             interlock=parts,
             simulators=parts,
-            outcomes=parts,
-            alarm=parts,
+            last_goals=parts,
+            alerts=parts,
         )
 
 

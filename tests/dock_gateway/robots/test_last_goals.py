@@ -9,7 +9,7 @@ import pytest
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.history import GoalFilter, MemoryHistory
-from dock_gateway.robots import last_goals as outcomes_module
+from dock_gateway.robots import last_goals as module
 from dock_gateway.robots.last_goals import LastGoals, latest
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
@@ -36,65 +36,67 @@ class AwayHistory(MemoryHistory):
 
 @pytest.fixture
 def history(monkeypatch: pytest.MonkeyPatch) -> AwayHistory:
-    monkeypatch.setattr(outcomes_module, "RETRY_INTERVAL", 0.01)
+    monkeypatch.setattr(module, "RETRY_INTERVAL", 0.01)
     return AwayHistory(100)
 
 
 @pytest.fixture
-async def outcomes(history: AwayHistory) -> AsyncIterator[LastGoals]:
-    outcomes = LastGoals(history)
-    outcomes.watch(DOCK, UNDOCK)
-    yield outcomes
-    await outcomes.close()
+async def last_goals(history: AwayHistory) -> AsyncIterator[LastGoals]:
+    last_goals = LastGoals(history)
+    last_goals.watch(DOCK, UNDOCK)
+    yield last_goals
+    await last_goals.close()
 
 
-async def until_last(outcomes: LastGoals, goal_id: str) -> None:
+async def until_last(last_goals: LastGoals, goal_id: str) -> None:
     for _ in range(200):
-        if (last := outcomes.last(DOCK, UNDOCK)) is not None and last.goal_id == goal_id:
+        if (last := last_goals.last(DOCK, UNDOCK)) is not None and last.goal_id == goal_id:
             return
         await asyncio.sleep(0.01)
-    raise AssertionError(f"the last one is {outcomes.last(DOCK, UNDOCK)}")
+    raise AssertionError(f"the last one is {last_goals.last(DOCK, UNDOCK)}")
 
 
-async def test_what_ended_before_is_in_the_history_once_that_answers(history: AwayHistory, outcomes: LastGoals) -> None:
+async def test_what_ended_before_is_in_the_history_once_that_answers(
+    history: AwayHistory, last_goals: LastGoals
+) -> None:
     history.record(ended(DOCK, 1))
-    for minute in range(5, 5 + outcomes_module.READ):
+    for minute in range(5, 5 + module.READ):
         history.record(ended(DOCK, minute, GoalStatus.ABORTED))
     history.record(ended(UNDOCK, 2, GoalStatus.CANCELED))
     await asyncio.sleep(0.02)
-    assert outcomes.last(DOCK, UNDOCK) is None
+    assert last_goals.last(DOCK, UNDOCK) is None
     history.away = False
-    await until_last(outcomes, "/dock-14")
-    succeeded = outcomes.succeeded(DOCK, UNDOCK)
+    await until_last(last_goals, "/dock-14")
+    succeeded = last_goals.succeeded(DOCK, UNDOCK)
     assert succeeded is not None
     assert succeeded.goal_id == "/dock-1"
 
 
-async def test_what_ends_meanwhile_counts(history: AwayHistory, outcomes: LastGoals) -> None:
-    outcomes.take(ended(DOCK, 3))
-    outcomes.take(ended(UNDOCK, 4, GoalStatus.ABORTED))
-    outcomes.take(ended("/fibonacci", 5))
-    last, succeeded = outcomes.last(DOCK, UNDOCK), outcomes.succeeded(DOCK, UNDOCK)
+async def test_what_ends_meanwhile_counts(history: AwayHistory, last_goals: LastGoals) -> None:
+    last_goals.take(ended(DOCK, 3))
+    last_goals.take(ended(UNDOCK, 4, GoalStatus.ABORTED))
+    last_goals.take(ended("/fibonacci", 5))
+    last, succeeded = last_goals.last(DOCK, UNDOCK), last_goals.succeeded(DOCK, UNDOCK)
     assert last is not None
     assert succeeded is not None
     assert (last.goal_id, succeeded.goal_id) == ("/undock-4", "/dock-3")
-    assert outcomes.last("/fibonacci") is None
+    assert last_goals.last("/fibonacci") is None
     history.record(ended(DOCK, 1))
     history.away = False
     await asyncio.sleep(0.05)
-    assert outcomes.last(DOCK) is not last
-    assert outcomes.last(DOCK, UNDOCK) is last
+    assert last_goals.last(DOCK) is not last
+    assert last_goals.last(DOCK, UNDOCK) is last
 
 
 async def test_a_server_that_tells_of_an_old_goal_again_changes_nothing(
-    history: AwayHistory, outcomes: LastGoals
+    history: AwayHistory, last_goals: LastGoals
 ) -> None:
     history.record(ended(DOCK, 1))
     history.record(ended(DOCK, 2, GoalStatus.REJECTED))
     history.away = False
-    await until_last(outcomes, "/dock-2")
-    outcomes.take(ended(DOCK, 1, took=60))
-    await until_last(outcomes, "/dock-2")
+    await until_last(last_goals, "/dock-2")
+    last_goals.take(ended(DOCK, 1, took=60))
+    await until_last(last_goals, "/dock-2")
 
 
 def test_a_rejected_goal_counts_unless_another_one_ran_on() -> None:

@@ -93,7 +93,7 @@ class FakeBridge:
         function()
 
 
-class FakeLookout:
+class FakeGraph:
     def __init__(self) -> None:
         self.topics = {f"/t{number}": [publisher()] for number in range(MAX_TOPICS + 1)}
 
@@ -136,13 +136,13 @@ def fakes(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 
 @pytest.fixture
-def lookout() -> FakeLookout:
-    return FakeLookout()
+def graph() -> FakeGraph:
+    return FakeGraph()
 
 
 @pytest.fixture
-def echoes(lookout: FakeLookout) -> EchoRegistry:
-    return EchoRegistry(FakeBridge(), lookout)  # type: ignore[arg-type]
+def echoes(graph: FakeGraph) -> EchoRegistry:
+    return EchoRegistry(FakeBridge(), graph)  # type: ignore[arg-type]
 
 
 async def test_the_topic_comes_first_then_messages_then_rates(echoes: EchoRegistry) -> None:
@@ -224,8 +224,8 @@ async def test_messages_that_cannot_be_read_are_said_to_be(echoes: EchoRegistry)
         assert (await viewing.next("message"))["message"] == 2
 
 
-async def test_of_a_package_that_is_missing_nothing_is_heard(echoes: EchoRegistry, lookout: FakeLookout) -> None:
-    lookout.topics["/lift"] = [publisher(kind="lift_msgs/msg/LiftState")]
+async def test_of_a_package_that_is_missing_nothing_is_heard(echoes: EchoRegistry, graph: FakeGraph) -> None:
+    graph.topics["/lift"] = [publisher(kind="lift_msgs/msg/LiftState")]
     viewing = Viewing()
     async with echoes.watch("/lift", viewing.subscriber, 20):
         first = await viewing.next("topic")
@@ -237,16 +237,16 @@ async def test_of_a_package_that_is_missing_nothing_is_heard(echoes: EchoRegistr
 
 
 async def test_other_publishers_are_heard_as_they_need_it_and_counting_goes_on(
-    echoes: EchoRegistry, lookout: FakeLookout
+    echoes: EchoRegistry, graph: FakeGraph
 ) -> None:
     viewing = Viewing()
-    lookout.topics["/t0"] = [publisher(latched=True)]
+    graph.topics["/t0"] = [publisher(latched=True)]
     async with echoes.watch("/t0", viewing.subscriber, 20):
         await viewing.next("topic")
         assert FakePort.ports[0].how == {"reliable": True, "latched": True}
         FakePort.ports[0].say(b"1")
         await viewing.next("message")
-        lookout.topics["/t0"] = [publisher(), publisher("/other", reliable=False)]
+        graph.topics["/t0"] = [publisher(), publisher("/other", reliable=False)]
         assert len((await viewing.next("topic"))["topic"]["publishers"]) == 2
         first, second = FakePort.ports
         assert first.closed
@@ -255,9 +255,9 @@ async def test_other_publishers_are_heard_as_they_need_it_and_counting_goes_on(
         assert (await viewing.next("message"))["message"] == 2
         await viewing.until(lambda event: event["type"] == "rate" and event["messages"] == 2)
 
-        lookout.topics["/t0"] = [publisher(kind=INT, reliable=False)]
+        graph.topics["/t0"] = [publisher(kind=INT, reliable=False)]
         assert (await viewing.next("topic"))["message_type"] == INT
-        del lookout.topics["/t0"]
+        del graph.topics["/t0"]
         gone = await viewing.next("topic")
         assert (gone["message_type"], gone["topic"]["publishers"]) == (INT, [])
         assert len(FakePort.ports) == 3

@@ -87,23 +87,23 @@ def looking(bridge: FakeBridge) -> GraphCache:
 
 
 async def test_one_look_serves_everybody_for_a_second(bridge: FakeBridge, clock: SimpleNamespace) -> None:
-    lookout = looking(bridge)
+    cache = looking(bridge)
     assert bridge.calls == 0
-    views = await asyncio.gather(*(lookout.graph() for _ in range(20)))
+    views = await asyncio.gather(*(cache.graph() for _ in range(20)))
     assert bridge.node.looks == 1
     assert all(view is views[0] for view in views)
     clock.now += 0.9
-    assert await lookout.graph() is views[0]
+    assert await cache.graph() is views[0]
     clock.now += 0.2
-    again = await lookout.graph()
+    again = await cache.graph()
     assert bridge.node.looks == 2
     assert (again.tag, again.body) == (views[0].tag, views[0].body)
-    await lookout.close()
+    await cache.close()
 
 
 async def test_one_who_leaves_does_not_take_the_look_from_the_others(bridge: FakeBridge) -> None:
-    lookout = looking(bridge)
-    leaving, staying = asyncio.create_task(lookout.graph()), asyncio.create_task(lookout.graph())
+    cache = looking(bridge)
+    leaving, staying = asyncio.create_task(cache.graph()), asyncio.create_task(cache.graph())
     await asyncio.sleep(0)
     leaving.cancel()
     assert (await staying).body.startswith(b'{"nodes"')
@@ -111,13 +111,13 @@ async def test_one_who_leaves_does_not_take_the_look_from_the_others(bridge: Fak
 
 
 async def test_it_recovers(bridge: FakeBridge, clock: SimpleNamespace) -> None:
-    lookout = looking(bridge)
+    cache = looking(bridge)
     bridge.down = True
     with pytest.raises(Unavailable):
-        await lookout.graph()
+        await cache.graph()
     bridge.down = False
     clock.now += 1.1
-    assert (await lookout.graph()).body
+    assert (await cache.graph()).body
 
 
 async def test_the_ros_thread_is_left_to_others_in_between(bridge: FakeBridge, monkeypatch: pytest.MonkeyPatch) -> None:

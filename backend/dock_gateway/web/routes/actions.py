@@ -115,7 +115,7 @@ async def cancel_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGatew
     """Ask the action server to cancel a goal, whoever sent it."""
     action = await gateway.actions.find(f"/{name}")
     await goals.find_goal(gateway, action, goal_id)
-    return goal_response(await action.goals.cancel(goal_id), f"/actions{action.name}/goals/{goal_id}", 202)
+    return goal_response(await gateway.cancel(goal_id), f"/actions{action.name}/goals/{goal_id}", 202)
 
 
 @router.get("/{name:path}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])

@@ -48,7 +48,7 @@ AlertId = Annotated[str, Path(description="`id` of the alert")]
 @router.get("/alerts", tags=["Alerts"], response_model=AlertList, responses=problems(422), dependencies=[NO_QUERY])
 async def list_alerts(gateway: TheGateway) -> Response:
     """What is wrong now: critical alerts first, then the oldest first."""
-    return json_response({"alerts": gateway.alarm.documents()})
+    return json_response({"alerts": gateway.alerts.documents()})
 
 
 @router.put(
@@ -62,7 +62,7 @@ async def list_alerts(gateway: TheGateway) -> Response:
 async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) -> Response:
     """Somebody has seen an alert. That holds at every gateway with the same history, until the alert is over."""
     by = read_name(read_object(await read_json(request), "by").get("by"), MAX_NAME)
-    return json_response(await gateway.alarm.acknowledge(alert_id, by))
+    return json_response(await gateway.alerts.acknowledge(alert_id, by))
 
 
 @router.delete(
@@ -74,4 +74,4 @@ async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) 
 )
 async def withdraw_acknowledgement(alert_id: AlertId, gateway: TheGateway) -> Response:
     """Take an acknowledgement back; also where there is none."""
-    return json_response(await gateway.alarm.withdraw(alert_id))
+    return json_response(await gateway.alerts.withdraw(alert_id))

@@ -47,9 +47,9 @@ async def send_goal(request: Request, action: Action, base: str, default: dict[s
     """
     wait, key = read_wait(request), read_key(request)
     message = action.port.goal_codec.parse(await read_json(request, empty=default))
-    goal = await action.goals.submit(message, key)
+    goal = await action.submitter.submit(message, key)
     if wait:
-        await action.goals.wait(goal, wait)
+        await action.tracker.wait_terminal(goal, wait)
     return goal_response(goal, f"{base}/{goal.goal_id}", 200 if wait and goal.status.terminal else 202)
 
 

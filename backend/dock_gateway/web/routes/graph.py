@@ -13,7 +13,7 @@ router = APIRouter(tags=["Graph"], prefix="/graph", dependencies=[Depends(known_
 @router.get("", response_model=Graph, responses={304: {"description": "As in `If-None-Match`"}, **problems(422, 503)})
 async def get_graph(request: Request, gateway: TheGateway) -> Response:
     """The whole graph, at most a second old; with `If-None-Match` only where it has changed."""
-    view = await gateway.lookout.graph()
+    view = await gateway.graph.graph()
     headers = {"ETag": view.tag, "Cache-Control": "no-cache"}
     if is_known(request.headers.get("if-none-match"), view.tag):
         return Response(status_code=304, headers=headers)
@@ -23,7 +23,7 @@ async def get_graph(request: Request, gateway: TheGateway) -> Response:
 @router.get("/topics/{name:path}", response_model=GraphTopic, responses=problems(404, 422, 503))
 async def get_topic(name: GraphName, gateway: TheGateway) -> Response:
     """One topic, as it is now, with those who publish and subscribe."""
-    return json_response((await gateway.lookout.topic(f"/{name}")).document())
+    return json_response((await gateway.graph.topic(f"/{name}")).document())
 
 
 def is_known(condition: str | None, tag: str) -> bool:

@@ -66,14 +66,12 @@ async def _send_goal(gateway: Gateway, fields: Fields) -> Fields:
         action = await gateway.actions.find(gateway.settings.resolve(name, namespace))
     message = action.port.goal_codec.parse(goal, "goal")
     key = fields.get("idempotency_key")
-    return {"goal": (await action.goals.submit(message, check_key(key, "idempotency_key"))).document()}
+    return {"goal": (await action.submitter.submit(message, check_key(key, "idempotency_key"))).document()}
 
 
 async def _cancel_goal(gateway: Gateway, fields: Fields) -> Fields:
     check_fields(fields, ("goal_id",))
-    goal = await gateway.goal(read_goal_id(fields.get("goal_id") or ""))
-    action = await gateway.actions.find(goal.action_name)
-    return {"goal": (await action.goals.cancel(goal.goal_id)).document()}
+    return {"goal": (await gateway.cancel(read_goal_id(fields.get("goal_id") or ""))).document()}
 
 
 async def _publish_battery(gateway: Gateway, fields: Fields) -> Fields:

@@ -20,7 +20,7 @@ async def snapshot(gateway: Gateway, interest: EventFilter) -> Event:
     dock, undock = gateway.servers_of(interest.robot)
     fleet = {}
     if "robots" in interest.topics:
-        fleet = {"robots": gateway.fleet.documents(), "alerts": gateway.alarm.documents()}
+        fleet = {"robots": gateway.fleet.documents(), "alerts": gateway.alerts.documents()}
     return notice(
         "snapshot",
         utc_now(),
@@ -51,7 +51,7 @@ def present(gateway: Gateway, interest: EventFilter) -> list[Event]:
     wanted = [event for event in events if interest.covers(event)]
     if "robots" in interest.topics:
         wanted.append(fleet_event("robots", now, robots=gateway.fleet.documents(), gone=[]))
-        wanted.append(fleet_event("alerts", now, alerts=gateway.alarm.documents()))
+        wanted.append(fleet_event("alerts", now, alerts=gateway.alerts.documents()))
     return wanted
 
 

@@ -1,13 +1,12 @@
-"""What can be done with the goals of an action: the way in. One goal for each idempotency key."""
+"""Submitting goals: one goal for each idempotency key, however often it is submitted."""
 
 import asyncio
 import time
 from typing import Any
 
-from dock_gateway.actions.cancellation import Canceler
 from dock_gateway.actions.submission import Claim, Delivery, outcome
 from dock_gateway.actions.tracker import GoalTracker
-from dock_gateway.core.errors import Conflict, NotFound, Unavailable
+from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.history import History, fingerprint_of
 from dock_gateway.settings import Settings
@@ -16,25 +15,15 @@ from dock_gateway.settings import Settings
 CLAIM_WAIT = 2.0
 
 
-class GoalService:
-    """Submits, cancels and finds goals of one action."""
+class Submitter:
+    """Submits goals of one action."""
 
-    def __init__(
-        self,
-        settings: Settings,
-        history: History,
-        tracker: GoalTracker,
-        canceler: Canceler,
-        delivery: Delivery,
-    ) -> None:
+    def __init__(self, settings: Settings, history: History, tracker: GoalTracker, delivery: Delivery) -> None:
         self._settings = settings
         self._history = history
         self._tracker = tracker
         self._submitting: dict[str, tuple[Any, asyncio.Task[Goal]]] = {}
-        self._canceler = canceler
         self._delivery = delivery
-
-    # ------------------------------------------------------------------ submit
 
     async def submit(self, message: Any, idempotency_key: str | None = None) -> Goal:
         """Send a goal and wait until the action server has accepted it.
@@ -132,58 +121,3 @@ class GoalService:
     def _require_same(first: object, second: object) -> None:
         if first != second:
             raise Conflict("this Idempotency-Key was used for another goal", code="idempotency_key_reused")
-
-    # ------------------------------------------------------------------ cancel
-
-    async def cancel(self, goal_id: str) -> Goal:
-        """Ask the server to cancel a goal, whoever sent it. A lost one is canceled when it turns up.
-
-        Raises:
-            NotFound: There is no such goal.
-            Conflict: It has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
-            Unavailable: The action server is gone.
-            ServerTimeout: It did not answer in time.
-        """
-        goal = await self.get(goal_id)
-        await self._canceler.cancel(goal)
-        return goal
-
-    def disown_pending(self) -> None:
-        """A stop is asked for: what is on its way must not run."""
-        self._delivery.stop()
-
-    async def cancel_all(self) -> list[str]:
-        """Ask the server to cancel every goal, other clients' too; returns the ids of those that it will cancel.
-
-        Raises:
-            Unavailable: There are goals and no action server.
-            ServerTimeout: The server does not answer.
-            Conflict: It refuses.
-        """
-        return await self._canceler.cancel_all()
-
-    @property
-    def uncanceled(self) -> bool:
-        """Whether there are goals that run and are not being canceled."""
-        return self._canceler.uncanceled
-
-    def cancel_unwanted(self) -> None:
-        """A stop of another gateway holds: what runs is canceled."""
-        self._canceler.cancel_unwanted()
-
-    # ------------------------------------------------------------------ look
-
-    async def get(self, goal_id: str) -> Goal:
-        """One goal.
-
-        Raises:
-            NotFound: There is no such goal.
-        """
-        goal = self._tracker.live.get(goal_id) or await self._history.get(goal_id)
-        if goal is None:
-            raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
-        return goal
-
-    async def wait(self, goal: Goal, timeout: float) -> None:
-        """Wait until the goal has ended or the time is up."""
-        await self._tracker.wait_terminal(goal, timeout)

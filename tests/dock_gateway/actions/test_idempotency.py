@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.actions.cancellation import Canceler
-from dock_gateway.actions.service import GoalService
+from dock_gateway.actions.idempotency import Submitter
 from dock_gateway.actions.submission import Delivery
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.errors import Conflict, Unavailable
@@ -114,10 +114,11 @@ class Scene:
             interlock=self.interlock,
             canceler=canceler,
         )
-        self.service = GoalService(settings, self.history, self.tracker, canceler, delivery)
+        self.submitter = Submitter(settings, self.history, self.tracker, delivery)
+        self.delivery = delivery
 
     def submit(self, key: str | None = None, message: str = "{}") -> "asyncio.Task[Goal]":
-        return asyncio.create_task(self.service.submit(message, key))
+        return asyncio.create_task(self.submitter.submit(message, key))
 
     def fail(self) -> None:
         self.history.gate.set_exception(Unavailable("full", code="history_unavailable"))
@@ -253,7 +254,7 @@ async def test_a_stop_while_the_history_is_asked_for_the_key(scene: Scene, monke
     scene.history.gate.set_result(None)
     submission = scene.submit("key")
     await turns()
-    scene.service.disown_pending()
+    scene.delivery.stop()
     loaded.set()
     with pytest.raises(Conflict) as refused:
         await submission
