@@ -1,4 +1,4 @@
-"""The gateway put together: every part of it, made in the right order and closed in the reverse."""
+"""Assembles the gateway: makes its parts in order and closes them in reverse order."""
 
 import asyncio
 import logging
@@ -39,17 +39,17 @@ from dock_gateway.topics.registry import EchoRegistry
 
 log = logging.getLogger(__name__)
 
-# Seconds between two looks at the graph, and where there is more to take up.
+# Seconds between two scans of the graph, and between two scans while something on it is still to be registered.
 SCAN_INTERVAL, PAUSE = 1.0, 0.1
-# A rejected or aborted goal waits so many seconds for a server that says why.
+# Seconds that a rejected or aborted goal waits for the server's reason.
 REASON_WAIT = 0.3
-# A new subscriber is shown so many ended goals.
+# Maximum number of goals of each kind that a new subscriber gets from the history.
 RECENT = 20
 
 
 @dataclass(frozen=True)
 class Gateway:
-    """What the API calls."""
+    """The parts of the gateway, as the API uses them."""
 
     settings: Settings
     bridge: Bridge
@@ -67,7 +67,7 @@ class Gateway:
     undock: Action
 
     async def dock_of(self, robot: str | None) -> Action:
-        """The docking action of a robot, the configured one where none is named.
+        """Return the docking action of a robot; default: the configured one.
 
         Raises:
             NotFound: There is no such robot, or it has no docking action.
@@ -75,7 +75,7 @@ class Gateway:
         return self.dock if robot is None else await self.actions.find(self._names_of(robot).dock)
 
     async def undock_of(self, robot: str | None) -> Action:
-        """The undocking action of a robot, likewise.
+        """Return the undocking action of a robot; default: the configured one.
 
         Raises:
             NotFound: There is no such robot, or it has no undocking action.
@@ -86,7 +86,7 @@ class Gateway:
         return self.settings.docking_actions(self.robots.get(robot).namespace)
 
     def servers_of(self, namespace: str) -> tuple[ServerState, ServerState]:
-        """How the docking and the undocking server of a robot are, also where nobody has seen them."""
+        """Return the states of a robot's docking and undocking servers, even if they have never been seen."""
         names = self.settings.docking_actions(namespace)
         return self._server(names.dock), self._server(names.undock)
 
@@ -95,7 +95,7 @@ class Gateway:
         return ServerState(action_name, available=False, answering=False) if action is None else action.watch.state
 
     async def goal(self, goal_id: str) -> Goal:
-        """One goal, on whatever action.
+        """Return a goal of any action.
 
         Raises:
             NotFound: There is no such goal.
@@ -108,10 +108,10 @@ class Gateway:
     async def page(
         self, wanted: GoalFilter, limit: int = 50, before: str | None = None
     ) -> tuple[list[Goal], str | None]:
-        """Goals, newest first, and the cursor of the next page.
+        """Return a page of goals, newest first, and the cursor of the next page.
 
         Raises:
-            InvalidField: There is no goal `before`, so nothing can be older.
+            InvalidField: There is no goal `before`.
         """
         goals = await self.history.page(wanted, limit=limit + 1, before=before)
         unknown = not goals and before is not None and self.actions.goal(before) is None
@@ -121,28 +121,28 @@ class Gateway:
         return current, goals[limit - 1].goal_id if len(goals) > limit else None
 
     async def cancel(self, goal_id: str) -> Goal:
-        """Ask its action server to cancel a goal, on whatever action and whoever sent it.
+        """Ask the action server to cancel a goal of any action, regardless of its sender.
 
         Raises:
-            NotFound: There is no such goal, or nobody serves its action.
-            Conflict: It has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
+            NotFound: There is no such goal, or its action has no server.
+            Conflict: The goal has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
             Unavailable: The action server is gone.
-            ServerTimeout: It did not answer in time.
+            ServerTimeout: The server did not answer in time.
         """
         goal = await self.goal(goal_id)
         require_unfinished(goal)
         action = await self.actions.find(goal.action_name)
-        goal = await self.goal(goal_id)  # it may be back, or have ended, meanwhile
+        goal = await self.goal(goal_id)  # it may have returned or ended meanwhile
         await action.canceler.cancel(goal)
         return goal
 
     async def recent_goals(self, interest: EventFilter) -> list[Goal]:
-        """What a new subscriber sees first: the goals that run and the newest ended ones, newest first."""
+        """Return a new subscriber's initial goals: the running and the latest ended ones, newest first."""
         if interest.goal_id is not None:
             return [await self.goal(interest.goal_id)]
         newest: list[Goal] = []
-        with suppress(Unavailable):  # a stream goes on without the past
-            # Those of docking and undocking are asked for by name, so that a busier action does not crowd them out.
+        with suppress(Unavailable):  # a stream works without the past
+            # Docking and undocking goals are queried by name, so that a busier action does not crowd them out.
             named = interest.action_name
             dock, undock = (server.action_name for server in self.servers_of(interest.robot))
             for name in dict.fromkeys((named, named or dock, named or undock)):
@@ -153,7 +153,7 @@ class Gateway:
         return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)
 
     def say_goodbye(self) -> None:
-        """The gateway is about to close: end every stream and every wait."""
+        """End every stream and every wait, as the gateway is about to close."""
         self.hub.close()
         self.actions.each(lambda action: action.tracker.release_all())
 
@@ -167,7 +167,7 @@ async def open_gateway(settings: Settings) -> AsyncIterator[Gateway]:
 
 
 async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> Gateway:
-    """Make every part, and have the stack close it."""
+    """Make every part, and register it with the stack for closing."""
     hub = Hub(
         queue_limit=settings.subscriber_queue,
         max_subscribers=settings.max_subscribers,
@@ -263,7 +263,7 @@ def _closed_by(stack: AsyncExitStack, part: PartT) -> PartT:
 
 
 async def _take_up_unfinished(actions: ActionRegistry, history: History) -> None:
-    """Take up the goals that ran when the gateway ended; those in a database that is away, once it is back."""
+    """Take over goals that were running when the gateway ended; those in an unavailable database once it is back."""
     began = utc_now()
     try:
         if not await _expect(actions, history, began, complete=True):
@@ -275,7 +275,7 @@ async def _take_up_unfinished(actions: ActionRegistry, history: History) -> None
 
 
 async def _expect(actions: ActionRegistry, history: History, began: datetime, *, complete: bool = False) -> bool:
-    """Expect the goals of before that have not ended; False where the history cannot say which."""
+    """Expect earlier goals that have not ended; return False if the history does not answer."""
     try:
         unfinished = await history.unfinished(complete=complete)
     except Unavailable:
@@ -285,13 +285,13 @@ async def _expect(actions: ActionRegistry, history: History, began: datetime, *,
 
 
 def _record_unfinished(actions: ActionRegistry, history: History) -> None:
-    """Keep the goals that have not ended, where what was kept of them is lost."""
+    """Store the unfinished goals again, after the history lost its data."""
     for goal in (*actions.running(), *actions.lost()):
         history.record(goal)
 
 
 def _open_on_demand(settings: Settings, bridge: Bridge, hub: Hub, stack: AsyncExitStack) -> None:
-    """What is heard of a robot only while somebody wants it: its scene and its velocity."""
+    """Set up the topics that are subscribed to only on demand: a robot's scene and velocity."""
 
     def make_scene(robot: str) -> ScenePort:
         return ScenePort(bridge, robot, lambda name: settings.resolve(name, robot), hub.publish)
@@ -307,7 +307,7 @@ def _open_on_demand(settings: Settings, bridge: Bridge, hub: Hub, stack: AsyncEx
 
 
 async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, departures: Departures) -> None:
-    """See who comes and goes."""
+    """Scan the graph periodically and update actions and robots."""
     steps: tuple[Callable[[Scan], Awaitable[bool | None]], ...] = (
         actions.update,
         robots.update,
@@ -325,7 +325,7 @@ async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotReg
 
 @contextmanager
 def _logged() -> Iterator[None]:
-    """What fails here harms nothing else."""
+    """Log an exception instead of raising it, so that a failure does not affect the rest."""
     try:
         yield
     except GatewayError as error:

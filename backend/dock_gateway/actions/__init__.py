@@ -1,1 +1,1 @@
-"""One action and its goals: from the request to send one until its result."""
+"""One action and its goals, from the request to send a goal to its result."""

@@ -1,7 +1,7 @@
-"""Goals that turn up by themselves: another client's, another gateway's, or ours from before a restart.
+"""Goals that this process did not send: another client's, another gateway's, or ours from before a restart.
 
-Nothing is said of such a goal until the history has been asked about it: it may be ours, and it may have ended long
-ago. A ROS node that makes up goals by the thousand is slowed down here, before it costs anyone else anything.
+Nothing is published about such a goal before it is looked up in the history: it may be ours, and it may have ended long
+ago. A ROS node that floods the graph with goals is throttled here, before it affects other users.
 """
 
 import asyncio
@@ -18,15 +18,15 @@ from dock_gateway.history import History
 
 log = logging.getLogger(__name__)
 
-# What a message means for a goal, once that is known.
+# Applies a message to its goal, once the goal is known.
 Message = Callable[[Goal], None]
 
-# Goals that are taken up together, and the seconds between two such batches: 100 goals a second. All that wait are
-# looked up at once, and those that have ended cost no more than that.
+# Goals adopted in one batch, and seconds between two batches: 100 goals/s. All waiting goals are looked up together.
+# Those that have ended are settled at once and do not count towards the batch.
 BATCH, BATCH_INTERVAL = 50, 0.5
-# Goals that wait to be looked up, and messages of each that wait with it.
+# Maximum number of goals that wait to be looked up, and of messages that wait with each.
 MAX_NEWCOMERS, MAX_MESSAGES = 1000, 100
-# Seconds that a goal which runs is kept back while the history does not answer.
+# Seconds that a running goal is held back while the history does not answer, and seconds between two lookups then.
 PATIENCE = 0.5
 RETRY_INTERVAL = 0.1
 
@@ -36,9 +36,9 @@ class Newcomer:
     """A goal that waits to be looked up.
 
     Attributes:
-        created_ns: When it was first heard of, or accepted where that is known; nanoseconds since 1970.
-        running: Whether it was heard of as one that has not ended.
-        messages: What was heard, oldest first.
+        created_ns: When it was accepted, if known, else when it was first seen; nanoseconds since 1970.
+        running: Whether a message showed it as running.
+        messages: The messages received, oldest first.
     """
 
     created_ns: int
@@ -48,11 +48,11 @@ class Newcomer:
 
 
 class Adoption:
-    """Looks up goals that turned up, in batches, those that run first.
+    """Looks up unknown goals in batches, running goals first.
 
     Args:
-        history: Where goals are kept, also by other gateways.
-        adopt: Called with the id of a goal, what the history knows of it, and what was heard of it.
+        history: The store of goals, which other gateways may share.
+        adopt: Called with a goal's id, its entry in the history, and its messages.
     """
 
     def __init__(self, history: History, adopt: Callable[[str, Goal | None, Newcomer], None]) -> None:
@@ -63,7 +63,7 @@ class Adoption:
         self._tasks = Tasks("looking up goals")
 
     def hear(self, goal_id: str, message: Message, *, created_ns: int, running: bool) -> None:
-        """Something was heard of a goal that is not tracked."""
+        """Take a message about a goal that is not tracked."""
         newcomer = self._newcomers.get(goal_id)
         if newcomer is None:
             if len(self._newcomers) >= MAX_NEWCOMERS and not self._make_room(running=running):
@@ -78,7 +78,7 @@ class Adoption:
             self._tasks.spawn(self._work())
 
     def _make_room(self, *, running: bool) -> bool:
-        """Give up the goal that matters least, one that has ended; one that runs is told of again."""
+        """Drop an ended goal to make room for a running one. A running goal is reported again by its server."""
         log.warning("more than %d unknown goals turned up at once; some are left out", MAX_NEWCOMERS)
         last = next(reversed(self._newcomers))
         if not running or self._newcomers[last].running:
@@ -87,7 +87,7 @@ class Adoption:
         return True
 
     def claim(self, goal_id: str) -> list[Message]:
-        """What was heard of a goal that has become known in another way; it is not looked up any more."""
+        """Return the messages of a goal that became known in another way, and cancel its lookup."""
         newcomer = self._newcomers.pop(goal_id, None)
         return [] if newcomer is None else list(newcomer.messages)
 
@@ -106,7 +106,7 @@ class Adoption:
             self._working = False
 
     async def _look_up(self, goal_ids: list[str]) -> dict[str, Goal] | None:
-        """What the history knows of these goals; None where it does not answer."""
+        """Return what the history knows about these goals, or None if it does not answer."""
         try:
             return await self._history.known(goal_ids)
         except GatewayError:
@@ -130,5 +130,5 @@ class Adoption:
             log.exception("while taking up goal %s", goal_id)
 
     async def close(self) -> None:
-        """Look up nothing any more."""
+        """Stop looking up goals."""
         await self._tasks.close()

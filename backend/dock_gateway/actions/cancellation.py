@@ -1,9 +1,9 @@
-"""Canceling goals: now where that can be done, else as soon as it can.
+"""Cancels goals: immediately if possible, else as soon as possible.
 
-A goal that was canceled, stopped or given up must not run, also when its server was frozen, out of reach or too late:
-it is unwanted from then on, and the server is asked again whenever the goal turns up, until it has ended or the server
-refuses. While a stop holds for the action, every goal on it is unwanted, whoever sent it and whenever it turns up, and
-a refusal is not taken.
+A goal that was canceled, stopped or given up must not run, even if its server was frozen, unreachable or too late. It
+is unwanted from then on: the cancel request is repeated whenever the goal is seen, until the goal has ended or the
+server refuses. While a stop is latched for the action, every goal on it is unwanted, regardless of its sender, and
+requests continue even after a refusal.
 """
 
 import asyncio
@@ -18,9 +18,9 @@ from dock_gateway.settings import Settings
 log = logging.getLogger(__name__)
 
 STOP_TIMEOUT = 1.0
-# A server that does not answer is asked again after so many seconds.
+# Seconds between two cancel requests for the same goal.
 RETRY_INTERVAL = 1.0
-# Goals that must not run and that nothing has been heard of, besides those that are tracked
+# Maximum number of unwanted goals besides those that are tracked.
 MAX_UNWANTED = 1000
 UNKNOWN_GOAL = 2  # action_msgs/CancelGoal ERROR_UNKNOWN_GOAL_ID
 
@@ -33,12 +33,12 @@ CANCELED = GoalError("canceled", "it was canceled while the action server could 
 
 
 class Canceler:
-    """Cancels the goals of one action, whoever sent them.
+    """Cancels the goals of one action, regardless of their sender.
 
     Args:
         settings: Deadlines.
         tracker: The goals.
-        interlock: Which robots are held by a stop.
+        interlock: The latched stops.
     """
 
     def __init__(self, settings: Settings, tracker: GoalTracker, interlock: Interlock) -> None:
@@ -52,12 +52,12 @@ class Canceler:
         tracker.on_end.append(self._forget)
 
     async def cancel(self, goal: Goal) -> None:
-        """Ask the server to cancel a goal; where it cannot be reached, the goal stays unwanted.
+        """Ask the server to cancel a goal. If the server cannot be reached, the goal stays unwanted.
 
         Raises:
-            Conflict: It has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
-            Unavailable: The action server is not there. Should the goal turn up again, it is canceled.
-            ServerTimeout: The server did not answer in time. It is asked again.
+            Conflict: The goal has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
+            Unavailable: There is no action server. If the goal is seen again, it is canceled.
+            ServerTimeout: The server did not answer in time. The request is repeated.
         """
         require_unfinished(goal)
         if goal.status in (GoalStatus.PENDING, GoalStatus.LOST):
@@ -84,7 +84,7 @@ class Canceler:
                 self._tracker.move(goal, GoalStatus.CANCELING)
                 return
             if answer.return_code == UNKNOWN_GOAL and attempt == 0 and not goal.status.terminal:
-                await asyncio.sleep(0.1)  # it may just be on its way
+                await asyncio.sleep(0.1)  # the server may not have received the goal yet
                 continue
             break
         if goal.status in (GoalStatus.PENDING, GoalStatus.CANCELING, GoalStatus.LOST):
@@ -95,17 +95,17 @@ class Canceler:
         raise Conflict("the action server refuses to cancel the goal", code="cancel_rejected", goal_id=goal.goal_id)
 
     def _refused(self, goal: Goal) -> None:
-        """The goal goes on; one that a stop holds for is asked for again, nevertheless."""
+        """Accept a refusal: the goal is no longer unwanted, unless a stop is latched for it."""
         self._unwanted.pop(goal.goal_id, None)
         goal.error = self._why_unwanted(goal)
 
     async def cancel_all(self) -> list[str]:
-        """Ask the server to cancel every goal; returns the ids of those that it will cancel.
+        """Ask the server to cancel every goal; return the ids of those that it will cancel.
 
         Raises:
-            Unavailable: There are goals and no action server.
+            Unavailable: There are goals but no action server.
             ServerTimeout: The server does not answer.
-            Conflict: `cancel_rejected`: it refuses for some; the others are canceled.
+            Conflict: `cancel_rejected`: the server refuses to cancel some goals; the others are canceled.
         """
         goals = [goal for goal in self._tracker.live.values() if not goal.status.final]
         for goal in goals:
@@ -140,11 +140,11 @@ class Canceler:
 
     @property
     def uncanceled(self) -> bool:
-        """Whether there are goals that run and that the server was not heard to cancel."""
+        """Whether goals run that the server has not reported as canceling."""
         return any(goal.status is not GoalStatus.CANCELING for goal in self._tracker.running())
 
     def mark_unwanted(self, goal: Goal, why: GoalError) -> None:
-        """The goal must not run, whenever it turns up."""
+        """Mark a goal that must not run, whenever it is seen."""
         if goal.status.final:
             return
         self._unwanted.setdefault(goal.goal_id, why)
@@ -152,7 +152,7 @@ class Canceler:
             del self._unwanted[next(goal_id for goal_id in self._unwanted if goal_id not in self._tracker.live)]
 
     def seen_again(self, goal: Goal) -> None:
-        """A goal runs, as far as is known: where it is unwanted, it is canceled."""
+        """Cancel a goal that appears to run, if it is unwanted."""
         why = self._why_unwanted(goal)
         if why is None or goal.goal_id in self._insisting:
             return
@@ -162,11 +162,11 @@ class Canceler:
         self._tracker.tasks.spawn(self._insist(goal))
 
     def cancel_unwanted(self) -> None:
-        """A stop of another gateway holds: nothing may run on that has not been canceled by it."""
+        """Cancel the running goals that another gateway's stop has not canceled."""
         self._insist_on(self._tracker.running())
 
     def _why_unwanted(self, goal: Goal) -> GoalError | None:
-        """Why a goal must not run; None where it may."""
+        """Return why a goal must not run, or None if it may."""
         held = STOPPED if self._interlock.holds(goal.action_name) else None
         return self._unwanted.get(goal.goal_id, held)
 
@@ -190,7 +190,7 @@ class Canceler:
                 except GatewayError as error:
                     log.info("goal %s could not be canceled yet: %s", goal.goal_id, error.detail)
                 await asyncio.sleep(RETRY_INTERVAL)
-            if not goal.status.terminal:  # the stop was released: it may run
+            if not goal.status.terminal:  # the stop was released, so the goal may run
                 goal.error = None
         finally:
             self._insisting.discard(goal.goal_id)
@@ -201,7 +201,7 @@ class Canceler:
 
 
 def require_unfinished(goal: Goal) -> None:
-    """See that there is something to cancel.
+    """Check that a goal can still be canceled.
 
     Raises:
         Conflict: The goal has ended (`goal_terminal`).

@@ -1,26 +1,26 @@
-"""Two action servers with one name: each of them carries out every goal, so that both move the robot."""
+"""Detects two action servers with one name. Each executes every goal, so both move the robot."""
 
 from dock_gateway.ros.action_port import Presence
 
-# A server that was killed stays on the graph for up to 20 s. For longer than this (seconds) only a living one does.
+# Seconds after which a server on the graph counts as alive: a killed server stays there for up to 20 s.
 SETTLED = 25.0
 
 
 class Duplicates:
-    """Tells whether one action has more than one living server.
+    """Detects whether one action has more than one live server.
 
-    Two answers to one request are proof. Servers that work inside their only thread answer nothing meanwhile; of those,
-    two that stay on the graph for longer than a dead one could.
+    Two answers to one request are proof. Servers that block their only thread do not answer; for those, the proof is
+    that two stay on the graph for longer than a dead one could.
     """
 
     def __init__(self) -> None:
         self._since: dict[str, float] = {}  # by server
 
     def found(self, presence: Presence, now: float) -> bool:
-        """Whether there is more than one.
+        """Return whether there is more than one live server.
 
         Args:
-            presence: Who is on the graph.
+            presence: The servers on the graph.
             now: Seconds on the monotonic clock.
         """
         self._since = {server: self._since.get(server, now) for server in presence.servers}

@@ -1,4 +1,4 @@
-"""Submitting goals: one goal for each idempotency key, however often it is submitted."""
+"""Submits goals: one goal per idempotency key, however often it is submitted."""
 
 import asyncio
 import time
@@ -11,7 +11,7 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.history import History, fingerprint_of
 from dock_gateway.settings import Settings
 
-# A key that another replica has claimed: so long may it take until its goal is kept.
+# Seconds to wait for the goal of a key that another replica has claimed to be stored.
 CLAIM_WAIT = 2.0
 
 
@@ -30,14 +30,14 @@ class Submitter:
 
         Args:
             message: The goal as a ROS message.
-            idempotency_key: Another submission with this key gets the goal of the first, unless that was never sent.
+            idempotency_key: A later submission with this key gets the first one's goal, unless that was never sent.
 
         Raises:
-            Conflict: A stop is latched (`stop_latched`) or was asked for meanwhile (`stopped`), the server rejected the
+            Conflict: A stop is latched (`stop_latched`) or was requested meanwhile (`stopped`), the server rejected the
                 goal (`goal_rejected`, `dock_busy`), or the key was used for another goal.
             Unavailable: There is no action server.
-            ServerTimeout: It did not answer in time. Should it accept the goal later, the goal is canceled at once.
-            TooManyRequests: Too many goals wait for an answer.
+            ServerTimeout: It did not answer in time. If it accepts the goal later, the goal is canceled at once.
+            TooManyRequests: Too many goals are waiting for an answer.
         """
         if idempotency_key is None:
             return await asyncio.shield(self._delivery.start(message))
@@ -72,10 +72,10 @@ class Submitter:
         try:
             return await self._history.by_key(idempotency_key)
         except Unavailable:
-            return None  # the claim that follows does what can be done
+            return None  # the claim that follows handles this
 
     async def _free(self, idempotency_key: str, first: Goal) -> bool:
-        """Whether the key may be used once more: its goal was never sent, and the history has let go of it."""
+        """Release the key if its goal was never sent; return whether the key may be used again."""
         if not first.unsent:
             return False
         try:
@@ -85,11 +85,11 @@ class Submitter:
         return True
 
     def _may_send_again(self, goal: Goal) -> bool:
-        """Whether a goal that was stored never reached the action server, and whoever was to send it has gone."""
+        """Return whether a stored goal never reached the action server and its sender is gone."""
         return goal.unconfirmed or (goal.status is GoalStatus.PENDING and goal.goal_id not in self._tracker.live)
 
     async def _settled(self, goal: Goal) -> Goal:
-        """A goal that was sent before, maybe by another replica and just now, once it has been answered."""
+        """Wait until a goal sent earlier, perhaps by another replica, has been answered; return its current state."""
         deadline = time.monotonic() + self._settings.accept_timeout
         while goal.status is GoalStatus.PENDING and time.monotonic() < deadline:
             await asyncio.sleep(0.05)
@@ -110,8 +110,8 @@ class Submitter:
                 first = await self._history.get(goal_id)
             if first is not None:
                 return outcome(await self._settled(first))
-            # Whoever claimed the key has died before it kept the goal. Its place is taken under the same id, which
-            # an action server accepts only once.
+            # The replica that claimed the key died before it stored the goal. Use the same goal id, which an action
+            # server accepts only once.
             goal.goal_id = goal_id
             return None
 

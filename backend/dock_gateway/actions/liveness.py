@@ -1,9 +1,9 @@
-"""Whether the action server is there and answers: a peer's death is not signalled on DDS, so it is looked for.
+"""Checks whether the action server is present and answers. DDS does not signal a peer's death, so this polls.
 
-Silence alone is no proof: a server that works inside its only executor thread answers nothing meanwhile, and a killed
-one stays on the graph for a while. Nor is the graph: after an outage a server may be heard again long before it is
-found again. So a silent goal is `stalled` first, and `lost` when the time is up, or the server has left and says
-nothing.
+Silence alone is no proof of death: a server that blocks its only executor thread does not answer, and a killed one
+stays on the graph for a while. Absence from the graph is no proof either: after an outage, messages from a server may
+arrive long before discovery finds it. So a silent goal is `stalled` first. It is `lost` after a timeout, or when the
+server has left the graph and is silent.
 """
 
 import asyncio
@@ -21,15 +21,15 @@ from dock_gateway.settings import Settings
 log = logging.getLogger(__name__)
 
 PING_TIMEOUT = 1.0
-# A server that has left the graph may be on its way back (a restart) for so long.
+# Seconds that a server may be off the graph, as during a restart, before its goals are lost.
 GONE_GRACE = 2.0
-# A goal without news is asked for again after so many seconds, then after twice as many, …
+# Seconds without news after which a goal's result is requested again, then after twice as many, and so on.
 FIRST_PROBE = 5.0
 
 
 @dataclass(frozen=True)
 class ServerState:
-    """`available`: on the ROS graph. `answering`: it answered lately. `duplicate`: there is more than one."""
+    """`available`: on the ROS graph. `answering`: it answered recently. `duplicate`: there is more than one."""
 
     action_name: str
     available: bool
@@ -38,14 +38,14 @@ class ServerState:
 
 
 class ServerWatch:
-    """Looks after one action server.
+    """Monitors one action server.
 
     Args:
         tracker: The goals on that action.
-        settings: The deadlines.
+        settings: Deadlines.
         on_change: Called when the server's state has changed.
-        ping_idle: Whether a server without goals is asked for signs of life, too; else it counts as answering as long
-            as it is on the graph.
+        ping_idle: Whether a server without goals is pinged, too. If not, it counts as answering while it is on the
+            graph.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class ServerWatch:
         self.state = ServerState(tracker.port.action_name, available=False, answering=False)
 
     async def run(self) -> None:
-        """Look again and again, until canceled."""
+        """Check the server periodically, until canceled."""
         while True:
             try:
                 await self.look(ping=self._ping_idle or bool(self._tracker.live))
@@ -78,7 +78,7 @@ class ServerWatch:
             await asyncio.sleep(self._settings.ping_interval)
 
     async def look(self, *, ping: bool = True) -> ServerState:
-        """Look once, now."""
+        """Check the server once."""
         presence = await self._tracker.port.presence()
         available, answering, crowded = presence.available, False, len(presence.servers) > 1
         if available:
@@ -114,16 +114,16 @@ class ServerWatch:
 
     @property
     def ready(self) -> bool:
-        """Whether a goal would be sent now and heard, as far as is known."""
+        """Whether a goal sent now would reach the server, as far as is known."""
         return self.state.available and self.state.answering and not self._refuses
 
     async def require(self) -> None:
-        """Make sure that a goal sent now would be heard.
+        """Check that a goal sent now would reach the server.
 
         Raises:
             Conflict: `duplicate_action_server`: there is more than one.
             Unavailable: No action server appeared in time.
-            ServerTimeout: It is there and does not answer.
+            ServerTimeout: The server is present but does not answer.
         """
         if self.ready:
             return
@@ -158,7 +158,7 @@ class ServerWatch:
         left = self._gone_since is not None and min(now - self._gone_since, silence) > GONE_GRACE
         for goal in self._tracker.running():
             if goal.status is GoalStatus.PENDING and goal.goal_id not in self._tracker.taken_up:
-                continue  # its sender is waiting, with a deadline of its own
+                continue  # its sender waits with its own deadline
             if left:
                 self._tracker.lose(goal, GoalError("action_server_lost", "the action server left the ROS graph"))
             elif silence > self._settings.lost_after:
@@ -168,13 +168,13 @@ class ServerWatch:
                 self._tracker.stall(goal, stalled=silence > self._settings.stalled_after)
 
     def _reconcile(self) -> None:
-        """The server is back: does it know the goals that it had?"""
+        """Ask a server that is back whether it still knows its goals."""
         for goal in list(self._tracker.live.values()):
             if goal.status is not GoalStatus.PENDING or goal.goal_id in self._tracker.taken_up:
                 self._tracker.results.request_again(goal)
 
     def _probe_quiet_goals(self) -> None:
-        """A server may have been restarted so fast that nobody noticed: goals without news are asked for again."""
+        """Request the results of silent goals again: the server may have restarted too fast to be noticed."""
         quiet = {goal.goal_id: goal for goal in self._tracker.running() if goal.status is not GoalStatus.PENDING}
         self._next_probe = {goal_id: due for goal_id, due in self._next_probe.items() if goal_id in quiet}
         for goal_id, goal in quiet.items():

@@ -1,4 +1,4 @@
-"""Every action on the ROS graph: found as it appears, forgotten when it has gone."""
+"""All actions on the ROS graph: registered when they appear, removed when they are gone."""
 
 import asyncio
 import logging
@@ -28,22 +28,22 @@ from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
-# An action whose server has left is forgotten after so many seconds; a restart takes less.
+# Seconds after which an action that is off the graph is removed. A restart takes less.
 FORGET_AFTER = 10.0
 
 Reasons = PendingFacts[GoalError]
 
 
 class Action:
-    """One action: its goals, what can be done with them, and whether its server lives.
+    """One action: its goals, the operations on them, and its server's state.
 
     Attributes:
-        tracker: The goals, whoever sent them.
+        tracker: All goals on the action, regardless of their sender.
         submitter: Submits goals.
         delivery: The goals that are on their way to the action server.
         canceler: Cancels goals.
-        watch: Whether the action server is there and answers.
-        feedback_dropped: Feedback messages that were not read since the gateway started.
+        watch: Monitors the action server.
+        feedback_dropped: Number of feedback messages not read since the gateway started.
     """
 
     def __init__(
@@ -78,20 +78,20 @@ class Action:
         self._hub.publish(system_event("action_server", state, utc_now(), action_name=self.name))
 
     def on_loss(self, goal_id: str, why: Unread, count: int) -> None:
-        """Feedback was not read; it is a sign of life all the same."""
+        """Count feedback that was not read. It still is a sign of life."""
         self.tracker.heard()
         self.feedback_dropped += count
         self._hub.publish(loss_event(goal_id, self.name, why, count, utc_now()))
 
     async def close(self) -> None:
-        """Wait for nothing any more."""
+        """Stop all background work."""
         await self._tasks.close()
         await self.tracker.close()
 
 
 @dataclass(frozen=True)
 class Uninstalled:
-    """An action on the graph that cannot be used, most often as its interface package is not installed here."""
+    """An action on the graph that cannot be used, usually because its interface package is not installed here."""
 
     name: str
     type: str
@@ -99,16 +99,16 @@ class Uninstalled:
 
 
 class ActionRegistry:
-    """The actions that the gateway knows.
+    """All known actions.
 
     Args:
         settings: Names and deadlines.
-        bridge: Where the ROS thread is.
-        hub: Where events go.
-        history: Where goals are kept.
+        bridge: Runs calls on the ROS thread.
+        hub: Receives events.
+        history: Stores goals.
         reasons: Why goals were rejected or aborted.
-        interlock: Which robots are held by a stop.
-        on_end: Called with a goal, on any action, that nothing more is expected of.
+        interlock: The latched stops.
+        on_end: Called with a goal of any action when no further events of it are expected.
     """
 
     def __init__(
@@ -138,9 +138,9 @@ class ActionRegistry:
         self._started = time.monotonic()
 
     def expect(self, goals: list[Goal]) -> None:
-        """Goals that ran when the gateway ended: each is taken up with its action, once.
+        """Take over goals that were running when the gateway ended, each once, when its action appears.
 
-        One that had been lost for long before is taken up should it turn up.
+        A goal that was lost for longer than `LOST_FOR` is taken over only if it is seen again.
         """
         for goal in goals:
             if goal.status is GoalStatus.LOST and utc_now() - goal.updated_at > LOST_FOR:
@@ -156,11 +156,11 @@ class ActionRegistry:
         Args:
             name: Absolute name of the action.
             type_name: Its type, from the graph or from the settings, never from a client.
-            pinned: Kept also while nobody serves it.
+            pinned: Kept even without a server.
 
         Raises:
             ImportError: The type's package is not installed.
-            TypeError: The type has fields that no .msg file can have.
+            TypeError: The type has fields that a .msg file cannot have.
             Unavailable: The ROS thread is down.
         """
         kind = await asyncio.to_thread(ActionKind, type_name)
@@ -183,7 +183,7 @@ class ActionRegistry:
         return action
 
     async def update(self, scan: Scan) -> bool:
-        """Take up actions that have appeared, forget those that have gone; whether some are still to be taken up.
+        """Add actions that appeared, remove those that are gone; return whether some are still to be added.
 
         Raises:
             Unavailable: The ROS thread is down.
@@ -208,7 +208,7 @@ class ActionRegistry:
             self._changed.clear()
 
     def _give_up(self) -> None:
-        """Goals whose action has not come back are lost, until it does."""
+        """Mark goals whose action has not come back as lost, until it does."""
         for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
             if goal.lose(GoalError("action_server_lost", "nobody serves the action any more"), utc_now()):
                 now_ns = time.time_ns()
@@ -223,12 +223,12 @@ class ActionRegistry:
         await self.open(name, type_name)
 
     def _type_of(self, name: str) -> str:
-        """The type of an action on the graph. Where it has several, which is a mistake, the expected one counts."""
+        """Return the type of an action on the graph. If it has several, which is a mistake, prefer the expected one."""
         types, expected = self._types[name], self._docking_type(name)
         return expected if expected in types else types[0]
 
     def _docking_type(self, name: str) -> str | None:
-        """The type of a docking or undocking action, by its name."""
+        """Return the type of a docking or undocking action by its name, or None for other actions."""
         settings = self._settings
         if name.endswith(f"/{settings.dock_action}"):
             return settings.dock_action_type
@@ -241,20 +241,20 @@ class ActionRegistry:
         self._bridge.to_ros(action.port.close)
 
     def all(self) -> list[Action]:
-        """The actions that can be used, by name."""
+        """Return the actions that can be used, sorted by name."""
         return sorted(self._actions.values(), key=lambda action: action.name)
 
     def uninstalled(self) -> list[Uninstalled]:
-        """The actions on the graph that cannot be used, by name."""
+        """Return the actions on the graph that cannot be used, sorted by name."""
         failed = sorted(self._discovery.failed.items())
         return [Uninstalled(name, self._type_of(name), failure.why) for name, failure in failed]
 
     def get(self, name: str) -> Action | None:
-        """An action by its absolute name, where it is known and can be used."""
+        """Return an action by its absolute name, or None if it is unknown or cannot be used."""
         return self._actions.get(name)
 
     def under(self, namespace: str) -> list[Action]:
-        """The actions of a robot: those in its namespace or below it."""
+        """Return the actions of a robot: those in its namespace or below it."""
         prefix = prefix_of(namespace)
         return [action for action in self.all() if action.name.startswith(prefix)]
 
@@ -263,11 +263,11 @@ class ActionRegistry:
             action.canceler.cancel_unwanted()
 
     async def find(self, name: str) -> Action:
-        """An action by its absolute name; one that is just appearing is waited for.
+        """Return an action by its absolute name, waiting for it to appear.
 
         Raises:
-            NotFound: `action_not_found`: nobody serves it.
-            Unavailable: `interface_not_installed`: it cannot be used, and why.
+            NotFound: `action_not_found`: it has no server.
+            Unavailable: `interface_not_installed`: it cannot be used; the detail says why.
         """
         try:
             async with asyncio.timeout(self._settings.server_wait):
@@ -281,36 +281,36 @@ class ActionRegistry:
         return self._actions[name]
 
     def goal(self, goal_id: str) -> Goal | None:
-        """A goal that runs, or was lost, on any action."""
+        """Return a running or lost goal of any action."""
         return next((goal for action in self._actions.values() if (goal := action.tracker.live.get(goal_id))), None)
 
     def on_progress(self, goal_id: str, stage: str | None, retries: int | None, stamp_ns: int) -> None:
-        """An action server says how far a goal is."""
+        """Store the progress of a goal that its action server reported."""
         for action in self._actions.values():
             if goal := action.tracker.live.get(goal_id):
                 action.tracker.on_progress(goal, stage, retries, stamp_ns)
 
     def running(self) -> list[Goal]:
-        """The goals that run, on all actions."""
+        """Return the running goals of all actions."""
         return [goal for action in self._actions.values() for goal in action.tracker.running()]
 
     def lost(self) -> list[Goal]:
-        """The goals that are lost and may return, on all actions, also on those that have not come back."""
+        """Return the lost goals that may return, of all actions, including those that have not come back."""
         known = (goal for action in self._actions.values() for goal in action.tracker.live.values())
         awaited = (goal for goals in self._unfinished.values() for goal in goals.values())
         return [goal for goal in (*known, *awaited) if goal.status is GoalStatus.LOST]
 
     def duplicates(self) -> list[str]:
-        """The actions that more than one action server serves."""
+        """Return the names of the actions with more than one action server."""
         return [name for name, action in self._actions.items() if action.watch.state.duplicate]
 
     def each(self, do: Callable[[Action], None]) -> None:
-        """Do something with every action."""
+        """Call a function with every action."""
         for action in self._actions.values():
             do(action)
 
     async def close(self) -> None:
-        """Wait for nothing any more."""
+        """Close every action."""
         for action in self.all():
             try:
                 await action.close()

@@ -1,7 +1,7 @@
-"""Results of goals: asked for once, and waited for until they come or the time is up.
+"""Results of goals: each is requested, then awaited until it arrives or a timeout expires.
 
-Whoever sent a goal, the answer tells how it ended. It is joined with what comes by other ways: when the goal ended, by
-the status topic, and why it was aborted.
+The answer says how a goal ended, regardless of its sender. It is combined with data from other sources: when the goal
+ended, from the status topic, and why it was aborted.
 """
 
 import asyncio
@@ -17,25 +17,25 @@ from dock_gateway.ros.bridge import PendingCall
 
 log = logging.getLogger(__name__)
 
-# Seconds that a goal which the status topic says has ended waits for its result, and after which it is asked for again.
+# Seconds that an ended goal (by the status topic) waits for its result, and seconds between two requests for it.
 RESULT_WAIT, ASK_AGAIN_AFTER = 4.0, 0.5
-# Its result may come late, up to so many seconds after it has ended so.
+# Seconds after such an end for which a late result is still accepted.
 LATE_RESULT = 60.0
-# A result waits so long for the status message of the end, whose timestamp is the same at every gateway.
+# Seconds that a result waits for the status message of the end, whose timestamp is the same at every gateway.
 END_STAMP_WAIT = 0.2
 SAID_NOTHING = "the action server aborted the goal and did not say why"
-# Goals that end so have a result, which may come late.
+# Goals that end in one of these states have a result, which may arrive late.
 WITH_RESULT = frozenset({GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED})
 
 
 class Goals(Protocol):
-    """Whose results they are: what an answer means for a goal is done there."""
+    """The owner of the goals, which applies the answers to them."""
 
     def heard(self) -> None:
         """The action server gave a sign of life."""
 
     def lose(self, goal: Goal, error: GoalError) -> None:
-        """The action server does not know the goal."""
+        """Mark a goal that the action server does not know as lost."""
 
     def end(
         self,
@@ -46,15 +46,15 @@ class Goals(Protocol):
         error: GoalError | None = None,
         stamp_ns: int | None = None,
     ) -> None:
-        """The goal ended for good; `stamp_ns` is when the server said so."""
+        """End the goal for good; `stamp_ns` is when the server reported it, in nanoseconds since 1970."""
 
 
 class Results:
-    """Asks for the results of the goals on one action, and waits for them.
+    """Requests the results of the goals on one action, and waits for them.
 
     Args:
         port: The action.
-        goals: Whose results they are.
+        goals: The owner of the goals.
         reasons: Why goals were aborted.
     """
 
@@ -70,18 +70,18 @@ class Results:
     # ------------------------------------------------------------------ asking
 
     def request(self, goal: Goal) -> None:
-        """Ask for the goal's result, once."""
+        """Request the goal's result, unless a request is pending."""
         if goal.goal_id not in self._calls:
             self.request_again(goal)
 
     def request_again(self, goal: Goal) -> None:
-        """Ask once more: the server may have been restarted, and the first request died with it."""
+        """Request the result again: the server may have restarted and lost the first request."""
         if self._closed:
             return
         try:
             call = self._port.request_result(goal.goal_id)
         except Unavailable:
-            return  # asked again when the server is back
+            return  # requested again when the server is back
         self.forget(goal.goal_id)
         self._calls[goal.goal_id] = call
         self._tasks.spawn(self._await_answer(goal, call))
@@ -91,7 +91,7 @@ class Results:
     async def _await_answer(self, goal: Goal, call: PendingCall) -> None:
         try:
             await self._take_answer(goal, await call.response)
-        finally:  # only now: a status message that comes meanwhile would have it asked for again
+        finally:  # only now: a status message that arrives meanwhile would trigger another request
             if self._calls.get(goal.goal_id) is call:
                 del self._calls[goal.goal_id]
 
@@ -111,7 +111,7 @@ class Results:
         self._goals.end(goal, answer.status, result=answer.result, error=error, stamp_ns=stamp_ns)
 
     def expect(self, goal: Goal, status: GoalStatus, stamp_ns: int) -> None:
-        """The server says that the goal has ended: its result is due, and without one it ends when the time is up."""
+        """Note that the server reported the goal's end. Without a result, the goal ends after `RESULT_WAIT` seconds."""
         if goal.goal_id not in self._end_stamps:
             self._end_stamps.put(goal.goal_id, stamp_ns)
             self._tasks.spawn(self._end_without_result(goal, status))
@@ -120,7 +120,7 @@ class Results:
         deadline = time.monotonic() + RESULT_WAIT
         while not goal.status.final and time.monotonic() < deadline:
             await asyncio.sleep(ASK_AGAIN_AFTER)
-            # An answer is lost where the server does not know our client yet, as just after a start.
+            # An answer is lost if the server has not discovered our client yet, as just after a start.
             if not goal.status.final:
                 self.request_again(goal)
         if not goal.status.final:
@@ -130,19 +130,19 @@ class Results:
     # ------------------------------------------------------------------ the end
 
     def retire(self, goal: Goal) -> None:
-        """The goal has ended, or is given up: its result is waited for where it may still come, and not for long."""
+        """Stop waiting for the result of an ended or lost goal; if it may still arrive, after `LATE_RESULT` seconds."""
         if goal.result is not None or goal.status not in WITH_RESULT:
             self.forget(goal.goal_id)
         elif goal.goal_id in self._calls:
             asyncio.get_running_loop().call_later(LATE_RESULT, self.forget, goal.goal_id)
 
     def forget(self, goal_id: str) -> None:
-        """Wait for the goal's result no more."""
+        """Stop waiting for the goal's result."""
         if (call := self._calls.pop(goal_id, None)) is not None:
             call.forget()
 
     async def close(self) -> None:
-        """Ask and wait for nothing any more."""
+        """Stop requesting and waiting for results."""
         self._closed = True
         for call in list(self._calls.values()):
             call.forget()

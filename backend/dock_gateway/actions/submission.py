@@ -1,4 +1,4 @@
-"""A goal's way to the action server: kept, sent, and what the server answered. Keeps every deadline."""
+"""Delivers a goal to the action server: stores it, sends it, takes the answer. Enforces the deadlines."""
 
 import asyncio
 import uuid
@@ -18,14 +18,14 @@ from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.bridge import PendingCall
 from dock_gateway.settings import Settings
 
-# What an action server may say by these names, all else being `goal_rejected`.
+# Rejection codes that are passed on from an action server; any other becomes `goal_rejected`.
 KNOWN_REJECTIONS = ("dock_busy", "stop_latched")
 STOPPED_ON_ITS_WAY = "a stop was asked for while the goal was on its way, so it was not sent"
 
 
 @dataclass(frozen=True)
 class Claim:
-    """An idempotency key, and how a goal takes it: what became of the goal that has it already, if there is one."""
+    """An idempotency key. `take` claims it for a goal; if another goal has it already, it returns that one."""
 
     key: str
     take: Callable[[Goal], Awaitable[Goal | None]]
@@ -35,7 +35,7 @@ class Delivery:
     """Delivers the goals of one action.
 
     Attributes:
-        stops: How many stops were asked for.
+        stops: Number of stops requested.
     """
 
     def __init__(
@@ -62,28 +62,28 @@ class Delivery:
         self._tasks: set[asyncio.Task[Goal]] = set()
 
     def stop(self) -> None:
-        """What is on its way to be sent must not be sent any more."""
+        """Prevent goals that have not been sent yet from being sent."""
         self.stops += 1
 
     def start(
         self, message: Any, claim: Claim | None = None, stops: int | None = None, again: Goal | None = None
     ) -> "asyncio.Task[Goal]":
-        """Deliver a goal in a task of its own, which goes on when the client goes away.
+        """Deliver a goal in its own task, which continues if the client disconnects.
 
         Args:
             message: The goal as a ROS message.
-            claim: How it gets its idempotency key, where it has one.
-            stops: How many stops there had been when it was asked for, where that was not now.
-            again: The goal itself, where it was stored before and never accepted. It keeps its id, which an action
-                server accepts only once.
+            claim: Its idempotency key, if it has one.
+            stops: The value of `stops` when the goal was requested; default: the current one.
+            again: The goal itself, if it was stored before and never accepted. It keeps its id, which an action server
+                accepts only once.
 
         Raises:
-            Conflict: A stop is latched (`stop_latched`); by the task, too, which also raises it where a stop was asked
-                for meanwhile (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
-            Unavailable: There is no action server; by the task, too.
-            ServerTimeout: By the task: the server did not answer in time. Should it accept the goal later, the goal is
-                canceled at once.
-            TooManyRequests: Too many goals wait for an answer.
+            Conflict: A stop is latched (`stop_latched`). The task raises it too, also if a stop was requested meanwhile
+                (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
+            Unavailable: There is no action server; raised by the task, too.
+            ServerTimeout: Raised by the task: the server did not answer in time. If it accepts the goal later, the goal
+                is canceled at once.
+            TooManyRequests: Too many goals are waiting for an answer.
         """
         if len(self._tasks) >= self._settings.max_pending_goals:
             raise TooManyRequests(f"{len(self._tasks)} goals are waiting for the action server's answer already")
@@ -96,7 +96,7 @@ class Delivery:
     # ------------------------------------------------------------------ sending
 
     async def _deliver(self, message: Any, claim: Claim | None, stops: int, again: Goal | None) -> Goal:
-        """Keep a goal, then send it: whatever happens to this process, a goal that runs is known to be ours."""
+        """Store a goal, then send it: if this process dies, a running goal is still known to be ours."""
         port = self._tracker.port
         await self._watch.require()
         goal = again or Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now())
@@ -131,7 +131,7 @@ class Delivery:
         self._tracker.heard()
         if response.accepted:
             self._accept(goal, response)
-            await self._history.seal(goal, [])  # a gateway that is killed after its answer knows that the goal runs
+            await self._history.seal(goal, [])  # a gateway killed after its answer then knows that the goal runs
         else:
             await self._reject(goal)
 
@@ -151,7 +151,7 @@ class Delivery:
         else:
             error = GoalError("goal_rejected", "the action server rejected the goal and did not say why")
         if goal.status is not GoalStatus.PENDING:
-            return  # it runs: the server refused the same id once more
+            return  # it runs: the server refused the same id sent again
         self._tracker.end(goal, GoalStatus.REJECTED, error=error)
 
     def _busy_with(self, goal: Goal) -> str | None:
@@ -165,7 +165,7 @@ class Delivery:
         )
 
     def _give_up(self, goal: Goal, call: PendingCall) -> None:
-        if goal.status.final:  # other messages have told of it
+        if goal.status.final:  # other messages reported the end
             call.forget()
             return
         self._canceler.mark_unwanted(goal, TOO_LATE)
@@ -186,12 +186,12 @@ class Delivery:
         call.response.add_done_callback(answered)
 
     def _forget(self, goal: Goal) -> None:
-        """Nothing more is expected of a goal."""
+        """Stop waiting for the answer to a goal that was given up."""
         if (call := self._unanswered.pop(goal.goal_id, None)) is not None:
             call.forget()
 
 
-# What the sender of a goal is told when it did not even start, by the code of the goal's error.
+# The error for the sender of a goal that did not start, by the code of the goal's error.
 _REFUSALS: dict[str, type[GatewayError]] = {
     "action_server_unavailable": Unavailable,
     "ros_unavailable": Unavailable,
@@ -200,7 +200,7 @@ _REFUSALS: dict[str, type[GatewayError]] = {
 
 
 def outcome(goal: Goal) -> Goal:
-    """The goal, or the error that the sender of it gets: the same one for each retry with the same key.
+    """Return the goal, or raise the error for its sender: the same one for each retry with the same key.
 
     Raises:
         Conflict: The goal was rejected.

@@ -1,6 +1,6 @@
-"""The way out: what comes from ROS becomes changes of goals, events for the hub and entries in the history.
+"""Turns messages from ROS into changes of goals, events for the hub and entries in the history.
 
-Runs on the event loop alone and never waits for anybody but the action server.
+Runs on the event loop only, and waits for nothing but the action server.
 """
 
 import asyncio
@@ -23,34 +23,34 @@ from dock_gateway.ros.status import StatusReport
 
 log = logging.getLogger(__name__)
 
-# Ids of ended goals that are remembered: an action server may go on telling of them for a while.
+# Maximum number of ids of ended goals kept, as an action server may go on reporting them for a while.
 MAX_REMEMBERED = 10_000
 MAX_LOST = 100
-# Seconds that a result is waited for, at most, before what follows is told.
+# Maximum seconds that later events are held back while a result is awaited.
 RESERVE_FOR = 1.0
 
-# Makes an event of a goal as it stands, with the stamp of its id and that of its source.
+# Makes an event from a goal, the stamp of its id and the stamp of its source, in nanoseconds.
 MakeEvent = Callable[[Goal, int, int], Event]
 
 
 class GoalTracker:
-    """Every goal on one action, from its first sign to its end.
+    """Every goal on one action, from its first message to its end.
 
     Args:
         port: The action.
-        hub: Where events go.
-        history: Where goals are kept.
+        hub: Receives events.
+        history: Stores goals.
         reasons: Why goals were rejected or aborted.
 
     Attributes:
-        live: The goals that run, and lost ones that may return.
+        live: The running goals, and lost ones that may return.
         taken_up: Ids of goals from before a restart.
-        on_return: Called with a goal that was `lost` and shows signs of life.
-        on_seen: What is called with a goal that was not sent by this process and runs, when it is first seen.
-        on_end: What is called with a goal that nothing more is expected of.
-        last_heard: When the action server gave its last sign of life, on the monotonic clock.
-        results: What asks for results, and waits for them.
-        tasks: What goes on beside, until the tracker is closed.
+        on_return: Called with a `lost` goal that shows signs of life.
+        on_seen: Called with a running goal that this process did not send, when it is first seen.
+        on_end: Called with a goal of which no further events are expected.
+        last_heard: When the action server last gave a sign of life, on the monotonic clock.
+        results: Requests results and waits for them.
+        tasks: Background tasks, which run until the tracker is closed.
     """
 
     def __init__(self, port: ActionPort, hub: Hub, history: History, reasons: PendingFacts[GoalError]) -> None:
@@ -70,25 +70,25 @@ class GoalTracker:
         self._ended: OrderedDict[str, None] = OrderedDict()
         self._places: dict[str, Hold] = {}
         self._started = utc_now()
-        self._waiters: WeakValueDictionary[str, asyncio.Event] = WeakValueDictionary()  # held by those who wait
+        self._waiters: WeakValueDictionary[str, asyncio.Event] = WeakValueDictionary()  # held by the waiting callers
         self._goal_heard: dict[str, float] = {}
 
     def running(self) -> list[Goal]:
-        """The goals that have not ended, oldest first."""
+        """Return the goals that have not ended, oldest first."""
         return [goal for goal in self.live.values() if not goal.status.terminal]
 
     def heard(self) -> None:
-        """The action server gave a sign of life."""
+        """Note that the action server gave a sign of life."""
         self.last_heard = time.monotonic()
 
     def silence_of(self, goal: Goal) -> float:
-        """Seconds since there was news of this goal."""
+        """Return the seconds since the last news of this goal."""
         return time.monotonic() - self._goal_heard.get(goal.goal_id, self.last_heard)
 
-    # ------------------------------------------------------------------ what ROS says
+    # ------------------------------------------------------------------ messages from ROS
 
     def on_status(self, reports: list[StatusReport], stamp_ns: int) -> None:
-        """A message of `_action/status`: the state of goals that the server remembers."""
+        """Handle a message of `_action/status`: the states of the goals that the server remembers."""
         self.heard()
         for report in reports:
             take = partial(self._take_report, report=report, stamp_ns=stamp_ns)
@@ -98,13 +98,13 @@ class GoalTracker:
             self._hear(report.goal_id, take, created_ns=report.accepted_ns or stamp_ns, running=running)
 
     def on_feedback(self, goal_id: str, feedback: Json, stamp_ns: int) -> None:
-        """A message of `_action/feedback`."""
+        """Handle a message of `_action/feedback`."""
         self.heard()
         take = partial(self._take_feedback, feedback=feedback, stamp_ns=stamp_ns)
         self._hear(goal_id, take, created_ns=stamp_ns, running=True)
 
     def on_progress(self, goal: Goal, stage: str | None, retries: int | None, stamp_ns: int) -> None:
-        """What the server says on `/diagnostics` of a goal that runs."""
+        """Handle the server's report on `/diagnostics` about a running goal."""
         if not goal.status.terminal and goal.progress(stage, retries, utc_now()):
             self._publish(status_event, goal, stamp_ns)
             self._history.record(goal)
@@ -137,26 +137,26 @@ class GoalTracker:
         """Track a goal that is being sent."""
         self.live[goal.goal_id] = goal
         self.taken_up.discard(goal.goal_id)
-        if goal.status is GoalStatus.LOST:  # it is sent again
+        if goal.status is GoalStatus.LOST:  # it is being sent again
             self.move(goal, GoalStatus.PENDING)
         else:
-            self._publish(status_event, goal, nanoseconds(goal.created_at))  # before anything that the server says
+            self._publish(status_event, goal, nanoseconds(goal.created_at))  # before any message from the server
 
     def take_up(self, goal: Goal) -> None:
-        """Go on with a goal that the history says was running; the server is asked for its outcome."""
+        """Resume tracking a goal that was running according to the history, and request its result."""
         adopted = self.live.get(goal.goal_id)
         if adopted is None and goal.goal_id not in self._ended:
             self.taken_up.add(goal.goal_id)
             self._begin(goal, self._adoption.claim(goal.goal_id), runs=not goal.status.terminal)
-        elif adopted is not None and adopted.origin != goal.origin:  # the history was away when the goal turned up
+        elif adopted is not None and adopted.origin != goal.origin:  # the history was away at first
             adopted.remember(goal)
             self._publish(status_event, adopted, time.time_ns())
             self._history.record(adopted)
 
     def _adopt(self, goal_id: str, known: Goal | None, newcomer: Newcomer) -> None:
-        """Take up a goal that turned up, as the history knows it. One that has ended is left as it is.
+        """Track a goal that this process did not send, using its entry in the history. Leave an ended goal as it is.
 
-        Where another gateway saw it end since this one was started, its readers have been told, and ours have not.
+        If it ended since this gateway started and another gateway saw that, publish the end to our readers, too.
         """
         if known is not None and known.status.final:
             self._note_ended(goal_id)
@@ -179,7 +179,7 @@ class GoalTracker:
                 seen(goal)
 
     def move(self, goal: Goal, status: GoalStatus, stamp_ns: int | None = None) -> None:
-        """Move a goal on to a state that is not terminal, where that is not a step back."""
+        """Move a goal to a state that is not terminal, unless that is a step back."""
         was_lost = goal.status is GoalStatus.LOST
         if goal.goal_id in self.live:
             self._goal_heard[goal.goal_id] = time.monotonic()
@@ -192,13 +192,13 @@ class GoalTracker:
             self.on_return(goal)
 
     def stall(self, goal: Goal, *, stalled: bool) -> None:
-        """Show a goal as stalled, or no longer."""
+        """Set or clear a goal's `stalled` flag."""
         if goal.stalled is not stalled:
             goal.stalled = stalled
             self._publish(status_event, goal, time.time_ns())
 
     def lose(self, goal: Goal, error: GoalError) -> None:
-        """The action server is gone. The goal stays in sight: it may return."""
+        """Mark a goal as lost because the action server is gone. It stays tracked, as it may return."""
         if not goal.lose(error, utc_now()):
             return
         log.warning("goal %s is lost: %s", goal.goal_id, error.detail)
@@ -218,9 +218,9 @@ class GoalTracker:
         error: GoalError | None = None,
         stamp_ns: int | None = None,
     ) -> None:
-        """The goal ended for good; `stamp_ns` is when the server said so. It is stored before anyone is told."""
+        """End a goal for good; `stamp_ns` is when the server reported it. The end is stored, then published."""
         if not goal.advance(status, utc_now()):
-            if goal.status is status and goal.result is None and result is not None:  # it was given up, and came late
+            if goal.status is status and goal.result is None and result is not None:  # a late result
                 goal.result, goal.error = result, error
                 self._history.record(goal)
             return
@@ -233,7 +233,7 @@ class GoalTracker:
         self._note_ended(goal.goal_id)
 
     def _tell_end(self, goal: Goal, source_ns: int) -> None:
-        """Store the events of the end, then tell them: as they are stored, should another gateway have been first."""
+        """Store the events of the end, then publish them: as stored, if another gateway was first."""
         place = self._places.pop(goal.goal_id, None) or self._hub.hold(source_ns)
         end = [status_event(goal, place.stamp, source_ns)]
         if goal.status is not GoalStatus.REJECTED:
@@ -241,10 +241,10 @@ class GoalTracker:
         self._seals.spawn(self._seal(goal, end, place))
 
     def _reserve(self, goal_id: str, stamp_ns: int) -> None:
-        """A goal has ended, and its result is awaited: until it is here nothing is told that comes after.
+        """Hold back later events until the result of an ended goal has arrived.
 
-        Only where another gateway may tell of the end first: a reader of ours that goes there must not have had
-        anything that follows it.
+        Needed only if another gateway may publish the end first: a reader that moves there must not have received
+        later events here.
         """
         if self._history.shared and goal_id not in self._ended and goal_id not in self._places:
             self._places[goal_id] = self._hub.hold(stamp_ns)
@@ -256,7 +256,7 @@ class GoalTracker:
             self._let_go(goal_id)
 
     def _let_go(self, goal_id: str) -> None:
-        """The result is not here yet, or has been told before: what waits for it is told."""
+        """Publish the events held back, as the result is late or has been published before."""
         if (place := self._places.pop(goal_id, None)) is not None:
             place.release()
 
@@ -290,7 +290,7 @@ class GoalTracker:
     # ------------------------------------------------------------------ waiting, and the end
 
     async def wait_terminal(self, goal: Goal, timeout: float) -> None:
-        """Wait until the goal has ended, or the time is up, or the gateway closes."""
+        """Wait until the goal has ended or the gateway closes, at most `timeout` seconds."""
         if goal.status.terminal or self._hub.closing:
             return
         event = self._waiters.setdefault(goal.goal_id, asyncio.Event())
@@ -305,13 +305,13 @@ class GoalTracker:
             event.set()
 
     def release_all(self) -> None:
-        """Let everyone who waits for a goal go."""
+        """Wake every caller that waits for a goal."""
         for event in list(self._waiters.values()):
             event.set()
         self._waiters.clear()
 
     async def close(self) -> None:
-        """Stop waiting for anything."""
+        """Stop all waiting and background work."""
         self.release_all()
         await self._adoption.close()
         await self.results.close()

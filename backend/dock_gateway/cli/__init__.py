@@ -23,17 +23,17 @@ COMMANDS = {
 
 
 class LazyGroup(click.Group):
-    """Loads the one command that is called: a server need not load an HTTP client before it starts."""
+    """Loads only the command that is called, so that a server does not load an HTTP client before it starts."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """The names of all commands."""
+        """Return the names of all commands."""
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command, loaded."""
+        """Load and return a command."""
         if cmd_name not in COMMANDS:
             return None
-        gc.disable()  # what is loaded stays
+        gc.disable()  # loaded modules stay
         command: click.Command = getattr(importlib.import_module(f"dock_gateway.cli.{COMMANDS[cmd_name]}"), cmd_name)
         gc.enable()
         return command

@@ -36,7 +36,7 @@ class StatusChoice(click.ParamType[int]):
     name = "status"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
-        """The number."""
+        """Return the number."""
         text = str(value).replace("-", "_").lower()
         if text in BY_NAME:
             return BY_NAME[text]
@@ -46,7 +46,7 @@ class StatusChoice(click.ParamType[int]):
 
 
 def on_this_machine(url: str) -> bool:
-    """Whether a gateway is on this very machine, where no proxy leads to."""
+    """Whether a gateway is on this machine, so that no proxy is used."""
     try:
         return (urlsplit(url).hostname or "") in LOOPBACK_HOSTS
     except ValueError:
@@ -54,7 +54,7 @@ def on_this_machine(url: str) -> bool:
 
 
 def robot_query(robot: str | None) -> str:
-    """The query that names a robot."""
+    """Return the query that names a robot."""
     return "" if robot is None else f"?{urlencode({'robot': robot})}"
 
 
@@ -62,7 +62,7 @@ def call(url: str, method: str, path: str, body: object = None, headers: Mapping
     """Send a request and return the decoded answer.
 
     Raises:
-        click.ClickException: The gateway is not there, or refuses; it says why.
+        click.ClickException: The gateway does not answer, or refuses. The message says why.
     """
     try:
         response = httpx2.request(
@@ -91,7 +91,7 @@ def call(url: str, method: str, path: str, body: object = None, headers: Mapping
 
 
 def events(url: str, query: str) -> Iterator[dict[str, Any]]:
-    """The events of a stream, until it ends.
+    """Yield the events of a stream until it ends.
 
     Raises:
         click.ClickException: The stream could not be opened, or broke.
@@ -133,7 +133,7 @@ def show(event: dict[str, Any], *, as_json: bool) -> None:
 
 
 def describe(message: dict[str, Any]) -> str:
-    """A battery state in words, any other message as JSON."""
+    """Return a battery state in words, or any other message as JSON."""
     state = next(iter(message.values()), None)
     if not isinstance(state, dict) or "power_supply_status" not in state:
         return orjson.dumps(message).decode()
@@ -147,7 +147,7 @@ def describe(message: dict[str, Any]) -> str:
 
 
 def follow(url: str, goal_id: str, *, as_json: bool) -> dict[str, Any]:
-    """Show a goal's events until it has ended; returns the goal."""
+    """Show a goal's events until it ends. Return the goal."""
     for event in events(url, f"?goal_id={goal_id}"):
         if event["type"] != "heartbeat":
             show(event, as_json=as_json)
@@ -182,7 +182,7 @@ def undock(url: str, no_wait: bool, as_json: bool) -> None:
 
 
 def send(url: str, path: str, body: dict[str, Any], *, no_wait: bool, as_json: bool) -> None:
-    """Send a goal and show its events until it has ended; the exit code tells how."""
+    """Send a goal and show its events until it ends. Exit with 1 unless it succeeded."""
     headers = {"Idempotency-Key": str(uuid.uuid4())}
     goal: dict[str, Any] | None = None
     try:
@@ -195,7 +195,7 @@ def send(url: str, path: str, body: dict[str, Any], *, no_wait: bool, as_json: b
         goal = follow(url, goal["goal_id"], as_json=as_json)
     except KeyboardInterrupt:
         click.echo("canceling …", err=True)
-        if goal is None:  # it may be on its way to the robot already: the same key tells which one it is
+        if goal is None:  # it may have been sent already: the same key returns it
             goal = call(url, "POST", path, body, headers)
         call(url, "POST", f"{path}/{goal['goal_id']}/cancel")
         goal = follow(url, goal["goal_id"], as_json=as_json)

@@ -1,4 +1,4 @@
-"""Settings as options of the command line: each field of `Settings` is one."""
+"""Command-line options for settings: one for each field of `Settings`."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,7 +17,7 @@ def option_name(field: str) -> str:
 
 
 def settings_options(command: Command) -> Command:
-    """Add an option for each setting; those that are given arrive as keyword arguments, the others as None."""
+    """Add an option for each setting. They arrive as keyword arguments; those that are not given are None."""
     for name, field in reversed(Settings.model_fields.items()):
         variable = f"DOCK_GATEWAY_{name.upper()}"
         command = click.option(
@@ -30,10 +30,10 @@ def settings_options(command: Command) -> Command:
 
 
 def read_settings(options: dict[str, str | None]) -> Settings:
-    """Settings out of options, the environment and defaults, in this order.
+    """Read settings from options, the environment and defaults, in this order.
 
     Raises:
-        click.UsageError: A value is wrong; it says which.
+        click.UsageError: A value is invalid. The message says which.
     """
     try:
         return Settings(**{name: value for name, value in options.items() if value is not None})  # type: ignore[arg-type]

@@ -1,6 +1,6 @@
 """`dock-gateway serve`: the gateway alone; `dock-gateway openapi`: its OpenAPI document.
 
-The server takes seconds to import, which the client commands must not wait for: it is imported where it is run.
+The server takes seconds to import. It is imported where it runs, so that client commands do not wait for it.
 """
 
 import importlib
@@ -13,10 +13,10 @@ from dock_gateway.settings import Settings
 
 
 def check_installed(setting: str, action_type: str) -> None:
-    """Refuse the type of an action that this Python does not have; only the graph's other actions may lack theirs.
+    """Refuse an action type that Python cannot import. Other actions on the graph may lack their packages.
 
     Raises:
-        click.UsageError: It says what is missing.
+        click.UsageError: The type is missing. The message names it.
     """
     package, _, name = action_type.split("/")
     try:

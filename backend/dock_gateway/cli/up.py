@@ -1,4 +1,4 @@
-"""`dock-gateway up`: the whole, each part a process of its own, supervised; one Ctrl-C ends all."""
+"""`dock-gateway up`: all parts as supervised processes. One Ctrl-C ends them all."""
 
 import asyncio
 import contextlib
@@ -19,16 +19,16 @@ import httpx2
 from dock_gateway.cli.options import option_name, read_settings, settings_options
 from dock_gateway.settings import Settings
 
-# The parts get so many seconds to end by themselves.
+# Seconds that the parts have to end by themselves.
 END_TIMEOUT = 2.3
-# A gateway that ends within so many seconds has not started at all: its port is taken, its settings are wrong.
+# Seconds. A gateway that ends earlier has not started at all: its port is taken, or its settings are wrong.
 START_WINDOW = 5.0
 MAX_BACKOFF = 10.0
 PR_SET_PDEATHSIG = 1
 
 Programs = dict[str, tuple[str, tuple[str, ...]]]
 
-# The robot's programs and their ROS arguments: with a simulated robot, and as the tutorial has it.
+# The robot's programs and their ROS arguments: with a simulated robot, and for the tutorial.
 SIMULATED: Programs = {
     "the docking server": ("docking_server", ("-p", "controller:=dock_pose")),
     "the simulator": ("dock_simulator", ()),
@@ -37,7 +37,7 @@ TUTORIAL: Programs = {"the action server": ("connect_to_charging_dock_server", (
 
 
 class Part:
-    """One supervised process; it is started again when it dies."""
+    """One supervised process, restarted when it dies."""
 
     def __init__(self, name: str, command: Sequence[str]) -> None:
         self.name = name
@@ -47,13 +47,13 @@ class Part:
         self.start()
 
     def start(self) -> None:
-        """Start it, in a session of its own: Ctrl-C reaches us alone, and we end the parts in order."""
+        """Start the process in its own session: Ctrl-C reaches only the supervisor, which ends the parts in order."""
         self._restart_at = None
         self.started_at = time.monotonic()
         self.process = subprocess.Popen(self._command, start_new_session=True, preexec_fn=_die_with_parent)
 
     def look(self) -> None:
-        """Start it again when it has died, after a while that grows."""
+        """Restart the process if it has died, after a growing delay."""
         now = time.monotonic()
         if self._restart_at is not None:
             if now >= self._restart_at:
@@ -67,12 +67,12 @@ class Part:
             self._restart_at = now + self._backoff
 
     def never_started(self) -> bool:
-        """Whether it ended so soon that trying again is no use."""
+        """Whether the process ended so soon that a restart would not help."""
         return self.process.poll() is not None and time.monotonic() - self.started_at < START_WINDOW
 
 
 def _die_with_parent() -> None:
-    """Runs in the child: should the supervisor be killed, the kernel ends the parts."""
+    """Let the kernel end this child process when the supervisor is killed."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
@@ -81,7 +81,7 @@ def _end(parts: Sequence[Part]) -> None:
     for part in parts:
         if part.process.poll() is None:
             part.process.terminate()
-            part.process.send_signal(signal.SIGCONT)  # one that is frozen could not end
+            part.process.send_signal(signal.SIGCONT)  # a frozen process could not end
     for part in parts:
         try:
             part.process.wait(max(0.0, deadline - time.monotonic()))
@@ -110,10 +110,10 @@ async def _announce(url: str) -> None:
 
 
 async def _supervise(commands: Mapping[str, Sequence[str]], url: str) -> bool:
-    """Run the parts until a signal comes; False where the gateway, the first of them, could not be started."""
+    """Run the parts until a signal arrives. Return False if the gateway, the first part, could not be started."""
     ended = asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # `nohup` has it ignored
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # `nohup` sets it to be ignored
             asyncio.get_running_loop().add_signal_handler(number, ended.set)
     parts = [Part(name, command) for name, command in commands.items()]
     announcing = asyncio.create_task(_announce(url))
@@ -131,7 +131,7 @@ async def _supervise(commands: Mapping[str, Sequence[str]], url: str) -> bool:
 
 
 def stay_on_this_machine(environment: MutableMapping[str, str], *, always: bool) -> None:
-    """Let ROS meet nobody beyond this machine; unless `always`, what the environment says counts."""
+    """Limit ROS discovery to this machine. Unless `always`, the environment can override that."""
     if not always:
         environment.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         return
@@ -143,7 +143,7 @@ def stay_on_this_machine(environment: MutableMapping[str, str], *, always: bool)
 
 
 def robot_commands(programs: Programs, settings: Settings) -> dict[str, list[str]]:
-    """The command lines of the robot's programs, in its namespace.
+    """Return the command lines of the robot's programs, in its namespace.
 
     Raises:
         click.ClickException: One of them is not installed.
@@ -158,13 +158,13 @@ def robot_commands(programs: Programs, settings: Settings) -> dict[str, list[str
 
 
 def own_url(settings: Settings) -> str:
-    """Where the gateway is reached from this machine."""
+    """Return the gateway's URL on this machine."""
     host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(settings.host, settings.host)  # noqa: S104 - every address is ours
     return f"http://[{host}]:{settings.port}" if ":" in host else f"http://{host}:{settings.port}"
 
 
 def require_free_port(settings: Settings) -> None:
-    """Refuse to start beside someone else on the same port, before anything is started.
+    """Check that the port is free, before anything is started.
 
     Raises:
         click.ClickException: The port cannot be listened on.

@@ -1,4 +1,4 @@
-"""What appears on the ROS graph is taken up one by one: neither one that fails nor a thousand keep out the others."""
+"""Registers what appears on the ROS graph, one by one: neither a failure nor a flood of names blocks the others."""
 
 import logging
 import time
@@ -9,33 +9,33 @@ from dock_gateway.core.errors import GatewayError
 
 log = logging.getLogger(__name__)
 
-# Seconds that things are taken up in one go before the graph is looked at again.
+# Seconds that one call of `take_up` may run before the graph is scanned again.
 TURN = 0.5
-# One that failed is tried again after this many seconds.
+# Seconds before a failed one is retried.
 RETRY_AFTER = 60.0
 
-# What is wrong with a thing itself, and needs no traceback.
+# Errors caused by the thing itself; they are logged without a traceback.
 EXPECTED = (ImportError, TypeError, OverflowError)
 
 
 @dataclass(frozen=True)
 class Failure:
-    """Why something cannot be used, and when it is tried again, on the monotonic clock."""
+    """Why something cannot be used, and when to retry, on the monotonic clock."""
 
     why: str
     retry_at: float
 
 
 class Discovery:
-    """Takes up things of one kind.
+    """Registers things of one kind.
 
     Args:
-        kind: What the log calls them.
-        limit: How many there may be.
-        setting: What raises the limit.
+        kind: Their name in the log.
+        limit: Maximum number of them.
+        setting: Name of the setting that raises the limit.
 
     Attributes:
-        failed: Those that are on the graph and cannot be used, by name.
+        failed: Those on the graph that cannot be used, by name.
     """
 
     def __init__(self, kind: str, limit: int, setting: str) -> None:
@@ -47,18 +47,18 @@ class Discovery:
     async def take_up(
         self, names: Iterable[str], known: Collection[object], take_up: Callable[[str], Awaitable[object]]
     ) -> bool:
-        """Take up what is new, for a moment.
+        """Register what is new, for at most `TURN` seconds.
 
         Args:
-            names: Those on the graph that are not known yet.
-            known: Those that are.
-            take_up: Makes one known. What it raises is why it cannot be.
+            names: Names on the graph that are not registered yet.
+            known: What is registered.
+            take_up: Registers one. An exception means that it cannot be used, and says why.
 
         Returns:
-            Whether some are left.
+            Whether some names are left.
 
         Raises:
-            GatewayError: The ROS thread is down; it would be the same with the others.
+            GatewayError: The ROS thread is down, so the others would fail too.
         """
         until: float | None = None
         for name in names:
@@ -90,5 +90,5 @@ class Discovery:
             log.warning("%s %s is there and cannot be used: %s", self._kind, name, why, exc_info=unexpected)
 
     def keep(self, names: Collection[str]) -> None:
-        """Forget the failures of all that is not on the graph any more."""
+        """Forget the failures of names that are no longer on the graph."""
         self.failed = {name: failure for name, failure in self.failed.items() if name in names}

@@ -1,4 +1,4 @@
-"""Everything that can be refused or go wrong, each with a stable `code`.
+"""All refusals and failures, each with a stable `code`.
 
 GatewayError
 ├── MalformedRequest            400 malformed_json, 408 request_timeout, 413 body_too_large, 415 unsupported_media_type,
@@ -12,7 +12,7 @@ GatewayError
 │                               too_many_connections, stop_not_persisted (as a warning)
 └── ServerTimeout               504 action_server_timeout
 
-The core raises these; `api/problems.py` turns them into problem+json, streams into a denial with the same body.
+The core raises these; `web/problems.py` turns them into problem+json, streams into a denial with the same body.
 """
 
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class FieldError:
-    """One field that is wrong: its dotted path, what was expected, and what came instead."""
+    """One invalid field: its dotted path, what was expected, and what was received."""
 
     path: str
     expected: str
@@ -34,7 +34,7 @@ class FieldError:
 
 
 def got(value: object, longest: int = 40) -> str:
-    """What came instead, for `FieldError.detail`: JSON may be nested deeper than `repr` can follow."""
+    """Describe the received value, for `FieldError.detail`. JSON may be nested deeper than `repr` can follow."""
     try:
         text = repr(value)
     except RecursionError:
@@ -43,12 +43,12 @@ def got(value: object, longest: int = 40) -> str:
 
 
 class GatewayError(Exception):
-    """A refusal or a failure that the caller is told about.
+    """A refusal or a failure that is reported to the caller.
 
     Args:
-        detail: A sentence for a person.
-        code: The stable name for programs; each class has a default.
-        extra: More members of the problem document, such as `goal_id`.
+        detail: A human-readable sentence.
+        code: A stable machine-readable name; each class has a default.
+        extra: Further members of the problem document, such as `goal_id`.
     """
 
     status = HTTPStatus.INTERNAL_SERVER_ERROR
@@ -62,7 +62,7 @@ class GatewayError(Exception):
         self.extra = extra
 
     def problem(self) -> dict[str, Any]:
-        """The RFC 9457 problem document."""
+        """Return the RFC 9457 problem document."""
         return {
             "type": "about:blank",
             "title": self.code.replace("_", " ").capitalize(),
@@ -81,7 +81,7 @@ class MalformedRequest(GatewayError):
 
 
 class InvalidField(GatewayError):
-    """The request was read, and fields of it are wrong."""
+    """The request was read, but some of its fields are invalid."""
 
     status = HTTPStatus.UNPROCESSABLE_ENTITY
     code = "invalid_field"
@@ -94,21 +94,21 @@ class InvalidField(GatewayError):
 
 
 class NotAllowed(GatewayError):
-    """A browser page of another origin, or a host name that is not ours."""
+    """The request comes from a page of another origin, or names a host that is not ours."""
 
     status = HTTPStatus.FORBIDDEN
     code = "origin_not_allowed"
 
 
 class NotFound(GatewayError):
-    """Nothing by that name."""
+    """Nothing has that name."""
 
     status = HTTPStatus.NOT_FOUND
     code = "not_found"
 
 
 class Conflict(GatewayError):
-    """The state of a goal or of the action server does not allow it."""
+    """The state of a goal or of the action server does not allow the request."""
 
     status = HTTPStatus.CONFLICT
     code = "goal_rejected"
@@ -122,7 +122,7 @@ class TooManyRequests(GatewayError):
 
 
 class Unavailable(GatewayError):
-    """A part that is needed is not there."""
+    """A required part is not available."""
 
     status = HTTPStatus.SERVICE_UNAVAILABLE
     code = "action_server_unavailable"

@@ -1,7 +1,7 @@
-"""Events: what the hub sends to subscribers, encoded once however many there are. Plain functions of plain data.
+"""Events that the hub sends to subscribers, each encoded only once. Plain functions of plain data.
 
-An event's id is built on the ROS source timestamp of the message that caused it, which is the same at every reader on
-the network: nanoseconds, padded so that ids sort as text, then what it is and whose it is.
+An event's id starts with the ROS source timestamp of the message that caused it, which is the same for every reader on
+the network: nanoseconds, padded so that ids sort as text. The event's kind and its subject follow.
 """
 
 import struct
@@ -17,13 +17,13 @@ from dock_gateway.core.goal import Goal, GoalStatus, Json, encode, fragment
 
 @dataclass(frozen=True)
 class Event:
-    """An encoded event and what is needed to route it.
+    """An encoded event and its routing data.
 
-    `topic` is `goals`, or what `?include=` names: `battery`, `cmd_vel`, `system`, `scene`, `robots`. Only `droppable`
-    ones may be lost to a slow subscriber. `id` is that of the document, where it has one; `robot` the namespace it is
-    about, where that is one robot. `ends_goal`: nothing more is to be expected of the goal. `supersedes`: who has not
-    been sent the one before of its topic and robot does not get it any more. `key` says what happened, in the same
-    words at every gateway: the history stores it once. The end of a goal and its result happen once.
+    `topic` is `goals` or a name from `?include=`: `battery`, `cmd_vel`, `system`, `scene`, `robots`. Only `droppable`
+    events may be dropped for a slow subscriber. `id` is the document's id, if it has one. `robot` is the namespace of
+    the robot, if the event is about one robot. `ends_goal`: no further events of the goal are expected. `supersedes`:
+    the event replaces a queued one of the same topic and robot. `key` identifies what happened and is the same at every
+    gateway, so the history stores it once. A goal has one end and one result.
     """
 
     data: bytes
@@ -39,13 +39,13 @@ class Event:
 
     @cached_property
     def sse(self) -> bytes:
-        """The event as Server-Sent Events have it."""
+        """The event in Server-Sent Events format."""
         identity = b"" if self.id is None else b"id: " + self.id.encode() + b"\n"
         return identity + b"data: " + self.data + b"\n\n"
 
     @cached_property
     def frame(self) -> bytes:
-        """The event as a WebSocket frame, from a server and without compression: RFC 6455, section 5.2."""
+        """The event as an uncompressed WebSocket frame from a server (RFC 6455, section 5.2)."""
         size = len(self.data)
         if size < 126:
             return struct.pack("!BB", 0x81, size) + self.data
@@ -55,85 +55,85 @@ class Event:
 
     @cached_property
     def text(self) -> str:
-        """The data as a WebSocket text message has it."""
+        """The data as a WebSocket text message."""
         return self.data.decode()
 
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
-# What the id of a goal's event says it is, by the event's type.
+# The kind in the id of a goal's event, by the event's type.
 STATUS, FEEDBACK, RESULT = "s", "f", "z"
 KINDS = {"status": STATUS, "feedback": FEEDBACK, "result": RESULT}
 STAMP_DIGITS = 20
-# The clocks of two gateways may differ by this much, in nanoseconds.
+# Maximum difference between the clocks of two gateways, in nanoseconds.
 CLOCK_TOLERANCE = 5_000_000_000
 KIND_AT = STAMP_DIGITS + 1
 
 
 class EventClock:
-    """Stamps events so that their ids grow in the order of publication: a reader resumes after the last one it got.
+    """Stamps events so that their ids grow in order of publication: a reader resumes after the last one it received.
 
-    The stamp is the source timestamp of the message wherever it can be, as that is the same at every gateway. One that
-    is not later than the stamp before, or that is ahead of this machine's clock, becomes the next free one.
+    The stamp is the source timestamp of the message where possible, as that is the same at every gateway. A timestamp
+    ahead of this machine's clock is reduced to it; one not later than the previous stamp becomes that stamp plus 1 ns.
 
     Args:
-        newest: Id of the newest event that is stored: this machine's clock may have been set back.
+        newest: Id of the newest stored event, as this machine's clock may have been set back.
     """
 
     def __init__(self, newest: str = "") -> None:
         self._last = max(time.time_ns(), stamp_of(newest) if newest else 0)
 
     def stamp(self, source_ns: int) -> int:
-        """The stamp of an event that is published now, in nanoseconds since 1970."""
+        """Return the stamp for an event that is published now, in nanoseconds since 1970."""
         self._last = max(min(source_ns, time.time_ns()), self._last + 1)
         return self._last
 
     def is_past(self, event_id: str) -> bool:
-        """Whether an event with this id can have been published by now, here or at another gateway."""
+        """Return whether an event with this id can have been published by now, here or at another gateway."""
         return stamp_of(event_id) <= max(self._last, time.time_ns() + CLOCK_TOLERANCE)
 
 
 def event_id(stamp_ns: int, kind: str, subject: str) -> str:
-    """The id of an event, sortable as text. `subject` is a goal's id or a robot's namespace."""
+    """Return the id of an event, sortable as text. `subject` is a goal's id or a robot's namespace."""
     return f"{time_id(stamp_ns)}-{kind}-{subject}"
 
 
 def stamp_of(identity: str) -> int:
-    """The time in an event's id, in nanoseconds since 1970."""
+    """Return the time in an event's id, in nanoseconds since 1970."""
     return int(identity[:STAMP_DIGITS])
 
 
 def time_id(stamp_ns: int) -> str:
-    """What the ids of events at a time begin with."""
+    """Return the prefix of the ids of events at a time."""
     return f"{stamp_ns:0{STAMP_DIGITS}d}"
 
 
 def kind_of(identity: str) -> str:
-    """What the id of a goal's event says it is: one of `KINDS`."""
+    """Return the kind in the id of a goal's event: one of `KINDS`."""
     return identity[KIND_AT : KIND_AT + 1]
 
 
 def nanoseconds(time: datetime) -> int:
-    """A time as a ROS timestamp, nanoseconds since 1970."""
+    """Convert a time to a ROS timestamp, nanoseconds since 1970."""
     return (time - EPOCH) // timedelta(microseconds=1) * 1000
 
 
 def utc_now() -> datetime:
-    """The time now."""
+    """Return the current UTC time."""
     return datetime.now(UTC)
 
 
 def moment(stamp_ns: int) -> datetime:
-    """A ROS timestamp, nanoseconds since 1970, as a UTC time: the microsecond that it is in, never the next one."""
+    """Convert a ROS timestamp, nanoseconds since 1970, to a UTC time, rounded down to the microsecond."""
     return EPOCH + timedelta(microseconds=stamp_ns // 1000)
 
 
 def status_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Event:
-    """The goal's state changed.
+    """Return the event of a change of the goal's state.
 
     Args:
-        goal: The goal as it is now; it takes over the event's id.
-        stamp_ns: The stamp in the event's id.
-        source_ns: When it happened, by the clock of the message that said so; as `stamp_ns` where it is not given.
+        goal: The goal as it is now. Its `last_event_id` is set to the event's id.
+        stamp_ns: The stamp in the event's id, in nanoseconds.
+        source_ns: When it happened, by the clock of the message that reported it, in nanoseconds; default `stamp_ns`.
     """
     ends_goal = goal.status in (GoalStatus.REJECTED, GoalStatus.LOST)
     once = goal.status.final
@@ -141,14 +141,14 @@ def status_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Eve
 
 
 def feedback_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Event:
-    """The goal's feedback, as it stands in the goal; arguments as above."""
+    """Return the event of the goal's current feedback; arguments as for `status_event`."""
     return _goal_event(
         "feedback", goal, stamp_ns, source_ns, lambda: {"feedback": fragment(goal.feedback)}, droppable=True
     )
 
 
 def result_event(goal: Goal, stamp_ns: int, source_ns: int | None = None) -> Event:
-    """The goal ended; the result is null where the action server did not give one. Arguments as above."""
+    """Return the event of the goal's end. Without a result from the server it is null. Arguments as `status_event`."""
     payload = {"status": goal.status.value, "result": fragment(goal.result), "error": goal.error}
     return _goal_event("result", goal, stamp_ns, source_ns, lambda: payload, once=True, ends_goal=True)
 
@@ -187,7 +187,7 @@ def _goal_event(
 
 
 def message_event(kind: str, message: Json, stamp_ns: int, source_ns: int | None = None, *, robot: str = "/") -> Event:
-    """A message of a robot's topic, `battery` or `cmd_vel`. Stamps as above."""
+    """Return the event of a message on a robot's topic, `battery` or `cmd_vel`. Stamps as for `status_event`."""
     source_ns = stamp_ns if source_ns is None else source_ns
     identity = event_id(stamp_ns, kind, robot)
     document = {"type": kind, "id": identity, "time": moment(source_ns), "robot": robot, kind: fragment(message)}
@@ -196,7 +196,7 @@ def message_event(kind: str, message: Json, stamp_ns: int, source_ns: int | None
 
 
 def scene_event(scene: dict[str, Any], now: datetime, *, robot: str) -> Event:
-    """Where a robot and its dock are. Only the newest is of interest, and none is kept."""
+    """Return the event with the poses of a robot and its dock. Only the newest matters; none is stored."""
     document = {"type": "scene", "time": now, "robot": robot, "scene": scene}
     return Event(encode(document), "scene", droppable=True, robot=robot, supersedes=True)
 
@@ -204,13 +204,13 @@ def scene_event(scene: dict[str, Any], now: datetime, *, robot: str) -> Event:
 def system_event(
     kind: str, payload: object, now: datetime, *, robot: str | None = None, action_name: str | None = None
 ) -> Event:
-    """A change around goals: `battery_publisher`, `stop` or `simulator` of a robot, `action_server` of an action."""
+    """Return a system event: `battery_publisher`, `stop` or `simulator` of a robot, or `action_server` of an action."""
     document = {"type": kind, "time": now, kind: payload} | ({} if robot is None else {"robot": robot})
     return Event(encode(document), "system", robot=robot, action_name=action_name)
 
 
 def loss_event(goal_id: str, action_name: str, why: str, count: int, now: datetime) -> Event:
-    """Feedback of a goal was not read: `feedback_too_large`, or `feedback_too_fast` to follow."""
+    """Return the event of feedback that was not read: `feedback_too_large` or `feedback_too_fast`."""
     document = {
         "type": "feedback_dropped",
         "time": now,
@@ -223,10 +223,10 @@ def loss_event(goal_id: str, action_name: str, why: str, count: int, now: dateti
 
 
 def fleet_event(kind: str, now: datetime, **payload: Any) -> Event:
-    """A change of the fleet: `robots`, those of them that changed; `alerts`, all of them."""
+    """Return the event of a change in the fleet: `robots` holds those that changed, `alerts` holds all alerts."""
     return Event(encode({"type": kind, "time": now, **payload}), "robots")
 
 
 def notice(kind: str, now: datetime, *, ends_goal: bool = False, **payload: Any) -> Event:
-    """A message of a stream about itself: `snapshot`, `resumed`, `gap`, `heartbeat`, `dropped`, `closing`."""
+    """Return a stream's message about itself: `snapshot`, `resumed`, `gap`, `heartbeat`, `dropped`, `closing`."""
     return Event(encode({"type": kind, "time": now, **payload}), "notice", ends_goal=ends_goal)

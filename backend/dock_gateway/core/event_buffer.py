@@ -1,4 +1,4 @@
-"""The newest events: so many, and so many bytes of them. Plain data."""
+"""A buffer of the newest events, limited in number and in bytes. Plain data."""
 
 from collections import OrderedDict
 
@@ -8,10 +8,10 @@ MAX_BYTES = 32_000_000
 
 
 class EventBuffer(OrderedDict[str, Event]):
-    """Events by id, oldest first. They come by `put` and go by `remove`, which count their bytes.
+    """Events by id, oldest first. Only `put` and `remove` change it, as they count the bytes.
 
     Args:
-        limit: How many are kept at most; of their data, `MAX_BYTES`.
+        limit: Maximum number of events. Their data is limited to `MAX_BYTES`.
     """
 
     def __init__(self, limit: int) -> None:
@@ -20,7 +20,7 @@ class EventBuffer(OrderedDict[str, Event]):
         self._bytes = 0
 
     def put(self, event: Event) -> list[Event]:
-        """Take an event that has an id, once; returns those that have to go for it."""
+        """Add an event that has an id, unless it is there already; return the events evicted for it."""
         identity = event.id or ""
         if identity in self:
             return []
@@ -34,6 +34,6 @@ class EventBuffer(OrderedDict[str, Event]):
         return gone
 
     def remove(self, event_id: str) -> None:
-        """Let go of an event, where it is there."""
+        """Remove an event if it is there."""
         if (event := self.pop(event_id, None)) is not None:
             self._bytes -= len(event.data)

@@ -1,4 +1,4 @@
-"""What a subscriber wants to hear of. Plain data."""
+"""Filters for events and goals. Plain data."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,17 +10,17 @@ from dock_gateway.core.goal import Goal, GoalStatus, Origin
 
 
 def prefix_of(namespace: str) -> str:
-    """What the names in a namespace begin with."""
+    """Return the prefix of the names in a namespace."""
     return f"{namespace.rstrip('/')}/"
 
 
 def is_under(name: str, namespace: str) -> bool:
-    """Whether a namespace or an action is a namespace, or in it."""
+    """Return whether a namespace or an action is `namespace` itself or lies in it."""
     return prefix_of(name).startswith(prefix_of(namespace))
 
 
 def lineage(name: str) -> Iterator[str]:
-    """The namespaces that a name is in, from the root on, and the name itself: `/`, `/fleet`, `/fleet/robot1`."""
+    """Yield the namespaces that a name is in, root first, then the name itself: `/`, `/fleet`, `/fleet/robot1`."""
     yield "/"
     for end, character in enumerate(name[1:], 1):
         if character == "/":
@@ -31,14 +31,14 @@ def lineage(name: str) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class EventFilter:
-    """What a subscriber wants to hear of.
+    """The events that a subscriber wants.
 
     Attributes:
         topics: `goals`, `battery`, `cmd_vel`, `system`, `scene`, `robots`.
         goal_id: Only events of this goal.
         action_name: Only goals and servers of this action.
         namespace: Only goals and servers of actions in this namespace or below.
-        robot: The namespace whose battery, velocity and scene are meant.
+        robot: The namespace of the robot whose battery, velocity and scene are wanted.
     """
 
     topics: frozenset[str] = frozenset({"goals"})
@@ -48,7 +48,7 @@ class EventFilter:
     robot: str = "/"
 
     def covers(self, event: Event) -> bool:
-        """Whether an event is of interest."""
+        """Return whether the filter covers an event."""
         if event.topic not in self.topics:
             return False
         if event.robot is not None:
@@ -58,7 +58,7 @@ class EventFilter:
         return self.covers_goal(event.goal_id, event.action_name)
 
     def covers_goal(self, goal_id: str | None, action_name: str) -> bool:
-        """Whether a goal is of interest, or, without a goal id, an action."""
+        """Return whether the filter covers a goal or, without a goal id, an action."""
         return (
             (goal_id is None or self.goal_id in (None, goal_id))
             and self.action_name in (None, action_name)
@@ -72,24 +72,24 @@ class EventFilter:
 
 @dataclass(frozen=True)
 class WithoutFeedback(EventFilter):
-    """The same, but for the feedback of goals: how they stand and how they end."""
+    """An `EventFilter` that leaves out the feedback of goals: only their status and result."""
 
     def covers(self, event: Event) -> bool:
-        """Whether an event is of interest."""
+        """Return whether the filter covers an event."""
         return not (event.droppable and event.topic == "goals") and super().covers(event)
 
 
 @dataclass(frozen=True)
 class GoalFilter:
-    """Which goals somebody asks for: those that meet all of it.
+    """A query for goals. A goal must meet all conditions.
 
     Attributes:
-        action_names: On one of these actions; none means any.
+        action_names: On one of these actions; empty means any.
         namespace: On actions in this namespace or below.
-        statuses: In one of these states; none means any.
-        origin: Sent by a gateway, or by someone else.
-        since: Created at this time or later.
-        until: Created before this time.
+        statuses: In one of these states; empty means any.
+        origin: Sent by a gateway or by another client; None means any.
+        since: Created at this time or later; None means any time.
+        until: Created before this time; None means any time.
     """
 
     action_names: frozenset[str] = frozenset()
@@ -101,11 +101,11 @@ class GoalFilter:
 
     @cached_property
     def prefix(self) -> str:
-        """What the names of the actions in the namespace begin with."""
+        """The prefix of the names of actions in the namespace."""
         return prefix_of(self.namespace)
 
     def matches(self, goal: Goal) -> bool:
-        """Whether a goal is one of them."""
+        """Return whether a goal meets all conditions."""
         return (
             (not self.action_names or goal.action_name in self.action_names)
             and goal.action_name.startswith(self.prefix)

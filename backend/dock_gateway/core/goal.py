@@ -1,4 +1,4 @@
-"""A goal as the gateway knows it: plain data and the rules for how it changes. No ROS, no socket, no clock."""
+"""A goal: plain data and the rules for its state changes. No ROS, no socket, no clock."""
 
 from dataclasses import dataclass, field
 from datetime import datetime, timedelta
@@ -7,18 +7,18 @@ from typing import Any, Literal
 
 import orjson
 
-# A ROS message that has been encoded to JSON, once. It is embedded as it is wherever it goes.
+# A ROS message encoded to JSON, once. It is embedded as it is in every document.
 Json = bytes
 
 Origin = Literal["gateway", "external"]
 
 
-# A goal that has been lost for so long is not expected back.
+# A goal that has been lost for longer than this is not expected back.
 LOST_FOR = timedelta(hours=1)
 
 
 class GoalStatus(StrEnum):
-    """ROS's states of a goal, and ours before and beyond ROS (`pending`, `rejected`, `lost`)."""
+    """The states of a goal in ROS, and three of our own (`pending`, `rejected`, `lost`)."""
 
     PENDING = "pending"
     ACCEPTED = "accepted"
@@ -32,12 +32,12 @@ class GoalStatus(StrEnum):
 
     @property
     def terminal(self) -> bool:
-        """Whether the goal has ended. `lost` is left again when the action server returns and knows the goal."""
+        """Whether the goal has ended. A goal leaves `lost` when the action server returns and knows the goal."""
         return self in _TERMINAL
 
     @property
     def final(self) -> bool:
-        """Whether nothing can follow any more."""
+        """Whether no other state can follow."""
         return self in _TERMINAL and self is not GoalStatus.LOST
 
 
@@ -59,7 +59,7 @@ FROM_ROS = {
 
 @dataclass(frozen=True)
 class GoalError:
-    """Why a goal did not succeed: a stable code and a sentence."""
+    """Why a goal did not succeed: a stable code and a human-readable sentence."""
 
     code: str
     detail: str
@@ -68,19 +68,19 @@ class GoalError:
 # The code of a goal that ended without its result.
 NO_RESULT = "result_unavailable"
 
-# The code of a goal whose gateway ended before the server's answer was stored, and which the server does not know.
+# The code of a goal that the server does not know and whose gateway ended before the server's answer was stored.
 UNCONFIRMED = "goal_unconfirmed"
 
-# What a goal is rejected for by the gateway itself, before it is sent.
+# Codes for which the gateway itself rejects a goal before it is sent.
 _UNSENT = frozenset({"action_server_unavailable", "ros_unavailable", "stopped"})
 
 
 @dataclass(slots=True, eq=False)
 class Goal:
-    """One goal on one action, whoever sent it.
+    """One goal on one action, regardless of the sender.
 
-    `goal`, `feedback` and `result` are messages encoded to JSON, or None where they are not known (yet). `stage` is the
-    last one that the server was in, in its own words, and `retries` how often it began anew, where it says so.
+    `goal`, `feedback` and `result` are messages encoded to JSON, or None while they are not known. `stage` is the last
+    stage that the server reported, in its own words, and `retries` its number of retries, where it reports them.
     """
 
     goal_id: str
@@ -106,19 +106,19 @@ class Goal:
 
     @property
     def unsent(self) -> bool:
-        """Whether it has ended without ever having been sent to the action server."""
+        """Whether the goal ended without being sent to the action server."""
         return self.status is GoalStatus.REJECTED and self.error is not None and self.error.code in _UNSENT
 
     @property
     def unconfirmed(self) -> bool:
-        """Whether it may never have reached the action server: it can be sent once more, under the same id."""
+        """Whether the goal may never have reached the action server. It can be sent again under the same id."""
         return self.status is GoalStatus.LOST and self.error is not None and self.error.code == UNCONFIRMED
 
     def advance(self, status: GoalStatus, now: datetime) -> bool:
-        """Move on to `status`; False, and no change, where that would be a step back.
+        """Move on to `status`. Return False, without a change, where that would be a step back.
 
-        Messages overtake one another on DDS: an `executing` that comes after `succeeded` is old news. Only `lost`
-        may be left for a state that stands before it.
+        Messages overtake one another on DDS: an `executing` that comes after `succeeded` is outdated. Only from `lost`
+        can a goal go back to an earlier state.
         """
         if self.status.final or status is self.status:
             return False
@@ -133,7 +133,7 @@ class Goal:
         return True
 
     def lose(self, error: GoalError, now: datetime) -> bool:
-        """The action server is gone, or does not know the goal; whether that is news."""
+        """Mark the goal as lost: the action server is gone or does not know it. Return whether this is a change."""
         unconfirmed = self.status is GoalStatus.PENDING and error.code == "action_server_lost"
         if not self.advance(GoalStatus.LOST, now):
             return False
@@ -141,13 +141,13 @@ class Goal:
         return True
 
     def hear(self, feedback: Json, now: datetime) -> None:
-        """Take up a feedback message."""
+        """Store a feedback message."""
         self.feedback = feedback
         self.feedback_count += 1
         self.updated_at = now
 
     def progress(self, stage: str | None, retries: int | None, now: datetime) -> bool:
-        """Take up how far the server is; False where that is known. None is no news."""
+        """Store the server's progress; return False if nothing changed. None means no new value."""
         stage, retries = stage or self.stage, self.retries if retries is None else retries
         if (stage, retries) == (self.stage, self.retries):
             return False
@@ -155,20 +155,20 @@ class Goal:
         return True
 
     def remember(self, known: "Goal") -> None:
-        """Take over what another gateway, or this one before a restart, wrote down about the same goal."""
+        """Take over what another gateway, or this one before a restart, stored about the same goal."""
         self.attribute(known)
         self.feedback_count += known.feedback_count
         self.stage = self.stage or known.stage
         self.retries = known.retries if self.retries is None else self.retries
 
     def attribute(self, known: "Goal") -> None:
-        """Take over who sent it, when, and what was asked for."""
+        """Take over the goal's origin, creation time and message."""
         self.origin = known.origin
         self.created_at = known.created_at
         self.goal = self.goal or known.goal
 
     def summary(self) -> dict[str, Any]:
-        """Every field but feedback and result, ready for `orjson`."""
+        """Return every field but feedback and result, ready for `orjson`."""
         return {
             "goal_id": self.goal_id,
             "action_name": self.action_name,
@@ -188,23 +188,23 @@ class Goal:
         }
 
     def state(self) -> dict[str, Any]:
-        """Every field but the messages, ready for `orjson`."""
+        """Return every field but the messages, ready for `orjson`."""
         summary = self.summary()
         del summary["goal"]
         return summary
 
     def document(self) -> dict[str, Any]:
-        """The whole goal, ready for `orjson`."""
+        """Return the whole goal, ready for `orjson`."""
         return {**self.summary(), "feedback": fragment(self.feedback), "result": fragment(self.result)}
 
 
 def fragment(message: Json | None) -> orjson.Fragment | None:
-    """A message that is JSON already, for embedding."""
+    """Wrap a message that is JSON already, for embedding."""
     return None if message is None else orjson.Fragment(message)
 
 
 def encode(document: Any) -> bytes:
-    """JSON as the gateway writes it everywhere: times as RFC 3339 UTC, NaN as null."""
+    """Encode to JSON, as everywhere in the gateway: times as RFC 3339 UTC, NaN as null."""
     text = orjson.dumps(document, option=orjson.OPT_UTC_Z | orjson.OPT_SERIALIZE_NUMPY)
-    # A copy: what `dumps` returns keeps its whole buffer, 8 kB for an event of 500 bytes that is remembered for long.
+    # Copy: the bytes that `dumps` returns keep the whole buffer alive, 8 kB for a long-lived event of 500 bytes.
     return bytes(memoryview(text))

@@ -1,4 +1,4 @@
-"""The ROS graph as a person thinks of it: nodes, topics, services and actions, made of what was seen. Plain data."""
+"""The ROS graph as nodes, topics, services and actions, built from one scan. Plain data."""
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
@@ -12,13 +12,13 @@ STATUS = "status"
 FEEDBACK, FEEDBACK_TYPE = "feedback", "_FeedbackMessage"
 SEND_GOAL, SEND_GOAL_TYPE = "send_goal", "_SendGoal"
 
-# What ROS gives to every node: logs, parameters, descriptions of types.
+# Interfaces that ROS gives to every node: logs, parameters, type descriptions.
 OWN_TYPES = ("rcl_interfaces/", "type_description_interfaces/")
 
 
 @dataclass(frozen=True)
 class Quality:
-    """Quality of service, in ROS's words. Without a `depth` it is not known; without seconds there is no limit."""
+    """Quality of service, in ROS terms. `depth` None: unknown. Seconds None: no limit."""
 
     reliability: str
     durability: str
@@ -31,20 +31,20 @@ class Quality:
 
 @dataclass(frozen=True)
 class Endpoint:
-    """A publisher or a subscription; `node` is None for that of a DDS program which is no ROS node."""
+    """A publisher or a subscription. `node` is None if it belongs to a DDS program that is not a ROS node."""
 
     node: str | None
     type: str
     qos: Quality
 
     def document(self) -> dict[str, Any]:
-        """As the API shows it."""
+        """Return the document that the API shows."""
         return {"node": self.node, "qos": self.qos}
 
 
 @dataclass
 class Topic:
-    """A topic with everyone at it."""
+    """A topic with its publishers and subscribers."""
 
     name: str
     publishers: list[Endpoint]
@@ -52,11 +52,11 @@ class Topic:
 
     @property
     def types(self) -> list[str]:
-        """Its types, sorted; more than one is a mistake on the graph, none that it has gone."""
+        """Its types, sorted. More than one is a mistake on the graph; none means that the topic is gone."""
         return sorted({endpoint.type for endpoint in (*self.publishers, *self.subscribers)})
 
     def document(self) -> dict[str, Any]:
-        """As the API shows it."""
+        """Return the document that the API shows."""
         return {
             "name": self.name,
             "types": self.types,
@@ -68,7 +68,7 @@ class Topic:
 
 @dataclass
 class Service:
-    """A service, which may have clients alone."""
+    """A service. It may have clients only."""
 
     name: str
     types: list[str]
@@ -78,7 +78,7 @@ class Service:
 
 @dataclass
 class Seen:
-    """What a look at the graph brought: how many nodes there are of each name, topics and services."""
+    """One scan of the graph: the number of nodes of each name, the topics and the services."""
 
     nodes: dict[str, int] = field(default_factory=dict)
     topics: dict[str, Topic] = field(default_factory=dict)
@@ -93,7 +93,7 @@ class _Action:
 
 
 class _Nodes:
-    """What each node has, collected from the other side."""
+    """The endpoints of each node, collected from topics, services and actions."""
 
     KINDS = ("publishers", "subscribers", "services", "clients", "action_servers", "action_clients")
 
@@ -105,12 +105,12 @@ class _Nodes:
         return {kind: set() for kind in self.KINDS}
 
     def add(self, kind: str, thing: str, nodes: Iterable[str]) -> None:
-        """Nodes have a thing. One that came while the look went on counts, too."""
+        """Add a thing to nodes. A node that appeared during the scan counts, too."""
         for node in nodes:
             self._parts.setdefault(node, self._nothing())[kind].add(thing)
 
     def documents(self) -> list[dict[str, Any]]:
-        """All of them, sorted."""
+        """Return all nodes, sorted by name."""
         return [
             {
                 "name": name,
@@ -123,15 +123,15 @@ class _Nodes:
 
 
 def is_noise(name: str, types: Iterable[str]) -> bool:
-    """Whether it is there for ROS's sake: logs, parameters and their like, or a part of its name begins with `_`."""
+    """Return whether ROS itself uses it (logs, parameters and the like), or a part of its name begins with `_`."""
     return "/_" in name or (bool(types) and all(text.startswith(OWN_TYPES) for text in types))
 
 
 def graph_document(seen: Seen) -> dict[str, Any]:
-    """The graph as the API shows it; the same graph gives the same document.
+    """Return the graph as the API shows it. The same graph gives the same document.
 
-    The topics and services that make up an action are one action. As in rcl, its servers are those who publish its
-    feedback, its clients those who listen to it.
+    The topics and services of an action are shown as one action. As in rcl, its servers are the nodes that publish its
+    feedback, its clients the nodes that subscribe to it.
     """
     nodes, actions = _Nodes(seen.nodes), _find_actions(seen)
     topics = [topic for name, topic in sorted(seen.topics.items()) if ACTION_PART not in name and topic.types]

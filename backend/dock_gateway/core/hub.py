@@ -1,4 +1,4 @@
-"""Fan-out: every event goes to every subscriber that asked for it, and a slow one harms only itself."""
+"""Fan-out: every event goes to every subscriber that wants it. A slow subscriber affects only itself."""
 
 import asyncio
 import itertools
@@ -14,13 +14,13 @@ from dock_gateway.core.filters import EventFilter
 class Subscriber:
     """One reader's queue.
 
-    Feedback beyond `limit` is dropped, oldest first, and counted; what must not be lost (status, result) is kept up to
-    a hard limit, beyond which the reader is `overrun` and has to be cut off.
+    Feedback beyond `limit` events is dropped, oldest first, and counted. Events that must not be lost (status, result)
+    are kept up to a hard limit. Beyond it the reader is `overrun` and must be disconnected.
 
     Attributes:
-        immediate: Sends an event without the detour by the queue and the task that takes from it, or says False. Used
-            only while that task waits and nothing is queued, so that the order stays.
-        after: Id of the last event that the reader has had, at whatever gateway; none up to it is queued.
+        immediate: Sends an event past the queue and its task, or returns False. Used only while that task waits and
+            the queue is empty, so the order is kept.
+        after: Id of the last event that the reader received, at any gateway. Events up to it are not queued.
     """
 
     HARD_LIMIT = 10_000
@@ -38,7 +38,7 @@ class Subscriber:
         self._wake = asyncio.Event()
 
     def put(self, event: Event) -> None:
-        """Send an event at once where that is possible, else queue it; never waits."""
+        """Send an event immediately if possible, else queue it. Never waits."""
         if event.id is not None and event.id <= self.after:
             return
         if self._waiting and self.immediate is not None and not self._queue and self.immediate(event):
@@ -70,23 +70,23 @@ class Subscriber:
         self._dropped += 1
 
     def wake(self) -> None:
-        """Let `take` return, with nothing if there is nothing."""
+        """Let `take` return, even with nothing queued."""
         self._wake.set()
 
     def clear(self) -> None:
-        """Forget what is queued, for a reader that is about to get a snapshot instead."""
+        """Empty the queue, for a reader that gets a snapshot instead."""
         self._queue.clear()
         self._droppable = self._dropped = 0
 
     def catch_up(self, event_id: str) -> None:
-        """The reader gets all events up to this one another way."""
+        """Drop queued events up to this one; the reader gets them another way."""
         self.after = event_id
         kept = [event for event in self._queue if event.id is None or event.id > event_id]
         self._queue = deque(kept)
         self._droppable = sum(event.droppable for event in kept)
 
     async def take(self, timeout: float) -> tuple[list[Event], int]:
-        """Wait for events; return all that are queued and how many were dropped: `([], 0)` at a time-out."""
+        """Wait up to `timeout` seconds; return all queued events and the number dropped, `([], 0)` at a timeout."""
         self._waiting = True
         try:
             async with asyncio.timeout(timeout):
@@ -102,11 +102,11 @@ class Subscriber:
 
 
 class Hold:
-    """A place in the order of publication for events that are being stored; what comes later waits behind it.
+    """A place in the order of publication for events that are being stored. Later events wait behind it.
 
     Attributes:
-        stamp: That of the events.
-        events: What is published here, once that is known.
+        stamp: The stamp of its events, in nanoseconds.
+        events: The events to publish here; None until they are known.
     """
 
     def __init__(self, hub: "Hub", stamp: int) -> None:
@@ -115,19 +115,19 @@ class Hold:
         self._hub = hub
 
     def release(self, events: Iterable[Event] = ()) -> None:
-        """Publish these, and what has waited."""
+        """Publish these events, and those that waited behind them."""
         self.events = events
         self._hub.advance()
 
 
 class Hub:
-    """All subscribers of this process, and the events that were published last.
+    """All subscribers of this process, and the most recently published events.
 
     Args:
-        queue_limit: Feedback events that wait for a slow subscriber.
-        max_subscribers: Subscribers at the same time.
-        keep: Called with every event that can be resumed from, for the history.
-        newest: Id of the newest event that is stored.
+        queue_limit: Maximum number of feedback events queued for a slow subscriber.
+        max_subscribers: Maximum number of simultaneous subscribers.
+        keep: Called with every event that a reader can resume from, for the history.
+        newest: Id of the newest stored event.
 
     Attributes:
         clock: Stamps the events that are published here.
@@ -150,8 +150,7 @@ class Hub:
         self._queue_limit = queue_limit
         self._max_subscribers = max_subscribers
         self._subscribers: set[Subscriber] = set()
-        # By topic and robot, and by topic alone: an event of one robot among hundreds costs nothing for the readers
-        # of the others.
+        # By topic and robot, and by topic alone: an event of one robot costs nothing for readers of the others.
         self._wanting: defaultdict[tuple[str, str | None], set[Subscriber]] = defaultdict(set)
         self._on_wish: dict[str, Callable[[], None]] = {}
         self.closing = False
@@ -160,7 +159,7 @@ class Hub:
         return len(self._subscribers)
 
     def subscribe(self, interest: EventFilter) -> Subscriber:
-        """Add a subscriber; of what is published from now on, all that is of interest reaches it.
+        """Add a subscriber. It receives every event published from now on that its filter covers.
 
         Raises:
             TooManyRequests: There are too many already.
@@ -178,7 +177,7 @@ class Hub:
         return subscriber
 
     def unsubscribe(self, subscriber: Subscriber) -> None:
-        """Forget a subscriber; doing it twice does no harm."""
+        """Remove a subscriber. Idempotent."""
         self._subscribers.discard(subscriber)
         for key in _keys(subscriber.interest):
             self._wanting[key].discard(subscriber)
@@ -187,11 +186,11 @@ class Hub:
         self._tell_wish(subscriber.interest)
 
     def on_watch(self, topic: str, changed: Callable[[], None]) -> None:
-        """Have `changed` called whenever a subscriber that wants a topic comes or goes."""
+        """Register `changed`, to be called whenever a subscriber to a topic comes or goes."""
         self._on_wish[topic] = changed
 
     def watched(self, topic: str) -> set[str]:
-        """The robots of which somebody wants a topic."""
+        """Return the robots whose topic has a subscriber."""
         return {robot for wanted, robot in self._wanting if wanted == topic and robot is not None}
 
     def _tell_wish(self, interest: EventFilter) -> None:
@@ -199,20 +198,20 @@ class Hub:
             self._on_wish[topic]()
 
     def publish(self, event: Event) -> None:
-        """Hand an event to everyone who wants it."""
+        """Send an event to every subscriber that wants it, or queue it behind a `Hold`."""
         if self._line and event.id is not None:
             self._line.append(event)
         else:
             self._deliver(event)
 
     def hold(self, source_ns: int) -> Hold:
-        """Reserve a place for events that have to be stored before anyone is told; to be released soon."""
+        """Reserve a place for events that must be stored before they are published. Release it soon."""
         place = Hold(self, self.clock.stamp(source_ns))
         self._line.append(place)
         return place
 
     def advance(self) -> None:
-        """Publish what need not wait any more."""
+        """Publish all events that no longer have to wait."""
         while self._line:
             head = self._line[0]
             if isinstance(head, Event):
@@ -235,21 +234,21 @@ class Hub:
                 subscriber.put(event)
 
     def since(self, event_id: str, interest: EventFilter) -> list[Event] | None:
-        """What was published after an event, as it was published; None where that event is not remembered here."""
+        """Return the events published after an event, in order; None if that event is not in the buffer."""
         if event_id not in self._recent:
             return None
         later = itertools.takewhile(lambda event: event.id != event_id, reversed(self._recent.values()))
         return [event for event in list(later)[::-1] if interest.covers(event)]
 
     def close(self) -> None:
-        """Let every stream say goodbye; no new ones are taken."""
+        """Let every stream send its closing message. New subscribers are refused."""
         self.closing = True
         for subscriber in self._subscribers:
             subscriber.wake()
 
 
 def _keys(interest: EventFilter) -> Iterator[tuple[str, str | None]]:
-    """What a subscriber is found by: `covers` says no to events of any other topic and robot."""
+    """Yield the keys of a subscriber. `covers` returns False for events of any other topic and robot."""
     for topic in interest.topics:
         yield topic, None
         yield topic, interest.robot

@@ -1,4 +1,4 @@
-"""Lines of the log that say the same again and again are limited: a flood of messages must not become one of lines."""
+"""Limits repeated log lines, so that a flood of messages does not flood the log."""
 
 import contextlib
 import logging
@@ -7,27 +7,27 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-# Lines of one kind in so many seconds.
+# Maximum number of lines of one kind in a period, and the period in seconds.
 MAX_LINES, PERIOD = 20, 10.0
-# Kinds that are counted at the same time.
+# Maximum number of kinds that are counted at the same time.
 MAX_KINDS = 1000
 
 
 @dataclass
 class Count:
-    """Lines of one kind since a moment: those that were asked for, whether written or not."""
+    """Number of lines of one kind since a time, written or not."""
 
     since: float
     lines: int = 0
 
 
 class LogLimit(logging.Filter):
-    """Lets `MAX_LINES` lines of a kind through in each period and says how many it leaves out.
+    """Passes `MAX_LINES` lines of a kind in each period and reports how many it leaves out.
 
-    A kind is a logger with a message before its arguments are filled in.
+    A kind is a logger and a message before its arguments are filled in.
 
     Args:
-        clock: Seconds.
+        clock: Returns seconds.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -37,7 +37,7 @@ class LogLimit(logging.Filter):
         self._counts: dict[tuple[str, str], Count] = {}
 
     def filter(self, record: logging.LogRecord) -> bool:
-        """Whether a line is written."""
+        """Return whether a line is written."""
         now, kind = self._clock(), (record.name, str(record.msg))
         with self._lock:
             count = self._counts.get(kind)
@@ -61,5 +61,5 @@ class LogLimit(logging.Filter):
 
 
 def _add(record: logging.LogRecord, remark: str) -> None:
-    with contextlib.suppress(TypeError, ValueError):  # the handler complains of arguments that do not fit
+    with contextlib.suppress(TypeError, ValueError):  # the handler reports arguments that do not fit
         record.msg, record.args = f"{record.getMessage()} ({remark})", ()

@@ -1,7 +1,7 @@
-"""Where a robot and its dock are, put together from what is known in several frames. Plain data and geometry.
+"""The poses of a robot and its dock, combined from several frames. Plain data and geometry.
 
-Metres and radians; x forward, y left, angles counter-clockwise (REP-103). Where the simulator says what is true, all is
-given in its frame `world`, else in `odom` (REP-105).
+Metres and radians; x forward, y left, angles counter-clockwise (REP-103). Where the simulator publishes the true pose,
+everything is given in its frame `world`, else in `odom` (REP-105).
 """
 
 import math
@@ -11,18 +11,18 @@ from typing import Any, NamedTuple
 
 WORLD, ODOM, BASE = "world", "odom", "base_link"
 
-# A marker or a range that is older is not seen any more, in seconds.
+# Seconds for which a marker or a range is valid.
 SEEN_FOR = 0.5
-# What the docking server says of the dock is forgotten after so many seconds: it says it while a goal runs.
+# Seconds for which the docking server's data about the dock is valid; it publishes while a goal runs.
 KNOWN_FOR = 1.5
-# Nor is a robot where it was so many seconds ago.
+# Seconds for which a robot's pose is valid.
 PLACED_FOR = 1.0
-# So many poses are remembered to relate what was seen to where the robot was then.
+# Number of poses kept, to relate an observation to the robot's pose at that time.
 REMEMBERED = 60
 
 
 class Pose(NamedTuple):
-    """Where a frame lies in another one."""
+    """The pose of a frame in another one."""
 
     x: float
     y: float
@@ -30,11 +30,11 @@ class Pose(NamedTuple):
 
     @property
     def finite(self) -> bool:
-        """Whether it is a pose at all."""
+        """Whether all values are finite."""
         return all(map(math.isfinite, self))
 
     def compose(self, other: "Pose") -> "Pose":
-        """`other`, given in this pose's frame, in the frame that this pose is given in."""
+        """Transform `other` from this pose's frame to the frame that this pose is given in."""
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         return Pose(
             self.x + cos * other.x - sin * other.y,
@@ -43,18 +43,18 @@ class Pose(NamedTuple):
         )
 
     def inverse(self) -> "Pose":
-        """The pose that undoes this one."""
+        """Return the inverse transform."""
         cos, sin = math.cos(self.theta), math.sin(self.theta)
         return Pose(-cos * self.x - sin * self.y, sin * self.x - cos * self.y, -self.theta)
 
     def document(self) -> dict[str, float]:
-        """As JSON has it: to a tenth of a millimetre, and to 0.006 degrees."""
+        """Return the pose for JSON, rounded to 0.1 mm and 0.006 degrees."""
         return {"x": round(self.x, 4), "y": round(self.y, 4), "theta": round(self.theta, 4)}
 
 
 @dataclass(frozen=True)
 class Seen:
-    """Something that was seen or said: in which frame, when by its own stamp, and when it was heard."""
+    """A pose that was observed or reported: its frame, its own stamp, and when it was received, in seconds."""
 
     pose: Pose
     frame: str
@@ -63,30 +63,30 @@ class Seen:
 
 
 class Track:
-    """Where the robot was lately, in one frame."""
+    """The robot's recent poses in one frame."""
 
     def __init__(self) -> None:
         self._poses: deque[Seen] = deque(maxlen=REMEMBERED)
 
     def add(self, seen: Seen) -> None:
-        """A newer pose. Time that steps back is that of a robot that was started anew."""
+        """Add a newer pose. A stamp that steps back means that the robot restarted, so older poses are dropped."""
         if self._poses and seen.stamp < self._poses[-1].stamp:
             self._poses.clear()
         self._poses.append(seen)
 
     def latest(self, now: float) -> Seen | None:
-        """The newest pose; None where it is old."""
+        """Return the newest pose, or None if it is too old."""
         if not self._poses or now - self._poses[-1].heard_at > PLACED_FOR:
             return None
         return self._poses[-1]
 
     def near(self, stamp: float) -> Seen | None:
-        """The pose nearest to a time."""
+        """Return the pose nearest to a stamp."""
         return min(self._poses, key=lambda seen: abs(seen.stamp - stamp), default=None)
 
 
 class Scene:
-    """What is known of one robot. Times are seconds; `now` and `heard_at` are of one clock, stamps of another."""
+    """The known poses of one robot. Times are seconds. `now` and `heard_at` share a clock; stamps use another."""
 
     def __init__(self) -> None:
         self._tracks = {ODOM: Track(), WORLD: Track()}
@@ -96,33 +96,33 @@ class Scene:
         self._ranges: dict[str, tuple[float | None, float]] = {}
 
     def place(self, seen: Seen) -> None:
-        """The robot's pose, by odometry or in truth, as its frame says."""
+        """Add the robot's pose, from odometry or the true one, depending on its frame."""
         track, other = (WORLD, ODOM) if seen.frame == WORLD else (ODOM, WORLD)
         self._tracks[track].add(seen)
         newest = self._tracks[other].latest(seen.heard_at)
         if newest is None:
             self._world_from_odom = None
             return
-        # Both tell of the same moments, and either may be ahead.
+        # Both tracks cover the same times, and either may be ahead.
         stamp = min(seen.stamp, newest.stamp)
         believed, true = self._tracks[ODOM].near(stamp), self._tracks[WORLD].near(stamp)
         if believed and true and (believed.stamp == true.stamp or self._world_from_odom is None):
             self._world_from_odom = true.pose.compose(believed.pose.inverse())
 
     def say(self, name: str, seen: Seen) -> None:
-        """What was seen or planned: `marker`, `docked`, `staging`."""
+        """Store an observed or planned pose: `marker`, `docked`, `staging`."""
         self._said[name] = seen
 
     def set_dock(self, dock: Pose) -> None:
-        """Where the face of the dock is in truth."""
+        """Store the true pose of the dock's face."""
         self._dock = dock
 
     def set_range(self, receiver: str, distance: float, heard_at: float) -> None:
-        """What an infrared receiver measured, `left`, `center` or `right`; beyond its range is infinite (REP-117)."""
+        """Store an infrared receiver's range (`left`, `center`, `right`) in metres; infinite if too far (REP-117)."""
         self._ranges[receiver] = (distance if math.isfinite(distance) else None, heard_at)
 
     def document(self, now: float) -> dict[str, Any] | None:
-        """The scene as JSON has it, in one frame; None where nobody says where the robot is."""
+        """Return the scene for JSON, in one frame, or None if the robot's pose is not known."""
         truth, odometry = self._tracks[WORLD].latest(now), self._tracks[ODOM].latest(now)
         robot = truth or odometry
         if robot is None:
@@ -146,7 +146,7 @@ class Scene:
         return None if origin is None else origin.compose(seen.pose).document()
 
     def _origin(self, seen: Seen, frame: str) -> Pose | None:
-        """The pose of the frame that something was seen in; None where nothing relates the two."""
+        """Return the pose of an observation's frame in `frame`, or None if no transform is known."""
         if seen.frame == frame:
             return Pose(0.0, 0.0, 0.0)
         if seen.frame == BASE:
@@ -166,10 +166,10 @@ def _rounded(distance: float | None) -> float | None:
 
 
 class Pace:
-    """Lets through at most so many a second, evenly.
+    """Rate limit with even spacing.
 
     Args:
-        rate_hz: How many.
+        rate_hz: Maximum rate, in Hz.
     """
 
     def __init__(self, rate_hz: float) -> None:
@@ -177,7 +177,7 @@ class Pace:
         self._due = float("-inf")
 
     def due(self, now: float) -> bool:
-        """Whether it is time for the next one, which is then taken to be sent."""
+        """Return whether the next one is due. If so, it counts as sent."""
         if now < self._due:
             return False
         self._due = max(self._due, now - self._period) + self._period

@@ -1,4 +1,4 @@
-"""Work beside: tasks that end with whoever began them."""
+"""Background tasks that end with their owner."""
 
 import asyncio
 import logging
@@ -14,17 +14,17 @@ T = TypeVar("T")
 
 
 async def cancel(*tasks: "asyncio.Task[Any]") -> None:
-    """Cancel tasks and wait until they have ended, however that may be."""
+    """Cancel tasks and wait until they have ended. Their exceptions are ignored."""
     for task in tasks:
         task.cancel()
     await asyncio.gather(*tasks, return_exceptions=True)
 
 
 class Tasks:
-    """The tasks of one owner, who need not wait for them: what they raise is logged.
+    """Background tasks of one owner. Their exceptions are logged.
 
     Args:
-        doing: What they do, as the log has it.
+        doing: What they do, for the log.
     """
 
     def __init__(self, doing: str) -> None:
@@ -32,7 +32,7 @@ class Tasks:
         self._running: set[asyncio.Task[Any]] = set()
 
     def spawn(self, work: Coroutine[Any, Any, T]) -> asyncio.Task[T]:
-        """Run something beside."""
+        """Run a coroutine in a background task."""
         task = asyncio.create_task(work)
         self._running.add(task)
         task.add_done_callback(self._ended)
@@ -48,12 +48,12 @@ class Tasks:
             log.error("while %s", self._doing, exc_info=error)
 
     async def drain(self, timeout: float = 1.0) -> None:
-        """Wait until all has ended, or the time is up."""
+        """Wait until all tasks have ended, at most `timeout` seconds."""
         if self._running:
             await asyncio.wait(self._running, timeout=timeout)
 
     async def close(self) -> None:
-        """End what runs."""
+        """Cancel all tasks and wait for them."""
         await cancel(*self._running)
 
 
@@ -61,10 +61,10 @@ MAX_REMEMBERED = 2000
 
 
 class PendingFacts(Generic[T]):
-    """A fact about each goal, such as why it was rejected; who asks for it waits a moment.
+    """A fact about each goal, such as why it was rejected, that may arrive a little later than it is needed.
 
     Args:
-        wait: How many seconds.
+        wait: Seconds to wait for a fact.
     """
 
     def __init__(self, wait: float) -> None:
@@ -79,7 +79,7 @@ class PendingFacts(Generic[T]):
         return goal_id in self._facts
 
     def put(self, goal_id: str, fact: T) -> None:
-        """The fact has come; a newer one takes its place."""
+        """Store a fact; it replaces an older one."""
         self._facts[goal_id] = fact
         if len(self._facts) > MAX_REMEMBERED:
             self._facts.popitem(last=False)
@@ -87,7 +87,7 @@ class PendingFacts(Generic[T]):
             event.set()
 
     async def of(self, goal_id: str) -> T | None:
-        """The fact, for which it waits a moment, or None."""
+        """Return the fact, waiting for it at most `wait` seconds, or None."""
         if goal_id not in self._facts:
             event = self._waiting.setdefault(goal_id, asyncio.Event())
             try:

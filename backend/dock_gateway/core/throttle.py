@@ -1,4 +1,4 @@
-"""`?max_rate=`: a reader that wants fewer messages gets the newest of each kind, so often and no more. Pure."""
+"""`?max_rate=`: limits the rate of messages to a reader, keeping the newest of each kind. Pure."""
 
 from collections.abc import Iterable
 
@@ -8,10 +8,10 @@ Key = tuple[str, str | None]
 
 
 class Throttle:
-    """Lets through what must arrive at once, and of what may be dropped the newest, `max_rate` times a second.
+    """Passes undroppable events immediately, and the newest of the droppable ones `max_rate` times a second.
 
     Args:
-        max_rate: Messages a second of each goal's feedback, of battery and of velocity; None lets all through.
+        max_rate: Messages per second of each goal's feedback, of battery and of velocity; None means no limit.
     """
 
     def __init__(self, max_rate: float | None) -> None:
@@ -20,7 +20,7 @@ class Throttle:
         self._sent_at: dict[Key, float] = {}
 
     def let_through(self, events: Iterable[Event], now: float) -> list[Event]:
-        """What is to be sent now; `now` in seconds on any clock that does not step back."""
+        """Return the events to send now; `now` in seconds on any monotonic clock."""
         if not self._period:
             return list(events)
         passed: list[Event] = []
@@ -42,5 +42,5 @@ class Throttle:
         return self._sent_at.get(key, float("-inf")) + self._period
 
     def next_due(self) -> float:
-        """When there is something to be sent again, on the clock of `let_through`."""
+        """Return when the next held event is due, on the clock of `let_through`; infinite if none is held."""
         return min((self._due(key) for key in self._held), default=float("inf"))

@@ -1,1 +1,1 @@
-"""What spans robots: the overview, alerts, departures and the stop."""
+"""Functions across robots: the overview, alerts, departures and the stop."""

@@ -1,4 +1,4 @@
-"""What an operator has to know of: found by looking at the robots again and again. No ROS, no socket, no clock."""
+"""The rules that decide when to raise an alert, checked periodically. No ROS, no socket, no clock."""
 
 import hashlib
 from collections.abc import Iterable, Iterator, Mapping
@@ -12,13 +12,13 @@ from dock_gateway.fleet.robot_state import CHARGES, RobotState
 from dock_gateway.history import Acknowledgement, Incident
 from dock_gateway.robots.battery import PowerSupply
 
-# A robot on its dock may be without power for so many seconds: contacts bounce, chargers begin slowly.
+# Seconds that a docked robot may be without power: contacts bounce, chargers start slowly.
 WITHOUT_POWER = 10.0
-# From here on a battery is full, and need not be charged.
+# Charge (0 to 1) from which a battery counts as full and need not be charged.
 FULL = 0.99
-# A battery is stale for so many seconds before that is worth an alert.
+# How long a battery state must be stale before an alert is raised.
 STALE_FOR = timedelta(seconds=5)
-# A battery that was low has to be so much above the limit until it is not low any more.
+# Hysteresis: how far (0 to 1) a low battery must rise above the limit before its alert ends.
 MARGIN = 0.05
 
 
@@ -26,7 +26,7 @@ NO_DUPLICATES: Mapping[str, list[str]] = {}
 
 
 class AlertKind(StrEnum):
-    """Everything that is worth an alert."""
+    """The kinds of alerts."""
 
     STOP_LATCHED = "stop_latched"
     GOAL_LOST = "goal_lost"
@@ -38,13 +38,13 @@ class AlertKind(StrEnum):
 
     @property
     def critical(self) -> bool:
-        """Whether somebody has to act."""
+        """Whether an operator must act."""
         return self not in (AlertKind.LOW_BATTERY, AlertKind.BATTERY_STALE, AlertKind.HISTORY_LOST)
 
 
 @dataclass(frozen=True)
 class Alert:
-    """One of them. `since` is when it began; `detail` says what to do about it. One of no `robot` is of the gateway."""
+    """One alert. `since`: when it began. `detail`: what to do about it. `robot` None: it concerns the gateway."""
 
     kind: AlertKind
     robot: str | None
@@ -55,11 +55,11 @@ class Alert:
 
     @property
     def id(self) -> str:
-        """The same at every gateway, and the same when it comes back."""
+        """The id, which is the same at every gateway and when the alert recurs."""
         return alert_id(self.kind, self.robot, self.goal_id)
 
     def document(self, acknowledgement: Acknowledgement | None) -> dict[str, Any]:
-        """As `GET /alerts` shows it, ready for `orjson`."""
+        """Return the alert as `GET /alerts` shows it, ready for `orjson`."""
         return {
             "id": self.id,
             "kind": self.kind.value,
@@ -74,15 +74,15 @@ class Alert:
 
 
 def alert_id(kind: AlertKind, robot: str | None, goal_id: str | None = None) -> str:
-    """What names an alert in a path."""
+    """Return the id of an alert, for use in a path."""
     return hashlib.sha256(f"{kind.value} {robot or ''} {goal_id or ''}".encode()).hexdigest()[:16]
 
 
 class AlertRules:
-    """Finds the alerts; remembers what it has to since when it looked last.
+    """Finds alerts. Keeps the state that it needs between checks.
 
     Args:
-        low_battery: Percentage (0 to 1) below which a battery is low.
+        low_battery: Charge (0 to 1) below which a battery is low.
     """
 
     def __init__(self, low_battery: float) -> None:
@@ -101,14 +101,14 @@ class AlertRules:
         incident: Incident | None = None,
         duplicates: Mapping[str, list[str]] = NO_DUPLICATES,
     ) -> list[Alert]:
-        """The alerts, critical ones first, then the oldest first.
+        """Return the alerts, critical ones first, then oldest first.
 
         Args:
             states: The robots.
             strays: Lost goals on actions that belong to no robot.
-            now: The time.
-            seconds: The time on a clock that does not jump.
-            incident: What happened to the history.
+            now: The current time.
+            seconds: The current time on a monotonic clock, in seconds.
+            incident: The incident of the history, if there is one.
             duplicates: By robot, the actions that have more than one server.
         """
         alerts = [*_stops(states), *_lost(states, strays, now), *self._duplicates(duplicates, now)]
@@ -169,7 +169,7 @@ class AlertRules:
 
 
 def _stops(states: list[RobotState]) -> Iterator[Alert]:
-    """One for each robot that was stopped; those below are in it."""
+    """Yield one alert for each stopped robot; it includes the robots below."""
     held = {state.name: state.stop for state in states if state.stop["latched"]}
     for name, stop in held.items():
         if any(above in held for above in _above(name)):
@@ -187,7 +187,7 @@ def _stops(states: list[RobotState]) -> Iterator[Alert]:
 
 
 def _above(name: str) -> list[str]:
-    """The namespaces that a robot is in."""
+    """Return the namespaces that contain a robot."""
     parts = name.strip("/").split("/") if name != "/" else []
     return [f"/{'/'.join(parts[:length])}" for length in range(len(parts))]
 

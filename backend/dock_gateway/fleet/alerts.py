@@ -1,4 +1,4 @@
-"""The alerts of now: told to whoever asks, as they come, end and are acknowledged."""
+"""The current alerts: publishes them when they begin, end or are acknowledged."""
 
 import asyncio
 import logging
@@ -18,10 +18,10 @@ from dock_gateway.history import Acknowledgement, AcknowledgementStore, Incident
 
 
 class Acknowledgements:
-    """Acknowledgements by the id of the alert. While the history does not answer, they are in this process alone.
+    """Acknowledgements by alert id. While the history does not answer, they exist in this process only.
 
     Args:
-        store: Where they are kept.
+        store: Stores them.
     """
 
     def __init__(self, store: AcknowledgementStore) -> None:
@@ -33,19 +33,19 @@ class Acknowledgements:
 
     @property
     def unsaved(self) -> bool:
-        """Whether there is something that is not kept yet."""
+        """Whether there are changes that are not stored yet."""
         return bool(self._unsaved)
 
     def get(self, alert_id: str) -> Acknowledgement | None:
-        """That of an alert, where there is one."""
+        """Return the acknowledgement of an alert, or None."""
         return self._known.get(alert_id)
 
     def ids(self) -> set[str]:
-        """The alerts that are acknowledged."""
+        """Return the ids of the acknowledged alerts."""
         return set(self._known)
 
     def put(self, alert_id: str, acknowledgement: Acknowledgement | None) -> None:
-        """Take up an acknowledgement, or that there is none; `sync` keeps it."""
+        """Set an acknowledgement, or remove it with None. `sync` stores the change."""
         if acknowledgement is None:
             self._known.pop(alert_id, None)
         else:
@@ -54,19 +54,19 @@ class Acknowledgements:
         self._changes += 1
 
     async def sync(self) -> bool:
-        """Keep what is not kept yet, and learn what other gateways have kept; False where the history is away."""
+        """Store pending changes and read those of other gateways; return False if the history is unavailable."""
         try:
             await self._save()
             changes = self._changes
             kept = await self._store.read()
         except Unavailable:
             return False
-        if changes == self._changes:  # else what was read may be older
+        if changes == self._changes:  # else what was read may be outdated
             self._known = kept
         return True
 
     async def save(self) -> None:
-        """Keep what is not kept yet, where the history answers."""
+        """Store pending changes, if the history answers."""
         with suppress(Unavailable):
             await self._save()
 
@@ -81,20 +81,20 @@ class Acknowledgements:
 log = logging.getLogger(__name__)
 
 TOPIC = "robots"
-# What other gateways have been told of the alerts is looked up so often, in seconds, while there are any.
+# Seconds between two reads of other gateways' acknowledgements, while there are alerts.
 SYNC_INTERVAL = 2.0
-# An alert that has not shown up again so many seconds after the start has ended while we were away.
+# Seconds after the start after which an acknowledged alert that has not recurred counts as ended.
 SETTLED_AFTER = 60.0
 
 
 class AlertBoard:
-    """Keeps the alerts and who has acknowledged them.
+    """Holds the alerts and their acknowledgements.
 
     Args:
-        hub: Where events go, and who wants them.
-        acknowledgements: Who has acknowledged what.
-        low_battery: Percentage (0 to 1) below which a battery is low.
-        incident: Tells what happened to the history.
+        hub: Receives events, and knows the subscribers.
+        acknowledgements: The acknowledgements.
+        low_battery: Charge (0 to 1) below which a battery is low.
+        incident: Returns the incident of the history, or None.
     """
 
     def __init__(
@@ -116,7 +116,7 @@ class AlertBoard:
     def look(
         self, states: list[RobotState], strays: list[Goal], duplicates: Mapping[str, list[str]] = NO_DUPLICATES
     ) -> None:
-        """Find out what is wrong now, and tell whoever wants to hear of it where that is something else than before.
+        """Update the alerts, and publish them to subscribers if they changed.
 
         Args:
             states: The robots.
@@ -137,7 +137,7 @@ class AlertBoard:
         self._tell()
 
     def documents(self) -> list[dict[str, Any]]:
-        """The alerts as `GET /alerts` shows them: critical ones first, then the oldest first."""
+        """Return the alerts as `GET /alerts` shows them: critical ones first, then oldest first."""
         return [self._document(alert) for alert in self._alerts.values()]
 
     def _document(self, alert: Alert) -> dict[str, Any]:
@@ -155,7 +155,7 @@ class AlertBoard:
     # ------------------------------------------------------------------ acknowledgements
 
     async def acknowledge(self, alert_id: str, by: str) -> dict[str, Any]:
-        """Somebody has seen an alert; returns it.
+        """Acknowledge an alert; return it.
 
         Raises:
             NotFound: `alert_not_found`.
@@ -163,7 +163,7 @@ class AlertBoard:
         return await self._change(alert_id, Acknowledgement(by, utc_now()))
 
     async def withdraw(self, alert_id: str) -> dict[str, Any]:
-        """Nobody has seen it after all; returns the alert.
+        """Withdraw the acknowledgement of an alert; return the alert.
 
         Raises:
             NotFound: `alert_not_found`.
@@ -198,5 +198,5 @@ class AlertBoard:
             self._acknowledgements.put(alert_id, None)
 
     async def close(self) -> None:
-        """Look no more."""
+        """Stop the synchronization with the history."""
         await cancel(self._task)

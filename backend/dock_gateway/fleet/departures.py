@@ -1,4 +1,4 @@
-"""Which robots have left the ROS graph, and since when: who has been away for long is forgotten."""
+"""Tracks which robots have left the ROS graph, and removes those that have been away for long."""
 
 import logging
 
@@ -10,18 +10,18 @@ from dock_gateway.ros.graph import Scan
 
 log = logging.getLogger(__name__)
 
-# Robots without an action are looked for so often, in seconds.
+# Maximum seconds between two checks.
 INTERVAL = 10.0
 
 
 class Departures:
-    """Forgets the robots that are away, but for the configured one.
+    """Removes robots that are away, except the configured one.
 
     Args:
         robots: The robots.
-        actions: Where their goals are.
-        interlock: Which of them are held by a stop.
-        forget_after: Seconds; 0 is never.
+        actions: The actions, with the robots' goals.
+        interlock: The latched stops.
+        forget_after: Seconds of absence before a robot is removed; 0 means never.
     """
 
     def __init__(
@@ -32,15 +32,15 @@ class Departures:
         self._interlock = interlock
         self._forget_after = forget_after
         self._interval = min(INTERVAL, forget_after / 10)
-        self._seen: dict[str, float] = {}  # when each robot was there last
+        self._seen: dict[str, float] = {}  # when each robot was last present, in seconds
         self._looked_at = float("-inf")
 
     async def look(self, scan: Scan, seconds: float) -> None:
-        """See who is there, and forget those who have not been for long and have nothing that waits for them.
+        """Check which robots are present; remove those that have been away for long and are not needed.
 
         Args:
-            scan: What is on the graph.
-            seconds: The time on a clock that does not jump.
+            scan: The current graph.
+            seconds: The current time on a monotonic clock, in seconds.
 
         Raises:
             Unavailable: The ROS thread is down.
@@ -56,7 +56,7 @@ class Departures:
                     log.info("robot %s has gone", robot.namespace)
                     self._seen.pop(robot.namespace, None)
                     self._robots.forget(robot.namespace)
-            except GatewayError:  # it would be the same with the others
+            except GatewayError:  # the others would fail too
                 raise
             except Exception:
                 log.exception("while looking whether robot %s has gone", robot.namespace)
@@ -71,7 +71,7 @@ class Departures:
         return away and not self._is_needed(robot)
 
     def _is_needed(self, robot: Robot) -> bool:
-        """Whether a goal of the robot has not ended, a stop holds for it, or its battery is published by us."""
+        """Return whether the robot has an unfinished goal, is held by a stop, or has its battery published by us."""
         unfinished = (*self._actions.running(), *self._actions.lost())
         return (
             self._interlock.holds(robot.namespace)

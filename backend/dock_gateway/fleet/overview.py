@@ -1,4 +1,4 @@
-"""All robots at a glance: how each of them is, told to whoever asks, as it changes."""
+"""The state of all robots: puts it together, and publishes its changes."""
 
 import asyncio
 import logging
@@ -22,22 +22,22 @@ from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
-# Changes are looked for so often, in seconds.
+# Seconds between two checks for changes.
 INTERVAL = 0.5
 
 
 class Fleet:
-    """Puts together what is known of each robot, and tells of changes while somebody wants to hear of them.
+    """Combines the state of each robot, and publishes changes while there are subscribers.
 
     Args:
         settings: Names.
-        hub: Where events go, and who wants them.
+        hub: Receives events, and knows the subscribers.
         robots: The robots.
         actions: The actions.
-        interlock: Which robots are held by a stop.
+        interlock: The latched stops.
         simulators: The simulators.
         last_goals: How docking and undocking goals ended.
-        alerts: What looks whether something is wrong with them.
+        alerts: Checks the robots for alerts.
     """
 
     def __init__(
@@ -63,14 +63,14 @@ class Fleet:
         self._told: dict[str, bytes] = {}
         self._task = asyncio.create_task(self._run())
 
-    # ------------------------------------------------------------------ how they are
+    # ------------------------------------------------------------------ state
 
     def states(self) -> list[RobotState]:
-        """Every robot as it is now, by name."""
+        """Return the current state of every robot, by name."""
         return self._see()[0]
 
     def _see(self) -> tuple[list[RobotState], list[Goal]]:
-        """Every robot as it is now, by name; and the lost goals on actions that belong to none."""
+        """Return the current state of every robot, by name, and the lost goals on actions that belong to no robot."""
         running, lost = self._by_robot(self._actions.running()), self._by_robot(self._actions.lost())
         states = [
             self._state(robot, running.get(robot.namespace, []), lost.get(robot.namespace, []))
@@ -109,7 +109,7 @@ class Fleet:
         )
 
     def _duplicates(self) -> dict[str, list[str]]:
-        """By robot, the actions that have more than one server."""
+        """Return, by robot, the actions that have more than one server."""
         found: dict[str, list[str]] = defaultdict(list)
         for name in self._actions.duplicates():
             owner = self._robots.owner(name)
@@ -117,16 +117,16 @@ class Fleet:
         return found
 
     def documents(self, namespace: str | None = None) -> list[dict[str, Any]]:
-        """The robots as `GET /robots` shows them, or the one of a namespace.
+        """Return the robots as `GET /robots` shows them, or only the one of a namespace.
 
         Raises:
-            InvalidField: That is no namespace.
+            InvalidField: The namespace is not valid.
             NotFound: `robot_not_found`.
         """
         only = None if namespace is None else self._robots.get(namespace).namespace
         return [state.document() for state in self.states() if only in (None, state.name)]
 
-    # ------------------------------------------------------------------ who is told
+    # ------------------------------------------------------------------ publishing
 
     async def _run(self) -> None:
         while True:
@@ -137,7 +137,7 @@ class Fleet:
                 log.exception("while looking at the robots")
 
     def look(self) -> None:
-        """See what is wrong; and tell of the robots that have changed, where somebody wants to hear of them."""
+        """Update the alerts; publish the robots that have changed, if there are subscribers."""
         states, strays = self._see()
         self._alerts.look(states, strays, self._duplicates())
         if not self._hub.watched(TOPIC):
@@ -151,5 +151,5 @@ class Fleet:
             self._hub.publish(fleet_event("robots", utc_now(), robots=changed, gone=gone))
 
     async def close(self) -> None:
-        """Look no more."""
+        """Stop checking."""
         await cancel(self._task)

@@ -1,4 +1,4 @@
-"""How one robot is, put together from all that is known of it. Plain data."""
+"""The state of one robot, combined from all sources. Plain data."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,22 +12,22 @@ CHARGES = frozenset({PowerSupply.CHARGING, PowerSupply.FULL})
 
 @dataclass(frozen=True)
 class RobotState:
-    """A robot at one moment.
+    """A snapshot of one robot.
 
     Attributes:
         name: Its namespace.
         default: Whether it is the robot that the gateway is configured for.
         battery: Its battery.
-        battery_topic: Where that is heard.
-        publisher: What stands in for its battery driver.
+        battery_topic: The topic of its battery.
+        publisher: The publisher that stands in for its battery driver.
         stop: Whether a stop holds for it, as `GET /stop` shows it.
-        simulator: What its simulator says, as `GET /simulator` shows it; None where there is none.
-        dock: The server of its docking action; None where it has none.
-        undock: The same of its undocking action.
-        goals: The goals that run on its actions, newest first.
-        lost: Those that are lost, newest first.
+        simulator: The report of its simulator, as `GET /simulator` shows it, or None without a simulator.
+        dock: The server of its docking action, or None if it has no such action.
+        undock: The server of its undocking action, likewise.
+        goals: The running goals on its actions, newest first.
+        lost: The lost goals on its actions, newest first.
         last_goal: The last docking or undocking goal that ended.
-        left_docked: Where the last of them that succeeded left it; None where none did.
+        left_docked: Whether the last of them that succeeded left it docked; None if none succeeded.
     """
 
     name: str
@@ -46,9 +46,9 @@ class RobotState:
 
     @property
     def docked(self) -> bool | None:
-        """Whether it is docked; None where nobody knows.
+        """Whether it is docked; None if unknown.
 
-        A simulator knows best, then a battery that is being charged, then the goals.
+        The sources by priority: the simulator, a battery that is being charged, the goals.
         """
         said = self.simulator and self.simulator["docked"]
         if said is not None:
@@ -57,16 +57,16 @@ class RobotState:
 
     @property
     def on_dock(self) -> bool:
-        """Whether it is docked, or touches its dock at least, as a simulator can tell."""
+        """Whether it is docked or, according to a simulator, at least touches its dock."""
         return bool(self.docked or (self.simulator and self.simulator["contact"]))
 
     def docking(self, *servers: ServerState | None) -> bool:
-        """Whether a goal runs on one of these actions, `dock` or `undock`."""
+        """Return whether a goal runs on one of these actions, `dock` or `undock`."""
         names = {server.action_name for server in servers if server is not None}
         return any(goal.action_name in names for goal in self.goals)
 
     def document(self) -> dict[str, Any]:
-        """As `GET /robots` shows it, ready for `orjson`. There are no ages in it, which change by themselves."""
+        """Return the state as `GET /robots` shows it, ready for `orjson`, without ages, which change all the time."""
         publisher = self.publisher.document()
         return {
             "name": self.name,

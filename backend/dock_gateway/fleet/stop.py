@@ -1,4 +1,4 @@
-"""Stop: the robot stands still, its goals are canceled, whoever sent them, and none is sent until it is released."""
+"""Stop: halts the robot, cancels its goals, regardless of sender, and sends none until the stop is released."""
 
 import asyncio
 import logging
@@ -14,28 +14,28 @@ from dock_gateway.robots.registry import Robot, RobotRegistry
 
 log = logging.getLogger(__name__)
 
-# A stop is answered within 100 ms. Half of them are for the action servers to answer.
+# A stop is answered within 100 ms. The action servers get half of that, in seconds.
 CONFIRM_WITHIN = 0.05
-# Zero velocity is published again after so many seconds. Who asks for the same stop until then joins it.
+# Seconds before zero velocity is published again. Requests for the same stop until then join it.
 REPEAT_AFTER = 0.1
-# To tell hundreds of robots takes some 20 ms of the loop, which hundreds of stops a second cannot have each: after it,
-# who joins does not have it done once more for so many times as long.
+# Publishing zero velocity to hundreds of robots blocks the loop for some 20 ms, too long to repeat for hundreds of
+# stops per second. Requests that join do not repeat it until this many times its duration has passed.
 REST = 4
-# The disk may take the rest, but for what the answer itself needs.
+# Seconds after the request until which the answer waits for the disk. The rest of the 100 ms is for the answer itself.
 STORE_WITHIN = 0.08
 
 
 @dataclass
 class StopReport:
-    """What a stop did.
+    """The result of a stop.
 
     Attributes:
         canceling: The goals that are being canceled.
-        failed: The actions that refused or could not be reached, and the robots that zero velocity could not be
-            published to.
-        unconfirmed: The actions that were asked to cancel their goals and have not answered yet.
+        failed: The actions that refused or could not be reached, and the robots to which zero velocity could not be
+            published.
+        unconfirmed: The actions that have not answered the cancel request yet.
         stop: The latch, as `GET /stop` shows it.
-        problem: Why a restart of the gateway would forget the stop, where it would.
+        problem: Why a restart of the gateway would forget the stop; None if it would not.
     """
 
     canceling: list[str] = field(default_factory=list)
@@ -46,17 +46,17 @@ class StopReport:
 
 
 class Halt:
-    """One stop that is carried out, for everyone who asks for it until it has been repeated.
+    """One stop being executed, shared by all requests for it until it has been repeated.
 
     Attributes:
-        robots: Who is stopped.
+        robots: The robots to stop.
         cancels: The requests to cancel every goal, by action.
-        unreached: The robots that could not be told to stand still the last time, and why.
-        latched: Whether one of those who asked wants the stop to hold.
-        joined: Whether somebody has joined since it was carried out last.
-        took: How long it took to tell all robots, in seconds.
-        told_at: When that was done last, on the monotonic clock.
-        confirmed: Set when the action servers have answered, or their time is up.
+        unreached: The robots to which zero velocity could not be published the last time, and why.
+        latched: Whether one of the requests asked for the stop to be latched.
+        joined: Whether a request has joined since the last repetition.
+        took: How long it took to publish zero velocity to all robots, in seconds.
+        told_at: When that was last done, on the monotonic clock.
+        confirmed: Set when the action servers have answered or timed out.
     """
 
     def __init__(self, robots: list[Robot]) -> None:
@@ -68,7 +68,7 @@ class Halt:
         self.confirmed = asyncio.Event()
 
     def publish_zero(self) -> None:
-        """Tell each robot to stand still, whatever becomes of the others."""
+        """Publish zero velocity to each robot. A failure does not affect the others."""
         began = time.monotonic()
         self.unreached = {}
         for robot in self.robots:
@@ -81,13 +81,13 @@ class Halt:
         self.took = self.told_at - began
 
     async def ended(self, timeout: float | None) -> None:
-        """Wait until all action servers have answered, or the time is up."""
+        """Wait until all action servers have answered, at most `timeout` seconds."""
         pending = [cancel for cancel in self.cancels.values() if not cancel.done()]
         if pending and (timeout is None or timeout > 0):
             await asyncio.wait(pending, timeout=timeout)
 
     def report(self) -> StopReport:
-        """What has been done until now."""
+        """Return what has been done so far."""
         report = StopReport(failed=[_not_told(robot, error) for robot, error in self.unreached.items()])
         for action, task in self.cancels.items():
             if not task.done():
@@ -106,7 +106,7 @@ class Stopper:
     Args:
         robots: The robots.
         actions: The actions.
-        interlock: Where stops are latched.
+        interlock: Latches the stops.
     """
 
     def __init__(self, robots: RobotRegistry, actions: ActionRegistry, interlock: Interlock) -> None:
@@ -117,7 +117,7 @@ class Stopper:
         self._tasks = Tasks("stopping")
 
     def state(self, namespace: str | None = None) -> dict[str, Any]:
-        """The latch of a robot, the configured one where none is named.
+        """Return the latch of a robot; default: the configured one.
 
         Raises:
             NotFound: There is no such robot.
@@ -125,7 +125,7 @@ class Stopper:
         return self._interlock.document(self._robots.get(namespace).namespace)
 
     async def release(self, namespace: str | None = None) -> dict[str, Any]:
-        """Let goals through again, to a robot and those below it; returns the latch.
+        """Release the stop of a robot and those below it; return the latch.
 
         Raises:
             NotFound: There is no such robot.
@@ -140,19 +140,19 @@ class Stopper:
     ) -> StopReport:
         """Publish zero velocity, cancel every goal on every action of the robot, publish zero velocity again.
 
-        All is done before it waits for anybody: for action servers and the disk no longer than a moment. Who asks for
-        a stop that was begun a moment ago joins it, and it is repeated.
+        All requests are sent before it waits: less than 100 ms for action servers and the disk, unless `wait` is
+        longer. A request for a stop that has just begun joins it, and the stop is repeated.
 
         Args:
-            namespace: The robot; None is the configured one. Robots in namespaces below it are stopped, too.
+            namespace: The robot; None means the configured one. Robots in namespaces below it are stopped, too.
             latch: Refuse goals until the stop is released.
-            by: Who asked for it.
-            wait: Seconds that action servers may take to answer, where they are more than the moment.
+            by: Who requested it.
+            wait: Seconds to wait for the action servers' answers, if longer than `CONFIRM_WITHIN`.
 
         Raises:
             NotFound: There is no such robot.
-            Unavailable: `ros_unavailable`: no robot could be told to stand still. Goals are canceled and the stop is
-                latched nevertheless, as the report in `extra` says.
+            Unavailable: `ros_unavailable`: zero velocity could not be published to any robot. Goals are canceled and
+                the stop is latched nevertheless, as the report in `extra` says.
         """
         began = time.monotonic()
         name = self._robots.get(namespace).namespace
@@ -178,7 +178,7 @@ class Stopper:
             raise Unavailable(detail, code="ros_unavailable", **done_all_the_same)
         return report
 
-    # ------------------------------------------------------------------ carrying it out
+    # ------------------------------------------------------------------ execution
 
     def _begin(self, name: str) -> Halt:
         self._halts[name] = halt = Halt(self._robots.under(name))
@@ -189,7 +189,7 @@ class Stopper:
         return halt
 
     def _join(self, halt: Halt) -> None:
-        """Do again what has come to be undone since: something may have driven a robot, or a goal may have begun."""
+        """Repeat the stop: a robot may have been driven, or a goal may have started, since it began."""
         halt.joined = True
         if time.monotonic() - halt.told_at > REST * halt.took:
             halt.publish_zero()
@@ -206,7 +206,7 @@ class Stopper:
     async def _carry_on(self, name: str, halt: Halt) -> None:
         try:
             await halt.ended(CONFIRM_WITHIN)
-            # Not before the cancels: a server that heard of the latch first would abort its goal.
+            # Not before the cancels: a server that receives the latch first would abort its goal.
             if halt.latched:
                 self._interlock.tell(name)
             log.info("stop of %s: zero velocity, canceling %s", name, halt.report().canceling or "no goal")
@@ -221,14 +221,14 @@ class Stopper:
             halt.publish_zero()
 
     async def _repeat(self, halt: Halt) -> bool:
-        """What drove a robot may have had the last word until now. Returns whether others have joined meanwhile."""
+        """Publish zero velocity again, to override commands sent since; return whether others joined meanwhile."""
         halt.joined = False
         await asyncio.sleep(max(REPEAT_AFTER, REST * halt.took))
         halt.publish_zero()
         return halt.joined
 
     async def close(self) -> None:
-        """Wait for nothing any more."""
+        """Stop all background work."""
         await self._tasks.close()
 
 

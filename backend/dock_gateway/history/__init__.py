@@ -1,4 +1,4 @@
-"""Where goals, their events and idempotency keys are kept: SQLite by default, PostgreSQL by URL, or memory."""
+"""Storage of goals, their events and idempotency keys: SQLite by default, PostgreSQL by URL, or memory."""
 
 import asyncio
 from collections.abc import AsyncIterator
@@ -38,7 +38,7 @@ __all__ = [
 
 @asynccontextmanager
 async def open_history(settings: Settings) -> AsyncIterator[History]:
-    """Keep goals where the settings say, from now on and until the block ends."""
+    """Open the history that the settings name; close it when the block ends."""
     if settings.database_url == "memory:":
         yield MemoryHistory(settings.max_goals)
         return
@@ -62,7 +62,7 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
 
 
 def _take_over(settings: Settings) -> None:
-    """Take over what all gateways of the user shared once, where this one keeps its own in the same folder."""
+    """Take over the files that all gateways of a user once shared, where this gateway uses the same folder."""
     if not settings.database_url:
         take_over_database(data_file("history.db"), Path(settings.database.removeprefix("sqlite:///")))
     if settings.spool_path is None:

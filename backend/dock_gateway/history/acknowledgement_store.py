@@ -12,7 +12,7 @@ from dock_gateway.history.reader import AWAY, Reader
 from dock_gateway.history.tables import acknowledgements
 from dock_gateway.history.writer import DATABASE_ERRORS, Writer
 
-WRITE_TIMEOUT = 1.0
+WRITE_TIMEOUT = 1.0  # seconds
 
 
 class SqlAcknowledgements:
@@ -24,7 +24,7 @@ class SqlAcknowledgements:
         self._writer = writer
 
     async def read(self) -> dict[str, Acknowledgement]:
-        """All of them, by the id of the alert.
+        """Return all acknowledgements, by alert id.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
@@ -32,7 +32,7 @@ class SqlAcknowledgements:
         return await self._reader.read(_read)
 
     async def write(self, alert_id: str, acknowledgement: Acknowledgement | None) -> None:
-        """Keep one in place of what there was, or none.
+        """Store the acknowledgement of an alert, replacing the earlier one; None deletes it.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).

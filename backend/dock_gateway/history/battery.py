@@ -1,4 +1,4 @@
-"""Battery events in buckets, reckoned up by the database: much is read there, and little comes here."""
+"""Battery events in buckets. The database aggregates them, so that little data is transferred."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -16,9 +16,9 @@ FIELDS = ("voltage", "percentage", "current", "temperature")
 
 @dataclass(frozen=True)
 class BatterySpan:
-    """Of which robot, from when on, until before when, and in how long buckets; in nanoseconds since 1970.
+    """A robot, a time span from `since` to before `until`, and a bucket length; in nanoseconds since 1970.
 
-    Buckets begin at multiples of their length, so that those of two spans are the same where these overlap.
+    Buckets start at multiples of their length, so that overlapping spans have the same buckets.
     """
 
     robot: str
@@ -28,18 +28,18 @@ class BatterySpan:
 
     @property
     def ids(self) -> tuple[str, str]:
-        """Ids of events in the span are equal to the first or after it, and before the second."""
+        """The range of event ids in the span: first inclusive, second exclusive."""
         return time_id(self.since), time_id(self.until)
 
     def covers(self, event: Event) -> bool:
-        """Whether an event is one of these."""
+        """Return whether this is a battery event of the robot within the span."""
         first, last = self.ids
         return event.topic == "battery" and event.robot == self.robot and first <= (event.id or "") < last
 
 
 @dataclass
 class Tally:
-    """What was measured of one field."""
+    """The aggregate of one field's measurements."""
 
     count: int = 0
     total: float = 0.0
@@ -47,7 +47,7 @@ class Tally:
     high: float | None = None
 
     def add(self, other: "Tally") -> None:
-        """Take up what was measured besides."""
+        """Merge another tally into this one."""
         self.count += other.count
         self.total += other.total
         self.low = min((low for low in (self.low, other.low) if low is not None), default=None)
@@ -55,20 +55,20 @@ class Tally:
 
     @property
     def mean(self) -> float | None:
-        """The mean, None where nothing was measured."""
+        """The mean; None without measurements."""
         return self.total / self.count if self.count else None
 
 
 @dataclass
 class Bucket:
-    """The battery states within a bucket: the time of the last one, its status, and what was measured."""
+    """The battery states in a bucket: time and status of the last one, and the aggregate of each field."""
 
     stamp: int = 0
     status: int | None = None
     tallies: dict[str, Tally] = field(default_factory=lambda: {name: Tally() for name in FIELDS})
 
     def add(self, other: "Bucket") -> None:
-        """Take up more."""
+        """Merge another bucket into this one."""
         if other.stamp >= self.stamp:
             self.stamp, self.status = other.stamp, other.status
         for name, tally in other.tallies.items():
@@ -79,7 +79,7 @@ Buckets = dict[int, Bucket]
 
 
 def add_events(buckets: Buckets, events: Iterable[Event], step: int) -> list[Bucket]:
-    """Put events into their buckets; those, as time goes by."""
+    """Add events to their buckets; return the buckets in order of time."""
     for event in events:
         stamp = int((event.id or "")[:STAMP_DIGITS])
         state = orjson.loads(event.data)["battery"]
@@ -94,11 +94,11 @@ def _measured(value: float | None) -> Tally:
 
 _STAMP = sa.func.substr(events.c.id, 1, STAMP_DIGITS)
 _STATUS = "power_supply_status"
-_RECKON = (sa.func.count, sa.func.sum, sa.func.min, sa.func.max)  # as Tally has it
+_RECKON = (sa.func.count, sa.func.sum, sa.func.min, sa.func.max)  # in the order of the fields of Tally
 
 
 def battery(connection: sa.Connection, span: BatterySpan, until: str) -> tuple[Buckets, list[Event]]:
-    """The battery events of a span: those before the event `until` in buckets, those after it as they are."""
+    """Return the battery events of a span: those before the id `until` in buckets, the rest one by one."""
     first, last = span.ids
     of_robot = (IS_BATTERY, events.c.robot == span.robot)
     early = sa.and_(*of_robot, events.c.id >= first, events.c.id < min(last, until))
@@ -111,7 +111,7 @@ def _reckoning(connection: sa.Connection, chosen: "sa.ColumnElement[bool]", step
     read = _read_in_postgresql if connection.dialect.name == "postgresql" else _read_in_sqlite
     bucket = sa.cast(_STAMP, sa.BigInteger) // sa.literal(step, sa.BigInteger)
     sample = read(_STAMP.label("stamp"), bucket.label("bucket")).where(chosen).subquery()
-    # The last status is that of the greatest stamp; all stamps are of one length.
+    # The last status is that of the greatest stamp; all stamps have the same length.
     last = sa.func.max(sample.c.stamp.concat(sample.c[_STATUS]))
     reckoned = [reckon(sample.c[name]) for name in FIELDS for reckon in _RECKON]
     return sa.select(sample.c.bucket, last, *reckoned).group_by(sample.c.bucket)
@@ -123,7 +123,7 @@ def _read_in_sqlite(*columns: "sa.ColumnElement[Any]") -> "sa.Select[Any]":
 
 
 def _read_in_postgresql(*columns: "sa.ColumnElement[Any]") -> "sa.Select[Any]":
-    # A record is read out of the text once; an operator for each field would read it each time.
+    # Parses the JSON once; one operator per field would parse it each time.
     types = [*(sa.column(name, sa.Double) for name in FIELDS), sa.column(_STATUS, sa.Text)]
     state = sa.func.json_to_record(sa.cast(events.c.data, sa.JSON)["battery"])
     record = state.table_valued(*types).render_derived(with_types=True).lateral()

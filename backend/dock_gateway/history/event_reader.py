@@ -1,4 +1,4 @@
-"""The events of the past: those that are stored, together with those that wait to be."""
+"""Reads past events: the stored ones together with those that are not written yet."""
 
 import asyncio
 from collections.abc import Callable, Collection, Iterator
@@ -17,21 +17,21 @@ from dock_gateway.history.waiting import Waiting
 
 
 def begin(goal: Goal, first: str) -> str:
-    """What is older than this is no event of the goal; `first` is the id of its first event that is there.
+    """Return an id before which the goal has no events; `first` is the id of its first existing event.
 
-    The robot's clock, which events have, and the gateway's may differ.
+    Events carry the robot's clock, which may differ from the gateway's.
     """
     return min(first, time_id(nanoseconds(goal.created_at)))
 
 
 def is_complete(goal: Goal, *, first: str | None, missing: str, feedback: int) -> bool:
-    """Whether no event of a goal has been given up.
+    """Return whether no event of a goal has been dropped.
 
     Args:
         goal: The goal.
-        first: Id of its first event that is there.
-        missing: Id of the newest event of any goal that was given up.
-        feedback: How many of its feedback events are there.
+        first: Id of its first existing event.
+        missing: Id of the newest dropped event of any goal.
+        feedback: The number of its existing feedback events.
     """
     if first is None:
         return goal.last_event_id is None
@@ -39,7 +39,7 @@ def is_complete(goal: Goal, *, first: str | None, missing: str, feedback: int) -
 
 
 class EventReader:
-    """Reads events. What waits is looked at first: it may be stored meanwhile, and must not be missed in between."""
+    """Reads events: pending ones first, because they may be written meanwhile and must not be missed."""
 
     def __init__(self, reader: Reader, waiting: Waiting) -> None:
         self._reader = reader
@@ -55,7 +55,7 @@ class EventReader:
     async def after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
     ) -> LaterEvents:
-        """The events that follow one, oldest first, and whether they are all there.
+        """Return the events after a given id, oldest first, and whether they are complete.
 
         Raises:
             Unavailable: The database does not answer.
@@ -73,7 +73,7 @@ class EventReader:
         return LaterEvents(_joined(found, later.events, limit), complete=later.complete and not given_up)
 
     async def of_goal(self, goal_id: str, *, kinds: Collection[str], after: str, until: str, limit: int) -> list[Event]:
-        """The events of a goal between two, oldest first.
+        """Return the events of a goal between two ids, oldest first.
 
         Raises:
             Unavailable: The database does not answer.
@@ -88,7 +88,7 @@ class EventReader:
         return _joined(found, await self._reader.read(read, goal_id), limit)
 
     async def knows_all_of(self, goal: Goal) -> bool:
-        """Whether no event of a goal is missing.
+        """Return whether no event of a goal is missing.
 
         Raises:
             Unavailable: The database does not answer.
@@ -99,13 +99,13 @@ class EventReader:
         return await self._reader.read(_knows_all_of, copy(goal), frozenset(waiting), gap)
 
     async def battery(self, span: BatterySpan) -> list[Bucket]:
-        """The battery states of a span in buckets, oldest first.
+        """Return the battery states of a span in buckets, oldest first.
 
         Raises:
             Unavailable: The database does not answer, or takes too long.
         """
         waiting = self._that_wait(span.covers)
-        # From the first one that waits on, events come as they are: what is stored meanwhile must count once.
+        # From the first pending event on, events are read one by one: one written meanwhile must count once.
         stored, late = await self._reader.read_much(battery.battery, span, min(waiting, default=NEVER))
         waiting |= {event.id or "": event for event in late}
         return await asyncio.to_thread(add_events, stored, waiting.values(), span.step)
@@ -126,7 +126,7 @@ def _after(
     limit: int,
     reaches_back: bool,
 ) -> LaterEvents:
-    """The stored events that follow one, and whether they are all there."""
+    """Return the stored events after a given id, and whether they are complete."""
     found = queries.events_after(
         connection, event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit
     )
@@ -138,7 +138,7 @@ def _after(
 def _knows_all_of(connection: sa.Connection, goal: Goal, waiting: frozenset[str], gap: str) -> bool:
     stored = queries.first_of_goal(connection, goal.goal_id)
     feedback = {identity for identity in waiting if kind_of(identity) == FEEDBACK}
-    # What waits may be stored meanwhile; it counts once.
+    # Pending events may be written meanwhile; each counts once.
     count, later = queries.feedback_of_goal(connection, goal.goal_id, min(feedback, default=NEVER))
     return is_complete(
         goal,

@@ -1,4 +1,4 @@
-"""A damaged SQLite file is of use to whoever mends it: it is set aside, under a name that says so."""
+"""File operations on SQLite databases. A damaged file is renamed, not deleted, so that it can be repaired."""
 
 import fcntl
 import os
@@ -9,11 +9,11 @@ from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 
-LOCK_TIMEOUT = 2.0
+LOCK_TIMEOUT = 2.0  # seconds
 
 
 def identity(path: Path) -> tuple[int, int] | None:
-    """Which file is at a path, whatever it is called; None where there is none."""
+    """Return device and inode of the file at a path, None if there is none."""
     try:
         found = path.stat()
     except (FileNotFoundError, NotADirectoryError):
@@ -23,10 +23,10 @@ def identity(path: Path) -> tuple[int, int] | None:
 
 @contextmanager
 def locked(folder: Path) -> Iterator[None]:
-    """Rename, remove and open files that other gateways use, too; blocks until they have done so.
+    """Lock a folder while its files, which other gateways use too, are renamed, removed or opened; blocks.
 
     Raises:
-        OSError: There is no such folder; TimeoutError, which is one, where another gateway takes too long.
+        OSError: There is no such folder; its subclass TimeoutError if another gateway holds the lock too long.
     """
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
@@ -46,25 +46,25 @@ def locked(folder: Path) -> Iterator[None]:
 
 MARK = ".corrupt-"
 STAMP = "%Y%m%dT%H%M%S.%fZ"
-# A disk that damages each new file must not be filled with them.
+# Keeps a bad disk from filling up with damaged files.
 MAX_ASIDE = 20
-# What belongs to a database besides its file: what is not in that yet, and who uses it.
+# Suffixes of the other files of a database: its log and its shared memory.
 LOG_FILES = ("-wal", "-shm")
 
 
 def is_damage(error: BaseException | None) -> bool:
-    """Whether SQLite says that a file is damaged, or no database at all; not that it is locked, full or barred."""
+    """Return whether SQLite reports a damaged file or no database; not a locked, full or inaccessible one."""
     code = getattr(error, "sqlite_errorcode", 0) & 0xFF
     return code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB)
 
 
 def beside(path: Path, suffix: str) -> Path:
-    """A file that belongs to a database."""
+    """Return the path of a file that belongs to a database."""
     return path.with_name(path.name + suffix)
 
 
 def set_aside(path: Path) -> Path:
-    """Rename a damaged database with all that belongs to it; returns its new path. Nobody may open it meanwhile.
+    """Rename a damaged database and its other files; return its new path. It must not be opened meanwhile.
 
     Raises:
         OSError: It cannot be renamed, or too many have been set aside already.
@@ -77,7 +77,7 @@ def set_aside(path: Path) -> Path:
 
 
 def aside(path: Path) -> dict[datetime, Path]:
-    """The damaged files that were set aside, by when that was."""
+    """Return the damaged files that were set aside, by the time of that."""
     found = {}
     for each in path.parent.iterdir():
         name, _, stamp = each.name.rpartition(MARK)
@@ -88,7 +88,7 @@ def aside(path: Path) -> dict[datetime, Path]:
 
 
 def rename(path: Path, new: Path) -> None:
-    """Rename a database with all that belongs to it."""
+    """Rename a database and its other files."""
     path.rename(new)
     for suffix in LOG_FILES:
         with suppress(FileNotFoundError):

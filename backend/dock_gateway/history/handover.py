@@ -1,4 +1,4 @@
-"""The files of earlier versions, which all gateways of a user shared: the first gateway that starts takes them over."""
+"""Takes over the files of earlier versions, which all gateways of a user shared. The first gateway to start wins."""
 
 import fcntl
 import logging
@@ -12,11 +12,11 @@ log = logging.getLogger(__name__)
 
 
 def take_over_database(old: Path, new: Path) -> None:
-    """Rename a SQLite database, unless there is a new one already or a gateway of an earlier version uses the old one.
+    """Rename a SQLite database, unless the new one exists or an earlier version's gateway uses the old one.
 
     Args:
-        old: Where it was; both are in one folder.
-        new: Where it is kept from now on.
+        old: Its old path.
+        new: Its new path, in the same folder.
     """
     if not old.exists() or new.exists():
         return
@@ -31,7 +31,7 @@ def take_over_database(old: Path, new: Path) -> None:
 def _rename(old: Path, new: Path) -> None:
     try:
         with closing(sqlite3.connect(old, timeout=0.5, isolation_level=None)) as connection:
-            # Brings what is in the log into the file, and fails where another process has the file open.
+            # Merges the log into the file; fails if another process has the file open.
             connection.execute("PRAGMA journal_mode=DELETE")
     except sqlite3.DatabaseError as error:
         if not is_damage(error):
@@ -41,11 +41,11 @@ def _rename(old: Path, new: Path) -> None:
 
 
 def take_over_spool(old: Path, new: Path) -> None:
-    """Move the spool's files that no living process holds.
+    """Move the spool files that no running process has locked.
 
     Args:
-        old: The folder where they were.
-        new: The folder where they are kept from now on.
+        old: Their old folder.
+        new: Their new folder.
     """
     try:
         for path in sorted(old.glob("*.jsonl")):

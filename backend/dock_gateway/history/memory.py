@@ -1,4 +1,4 @@
-"""Goals and events of this process alone (`memory:`); nothing outlives it."""
+"""The history in memory (`memory:`). Nothing outlives the process."""
 
 import asyncio
 import bisect
@@ -25,17 +25,17 @@ from dock_gateway.history.protocol import (
 
 
 class MemoryAcknowledgements:
-    """Acknowledgements of this process."""
+    """Acknowledgements in memory."""
 
     def __init__(self) -> None:
         self._known: dict[str, Acknowledgement] = {}
 
     async def read(self) -> dict[str, Acknowledgement]:
-        """All of them, by the id of the alert."""
+        """Return all acknowledgements, by alert id."""
         return dict(self._known)
 
     async def write(self, alert_id: str, acknowledgement: Acknowledgement | None) -> None:
-        """Keep one in place of what there was, or none."""
+        """Store the acknowledgement of an alert, replacing the earlier one; None deletes it."""
         if acknowledgement is None:
             self._known.pop(alert_id, None)
         else:
@@ -43,10 +43,10 @@ class MemoryAcknowledgements:
 
 
 class MemoryHistory:
-    """Goals of this process.
+    """Goals, events and keys in memory.
 
-    Of the ended goals the oldest are forgotten beyond `limit`, running ones never; of the events, those beyond
-    `event_limit`, feedback and battery first.
+    Beyond `limit`, the oldest ended goals are dropped; running ones never are. Beyond `event_limit`, the oldest events
+    are dropped, feedback and battery first.
     """
 
     shared = False
@@ -59,20 +59,20 @@ class MemoryHistory:
         self._limit = limit
         self._event_limit = event_limit
         self._goals: dict[str, Goal] = {}
-        self._keys: dict[str, tuple[str, str, float]] = {}  # goal_id, fingerprint, when it expires
+        self._keys: dict[str, tuple[str, str, float]] = {}  # goal_id, fingerprint, expiry (monotonic)
         self._events: dict[str, Event] = {}
         self._event_ids: list[str] = []  # sorted
-        self._horizon: dict[str, str] = {}  # topic → id of the newest event that was forgotten
+        self._horizon: dict[str, str] = {}  # topic → id of the newest dropped event
         self._dropped = 0
 
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
-        """Keep a new goal."""
+        """Store a new goal."""
         if idempotency_key is not None:
             await self.claim(idempotency_key, goal.goal_id, fingerprint_of(goal.action_name, goal.goal))
         self.record(goal)
 
     async def claim(self, idempotency_key: str, goal_id: str, fingerprint: str) -> tuple[str, str]:
-        """Bind a key to a goal, or tell whose it is."""
+        """Bind a key to a goal, or return its owner."""
         now = time.monotonic()
         held = self._keys.get(idempotency_key)
         if held is None or held[2] <= now:
@@ -81,13 +81,13 @@ class MemoryHistory:
         return held[:2]
 
     async def release(self, idempotency_key: str, goal_id: str) -> None:
-        """Let go of the key of a goal."""
+        """Release the key if this goal holds it."""
         held = self._keys.get(idempotency_key)
         if held is not None and held[0] == goal_id:
             del self._keys[idempotency_key]
 
     def record(self, goal: Goal) -> None:
-        """Keep a goal, or what is new about it."""
+        """Record the current state of a goal."""
         stored = self._goals.get(goal.goal_id)
         self._goals[goal.goal_id] = copy(goal) if stored is None else merge(stored, goal)
         if len(self._goals) > self._limit:
@@ -100,7 +100,7 @@ class MemoryHistory:
             self._keys = {key: held for key, held in self._keys.items() if held[0] != oldest}
 
     def record_event(self, event: Event) -> None:
-        """Keep an event, once."""
+        """Record an event; duplicates are ignored."""
         if event.id is None or event.id in self._events:
             return
         self._events[event.id] = event
@@ -112,12 +112,12 @@ class MemoryHistory:
             self._dropped += 1
 
     async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
-        """Keep how a goal ended."""
+        """Store the end of a goal."""
         self.record(goal)
         return list(end)
 
     async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
-        """Goals, newest first."""
+        """Return goals, newest first."""
         newest_first = sorted(self._goals.values(), key=lambda goal: (goal.created_at, goal.goal_id), reverse=True)
         if before is not None:
             position = next((i for i, goal in enumerate(newest_first) if goal.goal_id == before), len(newest_first))
@@ -126,28 +126,28 @@ class MemoryHistory:
         return [goal for goal, _ in zip(found, range(limit), strict=False)]
 
     async def get(self, goal_id: str) -> Goal | None:
-        """One goal."""
+        """Return a goal, or None if there is no such goal."""
         goal = self._goals.get(goal_id)
         return None if goal is None else copy(goal)
 
     async def known(self, goal_ids: Collection[str]) -> dict[str, Goal]:
-        """Those of these goals that are known."""
+        """Return the stored goals among these ids, by id."""
         return {goal_id: copy(self._goals[goal_id]) for goal_id in goal_ids if goal_id in self._goals}
 
     async def by_key(self, idempotency_key: str) -> Goal | None:
-        """The goal that was sent with this key."""
+        """Return the goal sent with this key."""
         held = self._keys.get(idempotency_key)
         return await self.get(held[0]) if held is not None and held[2] > time.monotonic() else None
 
     async def unfinished(self, *, complete: bool = False) -> list[Goal]:
-        """The goals whose status is not final, oldest first."""
+        """Return the goals without a final status, oldest first."""
         goals = [copy(goal) for goal in self._goals.values() if not goal.status.final]
         return sorted(goals, key=lambda goal: (goal.created_at, goal.goal_id))
 
     async def events_after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
     ) -> LaterEvents:
-        """The events that follow one, oldest first."""
+        """Return the events after a given id, oldest first."""
         given_up = any(event_id < self._horizon.get(topic, "") for topic in topics)
         known = (*self._event_ids[:1], *self._horizon.values())
         complete = not given_up and any(event_id >= each for each in known)
@@ -159,12 +159,12 @@ class MemoryHistory:
     async def events_of(
         self, goal_id: str, *, kinds: Collection[str], after: str = "", until: str = NEVER, limit: int
     ) -> list[Event]:
-        """The events of a goal after one and up to another, oldest first."""
+        """Return the events of a goal from `after` (exclusive) to `until` (inclusive), oldest first."""
         between = (each for each in self._ids_of(goal_id) if after < each <= until and kind_of(each) in kinds)
         return [self._events[each] for each, _ in zip(between, range(limit), strict=False)]
 
     async def knows_all_of(self, goal: Goal) -> bool:
-        """Whether no event of a goal has been given up."""
+        """Return whether no event of a goal has been dropped."""
         ids = self._ids_of(goal.goal_id)
         return is_complete(
             goal,
@@ -177,13 +177,13 @@ class MemoryHistory:
         return [each for each in self._event_ids if self._events[each].goal_id == goal_id]
 
     async def battery(self, span: BatterySpan) -> list[Bucket]:
-        """The battery states of a span in buckets, oldest first."""
+        """Return the battery states of a span in buckets, oldest first."""
         covered = [event for event in self._events.values() if span.covers(event)]
         return await asyncio.to_thread(add_events, {}, covered, span.step)
 
     def stats(self) -> HistoryStats:
-        """How the keeping goes: always well."""
+        """Return the state of the history; only `dropped` ever changes."""
         return HistoryStats(dropped=self._dropped)
 
     async def close(self) -> None:
-        """Nothing is written."""
+        """Do nothing; there is nothing to write."""

@@ -1,4 +1,4 @@
-"""How two accounts of one goal become one, whichever is written first: two replicas write the same goals."""
+"""Merges two versions of a goal, in any order: two replicas write the same goals."""
 
 from copy import copy
 
@@ -8,13 +8,13 @@ RANK = {status: rank for rank, status in enumerate(GoalStatus)}
 
 
 def merge(stored: Goal, news: Goal) -> Goal:
-    """A new goal with the best of both.
+    """Return a new goal that combines both versions.
 
-    - The state moves forward, and a final one stays. Between `lost` and a state before it the later account counts.
-    - `gateway`, who sent the goal, knows better than `external`, who saw it; and knows when it was sent.
-    - What is known of goal, feedback, result and stage is never overwritten by nothing; nor is the error, unless it was
-      that of a `lost` goal that returned, or says that there is no result where there is one. A goal that succeeded has
-      no other error.
+    - The status only moves forward, and a final one stays. Between `lost` and an earlier status the later version wins.
+    - Origin `gateway` (the sender) overrides `external` (an observer), and its `created_at` is used.
+    - Goal, feedback, result and stage are never overwritten by None. Neither is the error, unless it was that of a
+      `lost` goal that returned, or says that there is no result although there is one. A goal that succeeded does not
+      take over the other version's error.
     """
     merged = copy(stored)
     status_from, other = (news, stored) if _supersedes(news, stored) else (stored, news)

@@ -1,4 +1,4 @@
-"""Makes the tables, or brings them up to date: by Alembic, in one transaction and under a lock."""
+"""Creates or upgrades the tables with Alembic, in one transaction and under a lock."""
 
 import logging
 from pathlib import Path
@@ -7,14 +7,14 @@ import sqlalchemy as sa
 
 MIGRATIONS = Path(__file__).parent / "migrations"
 
-_LOCK = 0x646F636B67617465  # any number that nobody else takes
+_LOCK = 0x646F636B67617465  # arbitrary; must be unique among the users of the database
 
 
 def migrate(connection: sa.Connection) -> None:
-    """See that the tables are of this version; a process that comes second waits for the first and finds the work done.
+    """Create or upgrade the tables to this version; a second process waits for the first and has nothing to do.
 
     Raises:
-        RuntimeError: The tables are those of another version of the gateway.
+        RuntimeError: The tables belong to another version of the gateway.
     """
     from alembic import command  # noqa: PLC0415 - a quarter of a second, on the thread that opens the database
     from alembic.config import Config  # noqa: PLC0415

@@ -1,4 +1,4 @@
-"""PostgreSQL, by asyncpg."""
+"""PostgreSQL through asyncpg."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,14 +10,14 @@ from sqlalchemy.ext.asyncio import AsyncEngine, create_async_engine
 from dock_gateway.history.database import CONNECT_TIMEOUT, READERS, WRITERS, Database, T, Ts
 from dock_gateway.history.tables import prepare_for
 
-STATEMENT_TIMEOUT = 10.0
+STATEMENT_TIMEOUT = 10.0  # seconds
 
 
 class PostgresqlDatabase(Database):
-    """A database on a server.
+    """A PostgreSQL database.
 
     Args:
-        url: `postgresql://…`, as asyncpg takes it.
+        url: `postgresql://…`, in the form that asyncpg accepts.
     """
 
     shared = True
@@ -56,14 +56,14 @@ class PostgresqlDatabase(Database):
             raise ConnectionError(str(error)) from error
 
     async def write(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, durable: bool = True) -> T:
-        """A transaction that writes; one that is not `durable` may be lost when the server loses power."""
+        """Run a write transaction; one that is not `durable` may be lost when the server loses power."""
         async with self._writer.begin() as connection:
             if not durable:
                 await connection.execute(sa.text("SET LOCAL synchronous_commit TO off"))
             return await connection.run_sync(work, *args)
 
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
-        """A transaction that reads."""
+        """Run a read transaction."""
         async with self._reader.connect() as connection:
             return await connection.run_sync(work, *args)
 

@@ -1,6 +1,6 @@
-"""What is written, and what is asked of goals and keys, in SQL that SQLite and PostgreSQL share.
+"""Statements that write and read goals, events and keys, in SQL that SQLite and PostgreSQL share.
 
-Functions of a connection, for `Database`.
+Each function takes a connection, as `Database` expects.
 """
 
 import importlib
@@ -24,8 +24,8 @@ _FINAL = [status.value for status in GoalStatus if status.final]
 
 
 def insert_into(connection: sa.Connection, table: sa.Table) -> "postgresql.Insert | sqlite.Insert":
-    """An insert that can say what to do where there is such a row already."""
-    # Only the dialect in use is loaded; the other one would cost a tenth of the start.
+    """Return an insert that supports `ON CONFLICT`."""
+    # Only the dialect in use is loaded; the other would add a tenth to the start time.
     dialect = importlib.import_module(f"sqlalchemy.dialects.{connection.dialect.name}")
     insert: postgresql.Insert | sqlite.Insert = dialect.insert(table)
     return insert
@@ -35,7 +35,7 @@ def insert_into(connection: sa.Connection, table: sa.Table) -> "postgresql.Inser
 
 
 def write(connection: sa.Connection, batch: Batch) -> None:
-    """Write a batch; doing so again changes nothing. Rows are taken in one order, so that writers do not lock up."""
+    """Write a batch; idempotent. Rows are written in a fixed order, so that writers do not deadlock."""
     if batch.keys:
         for key in sorted(batch.keys, key=lambda key: key.key):
             claim(connection, key)
@@ -44,12 +44,12 @@ def write(connection: sa.Connection, batch: Batch) -> None:
         connection.execute(insert_into(connection, events).on_conflict_do_nothing(), rows)
     if batch.gaps:
         raise_horizons(connection, batch.gaps)
-    if batch.goals:  # last: another gateway that has news of a goal waits until this transaction has ended
+    if batch.goals:  # last: these locks block other gateways that write the same goals until the commit
         _write_goals(connection, {goal.goal_id: goal for goal in batch.goals})
 
 
 def seal(connection: sa.Connection, batch: Batch) -> dict[str, Event]:
-    """Write a batch; returns its events as they are stored, by key: those of another gateway, where that was first."""
+    """Write a batch; return its events as stored, by key: those of another gateway, if it was first."""
     write(connection, batch)
     if not batch.events:
         return {}
@@ -75,7 +75,7 @@ def _write_goals(connection: sa.Connection, news: dict[str, Goal]) -> None:
 
 
 def claim(connection: sa.Connection, key: Key) -> Key:
-    """Give the key to the goal, unless another goal has it; whose it is."""
+    """Bind the key to its goal unless another goal holds it; return the key that is stored."""
     insert = insert_into(connection, idempotency_keys)
     row = key_row(key)
     statement = insert.on_conflict_do_update(
@@ -86,13 +86,13 @@ def claim(connection: sa.Connection, key: Key) -> Key:
 
 
 def release(connection: sa.Connection, key: str, goal_id: str) -> None:
-    """Let go of the key of a goal."""
+    """Release the key if this goal holds it."""
     is_it = (idempotency_keys.c.key == key, idempotency_keys.c.goal_id == goal_id)
     connection.execute(sa.delete(idempotency_keys).where(*is_it))
 
 
 def raise_horizons(connection: sa.Connection, gaps: dict[str, str]) -> None:
-    """Note the newest events that are missing."""
+    """Store the id of the newest missing event of each topic."""
     insert = insert_into(connection, horizons)
     statement = insert.on_conflict_do_update(
         index_elements=["topic"],
@@ -107,7 +107,7 @@ def raise_horizons(connection: sa.Connection, gaps: dict[str, str]) -> None:
 
 
 def goals_by_id(connection: sa.Connection, goal_ids: Iterable[str], *, lock: bool = False) -> dict[str, Goal]:
-    """The goals with these ids, as far as there are any."""
+    """Return the stored goals among these ids."""
     query = sa.select(goals).where(goals.c.goal_id.in_(list(goal_ids))).order_by(goals.c.goal_id)
     result = connection.execute(query.with_for_update() if lock else query)
     return {row["goal_id"]: goal_of(row) for row in result.mappings()}
@@ -121,7 +121,7 @@ def page(
     before: tuple[datetime, str] | None,
     without: Sequence[str],
 ) -> list[Goal]:
-    """Goals, newest first, those `before` a time and an id."""
+    """Return goals, newest first; `before` is an exclusive bound of time and id."""
     query = sa.select(goals).order_by(goals.c.created_at.desc(), goals.c.goal_id.desc()).limit(limit)
     query = query.where(*_conditions(wanted))
     if without:
@@ -133,11 +133,11 @@ def page(
 
 
 def _conditions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
-    """What `GoalFilter.matches` says, in SQL."""
+    """Return `GoalFilter.matches` as SQL conditions."""
     conditions: list[sa.ColumnElement[bool]] = []
     if wanted.action_names:
         conditions.append(goals.c.action_name.in_(sorted(wanted.action_names)))
-    if wanted.prefix != "/":  # not by LIKE, to which upper and lower case are one in SQLite
+    if wanted.prefix != "/":  # not LIKE, which ignores case in SQLite
         conditions.append(sa.func.substr(goals.c.action_name, 1, len(wanted.prefix)) == wanted.prefix)
     if wanted.statuses:
         conditions.append(goals.c.status.in_(sorted(status.value for status in wanted.statuses)))
@@ -151,20 +151,20 @@ def _conditions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
 
 
 def unfinished(connection: sa.Connection) -> list[Goal]:
-    """The goals that are not in a final state."""
+    """Return the goals that are not in a final state."""
     open_statuses = [status.value for status in GoalStatus if status.value not in _FINAL]
     query = sa.select(goals).where(goals.c.status.in_(open_statuses))
     return [goal_of(row) for row in connection.execute(query).mappings()]
 
 
 def key_of(connection: sa.Connection, key: str) -> Key | None:
-    """A key that has not expired."""
+    """Return a key unless it has expired."""
     keys = _keys(connection, idempotency_keys.c.key == key, limit=1)
     return keys[0] if keys else None
 
 
 def newest_keys(connection: sa.Connection, limit: int) -> list[Key]:
-    """The keys that expire last."""
+    """Return the keys that expire last."""
     return _keys(connection, sa.true(), limit=limit)
 
 
@@ -182,9 +182,10 @@ _KIND = sa.func.substr(events.c.id, KIND_AT + 1, 1)
 
 
 def is_complete_after(connection: sa.Connection, event_id: str, topics: Collection[str], *, reaches_back: bool) -> bool:
-    """Whether nothing that followed an event was given up, and the past reaches back to it (if not known already).
+    """Return whether no event after `event_id` was dropped, and the history reaches back to it.
 
-    It does where something older is kept, where something older was given up, or where the tables are older.
+    It reaches back if an older event is stored, if an older event was dropped, or if the tables are older. That is not
+    checked if `reaches_back` is set.
     """
     of_topics = horizons.c.topic.in_(list(topics))
     if connection.scalar(sa.select(sa.exists().where(of_topics, horizons.c.event_id > event_id))):
@@ -199,7 +200,7 @@ def is_complete_after(connection: sa.Connection, event_id: str, topics: Collecti
 
 
 def newest(connection: sa.Connection) -> str:
-    """The id of the newest event."""
+    """Return the id of the newest event, empty if there is none."""
     return connection.scalar(sa.select(sa.func.max(events.c.id))) or ""
 
 
@@ -212,7 +213,7 @@ def events_after(
     topics: Collection[str],
     limit: int,
 ) -> list[Event]:
-    """The events that follow one, in the order of their ids."""
+    """Return the events after a given id, ordered by id."""
     wanted: list[Any] = []
     if goal_id is not None:
         wanted.append(events.c.goal_id == goal_id)
@@ -234,7 +235,7 @@ def events_after(
 def events_of_goal(
     connection: sa.Connection, goal_id: str, *, kinds: Collection[str], after: str, until: str, limit: int
 ) -> list[Event]:
-    """The events of a goal after one and up to another, in the order of their ids."""
+    """Return the events of a goal from `after` (exclusive) to `until` (inclusive), ordered by id."""
     query = (
         sa.select(events)
         .where(events.c.goal_id == goal_id, events.c.id > after, events.c.id <= until, _KIND.in_(sorted(kinds)))
@@ -245,18 +246,18 @@ def events_of_goal(
 
 
 def first_of_goal(connection: sa.Connection, goal_id: str) -> str | None:
-    """The id of the first event of a goal that is there."""
+    """Return the id of the first stored event of a goal."""
     first: str | None = connection.scalar(sa.select(sa.func.min(events.c.id)).where(events.c.goal_id == goal_id))
     return first
 
 
 def feedback_of_goal(connection: sa.Connection, goal_id: str, until: str) -> tuple[int, set[str]]:
-    """How many feedback events of a goal there are before an event, and the ids of those that follow."""
+    """Return the number of feedback events of a goal before `until`, and the ids of the rest."""
     ids = sa.select(events.c.id).where(events.c.goal_id == goal_id, _KIND == FEEDBACK)
     count = connection.scalar(sa.select(sa.func.count()).select_from(ids.where(events.c.id < until).subquery()))
     return count or 0, set(connection.scalars(ids.where(events.c.id >= until)))
 
 
 def horizon(connection: sa.Connection, topic: str) -> str:
-    """The id of the newest event of a topic that is missing."""
+    """Return the id of the newest missing event of a topic, empty if there is none."""
     return connection.scalar(sa.select(horizons.c.event_id).where(horizons.c.topic == topic)) or ""

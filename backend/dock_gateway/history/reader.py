@@ -1,4 +1,4 @@
-"""Reads from the database in time, or says that it cannot be read."""
+"""Reads from the database with a timeout."""
 
 import asyncio
 import time
@@ -10,17 +10,17 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.history.database import Database, T, Ts
 from dock_gateway.history.writer import DATABASE_ERRORS, Writer
 
-READ_TIMEOUT = 1.0
-# After a read that failed, the next ones fail at once for so long.
+READ_TIMEOUT = 1.0  # seconds
+# Seconds after a failed read in which further reads fail at once.
 READ_PAUSE = 1.0
-MUCH_TIMEOUT = 8.0
+MUCH_TIMEOUT = 8.0  # seconds, for large reads
 
 AWAY = "the history database does not answer"
 TOO_MUCH = f"the history database needs more than {MUCH_TIMEOUT:g} s for so much; ask for less"
 
 
 class Reader:
-    """Reads from the database, as long as that answers."""
+    """Reads from the database; fails fast while it does not answer."""
 
     def __init__(self, database: Database, writer: Writer) -> None:
         self._database = database
@@ -29,7 +29,7 @@ class Reader:
         self._much = asyncio.Lock()
 
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, timeout: float = READ_TIMEOUT) -> T:
-        """Carry out a function of a connection.
+        """Run a function of a connection.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
@@ -43,7 +43,7 @@ class Reader:
             raise self._away(error) from error
 
     async def read_much(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
-        """Carry out what may take seconds; one after the other, so that the rest finds connections that are free.
+        """Run a query that may take seconds; one at a time, so that other reads find a free connection.
 
         Raises:
             Unavailable: The database does not answer, or takes too long (`history_unavailable`).
@@ -55,7 +55,7 @@ class Reader:
                 async with asyncio.timeout(MUCH_TIMEOUT) as deadline:
                     return await self._database.read(work, *args)
             except DATABASE_ERRORS as error:
-                if deadline.expired():  # that is no reason to think that it is away
+                if deadline.expired():  # a slow query does not mean that the database is down
                     raise Unavailable(TOO_MUCH, code="history_unavailable") from error
                 raise self._away(error) from error
 
@@ -69,10 +69,10 @@ class Reader:
         return Unavailable(AWAY, code="history_unavailable")
 
     def require_everything(self) -> None:
-        """See that there is nothing that is in the spool alone.
+        """Check that no entry is only in the spool.
 
         Raises:
-            Unavailable: There is (`history_unavailable`).
+            Unavailable: Some entries are (`history_unavailable`).
         """
         if self._writer.evicted:
             raise Unavailable("the history is catching up with its spool", code="history_unavailable")

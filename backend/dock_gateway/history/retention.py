@@ -1,4 +1,4 @@
-"""Feedback and battery events are kept for a while, and up to a size; so are goals that have ended, and for longer."""
+"""Deletes old feedback and battery events, and later old ended goals, by age and by size."""
 
 import asyncio
 import logging
@@ -19,14 +19,14 @@ from dock_gateway.history.writer import DATABASE_ERRORS
 
 log = logging.getLogger(__name__)
 
-INTERVAL = 60.0
-TIMEOUT = 10.0
-# Deleted in one transaction, so that nobody waits long for it: events, and goals, each of which has some of them.
+INTERVAL = 60.0  # seconds between two runs
+TIMEOUT = 10.0  # seconds per transaction
+# The maximum number of events, and of goals (with their events), deleted per transaction, to keep it short.
 CHUNK, GOAL_CHUNK = 1000, 20
-# What a status or result event takes in the file besides its text: its ids, indexes and its share of the goal's row.
+# Bytes of a status or result event in the file besides its text: ids, indexes and its share of the goal's row.
 OVERHEAD = 1000
-# After each transaction it pauses for so many seconds, or so many times as long as the transaction took: those who
-# want to write have their turn, and the disk time for what they write.
+# The pause after each transaction, so that other writers get the lock and the disk: in seconds, or as a multiple of
+# the time that the transaction took, whichever is longer.
 PAUSE, REST = 0.05, 4
 
 _UNFINISHED = [status.value for status in GoalStatus if not status.final]
@@ -34,7 +34,7 @@ _UNFINISHED = [status.value for status in GoalStatus if not status.final]
 
 @dataclass(frozen=True)
 class Deleted:
-    """What a transaction has deleted, and the size of it."""
+    """What a transaction has deleted: number of events and goals, and bytes."""
 
     events: int = 0
     goals: int = 0
@@ -46,10 +46,10 @@ class Limits:
     """How much is kept.
 
     Attributes:
-        event_age: Of feedback and battery events, in seconds.
-        event_bytes: Of encoded feedback and battery events, without what the database needs besides.
-        goal_age: Of goals with their events, in seconds.
-        goal_bytes: Of goals with their status and result events, about as much as they take in the file.
+        event_age: Maximum age of feedback and battery events, in seconds.
+        event_bytes: Maximum size of encoded feedback and battery events, without the database's overhead.
+        goal_age: Maximum age of goals with their events, in seconds.
+        goal_bytes: Maximum size of goals with their status and result events; about their size in the file.
     """
 
     event_age: float
@@ -59,10 +59,10 @@ class Limits:
 
 
 class Retention:
-    """Deletes what is too old, and the oldest of what is too much.
+    """Deletes what exceeds the maximum age, and the oldest entries beyond the maximum size.
 
     Args:
-        database: Where.
+        database: The database to delete from.
         limits: How much is kept.
     """
 
@@ -71,7 +71,7 @@ class Retention:
         self._limits = limits
 
     async def run(self) -> None:
-        """Delete now and then, until canceled."""
+        """Enforce the limits every minute, until canceled."""
         while True:
             await asyncio.sleep(INTERVAL)
             if self._database.prepared:
@@ -81,7 +81,7 @@ class Retention:
                     log.warning("what is too old could not be deleted, and will be later: %s", error)
 
     async def enforce(self) -> int:
-        """Delete all that has to go; returns how many events those were."""
+        """Delete everything beyond the limits; return the number of deleted events."""
         limits = self._limits
         event_id = time_id(time.time_ns() - int(limits.event_age * 1e9))
         created = datetime.now(UTC) - timedelta(seconds=limits.goal_age)
@@ -98,7 +98,7 @@ class Retention:
             return await self._database.read(size)
 
     async def _delete(self, delete: Callable[[sa.Connection, int | None], Deleted], excess: int | None = None) -> int:
-        """Delete, in small transactions, all that there is, or until so many bytes are gone."""
+        """Delete in small transactions until nothing is left to delete, or `excess` bytes are gone."""
         events = 0
         while excess is None or excess > 0:
             start = time.monotonic()
@@ -129,7 +129,7 @@ def _goal_bytes(connection: sa.Connection) -> int:
 
 
 def _delete_events(connection: sa.Connection, excess: int | None, before: str | None = None) -> Deleted:
-    """The oldest ones; as many as the excess asks for, or those before an id."""
+    """Delete the oldest events: as many as the excess requires, or those before an id."""
     query = sa.select(events.c.id, events.c.topic, events.c.size).where(events.c.droppable)
     if before is not None:
         query = query.where(events.c.id < before)
@@ -146,7 +146,7 @@ def _delete_events(connection: sa.Connection, excess: int | None, before: str | 
 
 
 def _delete_by_id(connection: sa.Connection, doomed: dict[str, str]) -> None:
-    """Say that events are missing and delete them: both or neither. By id, with their topics."""
+    """Delete events and record them as missing, in one transaction; `doomed` maps ids to topics."""
     gaps: dict[str, str] = {}
     for event_id, topic in doomed.items():
         gaps[topic] = max(event_id, gaps.get(topic, ""))
@@ -158,12 +158,12 @@ def _delete_by_id(connection: sa.Connection, doomed: dict[str, str]) -> None:
 
 
 def _delete_goals(connection: sa.Connection, excess: int | None, before: datetime | None = None) -> Deleted:
-    """The oldest ones that have ended, with their events; or those before a time, also where they were lost then.
+    """Delete the oldest ended goals with their events; or those created, or created and lost, before a time.
 
-    One whose idempotency key still holds stays: a retry would send it once more. Of one with more events than a
-    transaction takes these go first.
+    A goal whose idempotency key is still valid stays: a retry would send it again. If the goals have more events than
+    fit in a transaction, only events are deleted first.
     """
-    # Not `in` the others: SQLite would go through all of them by the index on the status, and sort them.
+    # `not in`, because with `in` SQLite would scan all ended goals by the index on the status, and sort them.
     gone: sa.ColumnElement[bool] = goals.c.status.not_in(_UNFINISHED)
     if before is not None:
         lost = sa.and_(goals.c.status == GoalStatus.LOST.value, goals.c.updated_at < before)

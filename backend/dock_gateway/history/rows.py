@@ -1,4 +1,4 @@
-"""Goals, events and keys as rows of a table, and as lines of the spool."""
+"""Conversion of goals, events and keys to table rows and spool lines, and back."""
 
 import zlib
 from collections.abc import Mapping
@@ -13,19 +13,19 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 
 Row = dict[str, Any]
 
-# Written in one transaction at most: so many goals, and so many events.
+# The maximum number of goals and of events per transaction.
 BATCH_GOALS = 200
 BATCH_EVENTS = 1000
 
 _TIMES = ("created_at", "updated_at", "finished_at")
-# What a line of an older version does not have.
+# Fields that lines of older versions lack.
 _NEW = {"stage": None, "retries": None}
 _MESSAGES = ("goal", "feedback", "result")
 
 
 @dataclass(frozen=True)
 class Key:
-    """An idempotency key and the goal that it stands for."""
+    """An idempotency key and its goal."""
 
     key: str
     goal_id: str
@@ -34,13 +34,13 @@ class Key:
 
     @property
     def expired(self) -> bool:
-        """Whether another goal may have the key."""
+        """Whether another goal may use the key."""
         return self.expires_at <= datetime.now(UTC)
 
 
 @dataclass
 class Batch:
-    """What is written in one transaction. `gaps` are the newest events of a topic that were given up."""
+    """The entries of one transaction. `gaps` maps topics to the id of their newest dropped event."""
 
     goals: list[Goal] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
@@ -52,16 +52,16 @@ class Batch:
 
     @property
     def full(self) -> bool:
-        """Whether more may be waiting."""
+        """Whether a limit was reached, so that more entries may be pending."""
         return len(self.goals) >= BATCH_GOALS or len(self.keys) >= BATCH_GOALS or len(self.events) >= BATCH_EVENTS
 
     @property
     def must_keep(self) -> bool:
-        """Whether there is anything that a power cut must not take."""
+        """Whether any entry must survive a power cut."""
         return bool(self.goals or self.keys or any(not event.droppable for event in self.events))
 
     def split(self) -> "list[Batch]":
-        """Each part alone, to find out which of them the database refuses."""
+        """Return a batch for each entry, to find the one that the database refuses."""
         return [
             *(Batch(goals=[goal]) for goal in self.goals),
             *(Batch(events=[event]) for event in self.events),
@@ -71,7 +71,7 @@ class Batch:
 
 
 def goal_row(goal: Goal) -> Row:
-    """A goal as the table has it."""
+    """Convert a goal to a table row."""
     error = goal.error
     return {
         "goal_id": goal.goal_id,
@@ -96,7 +96,7 @@ def goal_row(goal: Goal) -> Row:
 
 
 def goal_of(row: Mapping[Any, Any]) -> Goal:
-    """The goal in a row."""
+    """Convert a table row to a goal."""
     goal = Goal(
         goal_id=row["goal_id"],
         action_name=row["action_name"],
@@ -120,7 +120,7 @@ def goal_of(row: Mapping[Any, Any]) -> Goal:
 
 
 def event_row(event: Event) -> Row:
-    """An event as the table has it."""
+    """Convert an event to a table row."""
     return {
         "id": event.id,
         "topic": event.topic,
@@ -135,7 +135,7 @@ def event_row(event: Event) -> Row:
 
 
 def event_of(row: Mapping[Any, Any]) -> Event:
-    """The event in a row."""
+    """Convert a table row to an event."""
     return Event(
         row["data"],
         row["topic"],
@@ -144,17 +144,17 @@ def event_of(row: Mapping[Any, Any]) -> Event:
         row["droppable"],
         id=row["id"],
         robot=row["robot"],
-        key=row.get("key"),  # a spool of before has none
+        key=row.get("key"),  # missing in spools of earlier versions
     )
 
 
 def key_row(key: Key) -> Row:
-    """A key as the table has it."""
+    """Convert a key to a table row."""
     return {"key": key.key, "goal_id": key.goal_id, "fingerprint": key.fingerprint, "expires_at": key.expires_at}
 
 
 def line_of(entry: Goal | Event | Key) -> bytes:
-    """One line of the spool: a checksum, then JSON."""
+    """Convert an entry to a spool line: a checksum, then JSON."""
     kind, row = (
         ("goal", goal_row(entry))
         if isinstance(entry, Goal)
@@ -168,7 +168,7 @@ def line_of(entry: Goal | Event | Key) -> bytes:
 
 
 def entry_of(line: bytes) -> Goal | Event | Key:
-    """What a line of the spool holds.
+    """Convert a spool line to its entry.
 
     Raises:
         ValueError: The line is damaged.
@@ -190,5 +190,5 @@ def entry_of(line: bytes) -> Goal | Event | Key:
 
 
 def _storable(text: str) -> str:
-    """Text that every database takes: no NUL, no half of a surrogate pair."""
+    """Remove what databases do not accept in text: NULs and lone surrogates."""
     return text.replace("\0", "").encode(errors="replace").decode()

@@ -1,7 +1,7 @@
-"""Files on this machine that keep what the database does not take, until it does; across restarts too.
+"""Files on this machine that hold entries until the database takes them, across restarts.
 
-Each process appends to a file of its own, which it holds a lock on. A file without a holder is that of a process that
-died, and the next one to start takes it over. A line has a checksum, so that one that was cut off does no harm.
+Each process appends to a file of its own and keeps it locked. An unlocked file belongs to a process that died; the next
+process to start takes it over. Each line has a checksum, so that a truncated line is detected.
 """
 
 import asyncio
@@ -24,31 +24,30 @@ from dock_gateway.history.rows import Key, entry_of, line_of
 
 log = logging.getLogger(__name__)
 
-APPEND_TIMEOUT = 5.0
+APPEND_TIMEOUT = 5.0  # seconds
 
 Entry = Goal | Event | Key
 Result = TypeVar("Result")
 
 
 class Spool:
-    """The spool in a folder. Its file work is done in order, on a thread of its own.
+    """The spool in a folder. All file operations run in order on one thread.
 
     Attributes:
-        lost: A file was deleted while it was written to: whoever has in memory what was in it writes it again, and sets
-            this to False.
+        lost: Whether the current file was deleted. The caller writes what it has in memory again, and resets this.
     """
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._executor = ThreadPoolExecutor(1, thread_name_prefix="spool")
-        self._files: dict[Path, int] = {}  # ours and those taken over, with the descriptor that holds the lock
+        self._files: dict[Path, int] = {}  # own and adopted files → the descriptor that holds the lock
         self._current: tuple[Path, int] | None = None
         self._counts: dict[Path, int] = {}
         self.lost = False
 
     @property
     def count(self) -> int:
-        """How many entries there are."""
+        """The number of entries."""
         return sum(self._counts.values())
 
     async def _run(self, work: Callable[[], Result]) -> Result:
@@ -57,10 +56,10 @@ class Spool:
     # ------------------------------------------------------------------ write
 
     async def append(self, entries: list[Entry]) -> None:
-        """Keep entries; they are on the disk once this returns.
+        """Append entries; on return they are on the disk.
 
         Raises:
-            OSError: The disk does not take them; TimeoutError, which is one, where it takes too long.
+            OSError: They cannot be written; its subclass TimeoutError if that takes too long.
         """
         if not entries:
             return
@@ -106,7 +105,7 @@ class Spool:
     def _hold(self, path: Path, descriptor: int) -> bool:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            if os.fstat(descriptor).st_nlink:  # 0: its holder was done with it a moment ago
+            if os.fstat(descriptor).st_nlink:  # 0: its holder has just removed it
                 self._files[path] = descriptor
                 return True
         except BlockingIOError:
@@ -114,10 +113,10 @@ class Spool:
         os.close(descriptor)
         return False
 
-    # ------------------------------------------------------------------ read, and be done with
+    # ------------------------------------------------------------------ read and remove
 
     async def take_over(self) -> list[Path]:
-        """The files that processes before this one have left."""
+        """Lock the files that earlier processes left, and return their paths."""
         return await self._run(self._adopt)
 
     def _adopt(self) -> list[Path]:
@@ -145,7 +144,7 @@ class Spool:
                 log.error("%s cannot be read: %s", path, error)
 
     async def rotate(self) -> list[Path]:
-        """Begin a new file with the next entry; returns the files up to now."""
+        """Start a new file with the next entry; return the files so far."""
 
         def rotate() -> list[Path]:
             self._current = None
@@ -154,13 +153,13 @@ class Spool:
         return await self._run(rotate)
 
     async def read(self, paths: list[Path], size: int = 200) -> AsyncIterator[list[Entry]]:
-        """The entries of these files, so many at a time."""
+        """Yield the entries of these files, `size` at a time."""
         entries = self._read(paths)
         while chunk := await self._run(lambda: list(islice(entries, size))):
             yield chunk
 
     async def remove(self, paths: list[Path]) -> None:
-        """Every entry of these files is in the database."""
+        """Delete files whose entries are all in the database."""
         await self._run(lambda: self._remove(paths))
 
     def _remove(self, paths: list[Path]) -> None:
@@ -173,7 +172,7 @@ class Spool:
                 os.close(descriptor)
 
     async def close(self) -> None:
-        """Let go of the files; they stay."""
+        """Close and unlock the files without deleting them."""
 
         def close() -> None:
             for descriptor in self._files.values():
@@ -186,6 +185,6 @@ class Spool:
 
 
 def _is_at(path: Path, descriptor: int) -> bool:
-    """Whether a file that is open is still the one at its path."""
+    """Return whether an open file is still the one at its path."""
     opened = os.fstat(descriptor)
     return identity(path) == (opened.st_dev, opened.st_ino)

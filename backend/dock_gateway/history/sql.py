@@ -1,4 +1,4 @@
-"""The history in a database, readable as if everything that still waits were in it already."""
+"""The history in a database. Reads include the entries that are not written yet."""
 
 import asyncio
 import logging
@@ -33,21 +33,21 @@ from dock_gateway.history.writer import DATABASE_ERRORS, Writer
 
 log = logging.getLogger(__name__)
 
-OPEN_TIMEOUT = 2.0  # at the start, for the database
-CLOSE_TIMEOUT = 1.0
-LOOK_INTERVAL = 2.0
+OPEN_TIMEOUT = 2.0  # Seconds that the start waits for the database.
+CLOSE_TIMEOUT = 1.0  # Seconds.
+LOOK_INTERVAL = 2.0  # Seconds between two polls of the database.
 KEPT_TOPICS = ("goals", "battery", "cmd_vel")
-KEY_TIMEOUT = 0.5  # a goal with an idempotency key waits so long to learn whether it is the first
+KEY_TIMEOUT = 0.5  # Seconds to look up an idempotency key before its goal is sent.
 MAX_KEYS = 10_000
 
 
 class SqlHistory:
-    """Goals, events and keys in SQLite or PostgreSQL, with a spool for when that does not answer.
+    """Goals, events and keys in SQLite or PostgreSQL, with a spool as fallback.
 
     Args:
         url: `sqlite:///path` or `postgresql://…`.
-        spool: For when the database does not answer.
-        max_waiting: So many events, and so many goals, may wait in memory.
+        spool: Takes entries while the database does not answer.
+        max_waiting: The maximum number of events, and of goals, that wait in memory.
         limits: How much is kept, and for how long.
     """
 
@@ -67,7 +67,7 @@ class SqlHistory:
         self._tasks: list[asyncio.Task[None]] = []
 
     async def open(self) -> None:
-        """Take up what a process before this one left, and wait a little for the database."""
+        """Load what an earlier process left in the spool, and wait up to two seconds for the database."""
         await self._writer.take_over()
         self._writer.start()
         with suppress(TimeoutError):
@@ -81,14 +81,14 @@ class SqlHistory:
         self._tasks = [asyncio.create_task(self.retention.run()), asyncio.create_task(self._look_after_database())]
 
     async def _look_after_database(self) -> None:
-        """Find out that the database is away, or another one than before, also while there is nothing to write."""
+        """Poll the database, so that an outage or a replaced file is noticed without any writes."""
         while True:
             await asyncio.sleep(LOOK_INTERVAL)
             with suppress(Unavailable):
                 await self._reader.read(lambda _: None)
 
     def _write_again(self) -> None:
-        """The database has lost what was in it: write what is known of it here, and say that the rest is missing."""
+        """After the database lost its data: queue what this process knows, and mark the rest as missing."""
         now = time_id(time.time_ns())
         self._waiting.gaps |= dict.fromkeys(KEPT_TOPICS, now)
         for key in self._keys.values():
@@ -97,13 +97,13 @@ class SqlHistory:
 
     @property
     def incident(self) -> Incident | None:
-        """What happened to what was in the database, as long as somebody has to know of that."""
+        """The last loss of the database's data, as long as it must be reported."""
         return self._database.incident
 
     # ------------------------------------------------------------------ write
 
     async def add(self, goal: Goal, idempotency_key: str | None = None) -> None:
-        """Keep a new goal; it is safe once this returns."""
+        """Store a new goal; on return it is in the database or in the spool."""
         key = None
         if idempotency_key is not None:
             key = self._held(idempotency_key)
@@ -113,9 +113,9 @@ class SqlHistory:
         await self._writer.keep(goal, key)
 
     async def claim(self, idempotency_key: str, goal_id: str, fingerprint: str) -> tuple[str, str]:
-        """Bind a key to a goal, or tell whose it is.
+        """Bind a key to a goal, or return its owner.
 
-        While the database does not answer the key holds in this process and its successors, and not at other replicas.
+        While the database does not answer, the key is bound in this process and its successors, not at other replicas.
         """
         held = self._held(idempotency_key)
         if held is None:
@@ -131,9 +131,9 @@ class SqlHistory:
         return held.goal_id, held.fingerprint
 
     async def release(self, idempotency_key: str, goal_id: str) -> None:
-        """Let go of the key of a goal, here and at all replicas.
+        """Release the key of a goal, here and at all replicas.
 
-        A replica that has held the key since the first try asks again with the same goal, and finds the key of another.
+        A replica that has held the key since the first attempt retries with the same goal, and finds another's key.
         """
         if not self._writer.reachable:
             raise Unavailable(AWAY, code="history_unavailable")
@@ -159,31 +159,31 @@ class SqlHistory:
             del self._keys[next(iter(self._keys))]
 
     def record(self, goal: Goal) -> None:
-        """Keep what is new about a goal."""
+        """Record the current state of a goal."""
         self._waiting.put_goal(goal)
         self._writer.notice(must_keep=True)
 
     def record_event(self, event: Event) -> None:
-        """Keep an event, once."""
+        """Record an event; duplicates are ignored."""
         if event.id is not None:
             self._waiting.put_event(event)
             self._writer.notice(must_keep=not event.droppable)
 
     async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
-        """Store how a goal ended before anyone is told."""
+        """Store the end of a goal before it is published."""
         self.record(goal)
         return await self._writer.seal(copy(goal), end)
 
     # ------------------------------------------------------------------ read
 
     async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
-        """Goals, newest first."""
+        """Return goals, newest first."""
         self._reader.require_everything()
         read = partial(_page, limit=limit, before=before)
         return await self._reader.read(read, wanted, dict(self._waiting.goals))
 
     async def get(self, goal_id: str) -> Goal | None:
-        """One goal."""
+        """Return a goal, or None if there is no such goal."""
         waiting = self._waiting.goals.get(goal_id)
         waiting_now = {} if waiting is None else {goal_id: waiting}
         try:
@@ -198,7 +198,7 @@ class SqlHistory:
         return goal
 
     async def known(self, goal_ids: Collection[str]) -> dict[str, Goal]:
-        """Those of these goals that are known."""
+        """Return the stored goals among these ids, by id."""
         waiting = {goal_id: self._waiting.goals[goal_id] for goal_id in goal_ids if goal_id in self._waiting.goals}
         stored = await self._reader.read(queries.goals_by_id, list(goal_ids))
         found = {**stored, **_merged(stored, waiting)}
@@ -207,14 +207,14 @@ class SqlHistory:
         return found
 
     async def by_key(self, idempotency_key: str) -> Goal | None:
-        """The goal that was sent with this key."""
+        """Return the goal sent with this key."""
         key = self._held(idempotency_key)
         if key is None:
             key = await self._reader.read(queries.key_of, idempotency_key, timeout=KEY_TIMEOUT)
         return None if key is None else await self.get(key.goal_id)
 
     async def unfinished(self, *, complete: bool = False) -> list[Goal]:
-        """The goals whose status is not final, oldest first."""
+        """Return the goals without a final status, oldest first."""
         waiting = dict(self._waiting.goals)
         stored: dict[str, Goal] = {}
         try:
@@ -228,27 +228,27 @@ class SqlHistory:
     async def events_after(
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
     ) -> LaterEvents:
-        """The events that follow one, oldest first."""
+        """Return the events after a given id, oldest first."""
         return await self._past.after(event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
 
     async def events_of(
         self, goal_id: str, *, kinds: Collection[str], after: str = "", until: str = NEVER, limit: int
     ) -> list[Event]:
-        """The events of a goal between two, oldest first."""
+        """Return the events of a goal between two ids, oldest first."""
         return await self._past.of_goal(goal_id, kinds=kinds, after=after, until=until, limit=limit)
 
     async def knows_all_of(self, goal: Goal) -> bool:
-        """Whether no event of a goal is missing."""
+        """Return whether no event of a goal is missing."""
         return await self._past.knows_all_of(goal)
 
     async def battery(self, span: BatterySpan) -> list[Bucket]:
-        """The battery states of a span in buckets, oldest first."""
+        """Return the battery states of a span in buckets, oldest first."""
         return await self._past.battery(span)
 
     # ------------------------------------------------------------------ the rest
 
     def stats(self) -> HistoryStats:
-        """How the keeping goes."""
+        """Return the state of the history."""
         incident = self.incident
         return HistoryStats(
             waiting=len(self._waiting),
@@ -259,7 +259,7 @@ class SqlHistory:
         )
 
     async def close(self) -> None:
-        """Write what waits, for a second at most; the rest is spooled."""
+        """Write the pending entries for at most one second; spool the rest."""
         await cancel(*self._tasks)
         await self._writer.close(CLOSE_TIMEOUT)
         with suppress(*DATABASE_ERRORS):
@@ -268,7 +268,7 @@ class SqlHistory:
 
 
 def open_database(url: str) -> Database:
-    """The database at a URL: `sqlite:///path` or `postgresql://…`. Nothing is connected yet."""
+    """Return the database at `sqlite:///path` or `postgresql://…`, not connected yet."""
     if url.startswith("sqlite:///"):
         from dock_gateway.history.sqlite import SqliteDatabase  # noqa: PLC0415 - only the driver that is used
 
@@ -281,7 +281,7 @@ def open_database(url: str) -> Database:
 def _page(
     connection: sa.Connection, wanted: GoalFilter, waiting: dict[str, Goal], *, limit: int, before: str | None
 ) -> list[Goal]:
-    """A page of what is stored and what waits, newest first."""
+    """Return a page of stored and pending goals, newest first."""
     stored = queries.goals_by_id(connection, [*waiting, *([] if before is None else [before])])
     known = {**stored, **_merged(stored, waiting)}
     limits = None
@@ -299,7 +299,7 @@ def _page(
 
 
 def _unfinished_or(connection: sa.Connection, goal_ids: Collection[str]) -> dict[str, Goal]:
-    """The goals that have not ended, and those with these ids."""
+    """Return the unfinished goals and the goals with these ids."""
     return {goal.goal_id: goal for goal in queries.unfinished(connection)} | queries.goals_by_id(connection, goal_ids)
 
 
@@ -312,5 +312,5 @@ def _position(goal: Goal) -> tuple[datetime, str]:
 
 
 def _merged(stored: dict[str, Goal], waiting: dict[str, Goal]) -> dict[str, Goal]:
-    """What waits, together with what is stored of the same goals; copies, in any case."""
+    """Merge the pending goals with their stored versions; always returns copies."""
     return {goal_id: merge(stored.get(goal_id, goal), goal) for goal_id, goal in waiting.items()}

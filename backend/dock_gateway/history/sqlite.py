@@ -1,11 +1,11 @@
-"""SQLite. A transaction is one piece of work for a thread.
+"""SQLite. Each transaction runs as a whole on a thread.
 
-Its statements are short, and to come back to the event loop after each would cost more than they do. One thread
-writes: SQLite lets in one at a time anyway, and two would wait for each other by looking again and again.
+Its statements are short; a return to the event loop after each would cost more than they do. There is one writer
+thread: SQLite allows one writer at a time anyway, and two would poll for the lock.
 
-The file may be deleted, replaced or damaged while it is open. SQLite does not notice the first two, and writes on into
-a file that has no name. So each transaction looks whether the file is still the one that was opened. Where it is not,
-all connections are closed and a new file is begun.
+The file may be deleted, replaced or damaged while it is open. SQLite does not notice the first two, and goes on writing
+to an unlinked file. So each transaction checks that the file is still the one that was opened. If it is not, all
+connections are closed and a new file is created.
 """
 
 import asyncio
@@ -30,23 +30,23 @@ from dock_gateway.history.tables import prepare_for
 
 log = logging.getLogger(__name__)
 
-# Seconds that another process may hold the lock before a statement fails, to be tried again
+# Seconds that a statement waits for another process's lock before it fails, to be retried.
 BUSY_TIMEOUT = 0.5
-# and while the tables are made, when several start at the same time
+# The same while the tables are created and several processes may start at once.
 LOCK_PATIENCE = 1.5
-# A file that was deleted or replaced is told of for so long; a damaged one until somebody has moved it.
+# How long a deleted or replaced file is reported. A damaged file is reported until it has been moved.
 TOLD_FOR = timedelta(hours=24)
 
 
 class NotOpenError(OSError):
-    """The file that was opened is not there any more, or cannot be used; it is opened anew."""
+    """The opened file is gone or cannot be used; it will be reopened."""
 
 
 class SqliteDatabase(Database):
-    """A file.
+    """A SQLite database in a file.
 
     Args:
-        path: Of the file; it is made, with its folder.
+        path: Path of the file, which is created with its folder.
     """
 
     def __init__(self, path: Path) -> None:
@@ -54,11 +54,11 @@ class SqliteDatabase(Database):
         prepare_for("sqlite")
         self._path = path
         self._files = tuple(beside(path, suffix) for suffix in ("", *LOG_FILES))
-        # Which ones those are: the file that was connected to, then it and what belongs to it once all was in order.
+        # Identities: of the file that was last connected to, and of all files after they were opened successfully.
         self._connected: object = None
         self._opened: list[object] = []
         self._damage: str | None = None
-        self._kept: Path | None = None  # a damaged file that the incident is about
+        self._kept: Path | None = None  # the damaged file of the incident
         self._writer = self._engine(1, write=True)
         self._reader = self._engine(READERS, write=False)
         self._write_thread = ThreadPoolExecutor(1, thread_name_prefix="history-write")
@@ -68,7 +68,7 @@ class SqliteDatabase(Database):
     # ------------------------------------------------------------------ transactions
 
     async def write(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, durable: bool = True) -> T:
-        """A transaction that writes; one that is not `durable` may be lost in a power cut, never in a crash."""
+        """Run a write transaction; one that is not `durable` may be lost in a power cut, never in a crash."""
 
         def transaction() -> T:
             self._require_open()
@@ -78,7 +78,7 @@ class SqliteDatabase(Database):
         return await self._run(self._write_thread, transaction)
 
     async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
-        """A transaction that reads."""
+        """Run a read transaction."""
 
         def transaction() -> T:
             self._require_open()
@@ -94,7 +94,7 @@ class SqliteDatabase(Database):
         return await asyncio.wrap_future(future)
 
     async def close(self) -> None:
-        """Close every connection, once nobody uses it any more: that takes as long as SQLite waits for a lock."""
+        """Close every connection after its last transaction; takes up to SQLite's lock timeout."""
         await self._all_done()
         await asyncio.wrap_future(self._write_thread.submit(self._disconnect))
         self._write_thread.shutdown(wait=False)
@@ -119,21 +119,21 @@ class SqliteDatabase(Database):
 
     @contextmanager
     def _watching(self) -> Iterator[None]:
-        """See what SQLite says of the file."""
+        """Detect SQLite errors that mean a damaged or read-only file."""
         try:
             yield
         except sa.exc.DBAPIError as error:
             if is_damage(error.orig):
                 self._damage, self.prepared = str(error.orig), False
-            elif _code(error) == sqlite3.SQLITE_READONLY:  # once it can be written, that takes another connection
+            elif _code(error) == sqlite3.SQLITE_READONLY:  # a new connection is needed once it is writable
                 self.prepared = False
             raise
 
     def _require_open(self) -> None:
-        """See that the file is the one that was opened.
+        """Check that the file is the one that was opened.
 
         Raises:
-            NotOpenError: It is not.
+            NotOpenError: It is not, or it is not open.
         """
         if self.prepared and self._identities() != self._opened:
             self.prepared = False
@@ -145,7 +145,7 @@ class SqliteDatabase(Database):
     # ------------------------------------------------------------------ the file
 
     async def prepare(self) -> None:
-        """Open the file, or a new one in place of one that is gone or damaged, and see to its tables.
+        """Open the file, or a new one if it is gone or damaged, and create or upgrade its tables.
 
         Several processes may do so at the same time.
         """
@@ -172,7 +172,7 @@ class SqliteDatabase(Database):
         self._tell_of_earlier_damage()
 
     def _make_way(self) -> None:
-        """Where the file is another one than before, or damaged, see that nothing of it is taken for a new one's."""
+        """If the file was damaged or replaced, move or delete its leftovers, so that a new file does not use them."""
         with locked(self._path.parent):
             found = self._identities()
             if self._damage is not None and found[0] == self._connected:
@@ -184,7 +184,7 @@ class SqliteDatabase(Database):
             elif self._opened and found[0] != self._opened[0]:
                 for path, opened, there in zip(self._files[1:], self._opened[1:], found[1:], strict=True):
                     if there is not None and there == opened:
-                        path.unlink()  # SQLite would apply what is in it to the new file
+                        path.unlink()  # SQLite would apply it to the new file
                 what = "deleted" if found[0] is None else "replaced by another file"
                 self._kept = None
                 self._lose(f"{self._path} was {what} while the gateway ran. What was in it is not known any more.")
@@ -218,7 +218,7 @@ class SqliteDatabase(Database):
                 with self._begin() as connection:
                     migrate(connection)
             except sa.exc.OperationalError as error:
-                # SQLite does not wait for another process that is making the file; so this one does.
+                # SQLite does not wait for a process that is creating the file; so wait here.
                 if _code(error) != sqlite3.SQLITE_BUSY or time.monotonic() > deadline:
                     raise
                 time.sleep(0.05)
@@ -234,8 +234,8 @@ class SqliteDatabase(Database):
             connection = sqlite3.connect(
                 self._path,
                 timeout=BUSY_TIMEOUT,
-                isolation_level=None,  # the driver must not begin transactions on its own
-                check_same_thread=False,  # a thread after the other, never two at the same time
+                isolation_level=None,  # the driver must not begin transactions itself
+                check_same_thread=False,  # used by one thread at a time
             )
             try:
                 self._connected = identity(self._path)
@@ -265,12 +265,12 @@ class SqliteDatabase(Database):
             if write:
                 durable = connection.get_execution_options().get("durable", True)
                 connection.exec_driver_sql(f"PRAGMA synchronous={'FULL' if durable else 'NORMAL'}")
-            # A transaction that writes takes the lock first: one that had only read could not take it any more.
+            # A write transaction takes the lock first: after a read it might not be able to take it.
             connection.exec_driver_sql("BEGIN IMMEDIATE" if write else "BEGIN")
 
         return engine
 
 
 def _code(error: sa.exc.DBAPIError) -> int:
-    """What SQLite calls an error, without the details."""
+    """Return the primary SQLite error code."""
     return getattr(error.orig, "sqlite_errorcode", 0) & 0xFF

@@ -1,4 +1,4 @@
-"""The tables. Encoded JSON is text, as it came; times are UTC; ids are compared byte by byte, as Python does."""
+"""The tables. Encoded JSON is stored unchanged as text, times are UTC, and ids compare byte by byte as in Python."""
 
 from datetime import UTC, datetime
 from typing import Any
@@ -10,48 +10,48 @@ from dock_gateway.core.goal import Json
 
 
 class UtcTime(sa.types.TypeDecorator[datetime]):
-    """A time in UTC, also in a database that knows no time zones."""
+    """A time in UTC, also in a database without time zones."""
 
     impl = sa.DateTime(timezone=True)
     cache_ok = True
 
     def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
-        """SQLite gets it without the zone."""
+        """Convert to UTC; drop the zone for SQLite."""
         if value is None:
             return None
         value = value.astimezone(UTC)
         return value.replace(tzinfo=None) if dialect.name == "sqlite" else value
 
     def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
-        """And gives it without the zone."""
+        """Add the zone that SQLite does not store."""
         if value is None:
             return None
         return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)
 
 
 class JsonText(sa.types.TypeDecorator[Json]):
-    """JSON that is encoded already."""
+    """Encoded JSON."""
 
     impl = sa.Text
     cache_ok = True
 
     def process_bind_param(self, value: Json | None, dialect: Dialect) -> str | None:
-        """Bytes are text in UTF-8."""
+        """Decode UTF-8 bytes to text."""
         return None if value is None else value.decode()
 
     def process_result_value(self, value: str | None, dialect: Dialect) -> Json | None:
-        """And the same bytes again."""
+        """Encode the text to the same bytes."""
         return None if value is None else value.encode()
 
 
 def identity() -> Any:
-    """The type of an id."""
+    """Return the column type of an id."""
     return sa.Text().with_variant(sa.Text(collation="C"), "postgresql")
 
 
 metadata = sa.MetaData()
 
-# As text, not as a parameter: what a database is asked has to say the same as the index, to be found by it.
+# Text, not a parameter: a query must have the same text as the index's condition for the index to be used.
 IS_BATTERY = sa.text("topic = 'battery'")
 IS_KEPT = sa.text("NOT droppable")
 
@@ -92,7 +92,7 @@ events = sa.Table(
     sa.Column("droppable", sa.Boolean, nullable=False),
     sa.Column("size", sa.Integer, nullable=False),
     sa.Column("data", JsonText, nullable=False),
-    sa.Column("key", identity()),  # what happened, by the same name at every gateway
+    sa.Column("key", identity()),  # names what happened; the same at every gateway
     sa.Index("events_by_goal", "goal_id", "id"),
     sa.Index("events_by_key", "key", unique=True),
     sa.Index("droppable_events", "id", "size"),
@@ -119,8 +119,8 @@ acknowledgements = sa.Table(
     sa.Column("acknowledged_at", UtcTime, nullable=False),
 )
 
-# Of each topic, the newest event that is missing: given up by retention, or for want of memory. Of none, when the
-# tables were made: what is later is complete, though no event may have been stored yet.
+# The newest missing event of each topic, dropped by retention or because memory was full. The row with an empty topic
+# is the time when the tables were made: what is later is complete, even if no event is stored yet.
 BEGINNING = ""
 horizons = sa.Table(
     "horizons",
@@ -131,7 +131,7 @@ horizons = sa.Table(
 
 
 def prepare_for(dialect: str) -> None:
-    """Say to a dialect, `sqlite` or `postgresql`, of which rows an index is; the other need not be loaded."""
+    """Set the conditions of the partial indexes for `sqlite` or `postgresql`; the other need not be loaded."""
     parts = {"droppable_events": sa.text("droppable"), "battery_events": IS_BATTERY, "kept_events": IS_KEPT}
     for index in events.indexes:
         if index.name in parts:

@@ -1,4 +1,4 @@
-"""What waits to be written, in memory: plain data, bounded, and readable as if it were written already."""
+"""The entries that wait to be written: plain data in memory, bounded, and readable like stored entries."""
 
 from collections.abc import Iterable
 from copy import copy
@@ -17,10 +17,10 @@ Kept = TypeVar("Kept")
 class Waiting:
     """Goals, events and keys that the database has not taken yet.
 
-    Feedback and battery events beyond `limit` are dropped, oldest first. The rest is let go of beyond `limit` once it
-    is in the spool (`evict`), or where that takes nothing either (`shed`).
+    Feedback and battery events beyond `limit` are dropped, oldest first. Other entries beyond `limit` are removed once
+    they are in the spool (`evict`), or if the spool fails too (`shed`).
 
-    `unspooled` is what is nowhere but here, and must not be lost.
+    `unspooled` are the entries that are only here and must not be lost.
     """
 
     def __init__(self, limit: int) -> None:
@@ -43,11 +43,11 @@ class Waiting:
 
     @property
     def must_keep(self) -> bool:
-        """Whether there is anything that must not be lost."""
+        """Whether any entry must not be lost."""
         return bool(self.goals or self.keys or self.events)
 
     def put_goal(self, goal: Goal, *, safe: bool = False) -> Goal:
-        """Take a goal as it stands now; returns what is waiting."""
+        """Add the current state of a goal; return the pending version."""
         waiting = self.goals.get(goal.goal_id)
         kept = copy(goal) if waiting is None else merge(waiting, goal)
         self.goals[goal.goal_id] = kept
@@ -56,25 +56,25 @@ class Waiting:
         return kept
 
     def forget_goal(self, goal_id: str) -> None:
-        """A goal that is not to be kept after all."""
+        """Remove a goal that must not be stored after all."""
         self.goals.pop(goal_id, None)
         self._unsafe.pop(("goal", goal_id), None)
 
     def put_key(self, key: Key, *, safe: bool = False) -> None:
-        """Take a key; the first goal that has it keeps it."""
+        """Add a key; the first goal to claim it keeps it."""
         if key.key not in self.keys:
             self.keys[key.key] = key
             if not safe:
                 self._unsafe["key", key.key] = key
 
     def forget_key(self, key: str, goal_id: str) -> None:
-        """The key of a goal is not to be kept after all."""
+        """Remove the key of a goal that must not be stored after all."""
         if key in self.keys and self.keys[key].goal_id == goal_id:
             del self.keys[key]
             self._unsafe.pop(("key", key), None)
 
     def put_event(self, event: Event, *, safe: bool = False) -> None:
-        """Take an event that has an id."""
+        """Add an event that has an id."""
         identity = event.id or ""
         if event.droppable:
             for gone in self.droppable.put(event):
@@ -85,7 +85,7 @@ class Waiting:
                 self._unsafe["event", identity] = event
 
     def drop(self, event: Event) -> None:
-        """Give up an event, and remember that it is missing."""
+        """Drop an event and record that it is missing."""
         self.droppable.remove(event.id or "")
         self.events.pop(event.id or "", None)
         self._unsafe.pop(("event", event.id or ""), None)
@@ -93,12 +93,12 @@ class Waiting:
         self.gaps[event.topic] = max(event.id or "", self.gaps.get(event.topic, ""))
 
     def urgent(self, goal_ids: Iterable[str]) -> Batch:
-        """These goals, and the keys that wait, ahead of all else; they go on waiting until they are `done`."""
+        """Return a batch of these goals and the pending keys, to be written first; they stay until `done`."""
         goals = {goal_id: self.goals[goal_id] for goal_id in goal_ids if goal_id in self.goals}
         return Batch(goals=_first(goals, BATCH_GOALS), keys=_first(self.keys, BATCH_GOALS))
 
     def batch(self) -> Batch:
-        """What is written next, oldest first; it goes on waiting until it is `done`."""
+        """Return the next batch, oldest first; its entries stay until `done`."""
         return Batch(
             goals=_first(self.goals, BATCH_GOALS),
             keys=_first(self.keys, BATCH_GOALS),
@@ -107,7 +107,7 @@ class Waiting:
         )
 
     def done(self, batch: Batch) -> None:
-        """The batch is in the database: what has not changed meanwhile waits no longer."""
+        """Remove a written batch, except goals that changed meanwhile."""
         for goal in batch.goals:
             if self.goals.get(goal.goal_id) is goal:
                 del self.goals[goal.goal_id]
@@ -124,24 +124,24 @@ class Waiting:
                 del self.gaps[topic]
 
     def unspooled(self) -> list[Goal | Event | Key]:
-        """What is nowhere else."""
+        """Return the entries that are only in memory."""
         return list(self._unsafe.values())
 
     def saved(self, entries: list[Goal | Event | Key]) -> None:
-        """These are in the spool now."""
+        """Mark entries as spooled."""
         gone = {id(entry) for entry in entries}
         self._unsafe = {name: entry for name, entry in self._unsafe.items() if id(entry) not in gone}
 
     def unsave(self) -> None:
-        """The spool is lost: nothing of this is anywhere else."""
+        """Mark all entries as not spooled, because the spool is lost."""
         self._unsafe = {("goal", goal_id): goal for goal_id, goal in self.goals.items()}
         self._unsafe |= {("event", event_id): event for event_id, event in self.events.items()}
         self._unsafe |= {("key", name): key for name, key in self.keys.items()}
 
     def shed(self) -> None:
-        """Neither database nor spool takes anything: give up the oldest events, and goals of others, beyond the limit.
+        """Drop the oldest events and ended external goals beyond the limit, because database and spool both fail.
 
-        Goals of a gateway stay: no new ones are accepted meanwhile.
+        Goals of a gateway stay; no new ones are accepted meanwhile.
         """
         for event in list(self.events.values())[: -self.limit]:
             self.drop(event)
@@ -150,7 +150,7 @@ class Waiting:
             self.forget_goal(goal.goal_id)
 
     def evict(self) -> int:
-        """Let go of the oldest of what is in the spool, where there is too much; how many those were."""
+        """Remove the oldest spooled entries beyond the limit; return their number."""
         evicted = 0
         for name, held in (("goal", self.goals), ("event", self.events), ("key", self.keys)):
             if len(held) <= self.limit:

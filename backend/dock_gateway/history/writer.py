@@ -1,4 +1,4 @@
-"""Writes behind, in batches; tries again when the database does not take them, and spools what must be kept."""
+"""Write-behind in batches: retries when the database fails, and spools what must be kept."""
 
 import asyncio
 import logging
@@ -21,23 +21,23 @@ from dock_gateway.history.waiting import Waiting
 
 log = logging.getLogger(__name__)
 
-# Whatever a database may do wrong, in its own words.
+# The errors that a database may raise.
 DATABASE_ERRORS = (sa_errors.SQLAlchemyError, OSError, TimeoutError, RuntimeError)
 
-ANSWER_TIMEOUT = 0.1  # a new goal waits so long for the database, then it goes to the spool
-REFUSE_AFTER = 2.0  # and so long, where the spool does not take it and it is being written
-SEAL_TIMEOUT = 1.0  # the end of a goal waits so long for the database, and with it what is published later
-WRITE_TIMEOUT = 10.0
-BATCH_INTERVAL = 0.2
-BATCH_PATIENCE = 0.3  # new goals are written ahead of all else, but hold it up no longer than this
-# What must be kept and is not in the database after so long goes to the spool.
+ANSWER_TIMEOUT = 0.1  # Seconds that a new goal waits for the database before it goes to the spool.
+REFUSE_AFTER = 2.0  # Seconds to wait for the running write if the spool fails too.
+SEAL_TIMEOUT = 1.0  # Seconds that the end of a goal, and all later messages, wait for the database.
+WRITE_TIMEOUT = 10.0  # Seconds per transaction.
+BATCH_INTERVAL = 0.2  # Seconds to collect a batch before it is written.
+BATCH_PATIENCE = 0.3  # Seconds that new goals, which are written first, may delay the rest.
+# Seconds until entries that must be kept, and are not in the database yet, go to the spool.
 SPOOL_AFTER = 0.5
-RETRY_FIRST, RETRY_LAST = 0.1, 2.0
+RETRY_FIRST, RETRY_LAST = 0.1, 2.0  # Seconds before the first retry, and at most.
 
 
 @dataclass(frozen=True)
 class Seal:
-    """A goal whose state has to be stored before it is told; `stored` are the events as they are stored, by key."""
+    """A goal whose end must be stored before it is published; `stored` has the events as stored, by key."""
 
     goal: Goal
     end: Sequence[Event]
@@ -45,42 +45,42 @@ class Seal:
 
 
 class Writer:
-    """The only one who writes goals and events.
+    """Writes all goals and events.
 
     Args:
-        database: Where they are written.
-        spool: Where they are kept while the database does not take them.
-        waiting: What is to be written.
-        on_loss: Called when the database has lost what was in it.
+        database: The database to write to.
+        spool: Takes entries while the database does not.
+        waiting: The entries to write.
+        on_loss: Called when the database has lost its data.
     """
 
     def __init__(self, database: Database, spool: Spool, waiting: Waiting, on_loss: Callable[[], None]) -> None:
         self.reachable = False
-        self.slow = False  # it kept a goal waiting, and has not answered since
+        self.slow = False  # the database kept a goal waiting and has not answered since
         self.last_error: str | None = None
         self.evicted = 0  # entries that are in the spool and no longer in memory
-        self.answered = asyncio.Event()  # the database has answered, or failed to, for the first time
+        self.answered = asyncio.Event()  # set after the first access to the database, successful or not
         self._database = database
         self._spool = spool
         self._waiting = waiting
         self._on_loss = on_loss
         self._waiting_since = 0.0
-        self._tickets: dict[asyncio.Future[None], str] = {}  # of those who wait for a goal, with its id
+        self._tickets: dict[asyncio.Future[None], str] = {}  # one per waiter → id of its goal
         self._wake = asyncio.Event()
         self._urgent = asyncio.Event()
         self._guard = asyncio.Event()
-        self._in_flight: set[str] = set()  # ids of goals in the transaction that goes on
+        self._in_flight: set[str] = set()  # ids of the goals in the running transaction
         self._seals: list[Seal] = []
         self._seal_wake = asyncio.Event()
         self._tasks: list[asyncio.Task[None]] = []
 
     def start(self) -> None:
-        """Begin to write."""
+        """Start the background tasks."""
         work = (self._write_on(), self._spool_on(), self._seal_on())
         self._tasks = [asyncio.create_task(each) for each in work]
 
     def notice(self, *, must_keep: bool) -> None:
-        """Something has been put among what waits."""
+        """Note that `waiting` has a new entry."""
         if not self._wake.is_set():
             self._waiting_since = time.monotonic()
             self._wake.set()
@@ -90,7 +90,7 @@ class Writer:
     # ------------------------------------------------------------------ a new goal
 
     async def keep(self, goal: Goal, key: Key | None) -> None:
-        """See a new goal to the database or to the spool.
+        """Store a new goal in the database or in the spool.
 
         Raises:
             Unavailable: Neither takes it.
@@ -130,7 +130,7 @@ class Writer:
         self._wake.set()
 
     async def _is_written(self, goal_id: str) -> bool:
-        """Whether the transaction that goes on takes a goal: one that is refused must not turn up in the history."""
+        """Return whether the running transaction stores a goal; a refused goal must not appear in the history."""
         ticket = asyncio.get_running_loop().create_future()
         self._tickets[ticket] = goal_id
         try:
@@ -145,7 +145,7 @@ class Writer:
     # ------------------------------------------------------------------ the end of a goal
 
     async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
-        """Store the end of a goal now, where the database answers; returns its events as they are stored."""
+        """Store the end of a goal now if the database answers; return its events as stored."""
         if not self.reachable or self.slow:
             return list(end)
         seal = Seal(goal, end, asyncio.get_running_loop().create_future())
@@ -160,7 +160,7 @@ class Writer:
         return [replace(stored.get(event.key or "", event), ends_goal=event.ends_goal) for event in end]
 
     async def _seal_on(self) -> None:
-        """Store the ends of goals, all that wait in one transaction."""
+        """Store the ends of goals; all pending ones in one transaction."""
         while True:
             await self._seal_wake.wait()
             self._seal_wake.clear()
@@ -169,7 +169,7 @@ class Writer:
             batch = Batch(goals=list(goals.values()), events=[event for seal in seals for event in seal.end])
             try:
                 async with asyncio.timeout(WRITE_TIMEOUT):
-                    # Not durable: what is recorded of the goal beside this is, a moment later.
+                    # Not durable: the regular record of the goal is, shortly after.
                     stored = await self._database.write(queries.seal, batch, durable=False)
             except DATABASE_ERRORS as error:
                 for seal in seals:
@@ -185,7 +185,7 @@ class Writer:
         for ticket, goal_id in self._tickets.items():
             if goal_id in written and not ticket.done():
                 ticket.set_result(None) if error is None else ticket.set_exception(error)
-                ticket.exception()  # whoever waited may have gone
+                ticket.exception()  # mark it as retrieved; the waiter may be gone
 
     # ------------------------------------------------------------------ the database
 
@@ -199,7 +199,7 @@ class Writer:
                 with suppress(TimeoutError):
                     async with asyncio.timeout(BATCH_INTERVAL):
                         await self._urgent.wait()
-            # Who waits for a new goal need not wait for the rest, too, unless that has waited for long.
+            # Write new goals first, unless the rest has waited too long.
             fresh = time.monotonic() - self._waiting_since < BATCH_PATIENCE
             urgent = self._urgent.is_set() and self.reachable and fresh
             self._urgent.clear()
@@ -208,7 +208,7 @@ class Writer:
             pause = 0.0 if await self.flush(urgent=urgent) else min(max(2 * pause, RETRY_FIRST), RETRY_LAST)
 
     async def flush(self, *, urgent: bool = False) -> bool:
-        """Write all that waits, or the goals alone that somebody waits for; False if the database does not take it."""
+        """Write all pending entries, or only the awaited goals if `urgent`; return False if the database fails."""
         batch = Batch()
         try:
             if not self._database.prepared:
@@ -250,7 +250,7 @@ class Writer:
             await self._write_one_by_one(batch)
 
     async def _write_one_by_one(self, batch: Batch) -> None:
-        """One of these the database cannot take at all: the others must not suffer."""
+        """Write each entry alone, because the database refuses one of them; log that one."""
         for part in batch.split():
             try:
                 async with asyncio.timeout(WRITE_TIMEOUT):
@@ -274,7 +274,7 @@ class Writer:
             self.evicted += evicted
             raise
         if self._waiting.must_keep and not evicted:
-            return  # something came meanwhile, and may be in one of these files alone
+            return  # a new entry arrived meanwhile; it may be only in one of these files
         await self._spool.remove(paths)
         log.info("the spool is in the database")
 
@@ -292,7 +292,7 @@ class Writer:
         self.reachable = False
 
     def doubt(self, error: Exception) -> None:
-        """A reader found the database away: find out."""
+        """Check the database after a read failed."""
         if self.reachable:
             self._say_unreachable(error)
         self._wake.set()
@@ -316,7 +316,7 @@ class Writer:
                     log.error("the spool cannot be written: %s", error)
 
     async def save(self) -> None:
-        """Bring what is nowhere but in memory to the spool, and let go of what is too much."""
+        """Append the entries that are only in memory to the spool, and evict the excess."""
         entries = self._waiting.unspooled()
         if entries:
             await self._append(entries)
@@ -332,7 +332,7 @@ class Writer:
             self._guard.set()
 
     async def take_over(self) -> None:
-        """Take up what processes before this one have left in the spool."""
+        """Load what earlier processes left in the spool."""
         try:
             paths = await self._spool.take_over()
             async for entries in self._spool.read(paths):
@@ -355,7 +355,7 @@ class Writer:
             self._waiting.put_event(entry, safe=True)
 
     async def close(self, timeout: float) -> None:
-        """Write what waits, and spool what is left when the time is up."""
+        """Write the pending entries for `timeout` seconds, and spool the rest."""
         for task in self._tasks:
             task.cancel()
         last = asyncio.create_task(self._write_last())
@@ -375,7 +375,7 @@ class Writer:
 
 
 def batch_of(entries: list[Entry]) -> Batch:
-    """Entries of the spool, for one transaction; the accounts of one goal become one."""
+    """Return spool entries as one batch; versions of the same goal are merged."""
     waiting = Waiting(len(entries))
     for entry in entries:
         if isinstance(entry, Goal):
@@ -386,7 +386,7 @@ def batch_of(entries: list[Entry]) -> Batch:
 
 
 def _about_data(error: Exception) -> bool:
-    """Whether the database would refuse the same data again; SQLSTATE classes 22 and 23 say so."""
+    """Return whether the data itself was refused (SQLSTATE class 22 or 23), so that a retry fails again."""
     if not isinstance(error, sa_errors.DBAPIError):
         return True
     sqlstate = str(getattr(error.orig, "sqlstate", None) or "")
@@ -394,6 +394,6 @@ def _about_data(error: Exception) -> bool:
 
 
 def _brief(error: Exception) -> str:
-    """One line, without the statement and its data."""
+    """Return the error in one line, without the statement and its data."""
     cause = error.orig if isinstance(error, sa_errors.DBAPIError) and error.orig is not None else error
     return (str(cause) or type(cause).__name__).splitlines()[0][:300]

@@ -1,1 +1,1 @@
-"""Latched stops: which robots are held, on disk and on the ROS topic that other gateways hear."""
+"""Latched stops: which robots are held, on disk and on the ROS topic shared with other gateways."""

@@ -1,7 +1,7 @@
-"""The interlock: while a stop is latched, no goal is sent to the robot and none may run.
+"""The interlock: while a stop is latched, no goal is sent to the robot and no goal may run.
 
-The latch is told on the topic `stop_latched` of each robot, whose last message counts: the action server and the base
-obey it, other gateways learn it. It is kept in a file, so that a crash releases nothing.
+The latch is published on each robot's topic `stop_latched`, whose last message counts. The action server and the base
+obey it; other gateways adopt it. It is stored in a file, so a crash does not release it.
 """
 
 import asyncio
@@ -21,35 +21,35 @@ from dock_gateway.latch.latches import Latch, Latches
 
 log = logging.getLogger(__name__)
 
-# What was learned from another gateway is said by this one, too, after so many seconds without a contradiction: the
-# other may go, and those who come later would hear of nothing. What could not be published is tried again as often.
+# Seconds after which a state learned from another gateway is published by this one, too, unless it is contradicted: if
+# the other gateway leaves, late subscribers would get nothing. Also the seconds before a failed publish is retried.
 ECHO_AFTER = 0.5
-# What was said, and not contradicted, is not said again within so many seconds.
+# Seconds within which an unchanged, uncontradicted state is not published again.
 SAY_AGAIN_AFTER = 1.0
-# Seconds that a release waits for the disk.
+# Maximum seconds that a release waits for the disk.
 STORE_WITHIN = 0.08
 
 
 class LatchTopic(Protocol):
-    """`stop_latched` of one robot."""
+    """The topic `stop_latched` of one robot."""
 
     def publish(self, *, latched: bool) -> None:
-        """Publish it, now; late subscribers get the last message."""
+        """Publish the state now; late subscribers get the last message."""
 
     async def withdraw(self) -> None:
-        """Late subscribers get no message from us any more."""
+        """Withdraw our last message, so that late subscribers get none from us."""
 
 
 class Interlock:
-    """Which robots are held by a stop, and who has to know.
+    """Tracks which robots are held by a stop, and publishes it.
 
     Args:
-        hub: Where events go.
-        file: Where it is kept.
-        default: The configured robot.
+        hub: Receives events.
+        file: Stores the latches.
+        default: Namespace of the configured robot.
 
     Attributes:
-        on_latch: What is called with a robot that is held by a stop which another gateway carried out.
+        on_latch: Called with the namespace of a robot that is held by another gateway's stop.
     """
 
     def __init__(self, hub: Hub, file: LatchFile, default: str) -> None:
@@ -58,27 +58,27 @@ class Interlock:
         self._latches = Latches(file.read(default))
         self._writer = LatchWriter(file, self._show_soon)
         self._topics: dict[str, LatchTopic] = {}
-        # What each topic was told last by us; None where that failed, so that nobody knows what was heard.
+        # The state we last published on each topic; None if that failed, so it is unknown what subscribers received.
         self._said: dict[str, bool | None] = {}
         self._said_at: dict[str, float] = {}
-        # When each stop that was asked for here was told to others, on the monotonic clock.
+        # When each stop requested here was published, on the monotonic clock; infinite until then.
         self._told_at: dict[str, float] = {}
         self._documents: dict[str, dict[str, Any]] | None = None  # of every robot, until something changes
         self._shown: dict[str, dict[str, Any]] = {}
         self._showing: asyncio.Handle | None = None
-        self._echoes: dict[str, asyncio.Task[None]] = {}  # topics that may not say what holds
+        self._echoes: dict[str, asyncio.Task[None]] = {}  # topics that may not show the state
         self._closing = False
         if self._latches.held:
             log.warning("a stop is latched for %s; release it to go on", ", ".join(sorted(self._latches.held)))
 
-    # ------------------------------------------------------------------ what is asked
+    # ------------------------------------------------------------------ queries
 
     def holds(self, name: str) -> bool:
-        """Whether a stop holds for a namespace or an action."""
+        """Return whether a stop holds for a namespace or an action."""
         return self._latches.over(name) is not None
 
     def require_released(self, action_name: str) -> None:
-        """Make sure that a goal may be sent.
+        """Check that a goal may be sent.
 
         Raises:
             Conflict: `stop_latched`.
@@ -90,7 +90,7 @@ class Interlock:
             raise Conflict(f"{detail} (DELETE /stop)", code="stop_latched")
 
     def document(self, namespace: str) -> dict[str, Any]:
-        """The latch of a robot that has joined, as `GET /stop` shows it."""
+        """Return the latch of a joined robot, as `GET /stop` shows it."""
         if self._documents is None:
             persisted = self._writer.problem is None
             documents = self._latches.documents({*self._topics, *self._latches.held})
@@ -98,13 +98,13 @@ class Interlock:
         return self._documents[namespace]
 
     def shown(self, namespace: str) -> dict[str, Any]:
-        """The latch of a robot that has joined, as subscribers were told of it last; cheaper than `document`."""
+        """Return the latch of a joined robot, as last published to subscribers; cheaper than `document`."""
         return self._shown[namespace]
 
-    # ------------------------------------------------------------------ what is done
+    # ------------------------------------------------------------------ changes
 
     def join(self, namespace: str, topic: LatchTopic) -> None:
-        """A robot has come; where a stop holds for it, it is told."""
+        """Add a robot. If a stop holds for it, the stop is published on its topic."""
         self._topics[namespace] = topic
         over = self._latches.over(namespace)
         if over is not None:
@@ -114,7 +114,7 @@ class Interlock:
         self._shown[namespace] = self.document(namespace)
 
     def leave(self, namespace: str) -> None:
-        """A robot that is not held has gone."""
+        """Remove a robot that is not held."""
         for known in (self._topics, self._shown, self._said, self._said_at, self._told_at):
             known.pop(namespace, None)
         self._documents = None
@@ -122,7 +122,7 @@ class Interlock:
             echo.cancel()
 
     def latch(self, namespace: str, by: str | None = None) -> None:
-        """Refuse goals for a robot and those below it from now on. `tell` says it to the others."""
+        """Refuse goals for a robot and those below it from now on. `tell` publishes it."""
         latch = Latch(utc_now(), by)
         new = [name for name in self._below(namespace) if self._latches.latch(name, latch)]
         if new:
@@ -131,7 +131,7 @@ class Interlock:
             self._changed()
 
     async def release(self, namespace: str) -> None:
-        """Let goals through again, for a robot and those below it.
+        """Release the stop of a robot and those below it.
 
         Raises:
             Conflict: `stop_latched`: a stop of a namespace above holds for it.
@@ -147,16 +147,16 @@ class Interlock:
         await self._writer.wait(STORE_WITHIN)
 
     async def stored(self, timeout: float) -> Unavailable | None:
-        """Wait until what is latched is on the disk; returns why it is not, where it is not in time."""
+        """Wait until the latches are on disk. If they are not within `timeout` seconds, return the reason."""
         if await self._writer.wait(timeout):
             return None
         detail = f"the robot is stopped, but a restart of the gateway would forget the stop: {self._writer.problem}"
         return Unavailable(f"{detail}; the gateway tries again until it is stored", code="stop_not_persisted")
 
     def tell(self, namespace: str) -> None:
-        """Say on the topics of a robot, and of those below it, whether it is held; on each until that succeeds.
+        """Publish the state of a robot and of those below it on their topics. A failed publish is retried.
 
-        Who asks again gets it said again, but not hundreds of times a second.
+        An unchanged state is published again on request, but at most once per `SAY_AGAIN_AFTER` seconds.
         """
         now = time.monotonic()
         for name in self._topics.keys() & self._below(namespace):
@@ -179,20 +179,20 @@ class Interlock:
         return True
 
     def _below(self, namespace: str) -> list[str]:
-        """A robot and those below it that have joined or are held."""
+        """Return a robot and those below it that have joined or are held."""
         names = {namespace, *self._topics, *self._latches.held}
         return sorted(name for name in names if is_under(name, namespace))
 
-    # ------------------------------------------------------------------ what another gateway says
+    # ------------------------------------------------------------------ messages from other gateways
 
     def heard(self, namespace: str, *, latched: bool, received: float) -> None:
-        """Another gateway latched a robot, or released it.
+        """Handle another gateway's latch or release of a robot.
 
         Args:
             namespace: The robot.
-            latched: Which of the two.
-            received: When that came in, on the monotonic clock. A release that came before a stop of ours was told
-                cannot mean that one.
+            latched: Whether it was latched or released.
+            received: When the message arrived, on the monotonic clock. A release that arrived before our stop was
+                published cannot refer to it.
         """
         if self._closing or latched == (namespace in self._latches.held):
             return
@@ -226,10 +226,10 @@ class Interlock:
                 log.exception("stop_latched of %s may not say what holds; it is tried again", namespace)
 
     async def _settle(self, namespace: str) -> bool:
-        """Have the topic say what holds; True once it does.
+        """Make the topic show the current state; return True once it does.
 
-        Only a stop is said again: where two gateways cross each other, it wins. So does one of a namespace above, of
-        which a gateway that released the robot may not know.
+        Only a stop is repeated, so if the messages of two gateways cross, the stop wins. So does a stop of a namespace
+        above, which a gateway that released the robot may not know.
         """
         over, said = self._latches.over(namespace), self._said.get(namespace, False)
         if over is not None and self._latches.latch(namespace, self._latches.held[over]):
@@ -241,20 +241,20 @@ class Interlock:
             self._said[namespace] = None
             await self._topics[namespace].withdraw()
             self._said[namespace] = False
-            return False  # it may have been stopped meanwhile
+            return False  # a stop may have been latched meanwhile
         if over is not None:
             for told in self.on_latch:
                 told(namespace)
         return self._say(namespace)
 
-    # ------------------------------------------------------------------ who has to know
+    # ------------------------------------------------------------------ storing and notifying
 
     def _changed(self) -> None:
         self._show_soon()
         self._writer.put(self._latches.held)
 
     def _show_soon(self) -> None:
-        """Tell subscribers in a turn of the loop of its own: the stop itself does not wait for them."""
+        """Notify subscribers in a later iteration of the event loop, so that the stop does not wait for them."""
         self._documents = None
         if self._showing is None:
             self._showing = asyncio.get_running_loop().call_soon(self._show)
@@ -269,7 +269,7 @@ class Interlock:
                 self._hub.publish(system_event("stop", document, now, robot=namespace))
 
     async def close(self) -> None:
-        """Store what is not stored yet, where the disk does not hang."""
+        """Store what is not stored yet, unless the disk hangs."""
         self._closing = True
         await cancel(*self._echoes.values())
         await self._writer.close()

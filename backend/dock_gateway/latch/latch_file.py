@@ -1,4 +1,4 @@
-"""Where latched stops outlive the gateway: a file, and what keeps it up to date without holding up a stop."""
+"""The file in which latched stops survive a restart, and its writer, which does not delay a stop."""
 
 import asyncio
 import logging
@@ -19,22 +19,22 @@ from dock_gateway.latch.latches import Latch
 
 log = logging.getLogger(__name__)
 
-# Seconds until a write that failed is tried again.
+# Seconds before a failed write is retried.
 RETRY_AFTER = 1.0
-# Seconds that the last write may take when the gateway closes.
+# Maximum seconds to wait for the last write when the gateway closes.
 CLOSE_WITHIN = 0.5
 
 NOT_YET = "it is not on the disk yet"
 
 
 class LatchFile:
-    """Keeps latched stops across a crash, and across a power cut."""
+    """Stores latched stops so that they survive a crash or a power cut."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
 
     def read(self, default: str) -> dict[str, Latch]:
-        """What was latched. Where not all of it can be read, `default` is latched, too: no stop is forgotten."""
+        """Return the stored latches. If part of the file is unreadable, latch `default`, too, so no stop is lost."""
         problem: Exception | None = None
         stops: dict[str, Any] = {}
         try:
@@ -56,10 +56,10 @@ class LatchFile:
         return held
 
     def write(self, held: dict[str, Latch]) -> None:
-        """Store what is latched now; it is on the disk once this returns, and the old content is until then.
+        """Store the latches. They are on disk once this returns; until then the old content is.
 
         Raises:
-            OSError: The disk does not take it.
+            OSError: The write failed.
         """
         self.path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         beside = self.path.with_name(f".{self.path.name}.{os.getpid()}")
@@ -95,14 +95,14 @@ def _read_latch(stop: dict[str, Any]) -> Latch:
 
 
 class LatchWriter:
-    """Stores the newest state behind the loop, again and again until the disk has taken it.
+    """Stores the newest state in a thread, retrying until it is on disk.
 
     Args:
         file: The file.
         on_change: Called when `problem` has changed.
 
     Attributes:
-        problem: Why the newest state is not on the disk, once that is known to be so; None otherwise.
+        problem: Why the newest state is not on disk, once that is known; otherwise None.
     """
 
     def __init__(self, file: LatchFile, on_change: Callable[[], None]) -> None:
@@ -116,14 +116,14 @@ class LatchWriter:
         self._disk = ThreadPoolExecutor(1, thread_name_prefix="latch")
 
     def put(self, held: dict[str, Latch]) -> None:
-        """Store this from now on."""
+        """Set the newest state and start to store it."""
         self._newest = dict(held)
         self._stored.clear()
         if self._writing is None or self._writing.done():
             self._writing = asyncio.create_task(self._write())
 
     async def wait(self, timeout: float) -> bool:
-        """Wait until the newest state is on the disk; False, and a `problem`, where it is not in time."""
+        """Wait until the newest state is on disk; after `timeout` seconds, set `problem` and return False."""
         with suppress(TimeoutError):
             async with asyncio.timeout(timeout):
                 await self._stored.wait()
@@ -157,7 +157,7 @@ class LatchWriter:
         self._on_change()
 
     async def close(self) -> None:
-        """Wait for what is being written, where the disk does not hang."""
+        """Wait for the pending write, at most `CLOSE_WITHIN` seconds."""
         await self.wait(CLOSE_WITHIN)
         if self._writing is not None:
             await cancel(self._writing)

@@ -1,6 +1,6 @@
-"""Stops that are latched: a robot that was stopped stays so until somebody releases it. The rules.
+"""The rules of latched stops: a stopped robot stays stopped until it is released.
 
-A robot is a namespace, and a stop holds for what is below it, too.
+A robot is a namespace. A stop also holds for every namespace below it.
 """
 
 from collections import defaultdict
@@ -14,7 +14,7 @@ from dock_gateway.core.filters import lineage
 
 @dataclass(frozen=True)
 class Latch:
-    """A stop that holds: since when, and who asked for it, where that is known."""
+    """A latched stop: since when, and who requested it, if known."""
 
     since: datetime
     by: str | None = None
@@ -27,22 +27,22 @@ class Latches:
         self.held = dict(held or {})
 
     def latch(self, namespace: str, latch: Latch) -> bool:
-        """Hold a robot; False for one that is held already, which keeps the time and the name of the first."""
+        """Hold a robot. If it is held already, keep the first latch and return False."""
         if namespace in self.held:
             return False
         self.held[namespace] = latch
         return True
 
     def release(self, namespace: str) -> bool:
-        """Let one robot go; False where it was not held."""
+        """Release one robot; return False if it was not held."""
         return self.held.pop(namespace, None) is not None
 
     def over(self, name: str) -> str | None:
-        """The namespace, nearest to the root, whose stop holds for a namespace or an action; None where none does."""
+        """Return the namespace nearest to the root whose stop holds for a namespace or an action, or None."""
         return next((above for above in lineage(name) if above in self.held), None)
 
     def documents(self, robots: Iterable[str]) -> dict[str, dict[str, Any]]:
-        """Whether a stop holds for each robot, and which at or below it are held; ready for `orjson`."""
+        """Return for each robot whether a stop holds, and the held robots at or below it; ready for `orjson`."""
         names = sorted(robots)
         below: defaultdict[str, list[str]] = defaultdict(list)
         for name in names:

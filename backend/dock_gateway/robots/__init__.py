@@ -1,1 +1,1 @@
-"""One robot, which is a namespace: its battery, its velocity, its simulator."""
+"""Robots, each a namespace with a battery, a velocity topic and perhaps a simulator."""

@@ -1,4 +1,4 @@
-"""The battery as it was last heard of, and the publisher that stands in for a robot's battery driver."""
+"""The latest battery state, and the publisher that stands in for a robot's battery driver."""
 
 import asyncio
 import logging
@@ -19,7 +19,7 @@ from dock_gateway.ros.robot_ports import BatteryPort
 
 log = logging.getLogger(__name__)
 
-# The count of published messages is told to subscribers so often, in seconds.
+# Minimum seconds between two events with the count of published messages.
 COUNT_INTERVAL = 1.0
 
 
@@ -35,7 +35,7 @@ class PowerSupply(IntEnum):
 
 @dataclass(frozen=True)
 class Reading:
-    """What of a battery state decides something; `percentage` is 0 to 1, None where it is not measured."""
+    """The fields of a battery state that the gateway evaluates. `percentage` is 0 to 1, or None if not measured."""
 
     power_supply: int = PowerSupply.UNKNOWN
     percentage: float | None = None
@@ -43,7 +43,7 @@ class Reading:
 
 @dataclass
 class Publisher:
-    """What is being published, how often, and how many messages have gone out."""
+    """What is being published, at which rate, and the number of messages published."""
 
     active: bool = False
     state: Any = None
@@ -56,8 +56,8 @@ class Battery:
     """The latest battery state.
 
     Args:
-        hub: Where battery events go.
-        stale_after: Age in seconds from which the state is stale.
+        hub: Receives battery events.
+        stale_after: Age in seconds above which the state is stale.
         robot: The namespace.
     """
 
@@ -71,7 +71,7 @@ class Battery:
         self._received_at: datetime | None = None
 
     def on_battery(self, state: Json, stamp_ns: int) -> None:
-        """A message of the battery topic."""
+        """Handle a message of the battery topic."""
         self._state = state
         self._reading = None
         self._heard_at = time.monotonic()
@@ -80,7 +80,7 @@ class Battery:
 
     @property
     def stale_since(self) -> datetime | None:
-        """When the state became stale; None where it is not, or where there never was one."""
+        """When the state became stale; None if it is not stale, or if there is none."""
         age, received_at = self.age, self._received_at
         if age is None or received_at is None or age <= self._stale_after:
             return None
@@ -88,19 +88,19 @@ class Battery:
 
     @property
     def age(self) -> float | None:
-        """Seconds since the last message; None where there was none."""
+        """Seconds since the last message; None if there was none."""
         return None if self._state is None else time.monotonic() - self._heard_at
 
     @property
     def reading(self) -> Reading:
-        """What the last message says; it is decoded once, and only where somebody asks."""
+        """The last message, decoded once and only on demand."""
         if self._reading is None:
             state = orjson.loads(self._state or b"{}")
             self._reading = Reading(state["power_supply_status"], state["percentage"])
         return self._reading
 
     def lasting(self) -> dict[str, Any]:
-        """State and whether it is stale, without what changes by itself all the time, ready for `orjson`."""
+        """Return the state and whether it is stale, without the age, ready for `orjson`."""
         age = self.age
         return {
             "state": fragment(self._state),
@@ -110,7 +110,7 @@ class Battery:
         }
 
     def document(self) -> dict[str, Any]:
-        """State, age in seconds and whether it is stale, ready for `orjson`."""
+        """Return the state, its age in seconds and whether it is stale, ready for `orjson`."""
         age = self.age
         return {**self.lasting(), "age_s": None if age is None else round(age, 3)}
 
@@ -129,15 +129,15 @@ class BatteryPublisher:
 
     @property
     def active(self) -> bool:
-        """Whether a state is being published, again and again."""
+        """Whether a state is being published at a rate."""
         return self._publisher.active
 
     def document(self) -> dict[str, Any]:
-        """What is being published, ready for `orjson`."""
+        """Return what is being published, ready for `orjson`."""
         return dict(vars(self._publisher))
 
     async def publish(self, value: object, path: str = "") -> Json:
-        """Publish one partial BatteryState; returns the message as it went out. `path` is for errors.
+        """Publish one partial BatteryState; return the message as sent. `path` is the field's path, for errors.
 
         Raises:
             InvalidField: It is not a BatteryState.
@@ -146,7 +146,7 @@ class BatteryPublisher:
         return await self._port.publish(message, stamp=_unstamped(message))
 
     async def start(self, value: object, rate_hz: float) -> None:
-        """Publish a partial BatteryState from now on, `rate_hz` times a second, in place of what was published before.
+        """Publish a partial BatteryState `rate_hz` times a second, replacing the state published before.
 
         Raises:
             InvalidField: It is not a BatteryState.
@@ -161,7 +161,7 @@ class BatteryPublisher:
             self._tell()
 
     async def stop(self) -> None:
-        """Publish no more."""
+        """Stop publishing."""
         async with self._changing:
             was_active = self._publisher.active
             await self._cancel()
@@ -178,7 +178,7 @@ class BatteryPublisher:
         due = time.monotonic() + period
         while True:
             await asyncio.sleep(max(0.0, due - time.monotonic()))
-            due = max(due + period, time.monotonic())  # what was missed is not made up for
+            due = max(due + period, time.monotonic())  # missed messages are not made up for
             try:
                 await self._port.publish(message, stamp=stamp)
             except GatewayError as error:

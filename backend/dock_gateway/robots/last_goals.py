@@ -1,4 +1,4 @@
-"""What goals came to: of some actions, the last one that ended and the last one that succeeded."""
+"""The last goal that ended and the last one that succeeded, for the watched actions."""
 
 import asyncio
 import logging
@@ -13,17 +13,17 @@ log = logging.getLogger(__name__)
 
 FINAL = frozenset(status for status in GoalStatus if status.final)
 SUCCEEDED = frozenset({GoalStatus.SUCCEEDED})
-# So many goals of an action are read; an action server that was there before us may tell of them again.
+# Number of goals of an action to read; an action server that was running before us may report them again.
 READ = 10
-# A history that does not answer is asked again after so many seconds.
+# Seconds before the history is queried again if it does not answer.
 RETRY_INTERVAL = 1.0
 
 
 class LastGoals:
-    """Remembers how goals ended: what the history says of the time before, then what is seen.
+    """Keeps how goals ended, from the history at first, then from the goals seen.
 
     Args:
-        history: Where goals are kept.
+        history: Stores goals.
     """
 
     def __init__(self, history: History) -> None:
@@ -31,19 +31,19 @@ class LastGoals:
         self._watched: set[str] = set()
         self._last: dict[str, Goal] = {}
         self._succeeded: dict[str, Goal] = {}
-        self._read: set[str] = set()  # ids of goals that the history told of
+        self._read: set[str] = set()  # ids of goals read from the history
         self._unread: asyncio.Queue[str] = asyncio.Queue()
         self._task = asyncio.create_task(self._read_on())
 
     def watch(self, *action_names: str) -> None:
-        """Remember the outcomes of goals on these actions from now on, and look up what there was before."""
+        """Record the outcomes of goals on these actions from now on, and read earlier ones from the history."""
         for name in action_names:
             if name not in self._watched:
                 self._watched.add(name)
                 self._unread.put_nowait(name)
 
     def take(self, goal: Goal) -> None:
-        """A goal has ended."""
+        """Record a goal that has ended."""
         if goal.action_name not in self._watched or goal.goal_id in self._read:
             return
         self._last[goal.action_name] = latest([self._last.get(goal.action_name), goal]) or goal
@@ -51,11 +51,11 @@ class LastGoals:
             self._succeeded[goal.action_name] = latest([self._succeeded.get(goal.action_name), goal]) or goal
 
     def last(self, *action_names: str) -> Goal | None:
-        """The last goal on these actions that ended."""
+        """Return the last goal on these actions that ended."""
         return latest(self._last.get(name) for name in action_names)
 
     def succeeded(self, *action_names: str) -> Goal | None:
-        """The last goal on these actions that succeeded."""
+        """Return the last goal on these actions that succeeded."""
         return latest(self._succeeded.get(name) for name in action_names)
 
     async def _read_on(self) -> None:
@@ -81,12 +81,12 @@ class LastGoals:
         return True
 
     async def close(self) -> None:
-        """Look nothing up any more."""
+        """Stop reading from the history."""
         await cancel(self._task)
 
 
 def latest(goals: Iterable[Goal | None]) -> Goal | None:
-    """Of goals that have ended, the one that was the last to run; the earlier one where two are the same."""
+    """Return the ended goal that ran last; of two equal ones, the first in the list."""
     last: Goal | None = None
     for goal in goals:
         if goal is not None and (last is None or _follows(goal, last)):
@@ -95,6 +95,6 @@ def latest(goals: Iterable[Goal | None]) -> Goal | None:
 
 
 def _follows(goal: Goal, last: Goal) -> bool:
-    if GoalStatus.REJECTED in (goal.status, last.status):  # it never ran, maybe because the other one did
+    if GoalStatus.REJECTED in (goal.status, last.status):  # it never ran, perhaps because the other one did
         return (goal.finished_at or goal.created_at) > (last.finished_at or last.created_at)
     return goal.created_at > last.created_at

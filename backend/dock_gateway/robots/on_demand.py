@@ -1,4 +1,4 @@
-"""Topics of robots that are heard only while a subscriber wants them, and a moment longer."""
+"""Topics of robots that are subscribed to only while a client wants them, and `LINGER` seconds longer."""
 
 import asyncio
 import logging
@@ -12,24 +12,24 @@ from dock_gateway.ros.bridge import Bridge
 
 log = logging.getLogger(__name__)
 
-# A page that is reloaded is back within so many seconds.
+# Seconds that an unwanted port stays open, as a reloaded page soon returns.
 LINGER = 3.0
 
 
 class Port(Protocol):
-    """What hears the topic of one robot; made and closed on the ROS thread."""
+    """A subscription to the topic of one robot, made and closed on the ROS thread."""
 
     def close(self) -> None:
-        """Hear it no more."""
+        """End the subscription."""
 
 
 class OnDemand:
     """Opens and closes ports of one kind as subscribers come and go.
 
     Args:
-        bridge: Where the ROS thread is.
-        hub: Who wants what.
-        topic: What `?include=` calls it.
+        bridge: Runs calls on the ROS thread.
+        hub: Knows the subscribers.
+        topic: Its name in `?include=`.
         make: Makes the port of a robot.
     """
 
@@ -76,5 +76,5 @@ class OnDemand:
         log.info("no longer hearing %s of %s", self._topic, robot)
 
     async def close(self) -> None:
-        """Open and close nothing any more."""
+        """Stop opening and closing ports."""
         await cancel(self._task)

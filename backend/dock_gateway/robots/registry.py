@@ -1,4 +1,4 @@
-"""A robot is a namespace: its battery topic, its velocity topic, its actions."""
+"""The robots. A robot is a namespace with a battery topic, a velocity topic and actions."""
 
 import logging
 import re
@@ -28,7 +28,7 @@ Ports = tuple[BatteryPort, VelocityPort, LatchPort]
 
 @dataclass(frozen=True)
 class Robot:
-    """What belongs to one namespace. `ports` are all of its topics that we are at, that of the stop being the last."""
+    """One robot. `ports` are all of its topics that the gateway uses; the stop's is the last."""
 
     namespace: str
     battery: Battery
@@ -38,7 +38,7 @@ class Robot:
 
 
 class RobotRegistry:
-    """The robots on the graph: the configured one always, others as their battery topic or docking action appears."""
+    """The robots: the configured one always, others once their battery topic or a docking action appears."""
 
     def __init__(
         self, settings: Settings, bridge: Bridge, hub: Hub, interlock: Interlock, last_goals: LastGoals
@@ -85,9 +85,9 @@ class RobotRegistry:
         return robot
 
     async def update(self, scan: Scan) -> bool:
-        """Take up robots that have appeared, or are back; whether some are still to be taken up.
+        """Add robots that appeared or are back; return whether some are still to be added.
 
-        One that was forgotten is not back for a topic that merely another gateway is at.
+        A topic used only by another gateway does not bring back a removed robot.
 
         Raises:
             Unavailable: The ROS thread is down.
@@ -106,7 +106,7 @@ class RobotRegistry:
         return await self._discovery.take_up(new, self._robots, take_up)
 
     async def is_there(self, namespace: str, scan: Scan) -> bool:
-        """Whether somebody other than gateways is in a namespace, and not in that of a robot below.
+        """Return whether anything but gateways is in a namespace, not counting the namespaces of robots below.
 
         Raises:
             Unavailable: The ROS thread is down.
@@ -116,7 +116,7 @@ class RobotRegistry:
         prefix = prefix_of(namespace)
 
         def belongs(name: str) -> bool:
-            if not name.startswith(prefix):  # most do not, and this is asked of thousands
+            if not name.startswith(prefix):  # most do not, and there are thousands
                 return False
             owner = self.owner(name)
             return owner is None or is_under(namespace, owner.namespace)
@@ -135,22 +135,22 @@ class RobotRegistry:
         return presence.at_topics or any(belongs(name) for name in presence.nodes)
 
     def forget(self, namespace: str) -> None:
-        """Leave the topics of a robot that has gone; it comes back with its past when it appears again."""
+        """Leave the topics of a robot that is gone. If it appears again, its past is restored."""
         robot = self._robots.pop(namespace)
         self._forgotten.add(namespace)
         self._interlock.leave(namespace)
         self._bridge.to_ros(lambda: _leave(robot.ports))
 
     def all(self) -> list[Robot]:
-        """The robots, by namespace."""
+        """Return the robots, sorted by namespace."""
         return sorted(self._robots.values(), key=lambda robot: robot.namespace)
 
     def under(self, namespace: str) -> list[Robot]:
-        """The robot of a namespace and those below it."""
+        """Return the robot of a namespace and those below it."""
         return [robot for robot in self.all() if is_under(robot.namespace, namespace)]
 
     def owner(self, name: str) -> Robot | None:
-        """The robot that an action belongs to: the one with the longest namespace that it is in."""
+        """Return the robot that an action belongs to: the one with the longest namespace containing it."""
         while name:
             name = name.rpartition("/")[0]
             if robot := self._robots.get(name or "/"):
@@ -158,7 +158,7 @@ class RobotRegistry:
         return None
 
     def get(self, namespace: str | None = None) -> Robot:
-        """The robot of a namespace, the configured one where none is named.
+        """Return the robot of a namespace; default: the configured one.
 
         Raises:
             NotFound: `robot_not_found`.
@@ -170,7 +170,7 @@ class RobotRegistry:
         return robot
 
     async def close(self) -> None:
-        """Publish no more."""
+        """Stop publishing battery states."""
         for robot in self.all():
             await robot.publisher.stop()
 
@@ -181,15 +181,15 @@ def _leave(ports: Ports) -> None:
 
 
 def normalize_namespace(namespace: str) -> str:
-    """`robot1`, `/robot1` and `/robot1/` are `/robot1`; nothing is `/`."""
+    """Normalize a namespace: `robot1`, `/robot1` and `/robot1/` become `/robot1`; an empty one becomes `/`."""
     return f"/{namespace.strip('/')}"
 
 
 def read_namespace(namespace: str) -> str:
-    """A namespace that a client named.
+    """Validate and normalize a namespace from a client.
 
     Raises:
-        InvalidField: It is not one.
+        InvalidField: It is not a ROS namespace.
     """
     if not NAMESPACE.fullmatch(namespace):
         raise InvalidField([FieldError("query.robot", "a ROS namespace such as /robot1", f"got {namespace[:60]!r}")])

@@ -1,4 +1,4 @@
-"""The simulators on the graph: what each says of itself, and what can be done to it."""
+"""The simulators on the graph: their reports, and the operations on them."""
 
 import asyncio
 import logging
@@ -18,9 +18,9 @@ from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
-# A simulator reports once a second; one that has not for so many seconds is gone.
+# Seconds without a report after which a simulator is gone; it reports once a second.
 GONE_AFTER = 3.5
-# A fault that was switched shows in the report within so many seconds.
+# Maximum seconds to wait for a switched fault to show in the report.
 REPORT_WAIT = 1.0
 
 Values = Mapping[str, str]
@@ -28,7 +28,7 @@ Values = Mapping[str, str]
 
 @dataclass
 class Simulator:
-    """One simulator, as it reports."""
+    """One simulator, as last reported."""
 
     port: SimulatorPort
     values: Values
@@ -37,7 +37,7 @@ class Simulator:
     available: bool = True
 
     def document(self) -> dict[str, Any]:
-        """As `GET /simulator` shows it, ready for `orjson`."""
+        """Return the simulator as `GET /simulator` shows it, ready for `orjson`."""
         return {
             "available": self.available,
             "faults": {fault: self.values[fault] == "true" for fault in FAULTS if fault in self.values},
@@ -53,8 +53,8 @@ class Simulators:
 
     Args:
         settings: Names.
-        bridge: Where the ROS thread is.
-        hub: Where events go.
+        bridge: Runs calls on the ROS thread.
+        hub: Receives events.
     """
 
     def __init__(self, settings: Settings, bridge: Bridge, hub: Hub) -> None:
@@ -64,10 +64,10 @@ class Simulators:
         self._simulators: dict[str, Simulator] = {}
         self._task = asyncio.create_task(self._watch())
 
-    # ------------------------------------------------------------------ what they say
+    # ------------------------------------------------------------------ reports
 
     def on_report(self, namespace: str, values: Values) -> None:
-        """A simulator says how it is."""
+        """Handle a simulator's report."""
         known = self._simulators.get(namespace)
         if known is None:
             resolve = self._settings.resolve
@@ -94,20 +94,20 @@ class Simulators:
     def _tell(self, namespace: str) -> None:
         self._hub.publish(system_event("simulator", self.document(namespace), utc_now(), robot=namespace))
 
-    # ------------------------------------------------------------------ what is done
+    # ------------------------------------------------------------------ operations
 
     def find(self, namespace: str) -> Simulator | None:
-        """The simulator of a robot, where it has one."""
+        """Return the simulator of a robot, or None if there is none or it is gone."""
         simulator = self._simulators.get(namespace)
         return simulator if simulator is not None and simulator.available else None
 
     def document(self, namespace: str) -> dict[str, Any] | None:
-        """The simulator of a robot as it reported last, also where it has gone; None where there never was one."""
+        """Return the last report of a robot's simulator, even if it is gone; None if there never was one."""
         simulator = self._simulators.get(namespace)
         return None if simulator is None else simulator.document()
 
     def get(self, namespace: str) -> Simulator:
-        """The simulator of a robot.
+        """Return the simulator of a robot.
 
         Raises:
             NotFound: `simulator_not_found`.
@@ -118,7 +118,7 @@ class Simulators:
         return simulator
 
     async def reset(self, namespace: str) -> dict[str, Any]:
-        """Put the robot to its start, fill its battery as it was, and end every fault; returns the simulator.
+        """Reset the robot's pose and battery to the start, and end every fault; return the simulator.
 
         Raises:
             NotFound: `simulator_not_found`.
@@ -130,7 +130,7 @@ class Simulators:
         return simulator.document()
 
     async def place(self, namespace: str, pose: Pose) -> dict[str, Any]:
-        """Put the robot somewhere, in the frame `world`; returns the simulator.
+        """Place the robot at a pose in the frame `world`; return the simulator.
 
         Raises:
             NotFound: `simulator_not_found`.
@@ -141,7 +141,7 @@ class Simulators:
         return simulator.document()
 
     async def switch(self, namespace: str, fault: str, *, active: bool) -> dict[str, Any]:
-        """Let something break, or work again; returns the simulator.
+        """Switch a fault on or off; return the simulator.
 
         Raises:
             NotFound: `simulator_not_found`.
@@ -159,7 +159,7 @@ class Simulators:
             raise ServerTimeout("the simulator does not answer", code="simulator_timeout") from None
 
     async def _until(self, simulator: Simulator, holds: Callable[[], bool]) -> None:
-        """Wait until a report says so, which comes by another way than the answer."""
+        """Wait until a report meets a condition. Reports arrive separately from answers."""
         try:
             async with asyncio.timeout(REPORT_WAIT):
                 while not holds():
@@ -169,7 +169,7 @@ class Simulators:
             log.warning("the simulator has not reported what it was told")
 
     async def close(self) -> None:
-        """Look no more."""
+        """Stop watching."""
         await cancel(self._task)
 
 

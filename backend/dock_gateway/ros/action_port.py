@@ -1,7 +1,7 @@
-"""A client of one action, speaking the action protocol itself.
+"""A client of one action that implements the action protocol itself.
 
-rclpy's ActionClient sees its own goals only and decodes feedback for each. The protocol is three services and two
-topics; subscribing to the topics shows every goal on the action, whoever sent it.
+rclpy's ActionClient sees only its own goals and decodes feedback for each. The protocol is three services and two
+topics; subscribing to the topics shows every goal of the action, whoever sent it.
 """
 
 import asyncio
@@ -26,13 +26,13 @@ from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.interfaces import load_action
 from dock_gateway.ros.status import StatusReader, StatusReport, text_of
 
-# At 3,000 Hz a depth of 10 lost messages on a busy machine; 1,000 lost none.
+# Messages. At 3,000 Hz a depth of 10 lost messages on a busy machine; 1,000 lost none.
 FEEDBACK_DEPTH = 1000
-# Many goals may be sent, and answered, at the same time; ROS's default of 10 would lose some.
+# Many goals may be sent and answered at the same time; ROS's default depth of 10 would lose some.
 SERVICE_QOS = QoSProfile(depth=1000)
 
 
-# Bytes of a feedback message before the goal id, which comes first.
+# Bytes before the goal id, the first field of a feedback message, and bytes of the id.
 HEADER, ID_SIZE = 4, 16
 
 OnStatus = Callable[[list[StatusReport], int], None]
@@ -41,7 +41,7 @@ OnFeedback = Callable[[str, Json, int], None]
 
 @dataclass(frozen=True)
 class CancelAnswer:
-    """What the server said to a cancel request: which goals it will cancel, and its `return_code`."""
+    """The response to a cancel request: the goals that the server will cancel, and its `return_code`."""
 
     goal_ids: frozenset[str]
     return_code: int
@@ -49,7 +49,7 @@ class CancelAnswer:
 
 @dataclass(frozen=True)
 class ResultAnswer:
-    """What the server said of how a goal ended. `status` is None where it does not know the goal."""
+    """The response to a result request; `status` is None if the server does not know the goal."""
 
     status: GoalStatus | None = None
     result: Json | None = None
@@ -58,12 +58,12 @@ class ResultAnswer:
 
 @dataclass(frozen=True)
 class Presence:
-    """Who serves an action.
+    """The servers of an action.
 
     Attributes:
         available: Whether a server of all three services is on the graph.
-        servers: What tells the servers apart, where there are more than one, living or dead.
-        answered_twice_at: When a request was answered by two of them last, on the monotonic clock.
+        servers: Identifiers of the servers, alive or dead, if there are several.
+        answered_twice_at: When two of them last answered the same request, on the monotonic clock.
     """
 
     available: bool
@@ -72,11 +72,11 @@ class Presence:
 
 
 class ActionKind:
-    """A type of actions by its name, `package/action/Name`; making one imports its package and takes a moment.
+    """An action type by its name, `package/action/Name`. The constructor imports the package, which is slow.
 
     Raises:
-        ImportError: Its package is not installed, or cannot be imported.
-        TypeError: It has fields that no .msg file can have.
+        ImportError: The package is not installed, or cannot be imported.
+        TypeError: The type has fields that no .msg file can have.
     """
 
     def __init__(self, name: str) -> None:
@@ -87,14 +87,14 @@ class ActionKind:
 
 
 class ActionPort:
-    """Sends goals, cancels and result requests to one action, and hears of all its goals.
+    """Sends goals, cancel requests and result requests to one action, and listens to all its goals.
 
-    It is made, told to listen and closed on the ROS thread; all else is for the loop.
+    The constructor, `listen` and `close` are called on the ROS thread, all other methods on the loop.
 
     Args:
-        bridge: Where the ROS thread is.
+        bridge: The bridge to the ROS thread.
         action_name: Absolute name of the action.
-        kind: Its type.
+        kind: Type of the action.
     """
 
     def __init__(self, bridge: Bridge, action_name: str, kind: ActionKind) -> None:
@@ -107,12 +107,12 @@ class ActionPort:
         self._impl = kind.action.Impl
         self._result_codec = codec(kind.action.Result)
         self._feedback_codec = codec(kind.action.Feedback)
-        # A request is read while it is sent, so that one can be sent again and again: it is costly to make.
+        # Sending serializes the request at once, so it can be reused: it is expensive to create.
         self._goal_request = self._impl.SendGoalService.Request()
         try:
             self._send = self._make_client(self._impl.SendGoalService, "send_goal")
             self._result = self._make_client(self._impl.GetResultService, "get_result")
-            # Last: once the server has answered a ping, it has matched what was announced before, too.
+            # Last: a server that has answered a ping has also matched the clients announced before.
             self._cancel = self._make_client(CancelGoal, "cancel_goal")
         except Exception:
             self.close()
@@ -125,12 +125,12 @@ class ActionPort:
         return client
 
     def listen(self, on_status: OnStatus, on_feedback: OnFeedback, on_loss: OnLoss) -> None:
-        """Hear of all goals from now on.
+        """Start listening to all goals.
 
         Args:
-            on_status: Called on the loop with the news of a status message and its source timestamp in ns.
+            on_status: Called on the loop with the changes in a status message and its source timestamp in ns.
             on_feedback: Called on the loop with a goal id, the feedback as JSON and the source timestamp in ns.
-            on_loss: Called on the loop with a goal id, why feedback of it was not read, and how many messages.
+            on_loss: Called on the loop with a goal id, why its feedback was not read, and the number of messages.
         """
         node, overrides = self._bridge.node, QoSOverridingOptions.with_default_policies()
         losses, statuses = Losses(self._bridge, on_loss), StatusReader()
@@ -172,7 +172,7 @@ class ActionPort:
             self._bridge.node.destroy_client(client)
 
     async def presence(self) -> "Presence":
-        """Who serves the action."""
+        """Return the servers of the action."""
         return await self._bridge.call(self._look)
 
     def _look(self) -> "Presence":
@@ -189,7 +189,7 @@ class ActionPort:
         return self._bridge.request(self._send, self._goal_request)
 
     def request_result(self, goal_id: str) -> PendingCall:
-        """Ask for a goal's result, a `ResultAnswer`; it comes when the goal has ended, at once where it is unknown."""
+        """Request a goal's `ResultAnswer`, sent when the goal has ended, or at once if it is unknown."""
         request = self._impl.GetResultService.Request(goal_id=to_ros(goal_id))
         return self._bridge.request(self._result, request, self._read_result)
 
@@ -204,14 +204,14 @@ class ActionPort:
         return ResultAnswer(status, self._result_codec.encode(response.result))
 
     def encode_goal(self, goal: Any) -> Json:
-        """A goal message as JSON."""
+        """Encode a goal message as JSON."""
         return self.goal_codec.encode(goal)
 
     async def cancel(self, goal_id: str | None, timeout: float) -> CancelAnswer:
-        """Ask the server to cancel a goal, or every goal where `goal_id` is None.
+        """Ask the server to cancel a goal, or every goal if `goal_id` is None.
 
         Raises:
-            TimeoutError: It did not answer.
+            TimeoutError: The server did not answer.
         """
         request = CancelGoal.Request()
         if goal_id is not None:
@@ -226,7 +226,7 @@ class ActionPort:
         return answer
 
     async def ping(self, timeout: float) -> bool:
-        """Whether the server answers: it is asked to cancel a goal that nobody has, which touches nothing."""
+        """Return whether the server answers a request to cancel a goal that does not exist."""
         try:
             await self.cancel(str(uuid.uuid4()), timeout)
         except TimeoutError:
@@ -239,10 +239,10 @@ def _read_cancel(response: Any) -> CancelAnswer:
 
 
 def to_ros(goal_id: str) -> UUID:
-    """A goal id as the ROS message has it."""
+    """Convert a goal id to its ROS message."""
     return UUID(uuid=list(uuid.UUID(goal_id).bytes))
 
 
 def to_text(goal_id: UUID) -> str:
-    """A goal id as JSON has it."""
+    """Convert a goal id to its text form, as in JSON."""
     return text_of(goal_id.uuid.tobytes())

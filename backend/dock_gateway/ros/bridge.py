@@ -1,9 +1,8 @@
 """The only place where ROS's threads and the asyncio loop meet: one crossing each way.
 
-rclpy's clients, publishers and subscriptions are made and destroyed on the ROS thread alone. Requests are sent from
-the loop, which costs less than to wake another thread; what subscriptions and clients hear comes from the listeners'
-threads. The loop is touched from there through `call_soon_threadsafe` alone. Nobody else needs to know that there are
-threads.
+rclpy's clients, publishers and subscriptions are created and destroyed on the ROS thread only. Requests are sent from
+the loop, which is cheaper than waking another thread. Messages and responses arrive on the listeners' threads, which
+call the loop only through `call_soon_threadsafe`. The other modules need not know about the threads.
 """
 
 import asyncio
@@ -33,14 +32,14 @@ T = TypeVar("T")
 
 
 class PendingCall:
-    """A service request that was sent; `response` is settled on the loop, whenever the answer comes.
+    """A service request that was sent; `response` is resolved on the loop when the answer arrives.
 
     Args:
-        bridge: Where the loop is.
-        client: Of the service.
-        request: What to send.
-        response: The future to settle.
-        read: Makes of the answer what is wanted of it, on the listener's thread.
+        bridge: The bridge to the loop.
+        client: The client of the service.
+        request: The request to send.
+        response: The future to resolve.
+        read: Converts the answer, on the listener's thread.
 
     Raises:
         InvalidHandle: The client was destroyed.
@@ -70,18 +69,18 @@ class PendingCall:
             self._bridge.to_loop(_settle, self.response, answer, None)
 
     def forget(self) -> None:
-        """Stop waiting: an answer that comes later is dropped."""
+        """Stop waiting; a later answer is dropped."""
         self.response.cancel()
         self._client.remove_pending_request(self._ros_future)
 
 
 class Bridge:
-    """An rclpy context, node and executor, spun in a thread of their own, and listeners for what the node hears.
+    """An rclpy context, node and executor, spun in their own thread, and the listeners of the node.
 
     Args:
         node_name: Name of the node.
         namespace: Namespace of the node.
-        max_message_bytes: The largest message that is read.
+        max_message_bytes: The largest message that is read, in bytes.
     """
 
     def __init__(self, node_name: str, namespace: str, max_message_bytes: int) -> None:
@@ -100,16 +99,16 @@ class Bridge:
 
     @property
     def alive(self) -> bool:
-        """Whether all ROS threads run."""
+        """Whether all ROS threads are running."""
         return self._thread.alive and self._messages.alive and self._answers.alive
 
     def start(self) -> None:
-        """Spin from now on. Publishers, clients and subscriptions are best created before."""
+        """Start spinning. Publishers, clients and subscriptions are best created before."""
         for thread in (self._thread, self._messages, self._answers):
             thread.start()
 
     def close(self) -> None:
-        """Stop spinning and leave the ROS graph; blocks for a moment."""
+        """Stop spinning and leave the ROS graph; blocks until the threads end, or a few seconds."""
         self._thread.stopping = True
         self._executor.shutdown(timeout_sec=0.5)
         ended = [self._messages.close(), self._answers.close(), self._thread.end()]
@@ -119,19 +118,19 @@ class Bridge:
         self._context.try_shutdown()
 
     def to_ros(self, function: Callable[[], object]) -> None:
-        """Run a function on the ROS thread, soon and in the order of these calls; what it raises is logged."""
+        """Schedule a function on the ROS thread, in the order of the calls; its exceptions are logged."""
         self._waiting.append(function)
         self._executor.create_task(self._run_next)
 
     def _run_next(self) -> None:
-        """Run the oldest call that waits: the executor takes the newest of its tasks first."""
+        """Run the oldest pending call, because the executor takes its newest task first."""
         try:
             self._waiting.popleft()()
-        except Exception:  # must not leave the executor: it would end its thread
+        except Exception:  # must not reach the executor: it would end its thread
             log.exception("an error on the ROS thread")
 
     def to_loop(self, function: Callable[..., object], *args: object) -> None:
-        """Run a function on the loop, soon; for the ROS thread. After the loop has closed nothing happens."""
+        """Schedule a function on the loop, from the ROS thread. Does nothing once the loop is closed."""
         try:
             self._loop.call_soon_threadsafe(function, *args)
         except RuntimeError:
@@ -139,10 +138,10 @@ class Bridge:
                 raise
 
     def inbox(self, on_drop: Callable[..., object] = lambda *_: None) -> Inbox:
-        """A way to the loop for what subscriptions hear.
+        """Create an inbox, which passes a subscription's messages to the loop.
 
         Args:
-            on_drop: Called, on the listener's thread, with the arguments of each message that was dropped.
+            on_drop: Called on the listener's thread with the arguments of each dropped message.
         """
         return Inbox(self._inboxes, on_drop)
 
@@ -154,22 +153,22 @@ class Bridge:
         undo: Callable[[T], object] | None = None,
         even_late: bool = False,
     ) -> T:
-        """Run a function on the ROS thread and wait for what it returns.
+        """Run a function on the ROS thread and return its result.
 
-        A function that has not begun when the caller gives up never runs. One that has begun gets the same time again.
+        If the function has not started after the timeout, it never runs. If it has, it gets the same time again.
 
         Args:
-            function: What to run.
+            function: The function to run.
             timeout: Seconds until the caller gives up.
-            undo: Called on the ROS thread with what the function returned after all when its caller had gone.
-            even_late: Run it also when the caller has given up, as is right for a stop.
+            undo: Called on the ROS thread with the function's result if the caller has already gone.
+            even_late: Run it even after the caller has given up, as for a stop.
 
         Raises:
-            Unavailable: `ros_unavailable`, when the ROS thread is down or does not get to it in time.
+            Unavailable: The ROS thread is down or too slow (`ros_unavailable`).
         """
         self._require_alive()
         done: asyncio.Future[T] = self._loop.create_future()
-        decided = threading.Lock()  # whoever takes it first decides: the ROS thread to run it, or the caller to give up
+        decided = threading.Lock()  # taken by the ROS thread to run it, or by the caller to give up
 
         def settle(result: T) -> None:
             if not done.done():
@@ -200,10 +199,10 @@ class Bridge:
             done.cancel()
 
     def request(self, client: Client, request: Any, read: Callable[[Any], Any] = lambda answer: answer) -> PendingCall:
-        """Send a service request; `read` makes of the answer what is wanted of it, on the listener's thread.
+        """Send a service request; `read` converts the answer on the listener's thread.
 
         Raises:
-            Unavailable: Nobody serves it, or the ROS thread is down (`ros_unavailable`).
+            Unavailable: It has no server, or the ROS thread is down (`ros_unavailable`).
         """
         self._require_alive()
         try:
@@ -219,7 +218,7 @@ class Bridge:
 
 
 def _settle(future: "asyncio.Future[T]", result: T, error: BaseException | None) -> None:
-    if future.done():  # whoever waited has gone
+    if future.done():  # no longer awaited
         return
     if error is not None:
         future.set_exception(error)
@@ -230,11 +229,11 @@ def _settle(future: "asyncio.Future[T]", result: T, error: BaseException | None)
 def guard(
     callback: Callable[..., None], unread: Callable[[bytes, Unread], None] = lambda *_: None
 ) -> Callable[..., None]:
-    """Wrap a subscription's callback so that an exception in it is logged and harms nothing else.
+    """Wrap a subscription's callback so that its exceptions are logged and go no further.
 
     Args:
         callback: Called with each message and its `message_info`.
-        unread: Called with the bytes of each message that was not read, and why.
+        unread: Called with the bytes of each message that was not read, and the reason.
     """
 
     def guarded(message: Any, info: Any) -> None:
@@ -249,6 +248,6 @@ def guard(
 
 
 def ros_environment() -> dict[str, str]:
-    """What of the environment decides whom this process meets, for logs and /healthz."""
+    """Return the environment variables that affect discovery, for logs and /healthz."""
     names = ("ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_STATIC_PEERS", "RMW_IMPLEMENTATION")
     return {name: os.environ[name] for name in names if name in os.environ}

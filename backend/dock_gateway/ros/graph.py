@@ -1,4 +1,4 @@
-"""What is on the ROS graph: at a glance, actions with their types and topics; or all of it, in pieces."""
+"""Reads the ROS graph: a quick scan of actions and topics with their types, or a full survey in steps."""
 
 import re
 import time
@@ -24,7 +24,7 @@ from dock_gateway.core.graph import (
     Topic,
 )
 
-# So many seconds the ROS thread looks at the graph in one go.
+# Seconds of a survey step on the ROS thread.
 PIECE = 0.002
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 INFINITE_NS = 2**63 - 1
@@ -33,11 +33,11 @@ TOPIC_NAME = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 
 @dataclass(frozen=True)
 class Scan:
-    """One look at the graph.
+    """The result of one scan of the graph.
 
     Attributes:
-        actions: Names of the actions that someone serves, with their types (more than one is a mistake on the graph).
-        topics: Names of topics, without those inside of actions, with their types.
+        actions: Names of the actions that have a server, with their types (more than one is a fault on the graph).
+        topics: Names of topics, without those of actions, with their types.
     """
 
     actions: dict[str, list[str]] = field(default_factory=dict)
@@ -45,15 +45,15 @@ class Scan:
 
 
 def scan(node: Node) -> Scan:
-    """Look at the graph; for the ROS thread.
+    """Scan the graph; call it on the ROS thread.
 
-    An action is on the graph as soon as anybody, we included, listens to it. Only where somebody publishes its status
-    there is a server.
+    An action is on the graph as soon as any node, including ours, subscribes to it. It has a server only if its status
+    has a publisher.
     """
     result = Scan()
     for topic, types in node.get_topic_names_and_types():
         name, separator, part = topic.partition(ACTION_PART)
-        if not TOPIC_NAME.fullmatch(name):  # a program of DDS that is no ROS node may use any name
+        if not TOPIC_NAME.fullmatch(name):  # a DDS program that is not a ROS node may use any name
             continue
         if not separator:
             result.topics[topic] = list(types)
@@ -65,15 +65,15 @@ def scan(node: Node) -> Scan:
 def _publishers(node: Node, topic: str) -> int:
     try:
         return int(node.count_publishers(topic))
-    except InvalidTopicNameException:  # it is too long
+    except InvalidTopicNameException:  # the name is too long
         return 0
 
 
 class Survey:
-    """A look at the whole graph, in pieces between which the ROS thread does other work.
+    """A survey of the whole graph in steps, between which the ROS thread does other work.
 
     Attributes:
-        seen: What was found so far.
+        seen: What has been found so far.
     """
 
     def __init__(self, node: Node) -> None:
@@ -82,7 +82,7 @@ class Survey:
         self._steps = self._look()
 
     def proceed(self) -> bool:
-        """Look on for a moment; whether all has been seen. For the ROS thread."""
+        """Run one step; return whether the survey is complete. Call it on the ROS thread."""
         until = time.perf_counter() + PIECE
         return all(time.perf_counter() < until for _ in self._steps)
 
@@ -103,7 +103,7 @@ class Survey:
         try:
             served = self._node.get_service_names_and_types_by_node(name, namespace)
             used = self._node.get_client_names_and_types_by_node(name, namespace)
-        except NodeNameNonExistentError:  # it has left meanwhile
+        except NodeNameNonExistentError:  # the node has left meanwhile
             return
         node = _full_name(name, namespace)
         for service, types in served:
@@ -113,12 +113,12 @@ class Survey:
 
 
 def read_topic(node: Node, name: str) -> Topic:
-    """Everyone at a topic; for the ROS thread. Nobody is at one that does not exist, or cannot."""
+    """Return the endpoints of a topic, none if it does not exist or its name is invalid; on the ROS thread."""
     if not TOPIC_NAME.fullmatch(name):
         return Topic(name, [], [])
     try:
         publishers, subscribers = node.get_publishers_info_by_topic(name), node.get_subscriptions_info_by_topic(name)
-    except InvalidTopicNameException:  # it is too long
+    except InvalidTopicNameException:  # the name is too long
         return Topic(name, [], [])
     return Topic(name, [_endpoint(info) for info in publishers], [_endpoint(info) for info in subscribers])
 
@@ -133,7 +133,7 @@ def _full_name(name: str, namespace: str) -> str:
 
 
 def _quality(profile: QoSProfile) -> Quality:
-    # DDS does not tell others how much an endpoint keeps.
+    # DDS does not publish the history depth of an endpoint.
     depth = None if profile.history in (HistoryPolicy.UNKNOWN, HistoryPolicy.KEEP_ALL) else profile.depth
     return Quality(
         reliability=profile.reliability.name.lower(),
@@ -153,11 +153,11 @@ def _seconds(duration: Duration) -> float | None:
 
 @dataclass(frozen=True)
 class Presence:
-    """Who may belong to a robot.
+    """The nodes that may belong to a robot.
 
     Attributes:
-        nodes: Full names of the nodes on the graph that are no gateways.
-        at_topics: Whether one of them publishes on the robot's topics, or listens to its velocity.
+        nodes: Full names of the nodes on the graph that are not gateways.
+        at_topics: Whether one of them publishes on the robot's topics, or subscribes to its velocity.
     """
 
     nodes: frozenset[str]
@@ -165,16 +165,16 @@ class Presence:
 
 
 def find_presence(node: Node, topics: Iterable[str], *, stop_topic: str, velocity_topic: str) -> Presence:
-    """Look who is there; for the ROS thread.
+    """Find the nodes that may belong to a robot; call it on the ROS thread.
 
-    A gateway is whoever publishes on the stop topic of the robot: all others only listen to that. A program of DDS that
-    is no ROS node counts as one that is there.
+    Every publisher on the robot's stop topic is a gateway: all others only subscribe to it. A DDS program that is not a
+    ROS node counts as present.
 
     Args:
         node: Our own node.
         topics: The topics of the robot.
-        stop_topic: Where gateways say whether a stop is latched.
-        velocity_topic: Who listens here may move.
+        stop_topic: The topic on which gateways publish whether a stop is latched.
+        velocity_topic: The topic whose subscribers may move.
     """
     telling = (endpoint.node for endpoint in read_topic(node, stop_topic).publishers)
     gateways = {node.get_fully_qualified_name(), *(name for name in telling if name is not None)}

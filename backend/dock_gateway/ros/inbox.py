@@ -1,6 +1,6 @@
-"""What ROS's threads have for the loop: bounded for each source, and handed over in turn, a portion at a time.
+"""Bounded queues from ROS's threads to the loop, one per source, served round-robin in short time slices.
 
-`call_soon_threadsafe` knows no bounds. A node that sends faster than the loop follows would fill the memory, and the
+`call_soon_threadsafe` is unbounded. A node that sends faster than the loop can process would fill the memory, and the
 loop would do nothing else until it had caught up.
 """
 
@@ -14,17 +14,17 @@ from typing import Any, NamedTuple
 
 log = logging.getLogger(__name__)
 
-# Messages and bytes of one source that may wait.
+# The maximum number of queued messages, and of bytes, per source.
 MAX_MESSAGES = 1000
 MAX_BYTES = 4_000_000
-# Seconds that a thread waits for room where nothing may be dropped.
+# Seconds that a thread waits for room if nothing may be dropped.
 WAIT_FOR_ROOM = 0.1
-# Seconds that the loop takes messages before it does other work.
+# Seconds that the loop processes messages before it does other work.
 PORTION = 0.002
 
 
 class Message(NamedTuple):
-    """A call for the loop; `size` in bytes where it may be dropped, else None."""
+    """A call for the loop; `size` is in bytes if it may be dropped, else None."""
 
     function: Callable[..., object]
     args: tuple[Any, ...]
@@ -35,8 +35,8 @@ class Inbox:
     """The messages of one source, in order.
 
     Args:
-        inboxes: All of them.
-        on_drop: Called with the arguments of each message that was dropped, on the thread that put another.
+        inboxes: The inboxes that this one belongs to.
+        on_drop: Called with the arguments of each dropped message, on the thread that added another.
     """
 
     def __init__(self, inboxes: "Inboxes", on_drop: Callable[..., object]) -> None:
@@ -46,17 +46,17 @@ class Inbox:
         self._size = 0
 
     def put(self, function: Callable[..., object], *args: object) -> None:
-        """Call a function on the loop. Where too much waits, the thread waits a moment, as DDS keeps what follows."""
+        """Call a function on the loop. If the inbox is full, wait a moment for room: DDS keeps later messages."""
         with self._inboxes.changed:
             self._inboxes.changed.wait_for(lambda: len(self._messages) < MAX_MESSAGES, WAIT_FOR_ROOM)
             self._append(Message(function, args, None))
 
     def offer(self, size: int, function: Callable[..., object], *args: object) -> None:
-        """Call a function on the loop, or drop the call, the oldest first, where too much waits.
+        """Call a function on the loop; if the inbox is full, drop the oldest calls.
 
         Args:
-            size: Bytes in the arguments.
-            function: What to call.
+            size: Size of the arguments in bytes.
+            function: The function to call.
             args: Its arguments.
         """
         dropped: list[Message] = []
@@ -82,20 +82,20 @@ class Inbox:
         return None
 
     def take(self) -> tuple[Message, bool]:
-        """The oldest message, and whether there are more."""
+        """Remove and return the oldest message, and whether there are more."""
         message = self._messages.popleft()
         self._size -= message.size or 0
         return message, bool(self._messages)
 
 
 class Inboxes:
-    """Calls on the loop what waits in the inboxes, one message of each in turn.
+    """Makes the queued calls on the loop, one message of each inbox in turn.
 
     Args:
-        call: Runs a function on the loop, soon; for any thread.
+        call: Schedules a function on the loop; thread-safe.
 
     Attributes:
-        changed: Guards all inboxes; told when there is room again.
+        changed: Guards all inboxes; notified when there is room again.
     """
 
     def __init__(self, call: Callable[[Callable[[], object]], object]) -> None:
@@ -105,7 +105,7 @@ class Inboxes:
         self._called = False
 
     def announce(self, inbox: Inbox) -> None:
-        """An inbox is empty no longer; under the lock."""
+        """Queue an inbox that is no longer empty; the caller holds the lock."""
         self._ready.append(inbox)
         if not self._called:
             self._called = True

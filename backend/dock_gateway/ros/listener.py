@@ -1,8 +1,8 @@
-"""Messages of subscriptions and answers of services, taken without rclpy's executor.
+"""Takes messages of subscriptions and responses of services without rclpy's executor.
 
-The executor looks at every entity of the node again for each message, in Python: 0.2 ms with one action, 5 ms with a
-hundred. Here a thread waits for entities of one kind alone, looks at them again only when there are others, and takes
-all that has come before it waits again.
+For each message the executor iterates over every entity of the node in Python: 0.2 ms with one action, 5 ms with a
+hundred. Here a thread waits for entities of one kind only, rebuilds its wait set only when they change, and takes all
+available messages before it waits again.
 """
 
 import logging
@@ -31,13 +31,13 @@ from dock_gateway.ros.threads import RosThread
 
 log = logging.getLogger(__name__)
 
-# Messages of one entity in a row, and seconds that they take, until it is the turn of the others.
+# The maximum number of messages, and seconds, for one entity before the next entity's turn.
 BURST, TURN = 100, 0.005
-# A message that takes longer than this (seconds) to read is followed by a rest, in which large ones are not read.
+# After a message that takes longer than SLOW seconds, messages of more than LARGE bytes are not read for a while.
 SLOW, LARGE = 0.005, 10_000
-# Requests of a client that are remembered, to notice a second answer.
+# The number of requests per client that are remembered, to detect a second response.
 REMEMBERED = 100
-# The rest, as a multiple of the time that the message took.
+# That pause, as a multiple of the time that the message took.
 REST = 20
 
 
@@ -45,26 +45,26 @@ E = TypeVar("E", Subscription, Client)
 
 
 class NotForExecutors(CallbackGroup):  # type: ignore[misc]
-    """Keeps entities away from the executor."""
+    """Hides entities from the executor."""
 
     def can_execute(self, _: object) -> bool:
-        """Whether an executor may run something of this group."""
+        """Return False: an executor must not run anything in this group."""
         return False
 
     def beginning_execution(self, _: object) -> bool:
-        """Whether an executor may begin to."""
+        """Return False: an executor must not start anything in this group."""
         return False
 
     def ending_execution(self, _: object) -> None:
-        """Nothing to do."""
+        """Do nothing."""
 
 
 class Listener(ABC, Generic[E]):
-    """Takes what comes to the entities of one kind, on a thread of its own.
+    """Takes incoming messages for entities of one kind on its own thread.
 
     Args:
-        name: Of the thread.
-        context: Of the entities.
+        name: Name of the thread.
+        context: Context of the entities.
     """
 
     def __init__(self, name: str, context: Context) -> None:
@@ -77,28 +77,28 @@ class Listener(ABC, Generic[E]):
 
     @property
     def alive(self) -> bool:
-        """Whether the thread runs."""
+        """Whether the thread is running."""
         return self._thread.alive
 
     def start(self) -> None:
-        """Listen from now on."""
+        """Start listening."""
         self._thread.start()
 
     def close(self) -> bool:
-        """Stop listening; False where the thread does not end."""
+        """Stop listening; return False if the thread does not end."""
         self._thread.stopping = True
         self._wake.trigger()
         return self._thread.end()
 
     def add(self, entity: E) -> None:
-        """Hear it, too."""
+        """Listen to an entity."""
         with self._lock:
             self._entities.append(entity)
             self._changed = True
         self._wake.trigger()
 
     def remove(self, entity: E) -> bool:
-        """No longer hear it; False where it was not heard. It may be destroyed at once."""
+        """Stop listening to an entity, which may then be destroyed at once; return False if it was not added."""
         with self._lock:
             if entity not in self._entities:
                 return False
@@ -111,7 +111,7 @@ class Listener(ABC, Generic[E]):
         while not self._thread.stopping:
             with self._lock:
                 wanted, self._changed = list(self._entities), False
-            # What is held open is not destroyed while it is waited for.
+            # Held handles are not destroyed during the wait.
             with ExitStack() as held:
                 held.enter_context(self._context.handle)
                 held.enter_context(self._wake.handle)
@@ -133,38 +133,38 @@ class Listener(ABC, Generic[E]):
 
     @abstractmethod
     def _wait_set(self, size: int) -> Any:
-        """A wait set for so many entities and one guard condition."""
+        """Return a wait set for `size` entities and one guard condition."""
 
     @abstractmethod
     def _await(self, wait_set: Any, entity: E) -> None:
-        """Add it to the wait set."""
+        """Add an entity to the wait set."""
 
     @abstractmethod
     def _ready(self, wait_set: Any) -> list[int]:
-        """Pointers of the entities to which something has come."""
+        """Return the pointers of the entities that are ready."""
 
     @abstractmethod
     def _take(self, entity: E) -> bool:
-        """Take one message; False where there is none."""
+        """Take one message; return False if there is none."""
 
 
 class Unread(StrEnum):
-    """Why a message was not read: it is too large itself, or others took too long before it."""
+    """Why a message was not read: it is too large, or earlier ones took too long."""
 
     TOO_LARGE = "too_large"
     TOO_FAST = "too_fast"
 
 
 class MessageListener(Listener[Subscription]):
-    """Calls the callbacks of subscriptions, `(message, info)`. They must not raise.
+    """Calls the callbacks of subscriptions with `(message, info)`. They must not raise.
 
-    A message comes as bytes, so that one that is too large costs nothing but that. Where messages take long to read,
-    most of the time is left to others.
+    Messages are taken as bytes, so that oversized ones are never deserialized. A topic whose messages are slow to read
+    is throttled, to leave time for others.
 
     Args:
-        name: Of the thread.
-        context: Of the entities.
-        max_bytes: The largest message that is read.
+        name: Name of the thread.
+        context: Context of the entities.
+        max_bytes: The largest message that is read, in bytes.
     """
 
     def __init__(self, name: str, context: Context, max_bytes: int) -> None:
@@ -215,13 +215,13 @@ class MessageListener(Listener[Subscription]):
 
 
 class AnswerListener(Listener[Client]):
-    """Settles the futures of a client's `call_async`; what is done then must not raise.
+    """Resolves the futures of a client's `call_async`. Their callbacks must not raise.
 
-    A request reaches every server of its name, and the first answer counts.
+    A request reaches every server of the service; the first response counts.
 
     Args:
-        name: Of the thread.
-        context: Of the entities.
+        name: Name of the thread.
+        context: Context of the entities.
     """
 
     def __init__(self, name: str, context: Context) -> None:
@@ -230,7 +230,7 @@ class AnswerListener(Listener[Client]):
         self._twice: WeakKeyDictionary[Client, float] = WeakKeyDictionary()
 
     def answered_twice_at(self, client: Client) -> float:
-        """When a request of a client had a second answer last, on the monotonic clock."""
+        """Return when a request of a client last got a second response, on the monotonic clock."""
         return self._twice.get(client, float("-inf"))
 
     def _wait_set(self, size: int) -> Any:
@@ -252,7 +252,7 @@ class AnswerListener(Listener[Client]):
             self._twice[entity] = time.monotonic()
             return True
         answered.append(number)
-        with suppress(KeyError):  # nobody waits for it any more
+        with suppress(KeyError):  # no longer awaited
             entity.get_pending_request(number).set_result(response)
         return True
 
@@ -267,7 +267,7 @@ def _hold(held: ExitStack, wanted: Iterable[E]) -> Iterable[tuple[int, E]]:
 
 
 class ListeningNode(Node):  # type: ignore[misc]
-    """A node whose clients and guarded subscriptions are heard by listeners; rclpy's own things by the executor."""
+    """A node whose clients and guarded subscriptions are served by listeners, and the rest by the executor."""
 
     def __init__(
         self, name: str, namespace: str | None, context: Context, messages: MessageListener, answers: AnswerListener
@@ -277,15 +277,15 @@ class ListeningNode(Node):  # type: ignore[misc]
         super().__init__(name, namespace=namespace, context=context)
 
     def create_publisher(self, msg_type: Any, topic: str, *args: Any, **options: Any) -> Publisher:
-        """As rclpy has it, but that nobody is told of its events, which the executor would look at again and again."""
+        """Like rclpy's, but without event callbacks, which the executor would check for each message."""
         options["event_callbacks"] = PublisherEventCallbacks(use_default_callbacks=False)
         return super().create_publisher(msg_type, topic, *args, **options)
 
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, *args: Any, **options: Any) -> Subscription:
-        """As rclpy has it."""
+        """Like rclpy's, but a listener takes the messages if the callback is guarded."""
         if not getattr(callback, "guarded", False):
             return super().create_subscription(msg_type, topic, callback, *args, **options)
-        # An executor that waits for a subscription's events is woken by each of its messages, too.
+        # An executor that waits for a subscription's events also wakes up for each of its messages.
         options["event_callbacks"] = SubscriptionEventCallbacks(use_default_callbacks=False)
         options["callback_group"] = NotForExecutors()
         subscription = super().create_subscription(msg_type, topic, callback, *args, **options)
@@ -293,18 +293,18 @@ class ListeningNode(Node):  # type: ignore[misc]
         return subscription
 
     def destroy_subscription(self, subscription: Subscription) -> bool:
-        """As rclpy has it."""
+        """Like rclpy's, but removes it from its listener first."""
         self._messages.remove(subscription)
         return bool(super().destroy_subscription(subscription))
 
     def create_client(self, srv_type: Any, srv_name: str, **options: Any) -> Client:
-        """As rclpy has it."""
+        """Like rclpy's, but a listener takes the responses."""
         options["callback_group"] = NotForExecutors()
         client = super().create_client(srv_type, srv_name, **options)
         self.answers.add(client)
         return client
 
     def destroy_client(self, client: Client) -> bool:
-        """As rclpy has it."""
+        """Like rclpy's, but removes it from its listener first."""
         self.answers.remove(client)
         return bool(super().destroy_client(client))

@@ -1,4 +1,4 @@
-"""Feedback that was not read: counted on the listener's thread, told on the loop once in a while."""
+"""Counts feedback that was not read on the listener's thread, and reports it on the loop at intervals."""
 
 import asyncio
 import threading
@@ -8,20 +8,20 @@ from collections.abc import Callable
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.listener import Unread
 
-# Seconds in which losses are counted before they are told.
+# Seconds for which losses are counted before they are reported.
 INTERVAL = 1.0
-# Goals that losses are counted of one by one; a node can make up any number of ids.
+# The maximum number of counters (goal and cause) per interval; a node can make up any number of ids.
 MAX_GOALS = 10
 
 OnLoss = Callable[[str, Unread, int], None]
 
 
 class Losses:
-    """Counts by goal and cause.
+    """Counts losses by goal and cause.
 
     Args:
-        bridge: Where the loop is.
-        on_loss: Called on the loop with the id of a goal, why its messages were not read, and how many.
+        bridge: The bridge to the loop.
+        on_loss: Called on the loop with a goal id, why its messages were not read, and their number.
     """
 
     def __init__(self, bridge: Bridge, on_loss: OnLoss) -> None:
@@ -31,7 +31,7 @@ class Losses:
         self._counts: Counter[tuple[str, Unread]] = Counter()
 
     def count(self, goal_id: str, why: Unread) -> None:
-        """A message of a goal was not read; for any thread."""
+        """Count a message of a goal that was not read; thread-safe."""
         with self._lock:
             if not self._counts:
                 self._bridge.to_loop(self._tell_soon)

@@ -1,4 +1,4 @@
-"""Any topic, heard as bytes: every message is counted, and only those that somebody gets to see are decoded."""
+"""Subscriptions to any topic as bytes: every message is counted, but only displayed ones are decoded."""
 
 import time
 from collections.abc import Callable
@@ -14,12 +14,12 @@ from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.interfaces import load_message
 from dock_gateway.ros.messages.types import MessageClass
 
-# So many messages wait for the listener: at 3,000 a second it may be kept from them for 60 ms.
+# Messages queued for the listener: at 3,000 a second, enough for a delay of 60 ms.
 DEPTH = 200
 
 
 class Heard(NamedTuple):
-    """All that was heard of a topic: how many messages, how many bytes, and the newest with its source timestamp."""
+    """What was received on a topic: number of messages and bytes, and the newest with its source timestamp."""
 
     messages: int = 0
     size: int = 0
@@ -28,12 +28,12 @@ class Heard(NamedTuple):
 
 
 class EchoType:
-    """A type of messages by its name, such as `sensor_msgs/msg/BatteryState`; making one imports its package.
+    """A message type by its name, such as `sensor_msgs/msg/BatteryState`. The constructor imports its package.
 
     Attributes:
         name: The name.
-        hint: What to do where its messages cannot be read; None where they can.
-        message_class: What to subscribe with; None where its package is missing.
+        hint: What to do if its messages cannot be read; None if they can.
+        message_class: The class to subscribe with; None if its messages cannot be read.
     """
 
     def __init__(self, name: str) -> None:
@@ -48,14 +48,14 @@ class EchoType:
 
     @property
     def installed(self) -> bool:
-        """Whether messages can be read."""
+        """Whether its messages can be read."""
         return self.message_class is not None
 
     def read(self, message: bytes) -> "Reading":
-        """A message as JSON, cut down; for any thread.
+        """Decode a message to abbreviated JSON; thread-safe.
 
         Raises:
-            Exception: Whatever comes of bytes that are no such message.
+            Exception: The bytes are not such a message.
         """
         began = time.thread_time()
         decoded = deserialize_message(message, self.message_class)
@@ -64,7 +64,7 @@ class EchoType:
 
 
 class Reading(NamedTuple):
-    """A message that was read; how long each of its fields was that has been cut, by dotted path; seconds it took."""
+    """A decoded message, the original lengths of its truncated fields by dotted path, and seconds of CPU time."""
 
     message: Json
     lengths: dict[str, int]
@@ -72,16 +72,16 @@ class Reading(NamedTuple):
 
 
 class EchoPort:
-    """Hears a topic. It is made and closed on the ROS thread.
+    """A subscription to a topic, created and closed on the ROS thread.
 
     Args:
-        bridge: Where the ROS thread is.
+        bridge: The bridge to the ROS thread.
         topic: Absolute name.
-        kind: Its type.
-        reliable: Whether to ask for lost messages again.
-        latched: Whether to ask for what was published before.
-        on_news: Called on the loop with the first message after each `tell_next`.
-        heard: What was heard before, by another port.
+        kind: Type of the topic.
+        reliable: Whether lost messages are requested again.
+        latched: Whether earlier messages are requested.
+        on_news: Called on the loop at the first message after each `tell_next`.
+        heard: What an earlier port received.
     """
 
     def __init__(
@@ -114,7 +114,7 @@ class EchoPort:
             self._bridge.node.destroy_subscription(self._subscription)
 
     def tell_next(self) -> None:
-        """Call `on_news` once, as soon as there is another message."""
+        """Call `on_news` once, at the next message."""
         self._waited_for = True
 
     def _hear(self, message: bytes, info: dict[str, Any]) -> None:

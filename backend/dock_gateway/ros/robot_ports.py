@@ -1,7 +1,7 @@
 """The topics around an action: battery state in and out, velocity in and zero out, the stop latch, diagnostics in.
 
-Ports are made and closed on the ROS thread; all else of them is for the loop. Velocity and latch are published from
-the loop itself: a stop must not wait for the ROS thread (docs/decisions.md).
+Ports are created and closed on the ROS thread; their other methods are called on the loop. Velocity and latch are
+published from the loop itself, because a stop must not wait for the ROS thread (docs/decisions.md).
 """
 
 import time
@@ -21,21 +21,21 @@ from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.ros.bridge import Bridge, guard
 from dock_gateway.ros.messages.codec import codec
 
-# Best effort and volatile matches every publisher: some send batteries with sensor data QoS, others reliably.
+# Best effort and volatile matches every publisher: some use sensor data QoS for batteries, others reliable.
 LISTEN = QoSProfile(depth=50, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
 TALK = QoSProfile(depth=10)
-# Who comes later gets the last message, too.
+# Late subscribers get the last message.
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
-# A message that is stamped so many nanoseconds after we began to publish may be ours.
+# Nanoseconds after the start of a publish call within which a message's stamp may be our own.
 OWN_WITHIN = 1_000_000_000
-# A message of ours may be heard so many nanoseconds late, on a busy machine: taken for that of another gateway, it
-# might release a stop.
+# Nanoseconds that our own message may arrive late, on a busy machine. Mistaken for another gateway's, it might release
+# a stop.
 OWN_REMEMBERED = 20_000_000_000
 
-# Facts about goals and simulators that are taken from one message.
+# The maximum number of facts about goals and simulators taken from one message.
 MAX_FACTS = 100
-# More digits than these are no number of retries.
+# The maximum number of digits in a number of retries.
 MAX_DIGITS = 6
 
 OnMessage = Callable[[Json, int], None]
@@ -43,15 +43,15 @@ OnReason = Callable[[str, GoalError], None]
 OnSimulator = Callable[[str, dict[str, str]], None]
 OnProgress = Callable[[str, str | None, int | None, int], None]
 
-# How the status of a simulator is named, after the namespace.
+# The name of a simulator's status, after the namespace.
 SIMULATOR = "dock_simulator"
 
-# Stages that are the end of a goal, which its status tells.
+# Stages that end a goal; its status already says so.
 ENDS = frozenset({"SUCCEEDED", "CANCELED", "ABORTED", "REJECTED"})
 
 
 class BatteryPort:
-    """`sensor_msgs/BatteryState`, heard and published."""
+    """`sensor_msgs/BatteryState`, subscribed to and published."""
 
     def __init__(self, bridge: Bridge, topic: str, on_battery: OnMessage) -> None:
         self._bridge = bridge
@@ -75,7 +75,7 @@ class BatteryPort:
         self._bridge.node.destroy_publisher(self._publisher)
 
     async def publish(self, message: BatteryState, *, stamp: bool) -> Json:
-        """Publish a message, with the time of now where `stamp`; returns it as it went out."""
+        """Publish a message, with the current time if `stamp`; return it as published."""
 
         def publish() -> Json:
             if stamp:
@@ -87,7 +87,7 @@ class BatteryPort:
 
 
 class VelocityPort:
-    """`geometry_msgs/Twist`: zero, in m/s and rad/s, for a robot that is to stand still."""
+    """`geometry_msgs/Twist`: publishes zero, in m/s and rad/s, to stop a robot."""
 
     def __init__(self, bridge: Bridge, topic: str) -> None:
         self._bridge = bridge
@@ -99,7 +99,7 @@ class VelocityPort:
         self._bridge.node.destroy_publisher(self._publisher)
 
     def publish_zero(self) -> None:
-        """Tell the robot to stand still, now.
+        """Command zero velocity, immediately.
 
         Raises:
             Exception: ROS does not take the message.
@@ -108,10 +108,10 @@ class VelocityPort:
 
 
 class VelocityListener:
-    """`geometry_msgs/Twist`: what a robot is told, in m/s and rad/s, by anyone; heard while somebody wants to see it.
+    """`geometry_msgs/Twist`: the velocity commanded to a robot, in m/s and rad/s; subscribed to while it is watched.
 
     Args:
-        bridge: Where the ROS thread is.
+        bridge: The bridge to the ROS thread.
         topic: Absolute name.
         on_velocity: Called on the loop with a message and its source timestamp in ns.
     """
@@ -137,18 +137,18 @@ class VelocityListener:
 
 
 class LatchPort:
-    """`std_msgs/Bool` on `stop_latched`: whether a stop holds for the robot; the last message counts.
+    """`std_msgs/Bool` on `stop_latched`: whether a stop is latched for the robot; the last message counts.
 
     Args:
-        bridge: Where the ROS thread is.
+        bridge: The bridge to the ROS thread.
         topic: Absolute name.
-        on_latch: Called on the loop with what others say, and when that came in, on the monotonic clock.
+        on_latch: Called on the loop with the value from others, and when it arrived, on the monotonic clock.
     """
 
     def __init__(self, bridge: Bridge, topic: str, on_latch: Callable[[bool, float], None]) -> None:
         self._bridge = bridge
         self._topic = topic
-        self._own: tuple[tuple[int, int], ...] = ()  # when we published: the listener is another thread
+        self._own: tuple[tuple[int, int], ...] = ()  # our publish calls; read on the listener's thread
         self._publisher = self._make_publisher()
         inbox = bridge.inbox()
 
@@ -168,28 +168,28 @@ class LatchPort:
         self._bridge.node.destroy_publisher(self._publisher)
 
     def publish(self, *, latched: bool) -> None:
-        """Publish it, now; late subscribers get the last message.
+        """Publish the latch immediately; late subscribers get the last message.
 
         Raises:
             Exception: ROS does not take the message.
         """
         first = time.time_ns()
         before = tuple(own for own in self._own if own[1] > first - OWN_REMEMBERED)
-        self._own = (*before, (first, first + OWN_WITHIN))  # it may be heard before the end is known
+        self._own = (*before, (first, first + OWN_WITHIN))  # it may arrive before the end is known
         try:
             self._publisher.publish(Bool(data=latched))
         finally:
             self._own = (*before, (first, time.time_ns()))
 
     async def withdraw(self) -> None:
-        """Late subscribers get no message from us any more.
+        """Replace the publisher, so that late subscribers no longer get our last message.
 
         Raises:
             Unavailable: The ROS thread is down.
         """
 
         def withdraw() -> None:
-            # The new publisher first: the loop may publish at any time.
+            # Create the new publisher first: the loop may publish at any time.
             old, self._publisher = self._publisher, self._make_publisher()
             self._bridge.node.destroy_publisher(old)
 
@@ -197,16 +197,16 @@ class LatchPort:
 
 
 class DiagnosticsPort:
-    """`diagnostic_msgs/DiagnosticArray`: how far a goal is, and why an action server rejected or aborted it.
+    """`diagnostic_msgs/DiagnosticArray`: the progress of a goal, and why an action server rejected or aborted it.
 
-    ROS's action protocol has no place for either. A server that wants to say it publishes a DiagnosticStatus whose
-    values (REP 107) hold `goal_id`, `error_code` and `error_msg`, `stage` and `retries`. Where they hold a `stage`, it
-    is the error at the end of a goal that counts, not what a running one waits for. A simulator says how it is, too.
+    ROS's action protocol has no field for either. A server may publish a DiagnosticStatus whose values (REP 107) hold
+    `goal_id`, `error_code` and `error_msg`, `stage` and `retries`. If they hold a `stage`, only an error at the end of
+    a goal counts, not what a running one waits for. Simulators publish their state here, too.
 
     Args:
-        bridge: Where the ROS thread is.
+        bridge: The bridge to the ROS thread.
         topic: Absolute name.
-        on_reason: Called on the loop with a goal id and why it was rejected or aborted.
+        on_reason: Called on the loop with a goal id and why the goal was rejected or aborted.
         on_progress: Called on the loop with a goal id, stage, retries, and the source timestamp in ns.
         on_simulator: Called on the loop with the namespace of a simulator and its key values.
     """
@@ -246,7 +246,7 @@ class DiagnosticsPort:
 
 
 def _read_error(values: dict[str, str], message: str) -> GoalError | None:
-    """Why a goal was rejected or aborted, out of the values of a status."""
+    """Read from a status's values why a goal was rejected or aborted."""
     code = values.get("error_code")
     if not code or code in ("0", "NONE") or values.get("stage") not in (None, "ABORTED", "REJECTED"):
         return None
@@ -254,7 +254,7 @@ def _read_error(values: dict[str, str], message: str) -> GoalError | None:
 
 
 def _read_progress(values: dict[str, str]) -> tuple[str | None, int | None]:
-    """Stage and retries, likewise."""
+    """Read stage and retries from a status's values."""
     stage, retries = values.get("stage"), values.get("retries", "")
     count = int(retries) if retries.isdecimal() and len(retries) <= MAX_DIGITS else None
     return None if stage in ENDS else stage, count

@@ -1,4 +1,4 @@
-"""The topics that say where a robot and its dock are. They are many and fast, and are heard while somebody looks."""
+"""The topics with the poses of a robot and its dock. They are many and fast; subscribed to only while watched."""
 
 import math
 import time
@@ -17,11 +17,11 @@ from dock_gateway.core.scene import ODOM, PLACED_FOR, WORLD, Pace, Pose, Scene, 
 from dock_gateway.ros.bridge import Bridge, guard
 from dock_gateway.ros.robot_ports import LATCHED
 
-# The newest counts.
+# Only the newest message counts.
 LATEST = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
-MAX_RATE = 20.0
+MAX_RATE = 20.0  # Hz
 
-# What the scene calls a pose, by its topic.
+# Topic of a pose → its name in the scene.
 POSES = {"detected_dock_pose": "marker", "filtered_dock_pose": "docked", "staging_pose": "staging"}
 RECEIVERS = ("left", "center", "right")
 
@@ -29,15 +29,15 @@ OnScene = Callable[[Event], None]
 
 
 class ScenePort:
-    """Hears the topics of one robot, puts them together on the listener's thread, and sends what comes of it.
+    """Combines the topics of one robot into a scene on the listener's thread, and sends it to the loop.
 
-    It is made and closed on the ROS thread.
+    It is created and closed on the ROS thread.
 
     Args:
-        bridge: Where the ROS thread is.
-        namespace: The robot.
+        bridge: The bridge to the ROS thread.
+        namespace: Namespace of the robot.
         resolve: Makes a name absolute.
-        on_scene: Called on the loop with an event, 20 times a second at most.
+        on_scene: Called on the loop with an event, at most 20 times a second.
     """
 
     def __init__(self, bridge: Bridge, namespace: str, resolve: Callable[[str], str], on_scene: OnScene) -> None:
@@ -46,7 +46,7 @@ class ScenePort:
         self._on_scene = on_scene
         self._scene = Scene()
         self._pace = Pace(MAX_RATE)
-        self._truth_at = time.monotonic()  # truth is waited for before odometry is taken for all there is
+        self._truth_at = time.monotonic()  # wait for ground truth before odometry alone is shown
         listen = bridge.node.create_subscription
         self._subscriptions: list[Subscription] = [
             listen(Odometry, resolve("odom"), guard(self._hear_odometry), LATEST),
@@ -106,7 +106,7 @@ class ScenePort:
 
 
 def read_pose(pose: RosPose) -> Pose | None:
-    """The pose in the plane; None where it is none."""
+    """Return the pose in the plane, None if it is not finite."""
     turn = pose.orientation
     theta = math.atan2(2 * (turn.w * turn.z + turn.x * turn.y), turn.w**2 + turn.x**2 - turn.y**2 - turn.z**2)
     found = Pose(pose.position.x, pose.position.y, theta)
@@ -114,6 +114,6 @@ def read_pose(pose: RosPose) -> Pose | None:
 
 
 def read_stamp(message: Any) -> float:
-    """The stamp of a message's header, in seconds."""
+    """Return the stamp of a message's header, in seconds."""
     stamp = message.header.stamp
     return int(stamp.sec) + int(stamp.nanosec) / 1e9

@@ -1,4 +1,4 @@
-"""What can be done to a simulated robot: its services, and RViz's way to place it."""
+"""Control of a simulated robot: its services, and `initialpose`, as used by RViz, to place it."""
 
 import asyncio
 import math
@@ -13,18 +13,18 @@ from dock_gateway.core.scene import WORLD, Pose
 from dock_gateway.ros.bridge import Bridge
 
 FAULTS = ("dead_charger", "occluded_marker", "stuck_wheel", "silent_battery", "percentage_0_to_100")
-# A service or a subscriber that is on the graph is found within so many seconds.
+# Seconds to find a service or a subscriber on the graph.
 FIND_WITHIN = 2.0
-# Both sides have found each other once the first answer came; until then a request may get none.
+# Seconds to wait for a response. A request may get none until both sides have discovered each other.
 ANSWER_WITHIN = 1.0
 ATTEMPTS = 2
 
 
 class SimulatorPort:
-    """Clients of one simulator. Each is made when it is needed for the first time.
+    """Clients of one simulator, each created on first use.
 
     Args:
-        bridge: Where the ROS thread is.
+        bridge: The bridge to the ROS thread.
         resolve: Makes a name absolute.
     """
 
@@ -35,26 +35,26 @@ class SimulatorPort:
         self._publisher: Any = None
 
     async def reset(self) -> None:
-        """Robot, battery and faults as they were at the start.
+        """Reset robot, battery and faults to their initial state.
 
         Raises:
-            TimeoutError: There was no answer.
+            TimeoutError: The simulator did not answer.
         """
         await self._call(Trigger, "dock_simulator/reset", Trigger.Request())
 
     async def switch(self, fault: str, *, active: bool) -> None:
-        """Switch a fault.
+        """Switch a fault on or off.
 
         Raises:
-            TimeoutError: There was no answer.
+            TimeoutError: The simulator did not answer.
         """
         await self._call(SetBool, f"dock_simulator/faults/{fault}", SetBool.Request(data=active))
 
     async def place(self, pose: Pose) -> None:
-        """Put the robot somewhere, in the frame `world`.
+        """Place the robot at a pose in the frame `world`.
 
         Raises:
-            TimeoutError: Nobody listens.
+            TimeoutError: The topic has no subscriber.
         """
         if self._publisher is None:
             node, topic = self._bridge.node, self._resolve("initialpose")

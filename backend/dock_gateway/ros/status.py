@@ -1,7 +1,7 @@
-"""Messages of `_action/status`, read as bytes: what of them is news.
+"""Reads messages of `_action/status` as bytes and reports the changes.
 
-An action server tells of every goal that it remembers, whenever one of them changes. Decoding a message of 3,000 goals
-takes rclpy 60 ms, in one go; to read them out of the bytes takes 2 ms. All but the news stays on the listener's thread.
+An action server publishes every goal that it remembers whenever one of them changes. rclpy takes 60 ms to decode a
+message of 3,000 goals, without a break; reading the bytes takes 2 ms. Only the reports leave the listener's thread.
 """
 
 import heapq
@@ -12,13 +12,13 @@ from operator import itemgetter
 
 from dock_gateway.core.goal import FROM_ROS, GoalStatus
 
-# Goals of one message that are told of. What is left out is told of with the next message.
+# The maximum number of goals reported per message. The rest is reported with the next message.
 MAX_REPORTS = 1000
 
-# CDR and XCDR2, in both byte orders, as the first bytes of a message say.
+# First bytes of a message → byte order; CDR and XCDR2.
 _ENCODINGS = {b"\0\0": ">", b"\0\1": "<", b"\0\6": ">", b"\0\7": "<"}
-# Where the body begins. Numbers of four bytes lie at multiples of four from there, so that the first goal is laid out
-# otherwise than those that follow: the id, when the goal was accepted (seconds, nanoseconds), the status.
+# Bytes before the body. Four-byte numbers are aligned to multiples of four from there, so the first goal has no padding
+# but the others do. A goal is its id, the time when it was accepted (seconds, nanoseconds) and the status.
 _BODY = 4
 
 
@@ -32,20 +32,20 @@ class StatusReport:
 
 
 class StatusReader:
-    """Reads the status messages of one action, and tells what is news of them.
+    """Reads the status messages of one action and reports the changes.
 
-    News are the goals that run, as they live, and once those that have ended. Where there are more than `MAX_REPORTS`,
-    goals that run and changed come first, then those that ended, then those that run on; of each kind the newest.
+    Running goals are reported with every message, as a sign of life; ended goals only once. If there are more than
+    `MAX_REPORTS`, running goals that changed come first, then ended ones, then unchanged ones; the newest of each.
     """
 
     def __init__(self) -> None:
         self._told: dict[bytes, StatusReport] = {}
 
     def read(self, message: bytes) -> list[StatusReport]:
-        """The news in a message, in its order.
+        """Return the goals to report from a message, in its order.
 
         Raises:
-            ValueError: It is no status message.
+            ValueError: It is not a status message.
         """
         told, self._told = self._told, {}
         news: list[tuple[int, int, int, bytes, StatusReport]] = []
@@ -66,7 +66,7 @@ class StatusReader:
 
 
 def _goals(message: bytes) -> Iterator[tuple[bytes, int, GoalStatus]]:
-    """Id, time of acceptance in ns and status of each goal."""
+    """Yield id, time of acceptance in ns and status of each goal."""
     order = _ENCODINGS.get(message[:2])
     if order is None:
         raise ValueError(f"a message is encoded in an unknown way: {message[:2].hex()}")
@@ -86,6 +86,6 @@ def _goals(message: bytes) -> Iterator[tuple[bytes, int, GoalStatus]]:
 
 
 def text_of(goal_id: bytes) -> str:
-    """A goal id as JSON has it."""
+    """Convert the bytes of a goal id to its text form, as in JSON."""
     text = goal_id.hex()
     return f"{text[:8]}-{text[8:12]}-{text[12:16]}-{text[16:20]}-{text[20:]}"

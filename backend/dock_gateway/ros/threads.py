@@ -9,16 +9,16 @@ from rclpy.executors import ExternalShutdownException
 
 log = logging.getLogger(__name__)
 
-# So many crashes within so many seconds, and the thread is given up.
+# The thread ends after this many crashes within this many seconds.
 MAX_CRASHES, CRASH_WINDOW = 5, 10.0
 
 
 class RosThread(threading.Thread):
-    """Does some work until it is told to stop, again after an error.
+    """Runs a function until it is stopped; restarts it after an error.
 
     Args:
         name: Name of the thread, for logs.
-        work: Comes back when `stopping` was set and it was woken.
+        work: The function, which returns once `stopping` is set and it is woken.
     """
 
     def __init__(self, name: str, work: Callable[[], object]) -> None:
@@ -28,11 +28,11 @@ class RosThread(threading.Thread):
 
     @property
     def alive(self) -> bool:
-        """Whether it runs and is to go on."""
+        """Whether it is running and not stopping."""
         return self.is_alive() and not self.stopping
 
     def run(self) -> None:
-        """Work."""
+        """Run the function until the thread is stopped or crashes too often."""
         crashes: list[float] = []
         while not self.stopping:
             try:
@@ -52,7 +52,7 @@ class RosThread(threading.Thread):
                     return
 
     def end(self) -> bool:
-        """Wait a moment for the end, once it is stopping and was woken; whether it came."""
+        """Wait up to a second for the end of a thread that is stopping and was woken; return whether it ended."""
         if self.is_alive():
             self.join(1.0)
         if self.is_alive():

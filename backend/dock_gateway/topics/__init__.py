@@ -1,1 +1,1 @@
-"""The ROS graph, and the messages of any topic."""
+"""The ROS graph, and viewing the messages of any topic."""

@@ -1,4 +1,4 @@
-"""A topic that somebody looks at: heard once however many look, decoded as often as the fastest of them wants."""
+"""A watched topic: one subscription for all viewers, decoded at the rate of the fastest viewer."""
 
 import asyncio
 import logging
@@ -20,22 +20,22 @@ from dock_gateway.topics.graph_cache import GraphCache
 
 log = logging.getLogger(__name__)
 
-# Rates are told, and the topic is looked at again, so often, in seconds; a rate is that of the last WINDOW seconds.
+# Seconds between two rate events and two checks of the topic. A rate is the average of the last WINDOW seconds.
 TICK = 1.0
 WINDOW = 3
-# A message that takes long to decode leaves the others so many times as long before the next of its topic.
+# After a message is decoded, its topic rests for this many times the decoding time, for the sake of other work.
 REST = 20
 
 
 @dataclass(eq=False)
 class Viewer:
-    """Somebody who looks.
+    """One viewer of a topic.
 
     Attributes:
-        subscriber: Where messages go.
-        period: Seconds between two of them.
-        due: When the next may come.
-        seen: How many had been heard when the last one went.
+        subscriber: Receives messages.
+        period: Minimum seconds between two messages.
+        due: When the next message may be sent, on the monotonic clock.
+        seen: Number of messages received on the topic when the last one was sent.
     """
 
     subscriber: Subscriber
@@ -46,7 +46,7 @@ class Viewer:
 
 @dataclass(frozen=True)
 class Listening:
-    """How a topic is listened to."""
+    """The type and quality of service of a subscription."""
 
     kind: str
     reliable: bool
@@ -54,12 +54,12 @@ class Listening:
 
 
 class Echo:
-    """One topic, for all who look at it.
+    """One topic, for all its viewers.
 
     Args:
-        bridge: Where the ROS thread is.
-        graph: Tells who is at the topic.
-        topic: As it is now.
+        bridge: Runs calls on the ROS thread.
+        graph: Knows the endpoints of the topic.
+        topic: The current state of the topic.
     """
 
     def __init__(self, bridge: Bridge, graph: GraphCache, topic: Topic) -> None:
@@ -76,7 +76,7 @@ class Echo:
         self._task: asyncio.Task[None] | None = None
 
     async def open(self) -> None:
-        """Listen.
+        """Subscribe to the topic.
 
         Raises:
             Unavailable: `ros_unavailable`, when the ROS thread is down.
@@ -85,25 +85,25 @@ class Echo:
         self._task = asyncio.create_task(self._run())
 
     async def close(self) -> None:
-        """Listen no more."""
+        """End the subscription."""
         if self._task is not None:
             await cancel(self._task)
         if self._port is not None:
             self._bridge.to_ros(self._port.close)
 
     def add(self, viewer: Viewer) -> None:
-        """Show somebody the topic, the newest message, and what comes."""
+        """Add a viewer. It gets the topic's state, the newest message, and later ones."""
         self._viewers.add(viewer)
         viewer.subscriber.put(self._topic_event())
         self._changed.set()
 
     def remove(self, viewer: Viewer) -> None:
-        """Show it no more."""
+        """Remove a viewer."""
         self._viewers.discard(viewer)
 
     @property
     def viewed(self) -> bool:
-        """Whether somebody looks."""
+        """Whether the topic has viewers."""
         return bool(self._viewers)
 
     @property
@@ -142,7 +142,7 @@ class Echo:
 
     def _next_due(self) -> float:
         if not self._waiting() and self._port is not None:
-            self._port.tell_next()  # one that comes right now wakes us, or is seen in the next line
+            self._port.tell_next()  # a message that arrives right now wakes us, or is seen in the next line
         return min((viewer.due for viewer in self._waiting()), default=float("inf"))
 
     async def _show(self) -> None:
@@ -179,7 +179,7 @@ class Echo:
         return reading
 
     def _tell_rate(self) -> None:
-        if self._kind is None or not self._kind.installed:  # nothing is heard
+        if self._kind is None or not self._kind.installed:  # nothing is received
             return
         now, heard = time.monotonic(), self._heard
         self._past.append((now, heard._replace(newest=None)))
@@ -245,13 +245,13 @@ class Echo:
 
 
 def listening_for(topic: Topic, now: Listening | None) -> Listening:
-    """How to hear every publisher of a topic, and what they published before where all of them keep it.
+    """Return how to subscribe to every publisher of a topic, and to earlier messages if all publishers keep them.
 
-    Where a topic has more than one type, which is a mistake on the graph, one of the publishers' counts.
+    If a topic has more than one type, which is a mistake on the graph, one of its publishers' types is used.
 
     Args:
-        topic: As it is.
-        now: How it is listened to; that goes on while nobody publishes.
+        topic: The current state of the topic.
+        now: The current subscription; it is kept while there are no publishers.
     """
     publishers = topic.publishers
     if not publishers and now is not None:
@@ -270,6 +270,6 @@ def _quality(endpoint: Endpoint, name: str) -> str:
 
 
 def _event(kind: str, topic: Any, **payload: Any) -> Event:
-    """An event of an echo; who has not been sent the one before of its kind gets the newest alone."""
+    """Return an event of an echo. It replaces a queued one of the same kind."""
     now = payload.pop("time", None) or utc_now()
     return replace(notice(kind, now, topic=topic, **payload), topic=kind, droppable=True, supersedes=True)

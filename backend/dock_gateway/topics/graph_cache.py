@@ -1,4 +1,4 @@
-"""The ROS graph for those who ask: looked at once for all of them, and not at all while nobody asks."""
+"""The ROS graph for API requests: scanned only on demand, once for all simultaneous requests."""
 
 import asyncio
 import hashlib
@@ -12,23 +12,23 @@ from dock_gateway.core.tasks import cancel
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Survey, read_topic
 
-# Between the beginnings of two looks at the whole graph, in seconds.
+# Minimum seconds between the starts of two scans of the whole graph.
 INTERVAL = 1.0
 
 
 @dataclass(frozen=True)
 class View:
-    """The graph, encoded; the same graph has the same tag."""
+    """The encoded graph. The same graph has the same tag."""
 
     body: bytes
     tag: str
 
 
 class GraphCache:
-    """Looks at the graph.
+    """Scans the graph on demand.
 
     Args:
-        bridge: Where the ROS thread is.
+        bridge: Runs calls on the ROS thread.
     """
 
     def __init__(self, bridge: Bridge) -> None:
@@ -37,7 +37,7 @@ class GraphCache:
         self._began = 0.0
 
     async def graph(self) -> View:
-        """The whole graph, at most a second old.
+        """Return the whole graph, at most one second old.
 
         Raises:
             Unavailable: `ros_unavailable`, when the ROS thread is down.
@@ -45,10 +45,10 @@ class GraphCache:
         now = time.monotonic()
         if self._looking is None or (self._looking.done() and now - self._began >= INTERVAL):
             self._looking, self._began = asyncio.create_task(self._look()), now
-        return await asyncio.shield(self._looking)  # others wait for it, too
+        return await asyncio.shield(self._looking)  # shared with other requests
 
     async def topic(self, name: str) -> Topic:
-        """One topic, as it is now.
+        """Return the current state of one topic.
 
         Raises:
             NotFound: It is not on the graph.
@@ -66,7 +66,7 @@ class GraphCache:
         return await asyncio.to_thread(_view, survey.seen)
 
     async def close(self) -> None:
-        """Look no more."""
+        """Cancel the scan."""
         if self._looking is not None:
             await cancel(self._looking)
 

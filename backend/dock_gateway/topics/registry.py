@@ -1,4 +1,4 @@
-"""The topics that somebody looks at; nothing is heard of the others."""
+"""The watched topics. The gateway does not subscribe to any others for viewing."""
 
 import asyncio
 import logging
@@ -17,11 +17,11 @@ MAX_TOPICS = 20
 
 
 class EchoRegistry:
-    """All topics that somebody looks at.
+    """All watched topics.
 
     Args:
-        bridge: Where the ROS thread is.
-        graph: Tells who is at a topic.
+        bridge: Runs calls on the ROS thread.
+        graph: Knows the endpoints of a topic.
     """
 
     def __init__(self, bridge: Bridge, graph: GraphCache) -> None:
@@ -32,11 +32,11 @@ class EchoRegistry:
 
     @asynccontextmanager
     async def watch(self, topic: str, subscriber: Subscriber, max_rate: float) -> AsyncIterator[None]:
-        """Show a topic to a subscriber, with at most so many messages a second, until the block ends.
+        """Show a topic to a subscriber, at most `max_rate` messages per second, until the block ends.
 
         Raises:
             NotFound: There is no such topic.
-            TooManyRequests: Too many others are looked at.
+            TooManyRequests: Too many other topics are watched.
             Unavailable: `ros_unavailable`, when the ROS thread is down.
         """
         viewer = Viewer(subscriber, 1 / max_rate)
@@ -64,6 +64,6 @@ class EchoRegistry:
         return echo
 
     async def close(self) -> None:
-        """Look no more."""
+        """Close every watched topic."""
         for echo in list(self._echoes.values()):
             await echo.close()

@@ -36,18 +36,17 @@ DESCRIPTION = "Drive ROS 2 actions from a browser, curl or a WebSocket."
 
 
 class State(TypedDict):
-    """What lives as long as the app runs."""
+    """State that lives as long as the app runs."""
 
     gateway: Gateway
 
 
 def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
-    """Make the application.
+    """Create the application.
 
     Args:
         settings: The settings.
-        gateway: A gateway that is open. Without one, the application joins the ROS graph when it starts, and leaves it
-            when it ends.
+        gateway: An open gateway. Without one, the application joins the ROS graph at startup and leaves it at shutdown.
     """
 
     @asynccontextmanager
@@ -69,7 +68,7 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
     modules = (
         stop,
         events,
-        exports,  # before the goals: `export` is no id of one
+        exports,  # before goals: `export` is not a goal id
         goals,
         actions,
         interfaces,
@@ -96,7 +95,7 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
             allow_methods=("GET", "POST", "PUT", "DELETE"),
             allow_headers=("Content-Type", "Idempotency-Key", "If-None-Match", "Last-Event-ID", "Prefer"),
             expose_headers=("Content-Disposition", "ETag", "Location", "Retry-After"),
-            allow_private_network=True,  # a robot's address mostly is in one
+            allow_private_network=True,  # a robot's address is usually in one
         )
-    app.add_middleware(OriginGuard, settings=settings)  # comes first, the last added being the outermost
+    app.add_middleware(OriginGuard, settings=settings)  # runs first: the last one added is the outermost
     return app

@@ -1,4 +1,4 @@
-"""The dashboard's files. API paths never answer HTML, and pages never shadow them."""
+"""The dashboard's files. API paths never return HTML, and pages never shadow API paths."""
 
 from functools import partial
 from pathlib import Path
@@ -19,24 +19,24 @@ The API is there all the same: <a href="/docs">/docs</a>.</p></html>"""
 
 
 class Assets(StaticFiles):
-    """Files whose names hold a hash of their content: they may be cached for ever."""
+    """Files whose names contain a hash of their content, so that caches may keep them indefinitely."""
 
     def file_response(self, *args: object, **kwargs: object) -> Response:
-        """Add the header that says so."""
+        """Add the `Cache-Control` header."""
         response = super().file_response(*args, **kwargs)  # type: ignore[arg-type]
         response.headers["Cache-Control"] = "public, max-age=31536000, immutable"
         return response
 
 
 def find_dashboard(settings: Settings) -> Path | None:
-    """The folder of the built dashboard: as set, as installed, or as built in a checkout."""
+    """Return the folder of the built dashboard: as configured, as installed, or as built in a checkout."""
     package = Path(__file__).resolve().parent.parent
     candidates = (settings.dashboard_dir, package / "dashboard", package.parent.parent / "frontend" / "dist")
     return next((folder for folder in candidates if folder and (folder / "index.html").is_file()), None)
 
 
 def install_dashboard(app: FastAPI, settings: Settings) -> None:
-    """Serve the page at `/` and `/ui/…`, and its assets; comes after every API route."""
+    """Serve the page at `/` and `/ui/…`, and its assets. Must come after every API route."""
     folder = find_dashboard(settings)
     files = [path for path in folder.iterdir() if "." in path.name and path.is_file()] if folder else []
 
@@ -53,7 +53,7 @@ def install_dashboard(app: FastAPI, settings: Settings) -> None:
     if folder is not None and (folder / "assets").is_dir():
         app.mount("/assets", Assets(directory=folder / "assets"))
 
-    for path in files:  # beside the page, such as its icon
+    for path in files:  # files next to the page, such as its icon
         app.add_api_route(f"/{path.name}", partial(_file, path), include_in_schema=False)
 
 

@@ -1,4 +1,4 @@
-"""`/docs`: the API in a browser. Its files come from the gateway, as robots are often offline."""
+"""`/docs`: the API in a browser. The gateway serves all files, since robots are often offline."""
 
 from fastapi import FastAPI
 from starlette.responses import HTMLResponse, Response
@@ -6,7 +6,7 @@ from starlette.staticfiles import StaticFiles
 
 from dock_gateway.web.edge.security import CONTENT_SECURITY_POLICY, PAGE_POLICY
 
-# The script is a file of its own: the content policy allows none inside of a page.
+# The script is a separate file: the content security policy forbids inline scripts.
 SCRIPT = """SwaggerUIBundle({
   url: "openapi.json", dom_id: "#swagger-ui", deepLinking: true, filter: true, tryItOutEnabled: true,
   displayRequestDuration: true, validatorUrl: null, presets: [SwaggerUIBundle.presets.apis]

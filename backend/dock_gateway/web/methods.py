@@ -1,4 +1,4 @@
-"""Which methods a path has: what `OPTIONS` answers, and what a 405 says."""
+"""The methods of each path, for `OPTIONS` and 405 responses."""
 
 from collections.abc import Callable, Iterable, Sequence
 
@@ -8,10 +8,10 @@ AllowedMethods = Callable[[str], str | None]
 
 
 def allowed_methods(routes: Sequence[BaseRoute]) -> AllowedMethods:
-    """A function that says which methods a path has, as the header `Allow` lists them; None for one that has none.
+    """Return a function that maps a path to its `Allow` header, or to None if it has no route.
 
-    A router asks each route by itself, and says of the first whose path matches which methods *it* has. The methods of
-    a path are those of all routes with the same template.
+    Starlette's router reports only the methods of the first route whose path matches. The methods of a path are those
+    of all routes with the same template.
     """
     found: list[Route] = [route for route in routes if isinstance(route, Route)]
 

@@ -1,4 +1,4 @@
-"""The OpenAPI document: FastAPI's own, with the schemas that come from ROS and those of the WebSocket events."""
+"""The OpenAPI document: FastAPI's, plus the schemas of ROS messages and WebSocket events."""
 
 import asyncio
 from collections.abc import Iterable
@@ -20,7 +20,7 @@ REF = "#/components/schemas/{model}"
 
 
 def install_openapi(app: FastAPI) -> None:
-    """Make the app write its document with our schemas in it."""
+    """Make the app serve its OpenAPI document with our schemas in it."""
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
@@ -34,7 +34,7 @@ def install_openapi(app: FastAPI) -> None:
 
     @app.get("/openapi.json", include_in_schema=False)
     async def document() -> Response:
-        """The document; it takes 0.2 s to make, in which a stop must not wait."""
+        """Return the document. Building it takes 0.2 s, in a thread so that a stop does not wait."""
         async with making:
             if not made:
                 made.append(await asyncio.to_thread(lambda: orjson.dumps(app.openapi())))
@@ -69,7 +69,7 @@ def _build(app: FastAPI) -> dict[str, Any]:
 
 
 def _one_of(schemas: dict[str, Any], events: Iterable[type[BaseModel]], description: str) -> dict[str, Any]:
-    """The schema of events that are told apart by their `type`."""
+    """Return the schema of a union of events, discriminated by `type`."""
     references = {
         schemas[event.__name__]["properties"]["type"]["const"]: REF.format(model=event.__name__) for event in events
     }
@@ -81,7 +81,7 @@ def _one_of(schemas: dict[str, Any], events: Iterable[type[BaseModel]], descript
 
 
 def _add_message(schemas: dict[str, Any], name: str, note: str, *, complete: bool) -> None:
-    """Add BatteryState, and the messages inside of it, each as a component of its own."""
+    """Add BatteryState and its nested messages, each as its own component."""
     schema = codec(BatteryState).schema(complete=complete)
     suffix = "" if complete else "Input"
 
@@ -101,9 +101,9 @@ def _add_message(schemas: dict[str, Any], name: str, note: str, *, complete: boo
 
 
 def _plain(schema: dict[str, Any]) -> dict[str, Any]:
-    """Without what generators of types make too much of.
+    """Remove what type generators misread.
 
-    They take a field with a default for one that is always there, and numbers that may be given by name for text.
+    They treat a field with a default as always present, and a number that may be given by name as text.
     """
     schema = {key: value for key, value in schema.items() if key != "default"}
     if "x-constants" in schema and "anyOf" in schema:
@@ -112,7 +112,7 @@ def _plain(schema: dict[str, Any]) -> dict[str, Any]:
 
 
 def battery_body(*, required: bool, wrapped: str | None = None) -> dict[str, Any]:
-    """The `openapi_extra` of a request whose body is read by us, not by FastAPI."""
+    """Return the `openapi_extra` of a request whose body is read by the gateway, not by FastAPI."""
     schema: dict[str, Any] = {"$ref": "#/components/schemas/BatteryStateInput"}
     if wrapped:
         schema = {"type": "object", "additionalProperties": False, "properties": {wrapped: schema}}

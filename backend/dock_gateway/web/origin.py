@@ -1,7 +1,8 @@
-"""Who may speak to the gateway from inside a browser.
+"""Decides which web pages may use the gateway.
 
-A page of another site must not move the robot behind its user's back: neither by a form or a script (Origin), nor by a
-name that it lets point to this machine (Host, DNS rebinding). Programs that are not browsers send no Origin and pass.
+A page of another site must not move the robot without its user's knowledge: neither by a form or a script (Origin),
+nor by a host name that it points to this machine (Host, DNS rebinding). Programs that are not browsers send no Origin
+and pass.
 """
 
 import re
@@ -16,15 +17,15 @@ from dock_gateway.core.errors import GatewayError, NotAllowed
 from dock_gateway.settings import LOOPBACK_HOSTS, Settings
 from dock_gateway.web.problems import problem_response
 
-# OPTIONS is not among them: a preflight is answered (CORS) to the pages that are allowed.
+# Without OPTIONS: preflights of allowed pages are answered by CORS.
 SAFE_METHODS = frozenset({"GET", "HEAD"})
 PORTS = {"http": 80, "https": 443}
-# No user, no blank, nothing empty, no port that is not a number (RFC 9110, 7.2).
+# No user, no spaces, no empty parts, only numeric ports (RFC 9110, 7.2).
 HOST = re.compile(r"(?P<name>[a-z0-9_.-]+|\[[0-9a-f:.]+\])(:(?P<port>[0-9]{1,5}))?")
 
 
 class OriginGuard:
-    """ASGI middleware that refuses requests of foreign pages and to foreign host names."""
+    """ASGI middleware that refuses requests from foreign pages and to foreign host names."""
 
     def __init__(self, app: ASGIApp, settings: Settings) -> None:
         self._app = app
@@ -72,7 +73,7 @@ class OriginGuard:
 
 
 class Address(NamedTuple):
-    """What browsers call an origin."""
+    """An origin, in the sense of browsers."""
 
     scheme: str
     name: str
@@ -85,7 +86,7 @@ def _read_origin(origin: str) -> Address | None:
 
 
 def _read_address(scheme: str, host: str) -> Address | None:
-    """The address that `Host` names; None where it is not a name or an IP address, with or without a port."""
+    """Return the address that `Host` names; None if it is not a host name or IP address with an optional port."""
     match = HOST.fullmatch(host.lower())
     if match is None or scheme not in PORTS:
         return None
@@ -94,7 +95,7 @@ def _read_address(scheme: str, host: str) -> Address | None:
 
 
 def _is_address(name: str) -> bool:
-    """Whether it is an IP address: nobody can let one point elsewhere."""
+    """Whether the name is an IP address, which DNS rebinding cannot redirect."""
     try:
         ip_address(name)
     except ValueError:

@@ -1,4 +1,4 @@
-"""Answers in pieces, to clients that may be slow, leave, or not read at all."""
+"""Streamed answers to clients that may be slow, disconnect, or not read at all."""
 
 import asyncio
 import logging
@@ -15,10 +15,10 @@ log = logging.getLogger(__name__)
 
 
 async def send_in_time(send: Send, message: Message, timeout: float) -> None:
-    """Send a message; a client that does not read for so long is cut off.
+    """Send a message. Cut off a client that does not read for `timeout` seconds.
 
     Raises:
-        TimeoutError: It did not.
+        TimeoutError: The client did not read in time.
     """
     try:
         async with asyncio.timeout(timeout):
@@ -29,16 +29,16 @@ async def send_in_time(send: Send, message: Message, timeout: float) -> None:
 
 
 class PacedResponse(StreamingResponse):
-    """An answer in pieces; a client that does not read for so long is cut off.
+    """A streamed answer that cuts off a client that does not read for `timeout` seconds.
 
-    Where the rest cannot be had any more the connection is broken off, so that nobody takes a part for the whole.
+    If the rest becomes unavailable, the connection is cut, so that the client does not take a part for the whole.
 
     Args:
         first: The first piece.
-        chunks: The others; closed when the answer ends, however it does.
-        timeout: Seconds that the client may not read.
-        media_type: What it is.
-        headers: Besides.
+        chunks: The other pieces. Closed when the answer ends, for whatever reason.
+        timeout: Seconds that the client may go without reading.
+        media_type: The media type.
+        headers: Additional headers.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class PacedResponse(StreamingResponse):
             yield chunk
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Send it."""
+        """Send the answer."""
         async with aclosing(self._chunks):
             try:
                 await super().__call__(scope, receive, lambda message: send_in_time(send, message, self._timeout))

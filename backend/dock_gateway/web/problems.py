@@ -1,4 +1,4 @@
-"""Errors on the way out: the core's, FastAPI's and Starlette's all become the same problem+json."""
+"""Turns the errors of the core, FastAPI and Starlette into problem+json."""
 
 from http import HTTPStatus
 from typing import Any
@@ -17,7 +17,7 @@ CODES = {404: "not_found", 405: "method_not_allowed"}
 
 
 def problem_response(error: GatewayError) -> Response:
-    """The answer that tells of an error."""
+    """Return the answer for an error."""
     headers = (
         {"Retry-After": "1"} if error.status in (HTTPStatus.SERVICE_UNAVAILABLE, HTTPStatus.TOO_MANY_REQUESTS) else {}
     )
@@ -27,13 +27,13 @@ def problem_response(error: GatewayError) -> Response:
 
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
-    """The `responses=` of a route that can fail so."""
+    """Return the `responses=` of a route that can fail with these statuses."""
     content = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
     return {status: {"description": HTTPStatus(status).phrase, "content": content} for status in statuses}
 
 
 def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> None:
-    """Register the handlers; `allowed` says which methods a path has."""
+    """Register the handlers. `allowed` returns the `Allow` header of a path."""
 
     @app.exception_handler(GatewayError)
     async def gateway_error(_: Request, error: GatewayError) -> Response:

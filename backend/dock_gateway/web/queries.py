@@ -17,7 +17,7 @@ from dock_gateway.robots.registry import NAME_PART, read_namespace
 from dock_gateway.web.requests import ROBOT_PATTERN, StatusQuery, TheGateway, read_goal_id
 
 QUERY = ("robot", "action", "status", "origin", "since", "until")
-# What nanoseconds in 64 bits reach, as ROS has them.
+# The range of ROS times, which are 64-bit nanoseconds.
 EARLIEST, LATEST = datetime(1970, 1, 1, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
 RFC_3339 = re.compile(
     r"(?:19[7-9][0-9]|2[01][0-9]{2}|22[0-5][0-9]|226[01])-(?:0[1-9]|1[0-2])-(?:0[1-9]|[12][0-9]|3[01])"
@@ -26,14 +26,14 @@ RFC_3339 = re.compile(
 
 
 def _as_documented(text: object) -> object:
-    """Refuse the numbers and shorter forms that pydantic takes for times, too, and what is out of reach."""
+    """Refuse times out of range, and the numbers and shorter forms that pydantic also accepts."""
     if not isinstance(text, str) or not RFC_3339.fullmatch(text):
         raise ValueError("a time as of RFC 3339, from 1970 to 2261, such as 2026-11-21T03:32:40Z")
     return text
 
 
 def _in_utc(time: datetime) -> datetime:
-    """The time in UTC, and not beyond reach by its time zone."""
+    """Return the time in UTC, clamped to the supported range."""
     return min(max(time.astimezone(UTC), EARLIEST), LATEST)
 
 
@@ -59,10 +59,10 @@ async def read_goal_filter(
     since: SinceQuery = None,
     until: UntilQuery = None,
 ) -> GoalFilter:
-    """The goals that a query describes; they may be on actions and of robots that have left the graph.
+    """Return the goal filter of a query. Its actions and robots may have left the graph.
 
     Raises:
-        InvalidField: A value is wrong.
+        InvalidField: A value is invalid.
     """
     namespace = "/" if robot is None else read_namespace(robot)
     under = None if robot is None else namespace
@@ -86,7 +86,7 @@ MIN_RATE, MAX_RATE = 0.01, 1000.0
 
 
 def read_after(query: Mapping[str, str]) -> str | None:
-    """The event to resume after.
+    """Return the id of the event to resume after.
 
     Raises:
         InvalidField: It is not the id of an event.
@@ -98,10 +98,10 @@ def read_after(query: Mapping[str, str]) -> str | None:
 
 
 def read_max_rate(query: Mapping[str, str], lowest: float = MIN_RATE, highest: float = MAX_RATE) -> float | None:
-    """Messages a second that the reader wants at most.
+    """Return the reader's maximum rate, in messages per second.
 
     Raises:
-        InvalidField: It is not a number in range.
+        InvalidField: The value is not a number in range.
     """
     text = query.get("max_rate")
     if text is None:
@@ -129,12 +129,12 @@ def read_feedback(query: Mapping[str, str]) -> bool:
 
 
 async def read_event_filter(gateway: Gateway, query: Mapping[str, str]) -> EventFilter:
-    """The interest that a query describes.
+    """Return the event filter of a query.
 
-    Without `robot`, goals are those of every robot, battery, velocity and scene those of the configured one.
+    Without `robot`, goals are those of all robots; battery, velocity and scene are those of the configured robot.
 
     Raises:
-        InvalidField: A value is wrong.
+        InvalidField: A value is invalid.
         NotFound: There is no such goal or robot.
     """
     robot, action, goal_id = query.get("robot"), query.get("action"), query.get("goal_id")

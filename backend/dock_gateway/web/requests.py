@@ -1,4 +1,4 @@
-"""Reading requests: bodies within their limits, headers, and nothing that we would have to ignore."""
+"""Read requests: size-limited bodies, headers and parameters. What is unknown is refused, not ignored."""
 
 import asyncio
 import re
@@ -17,37 +17,37 @@ from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.gateway import Gateway
 from dock_gateway.robots.registry import NAME_PART, NAMESPACE
 
-# What curl -d says by itself is taken as JSON, too; a page of another origin cannot use that (api/origin.py).
+# The default content type of `curl -d` is accepted as JSON, too. OriginGuard keeps other origins from exploiting it.
 JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
 MAX_WAIT = 300.0
 MAX_KEY = 200
-MAX_DIGITS = 18  # no number in a header that matters has more
-# A line of text: no controls, nothing that changes the direction of writing or that cannot be seen; not blank.
+MAX_DIGITS = 18  # enough for every number in a header
+# A line of text: no control, bidirectional or invisible characters; not blank.
 _UNSEEN = r"\x00-\x1f\x7f-\x9f\xad\u200b-\u200f\u2028-\u202f\u205f-\u206f\ufeff\ufff9-\uffff"
 NAME = re.compile(rf"[^{_UNSEEN}]*[^\s{_UNSEEN}][^{_UNSEEN}]*")
 
 
 def get_gateway(connection: HTTPConnection) -> Gateway:
-    """The gateway of the running app."""
+    """Return the gateway of the running app."""
     gateway: Gateway = connection.state.gateway
     return gateway
 
 
-# Dependencies are coroutines: FastAPI sends plain functions through a thread of a pool, each of them, each time.
+# Dependencies are coroutines: FastAPI runs each plain function in a thread pool, on every request.
 
 
 async def depend_on_gateway(connection: HTTPConnection) -> Gateway:
-    """The gateway of the running app, for `Depends`."""
+    """Return the gateway of the running app, for `Depends`."""
     return get_gateway(connection)
 
 
 def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
-    """A dependency that refuses query parameters other than these.
+    """Return a dependency that refuses query parameters other than these.
 
-    A parameter that is misspelt, or that belongs to another version, must not be ignored where a robot moves.
+    A misspelt parameter, or one of another version, must not be ignored when a robot moves.
 
     Raises:
-        InvalidField: With each unknown parameter.
+        InvalidField: Lists the unknown parameters.
     """
 
     async def check(connection: HTTPConnection) -> None:
@@ -62,11 +62,11 @@ def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
 
 
 async def read_json(request: Request, *, empty: Any = None, within: float | None = None) -> Any:
-    """The body as decoded JSON, `empty` where there is none. It may take `within` seconds, where more are set.
+    """Return the decoded JSON body, or `empty` if there is none. `within` can shorten the timeout, in seconds.
 
     Raises:
-        InvalidField: There is none, and nothing that it would mean.
-        MalformedRequest: It is not JSON, too large, too slow, not all there, or says that it is something else.
+        InvalidField: There is no body, and `empty` is None.
+        MalformedRequest: The body is not JSON, too large, too slow or cut off, or has another content type.
     """
     raw = b"" if request.headers.get("content-length") == "0" else await _read_in_time(request, within)
     if not raw:
@@ -119,7 +119,7 @@ async def _read(request: Request, limit: int) -> bytes:
 
 
 def read_object(value: object, *fields: str) -> dict[str, Any]:
-    """A decoded body that must be an object with no fields but these.
+    """Return a decoded body, which must be an object with no fields other than these.
 
     Raises:
         InvalidField: It is not.
@@ -136,7 +136,7 @@ def read_object(value: object, *fields: str) -> dict[str, Any]:
 
 
 def read_name(value: object, longest: int) -> str:
-    """Who it is that asks, out of the field `by`; without the blanks around it.
+    """Return the name of the requester from the field `by`, without surrounding spaces.
 
     Raises:
         InvalidField: It is not a name of at most `longest` characters.
@@ -147,12 +147,12 @@ def read_name(value: object, longest: int) -> str:
 
 
 def name_schema(longest: int) -> dict[str, Any]:
-    """The same for the OpenAPI document."""
+    """Return the schema of such a name for the OpenAPI document."""
     return {"type": "string", "maxLength": longest, "pattern": f"^{NAME.pattern}$"}
 
 
 def read_wait(request: Request) -> float:
-    """Seconds to wait for the end of a goal, out of `Prefer: wait=30`; 0 where it is not asked for.
+    """Return the seconds to wait for the end of a goal, from `Prefer: wait=30`; 0 by default.
 
     Raises:
         InvalidField: It is not a number of seconds from 0 to 300.
@@ -171,12 +171,12 @@ def read_wait(request: Request) -> float:
 
 
 def read_digits(text: str) -> int | None:
-    """A number out of a header; None where it is none. More digits than Python reads are as many as it does read."""
+    """Read a number from a header; None if it is not one. Digits beyond the first 18 are ignored."""
     return int(text[:MAX_DIGITS]) if text.isascii() and text.isdecimal() else None
 
 
 def read_key(request: Request) -> str | None:
-    """The Idempotency-Key.
+    """Return the Idempotency-Key header.
 
     Raises:
         InvalidField: It is empty or too long.
@@ -185,7 +185,7 @@ def read_key(request: Request) -> str | None:
 
 
 def check_key(key: str | None, path: str) -> str | None:
-    """An idempotency key, if it is one.
+    """Check and return an idempotency key, which may be None.
 
     Raises:
         InvalidField: It is empty or too long.
@@ -198,7 +198,7 @@ def check_key(key: str | None, path: str) -> str | None:
 GOAL_ID = re.compile(r"[0-9A-Fa-f]{8}-?(?:[0-9A-Fa-f]{4}-?){3}[0-9A-Fa-f]{12}")
 
 TheGateway = Annotated[Gateway, Depends(depend_on_gateway)]
-# A name on the ROS graph without the slash that it begins with.
+# A name on the ROS graph without its leading slash.
 GraphName = Annotated[
     str,
     Path(
@@ -216,17 +216,17 @@ CursorQuery = Annotated[uuid.UUID | None, Query(description="`next_cursor` of th
 
 
 def json_response(document: object, status: int = 200, headers: dict[str, str] | None = None) -> Response:
-    """An answer in JSON, as the whole gateway writes it."""
+    """Return a JSON response, encoded as everywhere in the gateway."""
     return Response(encode(document), status, headers, "application/json")
 
 
 def goal_response(goal: Goal, location: str, status: int = 200) -> Response:
-    """A goal, and where it is found from now on."""
+    """Return a response with a goal, and its path as `Location`."""
     return json_response(goal.document(), status, {"Location": location})
 
 
 def read_goal_id(goal_id: str) -> str:
-    """A goal id in its canonical form; `ros2 action send_goal` prints it without the hyphens.
+    """Return a goal id in its canonical form. `ros2 action send_goal` prints it without hyphens.
 
     Raises:
         InvalidField: It is not a UUID.

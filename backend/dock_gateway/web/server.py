@@ -1,4 +1,4 @@
-"""The server process: uvicorn with our farewell and our frame writer for WebSockets."""
+"""The server process: uvicorn with our connections, and streams that end with a reason."""
 
 import asyncio
 import gc
@@ -22,25 +22,25 @@ from dock_gateway.web.edge.security import SecurityHeaders
 
 log = logging.getLogger(__name__)
 
-# Seconds that answers under way get when the process is told to end, and that streams get before to say goodbye.
+# Seconds at shutdown for answers in progress, and before that for streams to send their closing message.
 GRACE = 1
 FAREWELL = 0.5
 
 
 class Server(uvicorn.Server):
-    """uvicorn, which says where it listens and lets streams say goodbye before it closes their connections."""
+    """A uvicorn server that logs its address and lets streams send `closing` before it closes their connections."""
 
     def __init__(self, config: uvicorn.Config) -> None:
         super().__init__(config)
         self._gateway: Gateway | None = None
 
     async def serve_gateway(self, gateway: Gateway, settings: Settings) -> None:
-        """Serve until a signal comes; not at all where it came before."""
+        """Serve until a signal arrives. Return at once if one has arrived before."""
         if self.should_exit:
             return
         self._gateway = gateway
         self.config.app = SecurityHeaders(create_app(settings, gateway))
-        gc.freeze()  # what is loaded stays: looking through it would stop everything else for 100 ms now and then
+        gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then
         await self.serve()
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
@@ -62,7 +62,7 @@ class Server(uvicorn.Server):
         )
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """End every stream with a reason, then everything else."""
+        """End every stream with a reason, then shut down."""
         if self._gateway is not None:
             self._gateway.say_goodbye()
             deadline = time.monotonic() + FAREWELL
@@ -83,7 +83,7 @@ def _log_config(level: str) -> None:
 
 
 def run(settings: Settings) -> bool:
-    """Serve until a signal comes; False where the server could not be started."""
+    """Serve until a signal arrives. Return False if the server could not be started."""
     _log_config(settings.log_level)
     raise_file_limit()
     if settings.host not in LOOPBACK_HOSTS:
@@ -107,8 +107,8 @@ def run(settings: Settings) -> bool:
 
 async def _serve(server: Server, settings: Settings) -> bool:
     with server.capture_signals():  # from now on, and until everything is closed
-        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # `nohup` has it ignored
-            signal.signal(signal.SIGHUP, server.handle_exit)  # the end of the terminal, which uvicorn leaves out
+        if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # `nohup` sets it to be ignored
+            signal.signal(signal.SIGHUP, server.handle_exit)  # the terminal closed, which uvicorn does not handle
         async with open_gateway(settings) as gateway:
             await server.serve_gateway(gateway, settings)
     return server.started

@@ -1,6 +1,6 @@
-"""Messages cut down to what a person looks at: the first items of long arrays, the beginning of long texts.
+"""Truncates messages for display: the first items of long arrays, the beginning of long texts.
 
-A message is cut before it is made JSON, so that a picture or a cloud of points costs no more than its first items.
+A message is truncated before it is encoded, so that an image or a point cloud costs no more than its first items.
 """
 
 from functools import cache
@@ -11,15 +11,15 @@ from dock_gateway.ros.messages.types import Kind, MessageClass, Nested, Sequence
 MAX_ITEMS = 100
 MAX_TEXT = 10_000
 
-# The fields of a class that can be long, or hold something that can: name, slot, kind.
+# The fields of a class that can be long or contain something long: name, slot, kind.
 Plan = tuple[tuple[str, str, Kind], ...]
 
 
 def abbreviate(message: Any) -> dict[str, int]:
-    """Cut a message down, in place.
+    """Truncate a message in place.
 
     Returns:
-        How long each array and text was that has been cut, in items and characters, by its dotted path.
+        The original length of each truncated array (items) and text (characters), by dotted path.
     """
     lengths: dict[str, int] = {}
     _cut_fields(message, "", lengths)
@@ -54,7 +54,7 @@ def _cut_fields(message: Any, path: str, lengths: dict[str, int]) -> None:
         value = getattr(message, slot)
         short = _cut(value, kind, f"{path}{name}", lengths)
         if short is not value:
-            setattr(message, slot, short)  # behind the property, which insists on the length of fixed arrays
+            setattr(message, slot, short)  # bypasses the property, which checks the length of fixed arrays
 
 
 def _cut(value: Any, kind: Kind, path: str, lengths: dict[str, int]) -> Any:

@@ -1,8 +1,8 @@
-"""ROS messages to JSON and back, made from the message's own fields and types.
+"""Converts ROS messages to JSON and back, based on the message's own fields and types.
 
-A codec is compiled once for each message class. Towards JSON a float32 is written as its shortest text, NaN and
-±Infinity as null. From JSON a codec takes partial messages and says everything that is wrong, each with its dotted
-path. How each kind of field goes is in `ros/fields.py`.
+A codec is compiled once for each message class. It encodes a float32 as its shortest text, NaN and ±Infinity as null.
+It parses partial messages and reports every error with its dotted path. `ros/messages/fields.py` has the kinds of
+fields.
 """
 
 import math
@@ -22,7 +22,7 @@ from dock_gateway.ros.messages.types import Float, MessageClass, kinds, unset_is
 
 @cache
 def codec(message_class: MessageClass) -> "MessageCodec":
-    """The codec of a message class, compiled at the first call."""
+    """Return the codec of a message class, compiled at the first call."""
     return MessageCodec(message_class)
 
 
@@ -30,7 +30,7 @@ class MessageCodec:
     """Converts the messages of one class.
 
     Attributes:
-        document: The message as plain data, ready for `orjson`.
+        document: Converts a message to plain data, ready for `orjson`.
     """
 
     def __init__(self, message_class: MessageClass) -> None:
@@ -47,14 +47,14 @@ class MessageCodec:
             self._defaults += [(name, _nan) for name in floats]
 
     def encode(self, message: Any) -> Json:
-        """The message as JSON text."""
+        """Encode a message as JSON text."""
         return encode(self.document(message))
 
     def parse(self, value: object, path: str = "") -> Any:
-        """A message out of decoded JSON; what is left out keeps its default, NaN where the message asks for it.
+        """Build a message from decoded JSON; missing fields get their default, NaN if the message type wants it.
 
         Raises:
-            InvalidField: With everything that is wrong, up to a limit.
+            InvalidField: With all errors, up to a limit.
         """
         errors: list[FieldError] = []
         message = self.parse_into(value, path, errors)
@@ -63,7 +63,7 @@ class MessageCodec:
         return message
 
     def parse_into(self, value: object, path: str, errors: list[FieldError]) -> Any:
-        """Like `parse`, but what is wrong is appended to `errors`."""
+        """Like `parse`, but append the errors to `errors`."""
         message = self.default()
         if not isinstance(value, Mapping):
             errors.append(wrong(path, f"an object ({self._class.__name__})", value))
@@ -84,7 +84,7 @@ class MessageCodec:
         return message
 
     def default(self) -> Any:
-        """A message with nothing set: NaN where the message asks for it."""
+        """Return a message with nothing set; floats are NaN if the message type wants it."""
         message = self._class()
         for name, make in self._defaults:
             setattr(message, name, make())
@@ -92,13 +92,13 @@ class MessageCodec:
 
     @property
     def has_default(self) -> bool:
-        """Whether `default` differs from what the class makes by itself."""
+        """Whether `default` differs from a new instance of the class."""
         return bool(self._defaults)
 
     def schema(self, *, complete: bool = False) -> Schema:
-        """JSON Schema of the message: as `parse` takes it, or, `complete`, as `encode` writes it.
+        """Return the JSON Schema of the message as `parse` accepts it or, if `complete`, as `encode` writes it.
 
-        Other messages inside of it are under `$defs`, each once.
+        Nested messages are under `$defs`, each once.
         """
         return message_schema(self._class, _default_json, complete=complete)
 
@@ -114,9 +114,9 @@ def _nan() -> float:
 
 
 def _document_function(message_class: MessageClass, fields: Mapping[str, Field]) -> Callable[[Any], dict[str, Any]]:
-    """A function written for this class alone: `lambda m: {"x": m._x, "points": encode_points(m._points)}`.
+    """Compile a function for this class: `lambda m: {"x": m._x, "points": encode_points(m._points)}`.
 
-    It takes half the time of a loop over the fields. Behind the properties are the slots that rosidl made.
+    It takes half the time of a loop over the fields. It reads the slots directly, not rosidl's properties.
     """
     slots = set(message_class.__slots__)
     parts = []

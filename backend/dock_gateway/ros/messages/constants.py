@@ -1,8 +1,8 @@
-"""The constants of a message, and which of its fields each belongs to.
+"""The constants of a message and the fields they belong to.
 
-ROS definitions do not say so; their authors' convention does: `STATUS_ABORTED` is a value of the field `status`. A
-constant belongs to the field with the longest name that it begins with. Constants without such a field belong to none:
-nothing is guessed.
+ROS definitions do not link them, but there is a naming convention: `STATUS_ABORTED` is a value of the field `status`. A
+constant belongs to the field with the longest name that is a prefix of its own. Constants without such a field belong
+to none.
 """
 
 from collections.abc import Mapping
@@ -13,7 +13,7 @@ from dock_gateway.ros.messages.types import Integer, Kind, MessageClass, Sequenc
 
 @dataclass(frozen=True)
 class Constant:
-    """A constant of a field: `CHARGING` in short, `POWER_SUPPLY_STATUS_CHARGING` in full."""
+    """A constant of a field, such as `CHARGING`, with the full name `POWER_SUPPLY_STATUS_CHARGING`."""
 
     name: str
     full_name: str
@@ -21,7 +21,7 @@ class Constant:
 
 
 def constants_by_field(message_class: MessageClass, fields: Mapping[str, Kind]) -> dict[str, tuple[Constant, ...]]:
-    """The constants of each integer field that has any, in the order of the definition."""
+    """Return the constants of each integer field that has any, in the order of the definition."""
     integers: dict[str, Integer] = {}
     for field, kind in fields.items():
         item = kind.item if isinstance(kind, Sequence) else kind
@@ -38,7 +38,7 @@ def constants_by_field(message_class: MessageClass, fields: Mapping[str, Kind]) 
 
 
 def _integer_constants(message_class: MessageClass) -> dict[str, int]:
-    # rosidl makes each constant a property of the metaclass, and of defaults one that is called NAME__DEFAULT.
+    # rosidl makes each constant a property of the metaclass, and each default a property NAME__DEFAULT.
     metaclass = type(message_class)
     found = {}
     for name, member in vars(metaclass).items():

@@ -1,7 +1,7 @@
-"""Comments and units out of ROS definition files.
+"""Comments and units from ROS definition files.
 
-As in rosidl, comments at the head of the file describe the message, those right above or behind a field or constant
-describe that, and indented lines go on. A blank line cuts a comment off from what follows.
+As in rosidl, comments at the top of the file describe the message, comments directly above or after a field or constant
+describe it, and indented lines continue them. A blank line separates a comment from what follows.
 """
 
 import re
@@ -16,7 +16,7 @@ ACTION_PARTS = ("Goal", "Result", "Feedback")
 _LINE = re.compile(r"""(?P<code>(?:[^#"']|"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|["'])*?)(?:\#+(?P<comment>.*))?""")
 _ELEMENT = re.compile(r"\S+\s+(?P<name>[A-Za-z]\w*)\s*(?P<constant>=)?")
 
-# Units as they are written, and as they are meant.
+# Words for units → their symbols.
 _WORDS = {
     "meter": "m",
     "metre": "m",
@@ -97,7 +97,7 @@ _UNIT = re.compile(
 
 @dataclass(frozen=True)
 class Definition:
-    """What a definition's comments say of the message, of its fields and of its constants."""
+    """The comments of a definition on the message, its fields and its constants."""
 
     description: str = ""
     fields: dict[str, str] = field(default_factory=dict)
@@ -106,7 +106,7 @@ class Definition:
 
 @cache
 def definition(message_class: MessageClass) -> Definition:
-    """The comments of a message class; none where its definition file is not installed."""
+    """Return the comments of a message class, none if its definition file is not installed."""
     package, kind, name = type_name(message_class).split("/")
     if kind == "action":
         name, _, part = name.rpartition("_")
@@ -119,7 +119,7 @@ def definition(message_class: MessageClass) -> Definition:
 
 
 def read_definition(text: str) -> Definition:
-    """The comments in the text of one message."""
+    """Read the comments from the definition text of one message."""
     lines = text.splitlines()
     head: list[str] = []
     while lines and lines[0].startswith("#"):
@@ -160,7 +160,7 @@ def read_definition(text: str) -> Definition:
 
 
 def unit(comment: str) -> str | None:
-    """The unit that a comment names, as in "(Volts)", "[m/s]" or "in meters"; the first of several."""
+    """Return the first unit that a comment names, as in "(Volts)", "[m/s]" or "in meters"."""
     match = _UNIT.search(comment)
     if not match:
         return None

@@ -1,7 +1,7 @@
-"""How one field of a ROS message becomes JSON, and JSON that field.
+"""Converts one field of a ROS message to JSON and back.
 
-Towards JSON an integer beyond ±(2^53 - 1) is a decimal string, because most readers of JSON keep numbers as doubles
-(RFC 8259, section 6). From JSON, 64-bit integers are taken in both forms, bytes as numbers or as base64, and integers
+An integer beyond ±(2^53 - 1) is encoded as a decimal string, because most JSON readers keep numbers as doubles
+(RFC 8259, section 6). The parser accepts 64-bit integers in both forms, bytes as numbers or as base64, and integers
 with constants by name.
 """
 
@@ -20,14 +20,14 @@ from dock_gateway.core.errors import FieldError
 from dock_gateway.ros.messages.constants import Constant
 from dock_gateway.ros.messages.types import Boolean, Float, Integer, Kind, MessageClass, Nested, Sequence, Text
 
-# What is taken where the definition has no bound; what ROS sends may be longer.
+# Limits (characters, items, bytes) of parsed values without a bound in the definition. Messages from ROS may be longer.
 MAX_STRING = 65_536
 MAX_SEQUENCE = 10_000
 MAX_BYTES = 1_000_000
 MAX_ERRORS = 20
 MAX_SAFE = 2**53 - 1
 FEW = 32
-FLOAT32_MAX = 3.4028235e38  # its shortest text, a little more than the number itself
+FLOAT32_MAX = 3.4028235e38  # its shortest text, slightly more than the exact value
 DECIMAL = r"-?(0|[1-9][0-9]{0,19})"
 
 Encoder = Callable[[Any], Any]
@@ -36,21 +36,21 @@ Names = tuple[Constant, ...]
 
 
 class NestedCodec(Protocol):
-    """What a field needs of the codec of another message."""
+    """What a field needs from the codec of a nested message."""
 
     @property
     def document(self) -> Encoder:
-        """Makes plain data of a message."""
+        """Converts a message to plain data."""
 
     def parse_into(self, value: object, path: str, errors: list[FieldError]) -> Any:
-        """A message out of decoded JSON."""
+        """Build a message from decoded JSON; append the errors to `errors`."""
 
     def default(self) -> Any:
-        """A message with nothing set."""
+        """Return a message with nothing set."""
 
     @property
     def has_default(self) -> bool:
-        """Whether that differs from what the class makes by itself."""
+        """Whether `default` differs from a new instance of the class."""
 
 
 @dataclass(frozen=True)
@@ -58,9 +58,9 @@ class Field:
     """A compiled field.
 
     Attributes:
-        encode: Towards JSON; None where the value is fit for `orjson` as it is.
-        parse: From decoded JSON; what is wrong is appended to the errors, and then the answer means nothing.
-        default: Makes the value of a field that is left out, where the message's own default is not ours.
+        encode: Converts a value for JSON; None if `orjson` accepts the value as it is.
+        parse: Converts decoded JSON; appends errors to the list, and its result is then meaningless.
+        default: Makes the value of a missing field; None to use the message's own default.
     """
 
     encode: Encoder | None
@@ -69,12 +69,12 @@ class Field:
 
 
 def compile_field(kind: Kind, constants: Names, nested: Callable[[MessageClass], NestedCodec]) -> Field:
-    """Make the field once, for every message to come.
+    """Compile a field.
 
     Args:
-        kind: Its type.
-        constants: Those that may be given by name.
-        nested: Finds the codec of another message.
+        kind: Type of the field.
+        constants: The constants that may be given by name.
+        nested: Returns the codec of a nested message.
     """
     match kind:
         case Boolean():
@@ -94,7 +94,7 @@ def compile_field(kind: Kind, constants: Names, nested: Callable[[MessageClass],
 
 
 def wrong(path: str, expected: str, value: object) -> FieldError:
-    """The error of a value that is something else altogether."""
+    """Return the error of a value of the wrong type."""
     names = {dict: "an object", list: "an array", str: "a string", bool: "a boolean", type(None): "null"}
     if isinstance(value, int | float) and not isinstance(value, bool):
         got = f"got {value!r:.40}"
@@ -124,7 +124,7 @@ def _integer(kind: Integer, constants: Names) -> Field:
             number = values.get(value.upper())
             if number is None and wide and re.fullmatch(DECIMAL, value):
                 number = int(value)
-        elif isinstance(value, float) and value.is_integer():  # 1.0 is an integer in JSON Schema, and in JavaScript
+        elif isinstance(value, float) and value.is_integer():  # 1.0 is an integer in JSON Schema and in JavaScript
             number = int(value)
         if not isinstance(number, int) or isinstance(number, bool) or not low <= number <= high:
             error = wrong(path, expected, value)
@@ -174,7 +174,7 @@ def _text(maximum: int) -> Parser:
 
 
 def limit_of(kind: Sequence) -> int:
-    """The most items that are taken."""
+    """Return the maximum number of items that are accepted."""
     if kind.high is not None:
         return kind.high
     return MAX_BYTES if kind.binary else MAX_SEQUENCE
@@ -191,7 +191,7 @@ def _sequence_encoder(kind: Sequence, item: Encoder | None) -> Encoder | None:
 
 
 def _encode_numbers(values: Any) -> Any:
-    # orjson writes numpy arrays whole; for a few numbers, making one costs more than it saves.
+    # orjson writes whole numpy arrays; for a few numbers, creating one costs more than it saves.
     return values.tolist() if len(values) < FEW else np.asarray(values)
 
 
@@ -252,7 +252,7 @@ def _decode(text: str, path: str, expected: str, errors: list[FieldError]) -> li
 
 
 def _packer(kind: Sequence) -> Encoder:
-    """Makes what the Python class keeps the items in."""
+    """Return a function that packs items into the container of the Python class."""
     code = kind.code
     if code is None:
         return list
@@ -262,7 +262,7 @@ def _packer(kind: Sequence) -> Encoder:
 
 
 def _whole(kind: Sequence) -> Encoder:
-    """Takes a list of plain numbers at once; None where it has to be looked at one by one."""
+    """Return a function that packs a list of plain numbers at once, or returns None to parse item by item."""
     pack = _packer(kind)
     if isinstance(kind.item, Integer) and kind.code:
 

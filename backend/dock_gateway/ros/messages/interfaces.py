@@ -1,7 +1,7 @@
-"""The ROS interface packages on this machine: which there are, their Python classes, their definition files.
+"""The ROS interface packages on this machine: their names, Python classes and definition files.
 
-Types come by name, from clients and from anybody on the ROS graph. Importing a Python package runs it, so nothing is
-imported by name but packages that rosidl generated.
+Type names come from clients and from any node on the ROS graph. Importing a Python package runs it, so only packages
+that rosidl generated are imported by name.
 """
 
 import importlib
@@ -21,10 +21,10 @@ _INDEX = Path("share/ament_index/resource_index/rosidl_interfaces")
 
 
 def load_action(type_name: str) -> Any:
-    """The Python class of an action type such as `action_tutorials_interfaces/action/Fibonacci`.
+    """Import the Python class of an action type such as `action_tutorials_interfaces/action/Fibonacci`.
 
     Raises:
-        ImportError: It is no such name, the package is not installed, or it has no such action.
+        ImportError: The name is not an action type, the package is not installed, or it has no such action.
     """
     match = _ACTION_TYPE.fullmatch(type_name)
     if not match:
@@ -37,12 +37,12 @@ def load_action(type_name: str) -> Any:
 
 
 def load_message(type_name: str) -> Any:
-    """The Python class of the messages on a topic of a type such as `sensor_msgs/msg/BatteryState`.
+    """Import the Python class of a message type such as `sensor_msgs/msg/BatteryState`.
 
-    The feedback of actions has a type of its own, `package/action/Name_FeedbackMessage`.
+    The feedback of an action has its own type, `package/action/Name_FeedbackMessage`.
 
     Raises:
-        ImportError: It is no such name, the package is not installed, or it has no such message.
+        ImportError: The name is not a message type, the package is not installed, or it has no such message.
     """
     match = _MESSAGE_TYPE.fullmatch(type_name)
     if not match:
@@ -71,7 +71,7 @@ def _load(package: str, kind: str, name: str) -> Any:
 
 
 def is_installed(package: str) -> bool:
-    """Whether this Python has the package, and rosidl generated it; it is not imported for that."""
+    """Return whether the package is installed and rosidl generated it, without importing it."""
     if not re.fullmatch(PACKAGE_NAME, package):
         return False
     try:
@@ -83,13 +83,13 @@ def is_installed(package: str) -> bool:
 
 
 def install_hint(package: str) -> str:
-    """What to do where a package is missing."""
+    """Return what to do if a package is missing."""
     wheel = f"ros-{os.environ.get('ROS_DISTRO', 'jazzy')}-{package.replace('_', '-')}"
     return f"install the Python package of the ROS interfaces {package} (such as {wheel})"
 
 
 def known_actions() -> list[str]:
-    """The types of all actions that the ament index lists, sorted."""
+    """Return all action types in the ament index, sorted."""
     found = set()
     for prefix in _prefixes():
         for entry in prefix.joinpath(_INDEX).glob("*"):
@@ -103,7 +103,7 @@ def known_actions() -> list[str]:
 
 @cache
 def definition_text(package: str, kind: str, name: str) -> str | None:
-    """The definition as its author wrote it, such as share/sensor_msgs/msg/BatteryState.msg; None without the file.
+    """Return the text of a definition file such as share/sensor_msgs/msg/BatteryState.msg, None without the file.
 
     Args:
         package: Such as `sensor_msgs`.
@@ -119,6 +119,6 @@ def definition_text(package: str, kind: str, name: str) -> str | None:
 
 
 def _prefixes() -> list[Path]:
-    """Where packages are: the sourced workspaces, then this environment, where wheels put their share/."""
+    """Return the install prefixes: the sourced workspaces, then this environment, where wheels put their share/."""
     sourced = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     return [Path(prefix) for prefix in dict.fromkeys([*sourced, sys.prefix]) if prefix]

@@ -1,7 +1,7 @@
-"""JSON Schema (draft 2020-12) of ROS messages, with what their definition files and constants say.
+"""JSON Schema (draft 2020-12) of ROS messages, with the comments of their definition files and their constants.
 
-`x-unit` is the unit of a number where the definition's comment names one; `x-constants` are the names that a field's
-values have. Any number of the type stays valid beside them, as it does in ROS.
+`x-unit` is the unit of a number if the definition's comment names one. `x-constants` are the named values of a field;
+any other number of its type stays valid, as in ROS.
 """
 
 from collections.abc import Callable
@@ -28,19 +28,19 @@ DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 WITHOUT_NUL = r"^[^\u0000]*$"
 
-# A longer default, such as a covariance of 36 zeros, tells a reader nothing.
+# Items. Longer defaults, such as a covariance of 36 zeros, are left out as useless to a reader.
 MAX_DEFAULT = 16
 
 
 def message_schema(
     message_class: MessageClass, defaults: Callable[[MessageClass], dict[str, Any]], *, complete: bool
 ) -> Schema:
-    """The schema of a message; others inside of it are under `$defs`, each once.
+    """Return the schema of a message; nested messages are under `$defs`, each once.
 
     Args:
-        message_class: The message.
-        defaults: Gives a message with nothing set, as decoded JSON.
-        complete: Whether it describes what is written, else what is taken.
+        message_class: The message class.
+        defaults: Returns a message with nothing set, as decoded JSON.
+        complete: Whether to describe the messages that are written, else those that are accepted.
     """
     builder = _Builder(defaults, complete)
     schema = builder.message(message_class)
@@ -136,7 +136,7 @@ def _choice(constant: Constant, comments: Definition) -> Schema:
 
 
 def _names(constants: tuple[Constant, ...]) -> Schema:
-    """By name; upper and lower case are taken alike, which a schema cannot say."""
+    """Return the schema of constants by name. Parsing ignores case, which a schema cannot express."""
     names = dict.fromkeys(name for constant in constants for name in (constant.name, constant.full_name))
     return {"type": "string", "enum": list(names)}
 

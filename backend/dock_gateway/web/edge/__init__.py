@@ -1,4 +1,4 @@
-"""The HTTP and WebSocket edge below the routes: who may connect, how much is read, and when it is cut off.
+"""The HTTP and WebSocket edge below the routes: limits on connections and input, and timeouts.
 
-uvicorn and its libraries speak the protocols; this package bounds what one client can take from the others.
+uvicorn and its libraries speak the protocols; this package limits what one client can take from the others.
 """

@@ -1,4 +1,4 @@
-"""One TCP connection, whichever protocol it speaks: its limits, its input in pieces, and its end."""
+"""One TCP connection of either protocol: its limits, its input in pieces, and its end."""
 
 import asyncio
 import logging
@@ -12,22 +12,22 @@ from dock_gateway.web.edge.scheduler import InputScheduler
 
 log = logging.getLogger(__name__)
 
-# So many bytes that a client still sends after its answer are read and thrown away, so that the answer reaches it.
+# Bytes of further input that are discarded after an answer, so that the answer reaches a client that still sends.
 LINGER_BYTES = 64_000_000
-# All clients together may have sent so many of the largest bodies in part. Then one that has sent more than its share,
-# in bytes, is refused, and small requests still pass.
+# Incomplete input of all clients together, in bodies of the maximum size. Beyond this limit, a client that has sent
+# more than SHARE bytes is refused; small requests still pass.
 UNFINISHED_BODIES = 8
 SHARE = 16_384
-# Seconds that a connection of the reserve has for its answer, beyond the time for the head of its request.
+# Seconds that a reserve connection has for its answer, in addition to the timeout of the request head.
 ANSWER_WITHIN = 2.0
 
 
 @dataclass
 class Edge:
-    """What all connections share.
+    """State shared by all connections.
 
     Attributes:
-        unfinished: Bytes of requests and messages that have arrived in part.
+        unfinished: Bytes received of incomplete requests and messages.
     """
 
     settings: Settings
@@ -37,51 +37,51 @@ class Edge:
 
 
 class InnerProtocol(Protocol):
-    """A protocol of uvicorn's, as one of the subclasses here extends it."""
+    """One of uvicorn's protocols, as extended by a subclass in this package."""
 
     @property
     def priority(self) -> Priority:
-        """What the client has asked for."""
+        """The priority of the client's request."""
 
     @property
     def unread(self) -> bool:
-        """Whether the client is still sending something that nobody is going to read."""
+        """Whether the client is still sending input that will not be read."""
 
     @property
     def receiving(self) -> bool:
-        """Whether a request or a message has arrived in part."""
+        """Whether a request or message has arrived only in part."""
 
     def refuse_input(self) -> None:
-        """Tell the client that its request or message cannot be taken now."""
+        """Tell the client that its request or message cannot be accepted now."""
 
     def is_urgent(self, data: bytes) -> bool:
-        """Whether this piece is to be handled before everything else."""
+        """Whether this piece must be handled before everything else."""
 
     def data_received(self, data: bytes) -> None:
         """Read a piece."""
 
     def handle_events(self) -> None:
-        """Act on what has been read."""
+        """Handle the parsed events."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:
-        """The connection is there."""
+        """Handle an opened connection."""
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """The connection has gone."""
+        """Handle a closed connection."""
 
     def pause_writing(self) -> None:
-        """The client does not read as fast as it is written to."""
+        """Stop writing: the client reads too slowly."""
 
     def resume_writing(self) -> None:
-        """It has caught up."""
+        """Resume writing: the client has caught up."""
 
 
 class Connection(asyncio.BufferedProtocol):
-    """What stands between a transport and uvicorn's protocols: it bounds their input and lingers at the end.
+    """Sits between a transport and uvicorn's protocols: limits their input, and lingers before closing.
 
     Args:
-        edge: What all connections share.
-        protocol: The protocol that speaks first, HTTP.
+        edge: State shared by all connections.
+        protocol: The initial protocol, HTTP.
     """
 
     def __init__(self, edge: Edge, protocol: InnerProtocol) -> None:
@@ -90,15 +90,15 @@ class Connection(asyncio.BufferedProtocol):
         self.protocol = protocol
         self._edge = edge
         self._transport: asyncio.Transport = None  # type: ignore[assignment]
-        self._pending = b""  # received, and not handled yet
-        self._unfinished = 0  # bytes of a request or message that has arrived in part
+        self._pending = b""  # received but not handled yet
+        self._unfinished = 0  # bytes received of an incomplete request or message
         self._queued = False
         self._paused = False  # by the protocol
-        self._lingering = 0  # bytes that may still come; 0: it does not linger
+        self._lingering = 0  # bytes still accepted while lingering; 0: not lingering
         self._timer: asyncio.TimerHandle | None = None
         self._left_to_write = -1
 
-    # The connection comes and goes.
+    # Opening and closing.
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Apply the limits, and hand the connection to the protocol."""
@@ -110,7 +110,7 @@ class Connection(asyncio.BufferedProtocol):
         self.protocol.connection_made(cast("asyncio.Transport", ConnectionTransport(self, self._transport)))
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Tell the limits and the protocol."""
+        """Notify the limits and the protocol."""
         self._edge.limits.release(self)
         self._count_unfinished(-self._unfinished)
         self._pending = b""
@@ -120,12 +120,12 @@ class Connection(asyncio.BufferedProtocol):
 
     @property
     def priority(self) -> Priority:
-        """What it has asked for."""
+        """The priority of the client's request."""
         return self.protocol.priority
 
     @property
     def stuck(self) -> bool:
-        """Whether it is being closed, and nothing of what it still has to be sent has been read for a while."""
+        """Whether it is closing, and the client has read none of its pending output since the last check."""
         before, self._left_to_write = self._left_to_write, self._transport.get_write_buffer_size()
         return self._transport.is_closing() and before == self._left_to_write
 
@@ -136,8 +136,8 @@ class Connection(asyncio.BufferedProtocol):
     def close(self) -> None:
         """Close it once everything has been sent.
 
-        A client that is still sending gets time to read the answer, and what it sends is thrown away: to close a socket
-        with unread input resets the connection, and the client loses the answer.
+        A client that is still sending gets time to read the answer, and its input is discarded: closing a socket with
+        unread input resets the connection, and the client loses the answer.
         """
         if self._lingering:
             return
@@ -153,7 +153,7 @@ class Connection(asyncio.BufferedProtocol):
 
     @property
     def closing(self) -> bool:
-        """Whether there is nobody to speak to any more."""
+        """Whether the connection is closing or lingering."""
         return bool(self._lingering) or self._transport.is_closing()
 
     def _abort_in(self, seconds: float) -> None:
@@ -164,7 +164,7 @@ class Connection(asyncio.BufferedProtocol):
     # Input.
 
     def get_buffer(self, sizehint: int) -> memoryview:
-        """Where the next piece is read to."""
+        """Return the buffer for the next piece."""
         return self._edge.scheduler.buffer
 
     def buffer_updated(self, nbytes: int) -> None:
@@ -178,7 +178,7 @@ class Connection(asyncio.BufferedProtocol):
             self.enqueue()
 
     def enqueue(self) -> None:
-        """Have what is there handled in turn, and read nothing before that."""
+        """Queue the pending input, and pause reading until it is handled."""
         if not self._queued:
             self._queued = True
             self._arrange_reading()
@@ -220,12 +220,12 @@ class Connection(asyncio.BufferedProtocol):
         self._edge.unfinished += size
 
     def pause_reading(self) -> None:
-        """Read nothing, until the protocol wants more."""
+        """Stop reading until the protocol wants more."""
         self._paused = True
         self._arrange_reading()
 
     def resume_reading(self) -> None:
-        """Read on."""
+        """Resume reading."""
         self._paused = False
         self._arrange_reading()
 
@@ -240,11 +240,11 @@ class Connection(asyncio.BufferedProtocol):
     # Output.
 
     def pause_writing(self) -> None:
-        """The client does not read as fast as it is written to."""
+        """Stop writing: the client reads too slowly."""
         self.protocol.pause_writing()
 
     def resume_writing(self) -> None:
-        """It has caught up."""
+        """Resume writing: the client has caught up."""
         self.protocol.resume_writing()
 
 
@@ -261,11 +261,11 @@ class ConnectionTransport:
         self.resume_reading = connection.resume_reading
 
     def is_closing(self) -> bool:
-        """Whether there is nobody to write to any more."""
+        """Whether the connection is closing or lingering."""
         return self.connection.closing
 
     def set_protocol(self, protocol: InnerProtocol) -> None:
-        """Go on in another protocol."""
+        """Switch to another protocol."""
         self.connection.protocol = protocol
 
     def __getattr__(self, name: str) -> Any:

@@ -1,4 +1,4 @@
-"""HTTP/1.1 as uvicorn and h11 speak it, with limits on the head of a request and on what nobody reads."""
+"""HTTP/1.1 with uvicorn and h11, with limits on the request head and on unread input."""
 
 import asyncio
 import logging
@@ -14,29 +14,29 @@ from dock_gateway.web.edge.connection import LINGER_BYTES, Connection, Connectio
 from dock_gateway.web.edge.limits import Priority
 from dock_gateway.web.edge.refusal import http_answer, refusal
 
-# What clients send wrong is answered and not logged: whoever floods us would fill the disk. Our own errors are logged.
+# Client errors are answered but not logged: a flood would fill the disk. The gateway's own errors are logged.
 log = logging.getLogger("uvicorn.error.http")
 log.setLevel(logging.ERROR)
 
-# As many as the WebSocket library takes. Each costs time by itself.
+# The limit of the WebSocket library. Each header costs time.
 MAX_HEADERS = 128
-# Stops go before everything else, as long as they are short: they have so many pieces.
+# Stops are handled before everything else, as long as they are short: at most STOP_PIECES pieces.
 STOP = ("POST", "/stop")
 STOP_LINE = b"POST /stop"
 STOP_PIECES = 4
-# Seconds that a request costs beside being read: its route, its validation, its answer.
+# Seconds that a request costs in addition to reading it: routing, validation, response.
 REQUEST_COST = 0.001
-# Seconds that a piece of a body costs beside being read: the route wakes up and takes it.
+# Seconds that a piece of a body costs in addition to reading it: the route wakes up and takes it.
 PIECE_COST = 0.0001
 
 
 def create_connection(edge: Edge, **options: Any) -> Connection:
-    """A connection, as the option `http` of uvicorn's configuration makes them."""
+    """Create a connection. The factory for uvicorn's option `http`."""
     return Connection(edge, HttpProtocol(edge, **options))
 
 
 class HttpProtocol(H11Protocol):
-    """A client that speaks HTTP, until it asks for a WebSocket."""
+    """The HTTP protocol of a connection, until the client asks for a WebSocket."""
 
     transport: ConnectionTransport  # type: ignore[assignment]
 
@@ -44,8 +44,8 @@ class HttpProtocol(H11Protocol):
         super().__init__(**options)
         self.logger = log
         self._edge = edge
-        self._deadline: asyncio.TimerHandle | None = None  # for the rest of what has begun to arrive
-        self._unwanted = 0  # bytes of a body that came after the answer
+        self._deadline: asyncio.TimerHandle | None = None  # for the rest of incomplete input
+        self._unwanted = 0  # body bytes received after the answer
         self._refused = False
         self._answered_one = False
         self._stop_pieces = 0
@@ -56,21 +56,21 @@ class HttpProtocol(H11Protocol):
         self._watch(incomplete=True)
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Wait for nothing any more."""
+        """Cancel the deadline."""
         self._watch(incomplete=False)
         super().connection_lost(exc)
 
     def shutdown(self) -> None:
-        """Close it as soon as the answer under way has been sent."""
+        """Close the connection once the current answer has been sent."""
         if self._refused:
             self.transport.abort()
         else:
             super().shutdown()
 
-    # What comes in.
+    # Input.
 
     def is_urgent(self, data: bytes) -> bool:
-        """Whether this piece begins a stop, or goes on with one."""
+        """Whether this piece begins or continues a stop."""
         if self.conn.their_state is h11.IDLE:
             self._stop_pieces = STOP_PIECES if data.startswith(STOP_LINE) else 0
         self._stop_pieces -= 1
@@ -78,20 +78,20 @@ class HttpProtocol(H11Protocol):
 
     @property
     def priority(self) -> Priority:
-        """What the client has asked for."""
+        """The priority of the client's request."""
         if self.cycle is None or self.cycle.response_complete:
             return Priority.IDLE
         return Priority.STOP if (self.scope["method"], self.scope["path"]) == STOP else Priority.REQUEST
 
     @property
     def unread(self) -> bool:
-        """Whether the client is still sending something that nobody is going to read."""
+        """Whether the client is still sending input that will not be read."""
         answered = self.cycle is None or self.cycle.response_complete
         return self._refused or (answered and self.conn.their_state is h11.SEND_BODY)
 
     @property
     def receiving(self) -> bool:
-        """Whether a request has arrived in part."""
+        """Whether a request has arrived only in part."""
         sending = self.cycle is not None and self.cycle.more_body and not self.cycle.response_complete
         return self._has_begun or sending
 
@@ -100,7 +100,7 @@ class HttpProtocol(H11Protocol):
         return self.conn.their_state is h11.IDLE and bool(self.conn.trailing_data[0])
 
     def refuse_input(self) -> None:
-        """Tell the client that its request cannot be taken now."""
+        """Tell the client that its request cannot be accepted now."""
         self._answer(Unavailable("too many clients are sending too much at the same time", code="too_much_input"))
 
     def data_received(self, data: bytes) -> None:
@@ -123,13 +123,13 @@ class HttpProtocol(H11Protocol):
         return head.count(b"\n", 0, end if end >= 0 else len(head))
 
     def on_response_complete(self) -> None:
-        """Go on with the next request, in turn with those of others."""
+        """Continue with the next request, in turn with those of other connections."""
         self._answered_one = True
         super().on_response_complete()
         self._answered_one = False
 
     def handle_events(self) -> None:
-        """Act on what has been read."""
+        """Handle the parsed events."""
         if self._answered_one:
             if self.conn.trailing_data[0]:
                 self.transport.connection.enqueue()
@@ -158,15 +158,15 @@ class HttpProtocol(H11Protocol):
         else:
             self.transport.abort()
 
-    # What is not a request, or not one of ours.
+    # Upgrades and invalid requests.
 
     def _get_upgrade(self) -> bytes | None:
-        """The protocol that is asked for: another one than ours, or with another method, may be ignored (RFC 9110)."""
+        """Return the requested upgrade if it is a WebSocket by GET. Others may be ignored (RFC 9110)."""
         upgrade = super()._get_upgrade()
         return upgrade if upgrade == b"websocket" and self.scope["method"] == "GET" else None
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        """Hand the connection to the WebSocket protocol, where it may stay."""
+        """Hand the connection to the WebSocket protocol, unless it is in the reserve."""
         self._watch(incomplete=False)
         if self.transport.connection.regular:
             super().handle_websocket_upgrade(event)
@@ -175,7 +175,7 @@ class HttpProtocol(H11Protocol):
             self._answer(error)
 
     def send_400_response(self, msg: str) -> None:
-        """Say what is wrong; called where h11's error is being handled."""
+        """Answer with the error. Called while h11's exception is being handled."""
         error = sys.exception()
         status = HTTPStatus(getattr(error, "error_status_hint", HTTPStatus.BAD_REQUEST))
         if status == HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE:
@@ -190,7 +190,7 @@ class HttpProtocol(H11Protocol):
     def _answer(self, error: GatewayError) -> None:
         self._refused = True
         self._watch(incomplete=False)
-        if self.cycle is not None and not self.cycle.response_complete:  # it was the body that was wrong
+        if self.cycle is not None and not self.cycle.response_complete:  # the body was invalid
             if self.cycle.response_started:
                 self.transport.abort()
                 return

@@ -1,4 +1,4 @@
-"""How many connections there may be: in all, from one address, and in the reserve that lets a stop through."""
+"""Connection limits: in total, per address, and a reserve that lets a stop through."""
 
 import asyncio
 import resource
@@ -13,12 +13,12 @@ from dock_gateway.settings import Settings
 RESERVE = 64
 # File descriptors that are not for connections: DDS, the database, files.
 OTHER_FILES = 128
-# Seconds that a stop in the reserve has to be answered.
+# Seconds that a stop in the reserve may take to be answered.
 STOP_TAKES = 2.0
 
 
 class Priority(IntEnum):
-    """What a connection waits for; the reserve closes those of lower priority first."""
+    """What a connection waits for. The reserve closes those of lower priority first."""
 
     IDLE = 0
     REQUEST = 1
@@ -26,29 +26,29 @@ class Priority(IntEnum):
 
 
 class Limited(Protocol):
-    """A connection, as far as its limits are concerned."""
+    """A connection, as the limits see it."""
 
     address: str
 
     @property
     def priority(self) -> Priority:
-        """What it has asked for."""
+        """The priority of the client's request."""
 
     @property
     def stuck(self) -> bool:
-        """Whether it is being closed, and nothing of what it still has to be sent has been read for a while."""
+        """Whether it is closing, and the client has read none of its pending output since the last check."""
 
     def abort(self) -> None:
         """Close it at once."""
 
 
 class ConnectionLimits:
-    """All connections.
+    """Counts and limits all connections.
 
-    Without a free file descriptor nobody can connect, so nobody can stop a robot. Therefore fewer connections are
-    accepted than the process may open, and the last of them are a reserve: a connection in the reserve may send one
-    request, has no WebSocket, and is closed as soon as another one needs its place, unless it is being answered a stop.
-    Connections beyond the limit of their address are in the reserve, too.
+    Without a free file descriptor no client can connect to stop a robot. Therefore fewer connections are accepted than
+    the process could open, and the last of them are a reserve: a connection in the reserve may send one request, has no
+    WebSocket, and is closed as soon as another one needs its place, unless a stop is being answered on it. Connections
+    beyond the limit of their address are in the reserve, too.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -57,7 +57,7 @@ class ConnectionLimits:
         self._timeout = settings.subscriber_timeout
         self._regular: set[Limited] = set()
         self._addresses: Counter[str] = Counter()
-        self._reserve: dict[Limited, float] = {}  # with the time of their arrival, in that order
+        self._reserve: dict[Limited, float] = {}  # arrival times, oldest first
         self._check: asyncio.TimerHandle | None = None
 
     def __len__(self) -> int:
@@ -67,7 +67,7 @@ class ConnectionLimits:
         """Count a new connection.
 
         Returns:
-            True for a regular one. Otherwise it is in the reserve, or has been closed already.
+            True for a regular connection. False if it is in the reserve, or closed already.
         """
         self._plan_check()
         files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -102,7 +102,7 @@ class ConnectionLimits:
             self._check = asyncio.get_running_loop().call_later(self._timeout, self._abort_stuck)
 
     def _abort_stuck(self) -> None:
-        """Abort connections that are being closed and whose client does not read what it still has to be sent."""
+        """Abort closing connections whose client does not read its pending output."""
         self._check = None
         for connection in [*self._regular, *self._reserve]:
             if connection.stuck:
@@ -112,7 +112,7 @@ class ConnectionLimits:
 
 
 def raise_file_limit() -> None:
-    """Let the process open as many files as it may."""
+    """Raise the process's limit of open files to the hard limit."""
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     with suppress(ValueError, OSError):
         resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))

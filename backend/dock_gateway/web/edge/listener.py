@@ -1,4 +1,4 @@
-"""Where connections are accepted."""
+"""Accepts TCP connections."""
 
 import asyncio
 import logging
@@ -8,18 +8,18 @@ from collections.abc import Callable
 log = logging.getLogger(__name__)
 
 BACKLOG = 2048
-# Connections that are accepted in one turn of the loop. uvloop accepts one: behind 600 that came and went again, a stop
-# waited for 600 turns.
+# Connections accepted per turn of the event loop. uvloop accepts one: a stop behind 600 connections that had closed
+# again waited for 600 turns.
 AT_ONCE = 32
-# Seconds without accepting, where the process has run out of files.
+# Seconds without accepting after the process has run out of file descriptors.
 PAUSE = 0.1
 
 
 class Listener:
-    """Accepts connections on every address of a host. To uvicorn it is one of its servers.
+    """Accepts connections on every address of a host. uvicorn treats it as one of its servers.
 
     Raises:
-        OSError: The address cannot be had.
+        OSError: The address cannot be bound.
     """
 
     def __init__(self, host: str, port: int) -> None:
@@ -36,7 +36,7 @@ class Listener:
             raise
 
     def start(self, connect: Callable[[], asyncio.BaseProtocol]) -> None:
-        """Begin to accept; `connect` makes the protocol of a connection."""
+        """Start accepting. `connect` creates the protocol of a connection."""
         for listener in self.sockets:
             self._listen(listener, connect)
 
@@ -67,11 +67,11 @@ class Listener:
             log.debug("a connection went before it was accepted: %s", error)
 
     def close(self) -> None:
-        """Accept no more."""
+        """Stop accepting."""
         while self.sockets:
             listener = self.sockets.pop()
             asyncio.get_running_loop().remove_reader(listener)
             listener.close()
 
     async def wait_closed(self) -> None:
-        """Nothing is left to wait for: connections are closed by uvicorn."""
+        """Do nothing: uvicorn closes the connections."""

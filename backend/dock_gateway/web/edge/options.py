@@ -1,4 +1,4 @@
-"""What uvicorn has to be told so that its connections are ours."""
+"""The uvicorn options that install this package's connections."""
 
 from functools import partial
 from typing import Any
@@ -9,13 +9,13 @@ from dock_gateway.web.edge.http import create_connection
 from dock_gateway.web.edge.limits import ConnectionLimits
 from dock_gateway.web.edge.websocket import WebSocketProtocol
 
-# Seconds that a connection stays open between two requests. Not as long as heartbeats and other usual intervals are
-# apart: a client that sends its next request just then would find the connection closed.
+# Seconds that a connection stays open between two requests. Differs from common intervals, such as that of heartbeats:
+# a client that sends its next request exactly then would find the connection closed.
 KEEP_ALIVE = 17
 
 
 def edge_options(settings: Settings) -> dict[str, Any]:
-    """Options of `uvicorn.Config`."""
+    """Return options of `uvicorn.Config`."""
     edge = Edge(settings, ConnectionLimits(settings))
     return {
         "http": partial(create_connection, edge),

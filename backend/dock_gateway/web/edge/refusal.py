@@ -1,4 +1,4 @@
-"""Answers to what never becomes a request for the application."""
+"""Answers to input that never becomes a request to the application."""
 
 from email.utils import formatdate
 from http import HTTPStatus
@@ -16,12 +16,12 @@ CODES = {
 
 
 def refusal(status: HTTPStatus, detail: str) -> GatewayError:
-    """What is wrong with something that is no request."""
+    """Return the error for input that is not a request."""
     return MalformedRequest(detail, code=CODES.get(status, "malformed_request"), status=status)
 
 
 def refusal_headers(body: bytes) -> dict[str, str]:
-    """The headers of an answer after which the connection is closed."""
+    """Return the headers of an answer after which the connection is closed."""
     return {
         "Date": formatdate(usegmt=True),
         "Connection": "close",
@@ -32,7 +32,7 @@ def refusal_headers(body: bytes) -> dict[str, str]:
 
 
 def http_answer(error: GatewayError) -> bytes:
-    """A whole answer that tells of an error."""
+    """Return a complete HTTP answer for an error."""
     body = encode(error.problem())
     status = HTTPStatus(error.status)
     headers = "".join(f"{name}: {value}\r\n" for name, value in refusal_headers(body).items())

@@ -1,4 +1,4 @@
-"""How the event loop's time is shared between connections that send."""
+"""Shares the event loop's time between connections that send."""
 
 import asyncio
 from collections import deque
@@ -9,18 +9,18 @@ Work = Callable[[], None]
 
 
 class InputScheduler:
-    """Handles what connections receive: at once while there is time in this turn of the loop, else in turn.
+    """Handles the input of connections: now if this turn of the loop has time, else in turn.
 
-    A turn of the loop spends at most `TURN` seconds on input, so that one client's flood delays the others by that much
-    and not by the length of the flood. What has to wait is handled one piece a connection, round robin.
+    A turn of the loop spends at most `TURN` seconds on input, so one client's flood delays the others by that much and
+    not by the length of the flood. Queued input is handled round robin, one piece per connection.
 
     Attributes:
-        buffer: Where a connection's next piece is read to. All connections share it: it is copied before the next read.
+        buffer: Buffer of the next read. All connections share it: a piece is copied before the next read.
     """
 
     # Bytes. A piece bounds the work that one read can cause: 1 kB holds 170 WebSocket frames, which take 1.5 ms.
     PIECE = 1024
-    # Seconds. Several turns pass until a stop is answered, each of which is longer by this during a flood.
+    # Seconds. A stop takes several turns, each of which is longer by this during a flood.
     TURN = 0.002
 
     def __init__(self) -> None:
@@ -31,22 +31,22 @@ class InputScheduler:
 
     @property
     def free(self) -> bool:
-        """Whether work can be done at once: there is time, and nobody else waits."""
+        """Whether work can run now: this turn has time left, and the queue is empty."""
         return self._spent < self.TURN and not self._queue
 
     def run(self, work: Work) -> None:
-        """Do it now, and charge this turn with the time that it takes."""
+        """Run work now, and charge its time to this turn."""
         began = perf_counter()
         work()
         self.charge(perf_counter() - began)
 
     def enqueue(self, work: Work) -> None:
-        """Have it done in turn."""
+        """Queue work."""
         self._queue.append(work)
         self.charge(0.0)
 
     def charge(self, seconds: float) -> None:
-        """Count time that this turn costs, also what is going to be spent elsewhere because of it."""
+        """Charge time to this turn, including time that its work will cost elsewhere."""
         self._spent += seconds
         if not self._turn_planned:
             self._turn_planned = True

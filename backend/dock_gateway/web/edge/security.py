@@ -1,11 +1,11 @@
-"""The headers that tell browsers what they may do with an answer. Every answer has them, whoever made it."""
+"""Security headers for browsers. Every answer has them, whichever part made it."""
 
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 CONTENT_SECURITY_POLICY = "Content-Security-Policy"
 _NO_FRAMES = "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-# Data is no page: nothing in it is run, loaded or framed. Pages bring the policy below.
+# The policy for data: nothing in it is run, loaded or framed. Pages set the policy below.
 _DATA_POLICY = f"default-src 'none'; {_NO_FRAMES}"
 PAGE_POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
@@ -21,7 +21,7 @@ SECURITY_HEADERS = {
 
 
 class SecurityHeaders:
-    """ASGI middleware that adds the headers, and leaves those that an answer has already."""
+    """ASGI middleware that adds the headers that an answer does not have already."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

@@ -1,8 +1,8 @@
-"""WebSockets as uvicorn and websockets speak them, with limits on what a client sends, and a short way to write.
+"""WebSockets with uvicorn and websockets, with limits on client input and a fast path for writing.
 
-The short way: an event's frame is made once and handed to each connection's transport. The standard one
-(`websocket.send`) wakes a task for each connection and frames the text anew for each: 35 µs a message and reader, where
-the short one takes a few. `api/frames.py` takes it where a connection offers it.
+On the fast path, an event's frame is built once and written to each connection's transport. The standard path
+(`websocket.send`) wakes a task and frames the text again for each connection: 35 µs per message and reader, where the
+fast path takes a few. `streams/frames.py` uses it if a connection offers it.
 """
 
 import asyncio
@@ -25,36 +25,36 @@ from dock_gateway.web.edge.connection import ConnectionTransport, Edge
 from dock_gateway.web.edge.limits import Priority
 from dock_gateway.web.edge.refusal import refusal, refusal_headers
 
-# What clients send wrong is answered and not logged: whoever floods us would fill the disk.
+# Client errors are answered but not logged: a flood would fill the disk.
 log = logging.getLogger("uvicorn.error.websocket")
 log.addFilter(lambda record: "Invalid UTF-8" not in record.getMessage())
 
 EXTENSION = "dock_gateway.frames"
-# Frames that one message may come in.
+# The maximum number of frames per message.
 MAX_FRAGMENTS = 1_000
-# Seconds that a frame costs beside being read: a command, or a pong.
+# Seconds that a frame costs in addition to reading it: a command, or a pong.
 FRAME_COST = 0.0001
 
 
 class FrameWriter(Protocol):
-    """What stands in the extension."""
+    """The writer in the ASGI extension."""
 
     def write_frame(self, frame: bytes) -> bool:
-        """Write a whole frame now; False where it would have to wait, and nothing was written."""
+        """Write a whole frame now. Return False, without writing, if it would have to wait."""
 
 
 class Handshake(ServerProtocol):
-    """A connection of websockets, which refuses handshakes as the gateway refuses requests."""
+    """A connection of `websockets` that refuses handshakes in the gateway's error format."""
 
     def reject(self, status: StatusLike, text: str) -> Response:
-        """The answer to a handshake that is refused."""
+        """Return the answer to a refused handshake."""
         status = HTTPStatus(status)
         body = encode(refusal(status, text.partition("\n")[0]).problem())
         return Response(status, status.phrase, Headers(refusal_headers(body)), body)
 
 
 class Rate:
-    """So much a second, and no more."""
+    """A limit on an amount per second."""
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
@@ -62,7 +62,7 @@ class Rate:
         self._used = 0
 
     def exceeded(self, amount: int) -> bool:
-        """Count so much more; whether that was too much."""
+        """Count an amount. Return whether it exceeds the limit."""
         second = int(monotonic())
         if second != self._second:
             self._second, self._used = second, 0
@@ -71,7 +71,7 @@ class Rate:
 
 
 class WebSocketProtocol(WebSocketsSansIOProtocol):
-    """A client that speaks WebSocket, without compression."""
+    """The WebSocket protocol of a connection, without compression."""
 
     transport: ConnectionTransport  # type: ignore[assignment]
     priority = Priority.REQUEST
@@ -85,31 +85,31 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self._bytes = Rate(edge.settings.max_frame_bytes_per_second)
         self._failed = False
         self._deadline: asyncio.TimerHandle | None = None  # for the rest of a message
-        self._last_pong = b""  # which could not be sent yet
+        self._last_pong = b""  # not sent yet
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Wait for nothing any more."""
+        """Cancel the deadline."""
         self._watch(incomplete=False)
         super().connection_lost(exc)
 
-    # What comes in.
+    # Input.
 
     def is_urgent(self, data: bytes) -> bool:
-        """Nothing is, as far as one can see: frames are masked."""
+        """Return False: frames are masked, so a stop cannot be recognized."""
         return False
 
     @property
     def unread(self) -> bool:
-        """Whether the client is still sending something that nobody is going to read."""
+        """Whether the client is still sending input that will not be read."""
         return self._failed
 
     @property
     def receiving(self) -> bool:
-        """Whether a message has arrived in part."""
+        """Whether a message has arrived only in part."""
         return not self._failed and bool(self.frames or self.conn.reader.buffer)
 
     def refuse_input(self) -> None:
-        """Tell the client that its message cannot be taken now."""
+        """Tell the client that its message cannot be accepted now."""
         self._fail(CloseCode.TRY_AGAIN_LATER, "too many clients are sending too much at the same time")
 
     def data_received(self, data: bytes) -> None:
@@ -123,7 +123,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self._watch(incomplete=self.receiving)
 
     def handle_events(self) -> None:
-        """Act on what has been read."""
+        """Handle the parsed events."""
         frames = len(self.conn.events)
         self._edge.scheduler.charge(frames * FRAME_COST)
         if self._frames.exceeded(frames):
@@ -135,21 +135,21 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             self._fail(CloseCode.MESSAGE_TOO_BIG, f"a message in more than {MAX_FRAGMENTS} frames")
 
     def handle_ping(self) -> None:
-        """Answer a ping; where the client does not read, only the last one, and later (RFC 6455, 5.5.3)."""
+        """Answer a ping. If the client does not read, answer only the last one, later (RFC 6455, 5.5.3)."""
         if self.writable.is_set():
             super().handle_ping()
         elif pongs := self.conn.data_to_send():
             self._last_pong = pongs[-1]
 
     def resume_writing(self) -> None:
-        """The client reads again."""
+        """Resume writing, and send the pong that had to wait."""
         super().resume_writing()
         pong, self._last_pong = self._last_pong, b""
         if pong and not self.close_sent:
             self.transport.write(pong)
 
     async def receive(self) -> ASGIReceiveEvent:
-        """The next message; one in each turn of the loop, however many have come."""
+        """Return the next message. Takes one per turn of the loop, however many have arrived."""
         message = await super().receive()
         if not self.queue.empty():
             await asyncio.sleep(0)
@@ -165,14 +165,14 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
     def _too_late(self) -> None:
         self._fail(CloseCode.POLICY_VIOLATION, "the rest of a message did not arrive in time")
 
-    # What is wrong with it.
+    # Errors.
 
     def _fail(self, code: CloseCode, reason: str) -> None:
         self.conn.fail(code, reason)
         self.handle_parser_exception()
 
     def handle_parser_exception(self) -> None:
-        """Say why the connection is closed, where that can still be said."""
+        """Send the reason for closing, if that is still possible."""
         self._watch(incomplete=False)
         self._failed = True
         if self.conn.close_sent is None:
@@ -186,10 +186,10 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self.transport.write(answer or self.conn.reject(HTTPStatus.BAD_REQUEST, "not a handshake").serialize())
         self.transport.close()
 
-    # What goes out.
+    # Output.
 
     async def send(self, message: ASGISendEvent) -> None:
-        """Send a message of the application, for which a client that was cut off is one that has left."""
+        """Send a message of the application. A client that was cut off counts as disconnected."""
         try:
             await super().send(message)
         except RuntimeError:
@@ -203,7 +203,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         await super().run_asgi()
 
     def write_frame(self, frame: bytes) -> bool:
-        """Write a whole frame now; False where it would have to wait, and nothing was written."""
+        """Write a whole frame now. Return False, without writing, if it would have to wait."""
         if not self.writable.is_set() or self.disconnected or self.close_sent or not self.handshake_complete:
             return False
         self.transport.write(frame)

@@ -1,4 +1,4 @@
-"""`/actions`: the same verbs as `/dock` for every action on the graph whose interface package is installed."""
+"""`/actions`: the operations of `/dock` for every action on the graph whose interface package is installed."""
 
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
@@ -27,7 +27,7 @@ GOAL_BODY = body({"type": "object", "description": "The goal message's own field
 
 
 def describe(action: Action) -> dict[str, object]:
-    """An action as `/actions` shows it."""
+    """Return an action as `/actions` shows it."""
     state = action.watch.state
     return {
         "action_name": action.name,
@@ -44,7 +44,7 @@ def describe(action: Action) -> dict[str, object]:
 
 @router.get("", response_model=ActionList, dependencies=[NO_QUERY])
 async def list_actions(gateway: TheGateway) -> Response:
-    """Every action on the graph; one whose package is missing says what to install."""
+    """List every action on the graph. If an action's interface package is missing, `hint` says what to install."""
     missing = [
         {
             "action_name": entry.name,
@@ -74,7 +74,7 @@ async def list_actions(gateway: TheGateway) -> Response:
     dependencies=[NO_QUERY],
 )
 async def send_action_goal(name: GraphName, request: Request, gateway: TheGateway) -> Response:
-    """Send a goal; the body holds the goal message's own fields, `{}` for its defaults."""
+    """Send a goal. The body holds the fields of the goal message; `{}` sends its defaults."""
     action = await gateway.actions.find(f"/{name}")
     return await goals.send_goal(request, action, f"/actions{action.name}/goals")
 
@@ -92,14 +92,14 @@ async def list_action_goals(
     limit: LimitQuery = 50,
     cursor: CursorQuery = None,
 ) -> Response:
-    """Goals of an action, newest first."""
+    """List the goals of an action, newest first."""
     wanted = goals.on_action(await gateway.actions.find(f"/{name}"), status)
     return await goals.list_goals(gateway, wanted, limit, cursor)
 
 
 @router.get("/{name:path}/goals/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503))
 async def get_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
-    """One goal of an action."""
+    """Return one goal of an action."""
     action = await gateway.actions.find(f"/{name}")
     goal = await goals.find_goal(gateway, action, goal_id)
     return goal_response(goal, f"/actions{action.name}/goals/{goal_id}")
@@ -120,5 +120,5 @@ async def cancel_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGatew
 
 @router.get("/{name:path}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
 async def get_action(name: GraphName, gateway: TheGateway) -> Response:
-    """One action."""
+    """Return one action."""
     return json_response(describe(await gateway.actions.find(f"/{name}")))

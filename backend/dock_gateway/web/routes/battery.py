@@ -1,4 +1,4 @@
-"""`/battery`: the latest state, and publishing one in place of a robot's battery driver."""
+"""`/battery`: read the latest battery state, or publish one in place of a robot's battery driver."""
 
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
@@ -30,10 +30,10 @@ PUBLISHER_REQUEST = {
 
 
 def read_rate(value: object) -> float:
-    """Messages a second.
+    """Return a publishing rate, in messages per second.
 
     Raises:
-        InvalidField: It is not a number in range.
+        InvalidField: The value is not a number in range.
     """
     if not isinstance(value, int | float) or isinstance(value, bool) or not MIN_RATE <= value <= MAX_RATE:
         expected = f"a number from {MIN_RATE:g} to {MAX_RATE:g}"
@@ -43,7 +43,7 @@ def read_rate(value: object) -> float:
 
 @router.get("/battery", response_model=Battery, responses=problems(404, 422))
 async def get_battery(gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """The latest battery state, its age, and whether it is stale."""
+    """Return the latest battery state, its age, and whether it is stale."""
     return json_response(gateway.robots.get(robot).battery.document())
 
 
@@ -54,14 +54,14 @@ async def get_battery(gateway: TheGateway, robot: RobotQuery = None) -> Response
     openapi_extra=battery_body(required=True),
 )
 async def publish_battery(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Publish one battery state; floats that are left out are NaN."""
+    """Publish one battery state. Omitted float fields are NaN."""
     state = await gateway.robots.get(robot).publisher.publish(await read_json(request))
     return json_response({"state": fragment(state)})
 
 
 @router.get("/battery/publisher", response_model=Publisher, responses=problems(404, 422))
 async def get_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """What is being published repeatedly."""
+    """Return what the gateway publishes repeatedly."""
     return json_response(gateway.robots.get(robot).publisher.document())
 
 
@@ -72,7 +72,7 @@ async def get_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Respon
     openapi_extra=body(PUBLISHER_REQUEST, required=True),
 )
 async def start_publisher(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Publish a battery state repeatedly, from now on, in place of what was published before."""
+    """Start publishing a battery state repeatedly. Replaces what was published before."""
     fields = read_object(await read_json(request), "state", "rate_hz")
     if "state" not in fields:
         raise InvalidField([FieldError("state", "an object, {} for the defaults", "got none")])
@@ -83,6 +83,6 @@ async def start_publisher(request: Request, gateway: TheGateway, robot: RobotQue
 
 @router.delete("/battery/publisher", status_code=204, responses=problems(404, 422))
 async def stop_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Publish no more."""
+    """Stop publishing."""
     await gateway.robots.get(robot).publisher.stop()
     return Response(status_code=204)

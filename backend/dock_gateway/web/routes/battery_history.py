@@ -1,4 +1,4 @@
-"""`/battery/history`: the battery of a span of time, as a plot needs it."""
+"""`/battery/history`: battery measurements over a time span, reduced to the points of a plot."""
 
 from datetime import datetime, timedelta
 from typing import Annotated, Any
@@ -18,7 +18,7 @@ from dock_gateway.web.schemas.robots import BatteryHistory
 router = APIRouter(tags=["Battery"])
 
 DEFAULT_SPAN = timedelta(minutes=5)
-MIN_STEP = 1_000  # in nanoseconds: times are told in microseconds
+MIN_STEP = 1_000  # nanoseconds; the API gives times in microseconds
 
 
 @router.get(
@@ -35,7 +35,10 @@ async def battery_history(
     until: UntilQuery = None,
     points: Annotated[int, Query(ge=2, le=2000)] = 600,
 ) -> Response:
-    """What was measured of a battery from `since` on and before `until`, at so many points; the last five minutes."""
+    """Return battery measurements from `since` up to but not including `until`, in at most `points` rows.
+
+    `until` defaults to now, and `since` to five minutes before `until`.
+    """
     namespace = gateway.robots.default_namespace if robot is None else read_namespace(robot)
     until = until or utc_now()
     since = since or until - DEFAULT_SPAN
@@ -44,20 +47,20 @@ async def battery_history(
 
 
 def divide(robot: str, since: datetime, until: datetime, points: int) -> BatterySpan:
-    """A span of time in as many buckets, at most.
+    """Divide a time span into at most `points` buckets.
 
     Raises:
-        InvalidField: It ends before it begins.
+        InvalidField: The span does not end after its start.
     """
     first, last = nanoseconds(since), nanoseconds(until)
     if first >= last:
         raise InvalidField([FieldError("query.since", "a time before `until`", f"got {since.isoformat()}")])
-    # One less, because the first and the last one may begin before the span and end after it.
+    # One bucket less: the first may begin before the span, and the last may end after it.
     return BatterySpan(robot, first, last, max(MIN_STEP, -((first - last) // (points - 1))))
 
 
 def describe(span: BatterySpan, since: datetime, until: datetime, buckets: list[Bucket]) -> dict[str, Any]:
-    """The answer: a column for each field, and a row for each bucket."""
+    """Return the response: one column per field, one row per bucket."""
 
     def columns(name: str) -> dict[str, list[float | None]]:
         tallies = [bucket.tallies[name] for bucket in buckets]
@@ -79,5 +82,5 @@ def describe(span: BatterySpan, since: datetime, until: datetime, buckets: list[
 
 
 def short(value: float | None) -> float | None:
-    """A mean with the digits that a float32 has."""
+    """Round a mean to 7 significant digits, the precision of a float32."""
     return None if value is None else float(f"{value:.7g}")

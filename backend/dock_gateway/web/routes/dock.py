@@ -1,4 +1,4 @@
-"""`/dock` and `/undock`: goals on the docking and the undocking action of a robot."""
+"""`/dock` and `/undock`: goals on a robot's docking and undocking actions."""
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
@@ -31,14 +31,14 @@ NOT_CHARGING: dict[str, Any] = {"desired_battery_state": {}}
 
 @dataclass(frozen=True)
 class Verb:
-    """What can be asked of a robot at its path.
+    """The operations at `/dock` or `/undock`.
 
     Attributes:
-        name: `dock` or `undock`, which is the path, too.
+        name: `dock` or `undock`. Also the path.
         description: What sending a goal does.
-        default: The goal of an empty body.
-        action_of: The action behind it, of the robot that is named or of the configured one.
-        prefix: Of the names of its other operations.
+        default: The goal that an empty body sends.
+        action_of: Returns the action of the named robot; None means the configured robot.
+        prefix: Prefix of the names of the other operations.
     """
 
     name: str
@@ -71,7 +71,7 @@ UNDOCK = Verb(
 
 
 def goal_routes(verb: Verb) -> APIRouter:
-    """The routes of a verb."""
+    """Return the routes of a verb."""
     router = APIRouter(tags=[verb.name.capitalize()], prefix=verb.path)
 
     @router.post(
@@ -104,13 +104,13 @@ def goal_routes(verb: Verb) -> APIRouter:
         limit: LimitQuery = 50,
         cursor: CursorQuery = None,
     ) -> Response:
-        """Goals, newest first."""
+        """List goals, newest first."""
         wanted = goals.on_action(await verb.action_of(gateway, robot), status)
         return await goals.list_goals(gateway, wanted, limit, cursor)
 
     @router.get("/{goal_id}", name=f"get_{verb.prefix}goal", response_model=Goal, responses=problems(404, 422))
     async def get_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
-        """One goal, of any robot."""
+        """Return one goal, of any robot."""
         return goal_response(await gateway.goal(goal_id), f"{verb.path}/{goal_id}")
 
     @router.post(

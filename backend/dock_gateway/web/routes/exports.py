@@ -1,4 +1,4 @@
-"""Downloads: goals as they are listed, and one goal with its events; CSV for spreadsheets or JSON for programs."""
+"""Downloads: a list of goals, or one goal with its events. CSV for spreadsheets, JSON for programs."""
 
 import asyncio
 from collections.abc import AsyncGenerator
@@ -21,7 +21,7 @@ from dock_gateway.web.schemas.goals import ActionGoal, ExportedGoal
 
 router = APIRouter(tags=["Goals"], prefix="/goals")
 
-# Fetched at a time, so that nobody waits long for anything else.
+# Goals and events fetched per query, small enough that other requests do not wait long.
 GOALS, EVENTS = 200, 500
 
 Format = Literal["csv", "json"]
@@ -37,7 +37,10 @@ CSV = {"text/csv": {"schema": {"type": "string"}}}
     dependencies=[Depends(known_query(*QUERY, "format"))],
 )
 async def export_goals(gateway: TheGateway, wanted: GoalFilterQuery, format: FormatQuery = "json") -> Response:  # noqa: A002
-    """Every goal that matches, newest first: in CSV a row each, goal and result as JSON; or an array."""
+    """Download all matching goals, newest first.
+
+    CSV has one row per goal, with its goal and result messages as JSON. JSON is one array.
+    """
     chunks = goals_as_csv(gateway, wanted) if format == "csv" else goals_as_json(gateway, wanted)
     return await download(gateway, chunks, f"goals-{utc_now():%Y%m%dT%H%M%SZ}", format)
 
@@ -49,14 +52,17 @@ async def export_goals(gateway: TheGateway, wanted: GoalFilterQuery, format: For
     dependencies=[Depends(known_query("format"))],
 )
 async def export_goal(goal_id: GoalId, gateway: TheGateway, format: FormatQuery = "json") -> Response:  # noqa: A002
-    """A goal: in CSV its feedback, a row for each event and a column for each field; or the goal with its events."""
+    """Download one goal.
+
+    CSV has its feedback: one row per event, one column per field. JSON has the goal with its events.
+    """
     goal = await gateway.goal(goal_id)
     chunks = goal_as_csv(gateway, goal) if format == "csv" else goal_as_json(gateway, goal)
     return await download(gateway, chunks, f"goal-{goal_id}", format)
 
 
 async def download(gateway: Gateway, chunks: AsyncGenerator[bytes], name: str, kind: Format) -> Response:
-    """A file in pieces; what is wrong is said before the first."""
+    """Return a file as a stream. An error before the first piece becomes an error response."""
     first = await anext(chunks)
     headers = {"Content-Disposition": f'attachment; filename="{name}.{kind}"'}
     timeout = gateway.settings.subscriber_timeout
@@ -64,7 +70,7 @@ async def download(gateway: Gateway, chunks: AsyncGenerator[bytes], name: str, k
 
 
 async def goals_as_csv(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[bytes]:
-    """A row for each goal, below the names of the columns."""
+    """Yield a header row, then one row per goal."""
     head: list[list[object]] = [[*GOAL_COLUMNS]]
     async for goals in pages(gateway, wanted):
         yield rows_of([*head, *map(goal_row, goals)])
@@ -72,7 +78,7 @@ async def goals_as_csv(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[b
 
 
 async def goals_as_json(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[bytes]:
-    """One array, a line for each goal."""
+    """Yield one JSON array with one line per goal."""
     before = b"[\n"
     async for goals in pages(gateway, wanted):
         if goals:
@@ -82,7 +88,7 @@ async def goals_as_json(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[
 
 
 async def goal_as_csv(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
-    """A row for each feedback event, below the names of the columns."""
+    """Yield a header row, then one row per feedback event."""
     sheet = FeedbackSheet()
     last = ""
     async for events in pieces(gateway, goal.goal_id, {FEEDBACK}):
@@ -94,7 +100,7 @@ async def goal_as_csv(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
 
 
 async def goal_as_json(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
-    """The goal with its `events`, and whether these are `complete`."""
+    """Yield the goal with its `events`, and whether they are `complete`."""
     complete = await gateway.history.knows_all_of(goal)
     before = encode(goal.document() | {"complete": complete})[:-1] + b',"events":[\n'
     async for events in pieces(gateway, goal.goal_id, set(KINDS.values())):
@@ -104,7 +110,7 @@ async def goal_as_json(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
 
 
 async def pages(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[list[Goal]]:
-    """The goals that match, page by page; the first one may be empty."""
+    """Yield the matching goals page by page. The first page may be empty."""
     goals, cursor = await gateway.page(wanted, GOALS)
     yield goals
     while cursor is not None:
@@ -113,7 +119,7 @@ async def pages(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[list[Goa
 
 
 async def pieces(gateway: Gateway, goal_id: str, kinds: set[str], *, until: str = NEVER) -> AsyncGenerator[list[Event]]:
-    """The events of a goal, piece by piece, none of them empty."""
+    """Yield the events of a goal in non-empty pieces."""
     after = ""
     while events := await gateway.history.events_of(goal_id, kinds=kinds, after=after, until=until, limit=EVENTS):
         yield events

@@ -1,4 +1,4 @@
-"""`/robots`: every robot at a glance. `/alerts`: what an operator has to know, and who has seen it."""
+"""`/robots`: a summary of every robot. `/alerts`: the active alerts and who acknowledged them."""
 
 from typing import Annotated
 
@@ -31,7 +31,7 @@ NO_QUERY = Depends(known_query())
     dependencies=[Depends(known_query("robot"))],
 )
 async def list_robots(gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Every robot that was found, or the one that is asked for."""
+    """List every robot that was found, or only the one given by `robot`."""
     return json_response({"robots": gateway.fleet.documents(robot)})
 
 
@@ -47,7 +47,7 @@ AlertId = Annotated[str, Path(description="`id` of the alert")]
 
 @router.get("/alerts", tags=["Alerts"], response_model=AlertList, responses=problems(422), dependencies=[NO_QUERY])
 async def list_alerts(gateway: TheGateway) -> Response:
-    """What is wrong now: critical alerts first, then the oldest first."""
+    """List the active alerts: critical ones first, then oldest first."""
     return json_response({"alerts": gateway.alerts.documents()})
 
 
@@ -60,7 +60,7 @@ async def list_alerts(gateway: TheGateway) -> Response:
     openapi_extra=body(ACKNOWLEDGEMENT_REQUEST, required=True),
 )
 async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) -> Response:
-    """Somebody has seen an alert. That holds at every gateway with the same history, until the alert is over."""
+    """Acknowledge an alert. This holds at every gateway that shares the history, until the alert clears."""
     by = read_name(read_object(await read_json(request), "by").get("by"), MAX_NAME)
     return json_response(await gateway.alerts.acknowledge(alert_id, by))
 
@@ -73,5 +73,5 @@ async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) 
     dependencies=[NO_QUERY],
 )
 async def withdraw_acknowledgement(alert_id: AlertId, gateway: TheGateway) -> Response:
-    """Take an acknowledgement back; also where there is none."""
+    """Withdraw an acknowledgement. Succeeds even if there is none."""
     return json_response(await gateway.alerts.withdraw(alert_id))

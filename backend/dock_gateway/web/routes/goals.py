@@ -1,4 +1,4 @@
-"""`/goals`: the goals of every action, and what `/dock` and `/actions/…` share: sending, listing and finding goals."""
+"""`/goals`: the goals of every action; and sending, listing and finding goals for `/dock` and `/actions/…`."""
 
 import uuid
 from typing import Annotated, Any, Literal
@@ -36,14 +36,14 @@ HEADERS = [
 
 
 async def send_goal(request: Request, action: Action, base: str, default: dict[str, Any] | None = None) -> Response:
-    """Send the goal in the body, or `default`; wait for its end where `Prefer` asks for it.
+    """Send the goal in the body, or `default`. Wait for its end if the `Prefer` header asks for it.
 
     Args:
         request: The request.
         action: The action.
-        base: Path that a goal id is appended to for `Location`.
-        default: The goal's fields where the body is empty; None where it must not be. A message's defaults are a goal
-            only for who says `{}`: zeros may well be a pose to drive to.
+        base: Path of the goals. `Location` is this path followed by the goal id.
+        default: The goal's fields if the body is empty; None if it must not be empty. To use a message's defaults, a
+            client has to send `{}`: all zeros may be a pose to drive to.
     """
     wait, key = read_wait(request), read_key(request)
     message = action.port.goal_codec.parse(await read_json(request, empty=default))
@@ -54,21 +54,21 @@ async def send_goal(request: Request, action: Action, base: str, default: dict[s
 
 
 async def list_goals(gateway: Gateway, wanted: GoalFilter, limit: int, cursor: uuid.UUID | None) -> Response:
-    """A page of goals, newest first."""
+    """Return a page of goals, newest first."""
     goals, next_cursor = await gateway.page(wanted, limit, str(cursor) if cursor else None)
     return json_response({"goals": [goal.document() for goal in goals], "next_cursor": next_cursor})
 
 
 def on_action(action: Action, statuses: list[GoalStatus] | None) -> GoalFilter:
-    """The goals of one action, in these states."""
+    """Return a filter for the goals of one action in these states."""
     return GoalFilter(frozenset({action.name}), statuses=frozenset(statuses or ()))
 
 
 async def find_goal(gateway: Gateway, action: Action, goal_id: str) -> Goal:
-    """A goal of this action.
+    """Return a goal of this action.
 
     Raises:
-        NotFound: There is none with this id.
+        NotFound: The action has no goal with this id.
     """
     goal = await gateway.goal(goal_id)
     if goal.action_name != action.name:
@@ -90,13 +90,13 @@ NO_QUERY = Depends(known_query())
 async def list_all_goals(
     gateway: TheGateway, wanted: GoalFilterQuery, limit: LimitQuery = 50, cursor: CursorQuery = None
 ) -> Response:
-    """Goals of every action, newest first."""
+    """List the goals of all actions, newest first."""
     return await list_goals(gateway, wanted, limit, cursor)
 
 
 @router.get("/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
 async def get_any_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
-    """One goal, on any action."""
+    """Return one goal, on any action."""
     return goal_response(await gateway.goal(goal_id), f"/goals/{goal_id}")
 
 
@@ -108,7 +108,7 @@ async def get_any_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
     dependencies=[NO_QUERY],
 )
 async def cancel_any_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
-    """Ask the action server to cancel a goal, on any action and whoever sent it."""
+    """Ask the action server to cancel a goal, on any action, whoever sent it."""
     return goal_response(await gateway.cancel(goal_id), f"/goals/{goal_id}", 202)
 
 
@@ -134,7 +134,7 @@ async def goal_history(
     after: AfterQuery = None,
     limit: Annotated[int, Query(ge=1, le=5000)] = 1000,
 ) -> Response:
-    """The events of a goal, as they were sent on the streams, oldest first."""
+    """List the events of a goal as they were sent on the streams, oldest first."""
     goal = await gateway.goal(goal_id)
     kinds = frozenset(KINDS[name] for name in type or KINDS)
     complete = await gateway.history.knows_all_of(goal)

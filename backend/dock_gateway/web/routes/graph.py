@@ -12,7 +12,7 @@ router = APIRouter(tags=["Graph"], prefix="/graph", dependencies=[Depends(known_
 
 @router.get("", response_model=Graph, responses={304: {"description": "As in `If-None-Match`"}, **problems(422, 503)})
 async def get_graph(request: Request, gateway: TheGateway) -> Response:
-    """The whole graph, at most a second old; with `If-None-Match` only where it has changed."""
+    """Return the whole graph, at most one second old. With `If-None-Match`, return 304 if it has not changed."""
     view = await gateway.graph.graph()
     headers = {"ETag": view.tag, "Cache-Control": "no-cache"}
     if is_known(request.headers.get("if-none-match"), view.tag):
@@ -22,7 +22,7 @@ async def get_graph(request: Request, gateway: TheGateway) -> Response:
 
 @router.get("/topics/{name:path}", response_model=GraphTopic, responses=problems(404, 422, 503))
 async def get_topic(name: GraphName, gateway: TheGateway) -> Response:
-    """One topic, as it is now, with those who publish and subscribe."""
+    """Return the current state of one topic, with its publishers and subscribers."""
     return json_response((await gateway.graph.topic(f"/{name}")).document())
 
 

@@ -14,7 +14,7 @@ router = APIRouter(tags=["Health"])
 
 @router.get("/healthz", response_model=Health, responses={503: {"model": Health}})
 async def healthz(gateway: TheGateway) -> Response:
-    """Whether the ROS thread lives and does its work."""
+    """Report whether the ROS thread is alive and responsive."""
     try:
         await gateway.bridge.call(lambda: None, timeout=1.0)
         alive = True
@@ -32,9 +32,10 @@ async def healthz(gateway: TheGateway) -> Response:
 
 @router.get("/readyz", response_model=Readiness, responses={503: {"model": Readiness}})
 async def readyz(gateway: TheGateway) -> Response:
-    """Whether the action server is there and answers; and how the history is kept, which holds up no goal.
+    """Report whether the action server is available and answers, and the state of the history.
 
-    A latched stop is shown, and is no fault: the gateway is ready to release it.
+    A failing history does not affect readiness: it holds up no goal. Nor does a latched stop: the gateway is ready to
+    release it.
     """
     state = gateway.dock.watch.state
     ready = gateway.bridge.alive and gateway.dock.watch.ready

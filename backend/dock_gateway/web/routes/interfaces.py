@@ -1,4 +1,4 @@
-"""`/interfaces`: the action types that are installed, and JSON Schema of what they carry."""
+"""`/interfaces`: the action types in the ament index, and the JSON Schema of their messages."""
 
 from functools import cache
 from typing import Annotated, Any
@@ -29,7 +29,7 @@ TypeName = Annotated[str, Path(pattern=f"^{TYPE_NAME}$", examples=["Fibonacci"])
 
 
 class Interface(Schema):
-    """An action type."""
+    """An action type; `hint` says what to install if its package is missing."""
 
     type: str
     installed: bool
@@ -38,13 +38,16 @@ class Interface(Schema):
 
 
 class InterfaceList(Schema):
-    """The action types that the machine knows."""
+    """The action types in the ament index."""
 
     interfaces: list[Interface]
 
 
 class ActionInterface(Schema):
-    """JSON Schema (draft 2020-12) of an action's messages: the goal as it is taken, the rest as it is written."""
+    """JSON Schema (draft 2020-12) of an action's messages.
+
+    `goal` describes what a request may contain; `result` and `feedback` describe what the gateway returns.
+    """
 
     type: str
     goal: dict[str, Any]
@@ -52,16 +55,19 @@ class ActionInterface(Schema):
     feedback: dict[str, Any]
 
 
-# Plain functions: they read files and import packages, which FastAPI keeps off the event loop.
+# Plain functions, which FastAPI runs in threads: they read files and import packages.
 @router.get("", response_model=InterfaceList)
 def list_interfaces() -> Response:
-    """The action types in the ament index; one that this Python cannot import says what to install."""
+    """List the action types in the ament index. If Python cannot import one, `hint` says what to install."""
     return json_response({"interfaces": [_describe(type_name) for type_name in known_actions()]})
 
 
 @router.get("/{package}/action/{name}", response_model=ActionInterface, responses=problems(404, 422))
 def get_interface(package: Package, name: TypeName) -> Response:
-    """JSON Schema of goal, result and feedback, with the definition's comments, units, constants and defaults."""
+    """Return the JSON Schema of goal, result and feedback.
+
+    It includes the comments, units, constants and defaults of the definition.
+    """
     try:
         return Response(_schemas(f"{package}/action/{name}"), media_type="application/json")
     except (ImportError, TypeError) as error:
@@ -79,7 +85,7 @@ def _describe(type_name: str) -> dict[str, object]:
     }
 
 
-@cache  # of types that exist: a failure is not kept
+@cache  # existing types only: a failure is not cached
 def _schemas(type_name: str) -> bytes:
     action = load_action(type_name)
     parts = {"goal": (action.Goal, False), "result": (action.Result, True), "feedback": (action.Feedback, True)}

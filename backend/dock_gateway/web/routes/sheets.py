@@ -1,6 +1,6 @@
 """Goals and messages as rows of a CSV file (RFC 4180). Pure.
 
-A message has a column for each of its fields, dotted: `current_battery_state.voltage`, `cell_voltage.0`.
+Each field of a message is a column, named by its dotted path: `current_battery_state.voltage`, `cell_voltage.0`.
 """
 
 import csv
@@ -15,9 +15,9 @@ import orjson
 from dock_gateway.core.goal import Goal, encode
 
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
-# What spreadsheets take for the beginning of a formula.
+# Characters that spreadsheets take for the start of a formula.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-# Longer arrays are one column, as JSON.
+# Items. Longer arrays are one column, as JSON.
 MAX_ITEMS = 1000
 
 GOAL_COLUMNS = (
@@ -43,14 +43,14 @@ GOAL_COLUMNS = (
 
 
 def rows_of(rows: Iterable[Sequence[object]]) -> bytes:
-    """Rows as a CSV file has them, in UTF-8."""
+    """Encode rows as CSV in UTF-8."""
     text = io.StringIO()
     csv.writer(text).writerows([cell(value) for value in row] for row in rows)
     return text.getvalue().encode()
 
 
 def cell(value: object) -> str:
-    """A value as it stands in a cell: nothing for null; no text that a spreadsheet would carry out as a formula."""
+    """Return a cell's text. Null is empty; text that a spreadsheet would run as a formula gets a leading apostrophe."""
     if value is None:
         return ""
     if isinstance(value, bool | int | float | datetime):
@@ -60,7 +60,7 @@ def cell(value: object) -> str:
 
 
 def goal_row(goal: Goal) -> list[object]:
-    """A goal, in the order of `GOAL_COLUMNS`."""
+    """Return a goal's values in the order of `GOAL_COLUMNS`."""
     error = goal.error
     ended = goal.finished_at
     values: dict[str, object] = {name: getattr(goal, name, None) for name in GOAL_COLUMNS}
@@ -71,7 +71,7 @@ def goal_row(goal: Goal) -> list[object]:
 
 
 def flatten(value: Any, path: str = "") -> Iterator[tuple[str, object]]:
-    """The fields of a message, each with its dotted path; there is none in an empty array."""
+    """Yield the fields of a message with their dotted paths. An empty array yields none."""
     if isinstance(value, dict):
         items: Iterable[tuple[object, Any]] = value.items()
     elif isinstance(value, list) and len(value) <= MAX_ITEMS:
@@ -84,13 +84,13 @@ def flatten(value: Any, path: str = "") -> Iterator[tuple[str, object]]:
 
 
 class FeedbackSheet:
-    """Feedback events as rows. Which columns there are is known once all of them were looked at: arrays may grow."""
+    """Feedback events as CSV rows. All events are read once to find the columns, since arrays may grow."""
 
     def __init__(self) -> None:
         self._tree: dict[str, Any] = {}
 
     def look_at(self, events: Iterable[bytes]) -> None:
-        """Take up the columns of encoded feedback events."""
+        """Add the columns of encoded feedback events."""
         for event in events:
             for path, _ in flatten(orjson.loads(event)["feedback"]):
                 branch = self._tree
@@ -100,15 +100,15 @@ class FeedbackSheet:
 
     @property
     def columns(self) -> list[str]:
-        """The paths, in the order of the message: what is in the same array stands together."""
+        """The dotted paths in message order. Items of one array are adjacent."""
         return [*_leaves(self._tree, "")]
 
     def head(self) -> bytes:
-        """The first row."""
+        """Return the header row."""
         return rows_of([["time", "id", *self.columns]])
 
     def rows(self, events: Iterable[bytes]) -> bytes:
-        """A row for each event."""
+        """Return one row per event."""
         columns = self.columns
         return rows_of(_feedback_row(orjson.loads(event), columns) for event in events)
 

@@ -1,4 +1,4 @@
-"""`/simulator`: what the simulated robot is told by hand. A real robot has none."""
+"""`/simulator`: manual control of a simulated robot. A real robot has no simulator."""
 
 import math
 from typing import Annotated, Literal
@@ -40,10 +40,10 @@ def _robot(gateway: Gateway, robot: str | None) -> str:
 
 
 def read_pose(value: object) -> Pose:
-    """A pose out of a decoded body.
+    """Read a pose from a decoded body.
 
     Raises:
-        InvalidField: It is none, or too far away.
+        InvalidField: It is not a pose, or it is too far away.
     """
     fields = read_object(value, *Pose._fields)
     errors = [
@@ -60,13 +60,13 @@ def read_pose(value: object) -> Pose:
 
 @router.get("", response_model=Simulator, responses=problems(404, 422))
 async def get_simulator(gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """The faults that are on, and whether the robot touches its dock and is charged there."""
+    """Return the active faults, and whether the robot touches its dock and is charged there."""
     return json_response(gateway.simulators.get(_robot(gateway, robot)).document())
 
 
 @router.post("/reset", response_model=Simulator, responses=problems(404, 422, 503, 504))
 async def reset_simulator(gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Put the robot to its start, its battery as it was, and end every fault."""
+    """Move the robot to its start pose, restore its battery, and clear every fault."""
     return json_response(await gateway.simulators.reset(_robot(gateway, robot)))
 
 
@@ -77,7 +77,7 @@ async def reset_simulator(gateway: TheGateway, robot: RobotQuery = None) -> Resp
     openapi_extra=body(PLACE_REQUEST, required=True),
 )
 async def place_robot(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Put the robot somewhere, by RViz's `initialpose`."""
+    """Move the robot to a pose through RViz's `initialpose` topic."""
     pose = read_pose(await read_json(request))
     return json_response(await gateway.simulators.place(_robot(gateway, robot), pose))
 
@@ -89,7 +89,7 @@ async def place_robot(request: Request, gateway: TheGateway, robot: RobotQuery =
     openapi_extra=body(FAULT_REQUEST, required=True),
 )
 async def switch_fault(fault: FaultPath, request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Let something break, or work again."""
+    """Switch a fault on or off."""
     active = read_object(await read_json(request), "active").get("active")
     if not isinstance(active, bool):
         raise InvalidField([FieldError("active", "true or false", got(active))])

@@ -1,7 +1,7 @@
-"""`/stop`: stop a robot, see whether a stop is latched, release it.
+"""`/stop`: stop a robot, check whether a stop is latched, release it.
 
-Nothing in a request keeps a robot from being stopped but that it is not clear which one is meant: what else is wrong
-becomes the answer's `warning`.
+A malformed request still stops the robot, unless it is unclear which robot is meant. Any other error is reported in
+the response's `warning`.
 """
 
 import logging
@@ -38,7 +38,7 @@ only_robot = Depends(known_query("robot"))
 
 FIELDS = ("latch", "by")
 MAX_NAME = 100
-# A stop waits no longer for its body, in seconds: most come with the headers, and the answer is due within 0.1.
+# Seconds that a stop waits for its body. Most bodies come with the headers, and the answer is due within 0.1 s.
 BODY_WITHIN = 0.03
 STOP_REQUEST = {
     "type": "object",
@@ -62,17 +62,17 @@ PREFER = [{"name": "Prefer", "in": "header", "schema": {"type": "string"}, "exam
 async def stop_robot(
     gateway: Gateway, robot: str | None, value: object, *, wait: float = 0.0, wrong: list[GatewayError] | None = None
 ) -> dict[str, Any]:
-    """Stop a robot in the way that is asked for; by the defaults, where that cannot be understood.
+    """Stop a robot as requested, or by the defaults if the request cannot be read.
 
     Args:
         gateway: The gateway.
         robot: The robot; None is the configured one.
         value: The decoded body, or the fields of a command.
         wait: Seconds that action servers may take to answer.
-        wrong: What is known to be wrong with the request already.
+        wrong: Errors already found in the request.
 
     Returns:
-        The report, with what was wrong as `warning`.
+        The report, with the errors as `warning`.
 
     Raises:
         NotFound: There is no such robot.
@@ -92,7 +92,7 @@ async def stop_robot(
 
 @contextmanager
 def _noting(wrong: list[GatewayError]) -> Iterator[None]:
-    """Note what is wrong with a part of a request, whatever that is, and go on without that part."""
+    """Append any error to `wrong`, and go on without that part of the request."""
     try:
         yield
     except GatewayError as error:
@@ -103,7 +103,7 @@ def _noting(wrong: list[GatewayError]) -> Iterator[None]:
 
 
 def _warning(wrong: list[GatewayError]) -> dict[str, Any]:
-    """All that was wrong as one problem; the first gives its name."""
+    """Merge all errors into one problem, named after the first."""
     errors = [entry for error in wrong for entry in error.extra.get("errors", ())]
     detail = "; ".join(error.detail for error in wrong)
     return {**wrong[0].problem(), "detail": detail} | ({"errors": errors} if errors else {})
@@ -117,10 +117,10 @@ def _read_stop(fields: dict[str, Any]) -> dict[str, Any]:
 
 
 def _read_robot(query: QueryParams, value: object, wrong: list[GatewayError]) -> str | None:
-    """The robot that is to be stopped, None being the configured one; and the body is left without its name.
+    """Return the robot to stop (None is the configured one), and remove its name from the body.
 
     Raises:
-        InvalidField: It is not clear which one: two are named, or none by a parameter that may be a misspelt `robot`.
+        InvalidField: It is unclear which: two are named, or none is and an unknown parameter may be a misspelt `robot`.
     """
     named = set(query.getlist("robot"))
     if isinstance(value, dict) and (isinstance(value.get("robot"), str) or not named):
@@ -144,14 +144,15 @@ def _read_robot(query: QueryParams, value: object, wrong: list[GatewayError]) ->
     openapi_extra={**body(STOP_REQUEST, required=False), "parameters": PREFER},
 )
 async def stop(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Publish zero velocity at once, cancel every goal on every action of the robot, and let none be sent any more.
+    """Stop the robot: publish zero velocity at once, cancel all goals on all its actions, and refuse new ones.
 
-    Goals of other clients are canceled, too. New ones are refused (`409 stop_latched`) until the stop is released by
-    `DELETE /stop`; with `{"latch": false}` they are not. Robots in namespaces below are stopped, too: without
-    `robot`, on a gateway without a namespace, all of them. The answer comes within 100 ms: an action server that has
-    not answered by then is in `unconfirmed`. `Prefer: wait=2` waits for it that long. Nothing in a request keeps a
-    robot from being stopped: where it cannot be read, the robot is stopped as without it, and `warning` says what is
-    wrong. It also says where a restart of the gateway would forget the stop.
+    Goals of other clients are canceled, too. New goals are refused (`409 stop_latched`) until `DELETE /stop` releases
+    the stop; with `{"latch": false}` they are not refused. Robots in namespaces below are stopped, too: on a gateway
+    without a namespace, a request without `robot` stops all robots. The response comes within 100 ms; action servers
+    that have not answered by then are listed in `unconfirmed`. `Prefer: wait=2` waits up to 2 s for them.
+
+    A malformed request still stops the robot, unless it is unclear which robot is meant. What cannot be read is
+    ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would forget the stop.
     """
     value: Any = {}
     wait = 0.0
@@ -166,11 +167,11 @@ async def stop(request: Request, gateway: TheGateway, robot: RobotQuery = None) 
 
 @router.get("/stop", response_model=StopState, responses=problems(404, 422), dependencies=[only_robot])
 async def get_stop(gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Whether a stop is latched for a robot."""
+    """Return whether a stop is latched for a robot."""
     return json_response(gateway.stopper.state(robot))
 
 
 @router.delete("/stop", response_model=StopState, responses=problems(404, 409, 422), dependencies=[only_robot])
 async def release_stop(gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Release the stop of a robot and of those below it; also where none is latched. The robot stays where it is."""
+    """Release the stop of a robot and of the robots below it; also if none is latched. The robot does not move."""
     return json_response(await gateway.stopper.release(robot))

@@ -1,1 +1,1 @@
-"""The JSON shapes of the API, for the OpenAPI document."""
+"""The JSON schemas of the API, for the OpenAPI document."""

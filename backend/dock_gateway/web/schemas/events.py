@@ -1,4 +1,4 @@
-"""The shapes of the events on a stream; as in `schemas`, nothing is validated or encoded with them at run time."""
+"""Schemas of stream events, for the OpenAPI document: nothing is validated or encoded with them at run time."""
 
 from datetime import datetime
 from typing import Literal
@@ -40,7 +40,7 @@ class Twist(Schema):
 
 
 class Pose(Schema):
-    """A pose in the plane, in m and rad, counter-clockwise."""
+    """A 2D pose, in m and rad; `theta` is counter-clockwise."""
 
     x: float
     y: float
@@ -48,7 +48,7 @@ class Pose(Schema):
 
 
 class Infrared(Schema):
-    """What the infrared receivers at the robot's front measure, in m; null is nothing seen."""
+    """Readings of the infrared receivers at the robot's front, in m; null if nothing is detected."""
 
     left: float | None
     center: float | None
@@ -56,10 +56,10 @@ class Infrared(Schema):
 
 
 class Scene(Schema):
-    """Where a robot and its dock are, all in one frame.
+    """Poses of a robot and its dock, all in one frame.
 
-    `dock` is the face of the dock, its x axis pointing into it; `docked` where the robot is to stand; `staging` where
-    it drives to first; `marker` what the camera saw last.
+    `dock` is the face of the dock, with its x axis pointing into it. `docked` is the robot's target pose, `staging` the
+    pose that it drives to first, and `marker` the last marker pose that the camera saw.
     """
 
     frame: Literal["world", "odom"]
@@ -72,7 +72,7 @@ class Scene(Schema):
 
 
 class SnapshotEvent(Schema):
-    """The first message of a stream; `robots` and `alerts` are there where `include=robots` asks for them."""
+    """The first message of a stream. `robots` and `alerts` are filled only with `include=robots`."""
 
     model_config = ConfigDict(json_schema_serialization_defaults_required=False)
 
@@ -141,7 +141,7 @@ class CmdVelEvent(Schema):
 
 
 class PublisherEvent(Schema):
-    """The battery publisher changed, or went on (once a second)."""
+    """The state of the battery publisher: sent when it changes, and once a second while it publishes."""
 
     type: Literal["battery_publisher"]
     time: datetime
@@ -150,7 +150,7 @@ class PublisherEvent(Schema):
 
 
 class ActionServerEvent(Schema):
-    """The action server came, went, fell silent or answers again."""
+    """An action server appeared, disappeared, stopped answering or answers again."""
 
     type: Literal["action_server"]
     time: datetime
@@ -167,7 +167,7 @@ class StopEvent(Schema):
 
 
 class SimulatorEvent(Schema):
-    """A simulated robot was told something by hand, touched its dock or left it; or the simulator came or went."""
+    """A simulated robot was changed by hand, touched or left its dock, or its simulator appeared or disappeared."""
 
     type: Literal["simulator"]
     time: datetime
@@ -176,7 +176,7 @@ class SimulatorEvent(Schema):
 
 
 class RobotsEvent(Schema):
-    """Robots changed: those that did, as they are now, at most twice a second; and the names of those that left."""
+    """The current state of robots that changed; `gone` names those that left. At most twice a second."""
 
     type: Literal["robots"]
     time: datetime
@@ -185,7 +185,7 @@ class RobotsEvent(Schema):
 
 
 class AlertsEvent(Schema):
-    """The alerts changed: all of them, as they are now."""
+    """The alerts changed. Contains all active alerts."""
 
     type: Literal["alerts"]
     time: datetime
@@ -193,7 +193,7 @@ class AlertsEvent(Schema):
 
 
 class SceneEvent(Schema):
-    """Where a robot and its dock are, up to 20 times a second."""
+    """The poses of a robot and its dock, up to 20 times a second."""
 
     type: Literal["scene"]
     time: datetime
@@ -202,14 +202,14 @@ class SceneEvent(Schema):
 
 
 class HeartbeatEvent(Schema):
-    """The stream lives."""
+    """The stream is alive."""
 
     type: Literal["heartbeat"]
     time: datetime
 
 
 class DroppedEvent(Schema):
-    """So many feedback events were dropped because this reader is slow."""
+    """`count` feedback events were dropped because this reader is too slow."""
 
     type: Literal["dropped"]
     time: datetime
@@ -217,7 +217,7 @@ class DroppedEvent(Schema):
 
 
 class FeedbackDroppedEvent(Schema):
-    """Feedback of a goal that the gateway did not read: too large, or too fast to follow. Nobody got it."""
+    """Feedback of a goal that the gateway did not read because it is too large or too fast. No reader received it."""
 
     type: Literal["feedback_dropped"]
     time: datetime
@@ -228,7 +228,7 @@ class FeedbackDroppedEvent(Schema):
 
 
 class ResumedEvent(Schema):
-    """The first message of a stream that goes on after an event: so many follow that were missed."""
+    """The first message of a resumed stream. The `count` missed events follow."""
 
     type: Literal["resumed"]
     time: datetime
@@ -237,7 +237,7 @@ class ResumedEvent(Schema):
 
 
 class GapEvent(Schema):
-    """What followed an event is not to be had any more; a snapshot comes instead."""
+    """Some events after `after` are no longer available. The remaining ones follow, then a snapshot."""
 
     type: Literal["gap"]
     time: datetime

@@ -1,6 +1,6 @@
-"""The shapes of requests and answers, for the OpenAPI document and the types generated from it.
+"""Schemas of requests and responses, for the OpenAPI document and the types generated from it.
 
-Nothing is validated or encoded with these at run time: messages come and go as the ROS definitions have them.
+Nothing is validated or encoded with them at run time: the ROS definitions decide what messages contain.
 """
 
 from datetime import datetime
@@ -13,13 +13,13 @@ from dock_gateway.fleet.alert_rules import AlertKind
 
 
 class Schema(BaseModel):
-    """Every field is always there."""
+    """Base of the schemas. Every field is always present."""
 
     model_config = ConfigDict(json_schema_serialization_defaults_required=True, extra="forbid")
 
 
 class BatteryState(Schema):
-    """sensor_msgs/BatteryState; the document gets its fields from the ROS definition (api/openapi.py)."""
+    """sensor_msgs/BatteryState. `web/openapi.py` adds the fields from the ROS definition."""
 
 
 class DockGoal(Schema):
@@ -48,7 +48,7 @@ class GoalError(Schema):
 
 
 class GoalState(Schema):
-    """What is known of any goal, without its messages."""
+    """The state of any goal, without its messages."""
 
     goal_id: str
     action_name: str
@@ -102,7 +102,7 @@ class GoalPage(Schema):
 
 
 class StopFailure(Schema):
-    """What a stop could not do: cancel the goals of an action, or publish zero velocity to a robot."""
+    """A part of a stop that failed: canceling the goals of an action, or publishing zero velocity to a robot."""
 
     action_name: str | None
     robot: str | None
@@ -111,9 +111,10 @@ class StopFailure(Schema):
 
 
 class StopState(Schema):
-    """Whether a stop is latched for a robot, since when and by whom; `robots` at or below it are held by a stop.
+    """Whether a stop is latched for a robot, since when and by whom.
 
-    `persisted`: false where the gateway could not store its latest stop or release, so that a restart would forget it.
+    `robots` lists the robots at or below it that a stop holds. `persisted` is false if the gateway could not store its
+    latest stop or release, so that a restart would forget it.
     """
 
     latched: bool
@@ -124,9 +125,10 @@ class StopState(Schema):
 
 
 class StopReport(Schema):
-    """What a stop did; the actions in `unconfirmed` were asked to cancel their goals and have not answered yet.
+    """The result of a stop.
 
-    `warning`: what of the request could not be read, and was left out; or that the stop is not stored yet.
+    `unconfirmed` lists actions that were asked to cancel their goals and have not answered yet. `warning` says what in
+    the request could not be read and was ignored, or that the stop is not stored yet.
     """
 
     canceling: list[str]
@@ -147,13 +149,13 @@ class Battery(Schema):
 
 
 class Published(Schema):
-    """The message as it went out."""
+    """The message as published."""
 
     state: BatteryState
 
 
 class Publisher(Schema):
-    """What is being published."""
+    """The state of the battery publisher."""
 
     active: bool
     state: BatteryState | None
@@ -163,7 +165,7 @@ class Publisher(Schema):
 
 
 class ActionServer(Schema):
-    """Whether an action server is on the graph, and answers. `duplicate`: there is more than one."""
+    """Whether an action server is on the graph and answers. `duplicate` is true if there is more than one."""
 
     action_name: str
     available: bool
@@ -172,7 +174,7 @@ class ActionServer(Schema):
 
 
 class RobotBattery(Schema):
-    """The latest battery state, without its age: it was received then."""
+    """The latest battery state, with the time of reception instead of its age."""
 
     state: BatteryState | None
     received_at: datetime | None
@@ -188,10 +190,10 @@ class RobotPublisher(Schema):
 
 
 class Robot(Schema):
-    """A robot at a glance.
+    """Summary of a robot.
 
-    `docked` is null where nobody knows; `dock` and `undock` where it has no such action. `goals` run on its actions;
-    `last_goal` is the last one of docking and undocking that ended.
+    `docked` is null if unknown; `dock` and `undock` are null if the robot has no such action. `goals` are those running
+    on its actions; `last_goal` is the last docking or undocking goal that ended.
     """
 
     name: str
@@ -215,17 +217,17 @@ class RobotList(Schema):
 
 
 class Acknowledgement(Schema):
-    """Who has seen an alert, and when."""
+    """Who acknowledged an alert, and when."""
 
     by: str
     at: datetime
 
 
 class Alert(Schema):
-    """Something that an operator has to know of.
+    """A condition that an operator has to know about.
 
-    `robot` is the robot, the namespace of an action that belongs to none, or null where the gateway itself is
-    concerned. `detail` says what to do.
+    `robot` is the robot, the namespace of an action that belongs to no robot, or null for the gateway itself. `detail`
+    says what to do.
     """
 
     id: str
@@ -240,13 +242,13 @@ class Alert(Schema):
 
 
 class AlertList(Schema):
-    """The alerts, critical ones first, then the oldest first."""
+    """The active alerts: critical ones first, then oldest first."""
 
     alerts: list[Alert]
 
 
 class ActionInfo(ActionServer):
-    """An action on the graph; `hint` says what to install where its package is missing."""
+    """An action on the graph; `hint` says what to install if its package is missing."""
 
     action_type: str
     installed: bool
@@ -272,10 +274,10 @@ class Health(Schema):
 
 
 class HistoryState(Schema):
-    """How the keeping of goals and events goes.
+    """The state of the history of goals and events.
 
-    `waiting` in memory and `spooled` on disk are not in the database yet; `dropped` feedback and battery events were
-    given up.
+    `waiting` (in memory) and `spooled` (on disk) count what is not in the database yet; `dropped` counts the feedback
+    and battery events that were discarded.
     """
 
     waiting: int
@@ -286,7 +288,7 @@ class HistoryState(Schema):
 
 
 class Readiness(Schema):
-    """Whether a goal sent now would be heard."""
+    """Whether the action server is available and answers, with the state of the history and of the stop."""
 
     ready: bool
     action_server: ActionServer
@@ -295,7 +297,7 @@ class Readiness(Schema):
 
 
 class FieldProblem(Schema):
-    """One field that is wrong."""
+    """One invalid field."""
 
     path: str
     expected: str
@@ -315,10 +317,10 @@ class Problem(BaseModel):
 
 
 class Simulator(Schema):
-    """A simulated robot.
+    """The state of a simulated robot.
 
-    `contact`: it touches its dock with its contacts; `docked`: and is charged there. `battery_publisher`: `self`, or
-    `other` while someone else publishes the battery's state.
+    `contact`: its contacts touch the dock; `docked`: it is also charged there. `battery_publisher` is `self`, or
+    `other` while something else publishes the battery state.
     """
 
     available: bool
@@ -363,7 +365,10 @@ class ActionResultEvent(Schema):
 
 
 class GoalHistory(Schema):
-    """The events of a goal, oldest first; `next_after` where there are more, `complete` where none was given up."""
+    """The events of a goal, oldest first.
+
+    `next_after` is null on the last page. `complete` is false if events are missing.
+    """
 
     events: list[ActionStatusEvent | ActionFeedbackEvent | ActionResultEvent]
     next_after: str | None
@@ -371,7 +376,7 @@ class GoalHistory(Schema):
 
 
 class ExportedGoal(ActionGoal):
-    """A goal with its events, oldest first; `complete` where none was given up."""
+    """A goal with its events, oldest first; `complete` is false if events are missing."""
 
     complete: bool
     events: list[ActionStatusEvent | ActionFeedbackEvent | ActionResultEvent]

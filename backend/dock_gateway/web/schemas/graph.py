@@ -1,4 +1,4 @@
-"""The shapes of the graph; as in `schemas`, nothing is validated or encoded with them at run time."""
+"""Schemas of the ROS graph, for the OpenAPI document: nothing is validated or encoded with them at run time."""
 
 from datetime import datetime
 from typing import Any, Literal
@@ -10,7 +10,7 @@ from dock_gateway.web.schemas.goals import Schema
 
 
 class TopicQuality(Schema):
-    """Quality of service; a `depth` of null is not known, seconds of null are without limit."""
+    """Quality of service. A null `depth` is unknown; null seconds are unlimited."""
 
     reliability: str
     durability: str
@@ -22,14 +22,14 @@ class TopicQuality(Schema):
 
 
 class TopicEndpoint(Schema):
-    """A publisher or a subscription; `node` is null for that of a DDS program which is no ROS node."""
+    """A publisher or subscription; `node` is null for a DDS program that is not a ROS node."""
 
     node: str | None
     qos: TopicQuality
 
 
 class GraphNode(Schema):
-    """A node, or `count` nodes of the same name, and the names of what it has."""
+    """A node, or `count` nodes of the same name, and the names of its topics, services and actions."""
 
     name: str
     count: int
@@ -43,7 +43,7 @@ class GraphNode(Schema):
 
 
 class GraphTopic(Schema):
-    """A topic with everyone at it; more than one type is a mistake on the graph."""
+    """A topic with its publishers and subscribers. More than one type is an error on the graph."""
 
     name: str
     types: list[str]
@@ -53,7 +53,7 @@ class GraphTopic(Schema):
 
 
 class GraphService(Schema):
-    """A service; without servers somebody waits for it."""
+    """A service. If it has no servers, a client is waiting for it."""
 
     name: str
     types: list[str]
@@ -62,7 +62,7 @@ class GraphService(Schema):
 
 
 class GraphAction(Schema):
-    """An action, in place of the topics and services that it is made of."""
+    """An action, listed in place of its topics and services."""
 
     name: str
     types: list[str]
@@ -71,7 +71,7 @@ class GraphAction(Schema):
 
 
 class Graph(Schema):
-    """The ROS graph; what is `hidden` is there for ROS's own sake."""
+    """The ROS graph; `hidden` entries are ROS internals."""
 
     nodes: list[GraphNode]
     topics: list[GraphTopic]
@@ -80,9 +80,9 @@ class Graph(Schema):
 
 
 class TopicEvent(Schema):
-    """Who is at the topic: the first message of a stream, and again when that changes.
+    """The topic and its endpoints: the first message of a stream, sent again when they change.
 
-    Where messages cannot be read, because their package is not `installed` for example, `hint` says what to do.
+    If messages cannot be read, for example because their package is not `installed`, `hint` says what to do.
     """
 
     type: Literal["topic"]
@@ -94,10 +94,10 @@ class TopicEvent(Schema):
 
 
 class MessageEvent(Schema):
-    """A message of the topic; `time` is when it was published.
+    """A message on the topic; `time` is when it was published.
 
-    `abbreviated` ones have the first 100 items of long arrays and 10,000 characters of long texts; `lengths` says how
-    long they were, by the dotted path of the field.
+    If it is `abbreviated`, long arrays are cut to 100 items and long texts to 10,000 characters. `lengths` holds their
+    original lengths by dotted field path.
     """
 
     type: Literal["message"]
@@ -109,7 +109,7 @@ class MessageEvent(Schema):
 
 
 class RateEvent(Schema):
-    """How much is sent: over the last 3 s, and `messages` in all since somebody looks."""
+    """The topic's rate over the last 3 s; `messages` counts all messages since it was first watched."""
 
     type: Literal["rate"]
     time: datetime

@@ -1,4 +1,4 @@
-"""The shape of the battery's history; as in `schemas`, for types alone."""
+"""Schemas of the battery history, for the OpenAPI document only."""
 
 from datetime import datetime
 
@@ -6,7 +6,7 @@ from dock_gateway.web.schemas.goals import Schema
 
 
 class Measured(Schema):
-    """What was measured of a field in each bucket; null where it was not."""
+    """The mean, minimum and maximum of a field in each bucket; null if it was not measured."""
 
     mean: list[float | None]
     min: list[float | None]
@@ -14,7 +14,7 @@ class Measured(Schema):
 
 
 class BatteryHistory(Schema):
-    """Columns of equal length, a row for each bucket in which there was a message; `time` is that of its last one."""
+    """Columns of equal length, one row per bucket that has messages. `time` is that of the bucket's last message."""
 
     robot: str
     since: datetime

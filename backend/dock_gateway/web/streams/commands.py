@@ -1,4 +1,4 @@
-"""The commands of `/ws`, without the socket: a decoded message in, what the ack holds out."""
+"""The commands of `/ws`, without the socket: a decoded message in, the fields of the ack out."""
 
 from collections.abc import Awaitable, Callable
 from typing import Any
@@ -20,10 +20,10 @@ STOP = "stop"
 
 
 def read_command(message: object) -> tuple[str, str | None, Fields]:
-    """Op, id and the other fields of a decoded message.
+    """Return the op, id and other fields of a decoded message.
 
     Raises:
-        InvalidField: It is not a command.
+        InvalidField: The message is not a command.
     """
     if not isinstance(message, dict):
         raise InvalidField([FieldError("", "an object with op", "got something else")])
@@ -32,7 +32,7 @@ def read_command(message: object) -> tuple[str, str | None, Fields]:
     if not isinstance(op, str):
         raise InvalidField([FieldError("op", "a string", "got none" if op is None else "got something else")])
     if identity is not None and (not isinstance(identity, str) or len(identity) > MAX_ID):
-        if op == STOP:  # is carried out nevertheless, and warns of a field that it does not know
+        if op == STOP:  # carried out anyway, with a warning about the unknown field
             return op, None, {**fields, "id": identity}
         raise InvalidField([FieldError("id", f"a string of at most {MAX_ID} characters", "got something else")])
     return op, identity, fields
@@ -42,7 +42,7 @@ def check_fields(fields: Fields, texts: tuple[str, ...] = (), others: tuple[str,
     """Refuse unknown fields, and those of `texts` that are neither strings nor null.
 
     Raises:
-        InvalidField: With each of them.
+        InvalidField: Lists each of them.
     """
     known = (*texts, *others)
     expected = f"one of {', '.join(known)}" if known else "no fields"

@@ -1,4 +1,4 @@
-"""Reading along: `/ws/feedback`, one JSON text message an event, and the same as Server-Sent Events."""
+"""Read-only streams: `/ws/feedback` with one JSON text message per event, and Server-Sent Events."""
 
 import asyncio
 import logging
@@ -34,10 +34,10 @@ SSE_RESPONSES = {
 
 @router.websocket("/ws/feedback")
 async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
-    """A snapshot, then every event as it happens.
+    """Send a snapshot, then every event as it happens.
 
-    `?goal_id=`, `?action=` and `?robot=` narrow it; `?include=battery,cmd_vel,system,scene,robots` asks for more than
-    goals; `?feedback=false` leaves feedback out, `?max_rate=` thins it out; `?after=` resumes.
+    `?goal_id=`, `?action=` and `?robot=` filter the events; `?include=battery,cmd_vel,system,scene,robots` asks for
+    more than goals; `?feedback=false` omits feedback, `?max_rate=` limits its rate; `?after=` resumes.
     """
     query = websocket.query_params
     try:
@@ -58,7 +58,7 @@ async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
 
 
 async def until_one_ends(*sides: Coroutine[Any, Any, None]) -> None:
-    """Run the sides of a WebSocket, such as its reader and its writer, until the first of them ends."""
+    """Run the coroutines of a WebSocket, such as its reader and its writer, until the first of them ends."""
     tasks = [asyncio.create_task(side) for side in sides]
     try:
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -71,7 +71,7 @@ async def until_one_ends(*sides: Coroutine[Any, Any, None]) -> None:
 
 
 async def ignore_input(websocket: WebSocket) -> None:
-    """Read what a client says, which is nothing to us, until it leaves."""
+    """Read and discard a client's messages until it disconnects."""
     while (await websocket.receive())["type"] != "websocket.disconnect":
         pass
 
@@ -79,7 +79,7 @@ async def ignore_input(websocket: WebSocket) -> None:
 async def write_events(
     websocket: WebSocket, gateway: Gateway, subscriber: Subscriber, events: AsyncIterator[Event]
 ) -> None:
-    """Send what a reader gets, to the end, and say why it has ended."""
+    """Send a reader's events until they end, then close with the reason."""
     async for event in events:
         await send_text(websocket, gateway, event.text)
     if subscriber.overrun:
@@ -89,10 +89,10 @@ async def write_events(
 
 
 async def send_text(websocket: WebSocket, gateway: Gateway, text: str) -> None:
-    """Send a message; a client that does not read for so long is cut off.
+    """Send a message. Cut off a client that does not read for `subscriber_timeout` seconds.
 
     Raises:
-        TimeoutError: It did not.
+        TimeoutError: The client did not read in time.
     """
     await send_in_time(websocket.send, {"type": "websocket.send", "text": text}, gateway.settings.subscriber_timeout)
 
@@ -108,13 +108,13 @@ class EventStream(PacedResponse):
 @router.get("/undock/{goal_id}/events", name="undock_events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 @router.get("/dock/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 async def dock_events(goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
-    """The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes."""
+    """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
     return await _sse(request, gateway, goal_id)
 
 
 @router.get("/actions/{name:path}/goals/{goal_id}/events", responses=SSE_RESPONSES, response_class=StreamingResponse)
 async def action_events(name: GraphName, goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
-    """The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes."""
+    """Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes."""
     return await _sse(request, gateway, goal_id)
 
 
@@ -124,7 +124,7 @@ async def _sse(request: Request, gateway: Gateway, goal_id: str) -> Response:
     after = read_after(request.query_params if last is None else {"after": last})
     query = {"goal_id": goal_id, "feedback": request.query_params.get("feedback", "true")}
     chunks = _sse_chunks(gateway, query, after, read_max_rate(request.query_params))
-    first = await anext(chunks)  # what is wrong is said before the stream begins
+    first = await anext(chunks)  # errors are raised before the stream begins
     return EventStream(first, chunks, gateway.settings.subscriber_timeout)
 
 
@@ -133,7 +133,7 @@ async def _sse_chunks(
 ) -> AsyncGenerator[bytes]:
     subscriber = gateway.hub.subscribe(await read_event_filter(gateway, query))
     try:
-        # Whether the goal has ended is read off what the client is sent: looked up on the side it could end in between.
+        # The events that the client is sent show whether the goal has ended. It could end during a separate lookup.
         ended = False
         async for event in begin(gateway, subscriber, after):
             yield event.sse

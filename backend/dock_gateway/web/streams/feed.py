@@ -1,4 +1,4 @@
-"""What one reader of events gets, in order: a snapshot or what it missed, then everything as it happens."""
+"""The events for one reader, in order: a snapshot or the missed events, then everything as it happens."""
 
 import asyncio
 import time
@@ -14,7 +14,7 @@ from dock_gateway.history import LaterEvents
 
 
 async def snapshot(gateway: Gateway, interest: EventFilter) -> Event:
-    """Running and recent goals; the robot's battery, stop and servers; all robots and alerts if asked for."""
+    """Return running and recent goals; the robot's battery, stop and servers; robots and alerts if asked for."""
     goals = await gateway.recent_goals(interest)
     robot = gateway.robots.get(interest.robot)
     dock, undock = gateway.servers_of(interest.robot)
@@ -36,7 +36,7 @@ async def snapshot(gateway: Gateway, interest: EventFilter) -> Event:
 
 
 def present(gateway: Gateway, interest: EventFilter) -> list[Event]:
-    """What has no id, and so is not replayed, as it is now: the events that the reader may have missed."""
+    """Return the current state as events, for events that have no id and so are not replayed."""
     name, now = interest.robot, utc_now()
     publisher = gateway.robots.get(name).publisher
     events = [
@@ -55,23 +55,23 @@ def present(gateway: Gateway, interest: EventFilter) -> list[Event]:
     return wanted
 
 
-# What was missed is fetched from the history in pieces of so many events, and not more than so many pieces.
+# Missed events are read from the history in pieces of PIECE events, at most MAX_PIECES pieces.
 PIECE, MAX_PIECES = 1000, 100
-# Seconds that a reader which resumes waits for a history that does not answer.
+# Seconds that a resuming reader waits for a history that does not answer.
 PATIENCE = 3.0
 
 
 async def feed(
     gateway: Gateway, subscriber: Subscriber, *, after: str | None = None, max_rate: float | None = None
 ) -> AsyncIterator[Event]:
-    """Every message for one reader; ends when the gateway closes or the reader is too slow.
+    """Yield every message for one reader. Ends when the gateway closes or the reader is too slow.
 
     Args:
         gateway: The gateway.
         subscriber: The reader's place in the hub.
-        after: Id of the last event that the reader has seen. What followed it comes first (`resumed`), then what
-            is not replayed, as it is now. Where some of it is gone, `gap`, what is left, and a snapshot.
-        max_rate: Messages a second of each goal's feedback, of battery and of velocity.
+        after: Id of the last event that the reader has seen. First come `resumed`, the missed events, and the current
+            state of what is not replayed. If some events are gone: `gap`, the remaining ones, and a snapshot.
+        max_rate: Maximum messages per second of each goal's feedback, of battery and of velocity.
     """
     async for event in begin(gateway, subscriber, after):
         yield event
@@ -80,7 +80,7 @@ async def feed(
 
 
 async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | None = None) -> AsyncIterator[Event]:
-    """Every message of a `feed` but the first: what a reader is sent, and what a stream says of itself."""
+    """Yield every message of a `feed` after the first ones: events, and notices of the stream itself."""
     interval = gateway.settings.heartbeat_interval
     conflator = Throttle(max_rate)
     next_heartbeat = time.monotonic() + interval
@@ -99,11 +99,11 @@ async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | Non
 
 
 async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> AsyncIterator[Event]:
-    """The first messages: how things stand, or what was missed since an event.
+    """Yield the first messages: a snapshot, or the events missed since an event.
 
-    Where the reader wants one goal alone, the last of them says by `ends_goal` whether it now knows how that ended.
+    If the reader wants a single goal, `ends_goal` of the last one says whether the reader now knows how the goal ended.
     """
-    subscriber.clear()  # all that happened up to now is in the snapshot, or in what is replayed
+    subscriber.clear()  # everything up to now is in the snapshot or the replay
     if after is not None and gateway.hub.clock.is_past(after):
         missed = await _missed(gateway, subscriber, after)
         if missed.complete:
@@ -121,7 +121,7 @@ async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> 
 
 
 async def _ended_before(gateway: Gateway, interest: EventFilter, after: str) -> bool:
-    """Whether a reader of one goal that has had the event `after` knows how that goal ended."""
+    """Whether a reader of one goal that has seen the event `after` knows how that goal ended."""
     if interest.goal_id is None:
         return False
     goal = await gateway.goal(interest.goal_id)
@@ -129,7 +129,7 @@ async def _ended_before(gateway: Gateway, interest: EventFilter, after: str) -> 
 
 
 async def _missed(gateway: Gateway, subscriber: Subscriber, after: str) -> LaterEvents:
-    """What followed an event, wherever that was published; the reader gets nothing else up to now."""
+    """Return the events after an event, published by any gateway. The reader's queue skips them."""
     subscriber.after = after
     missed = gateway.hub.since(after, subscriber.interest)
     if missed is not None:
@@ -141,7 +141,7 @@ async def _missed(gateway: Gateway, subscriber: Subscriber, after: str) -> Later
 
 
 async def _from_history(gateway: Gateway, interest: EventFilter, after: str) -> LaterEvents:
-    """What followed an event that this process has not seen, or has forgotten, as far as it is stored."""
+    """Return the stored events after an event that this process has not seen or no longer holds."""
     deadline = time.monotonic() + PATIENCE
     while True:
         try:

@@ -1,4 +1,4 @@
-"""The short way of an event to a WebSocket, where the server offers one (`edge/websocket.py`)."""
+"""The fast path for events to a WebSocket, if the server offers one (`edge/websocket.py`)."""
 
 from fastapi import WebSocket
 
@@ -7,17 +7,17 @@ from dock_gateway.web.edge.websocket import EXTENSION, FrameWriter
 
 
 class ShortWay:
-    """One connection's short way, for a `Subscriber`."""
+    """The fast path of one connection, for a `Subscriber`."""
 
     def __init__(self, writer: FrameWriter) -> None:
         self._write = writer.write_frame
 
     def __call__(self, event: Event) -> bool:
-        """Send an event; False where it has to queue."""
+        """Send an event. Return False if it has to be queued."""
         return self._write(event.frame)
 
 
 def short_way(websocket: WebSocket) -> ShortWay | None:
-    """The short way to a WebSocket, where the server offers one."""
+    """Return the fast path to a WebSocket; None if the server offers none."""
     extension = (websocket.scope.get("extensions") or {}).get(EXTENSION)
     return None if extension is None else ShortWay(extension["writer"])

@@ -1,6 +1,6 @@
-"""`/ws`: commands and events on one socket, each command answered under the caller's id.
+"""`/ws`: commands and events on one socket. Each answer carries the id of its command.
 
-Goals belong to the gateway: a socket that breaks takes none with it, and no command is ever repeated by us.
+Goals belong to the gateway: they survive a broken socket. The gateway never repeats a command.
 """
 
 import asyncio
@@ -41,7 +41,7 @@ router = APIRouter()
 
 MAX_SUBSCRIPTIONS = 32
 MAX_COMMANDS = 64
-# Stops come beside them, and are never refused: beyond this number the socket is not read until one is answered.
+# Stops in addition to MAX_COMMANDS. They are never refused: beyond this, the socket is not read until one is answered.
 MAX_STOPS = 64
 INTERNAL = GatewayError("an error inside of the gateway; its log has the details")
 SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
@@ -49,10 +49,10 @@ SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
 @router.websocket("/ws")
 async def socket(websocket: WebSocket, gateway: TheGateway) -> None:
-    """Take commands, send acks and events."""
+    """Receive commands, send acks and events."""
     try:
         await known_query()(websocket)
-        # A socket counts as a subscriber, also without a subscription, and is woken for the farewell.
+        # A socket counts as a subscriber even without a subscription, and is woken at shutdown.
         place = gateway.hub.subscribe(EventFilter(topics=frozenset()))
     except GatewayError as error:
         await websocket.send_denial_response(problem_response(error))
@@ -68,7 +68,7 @@ async def socket(websocket: WebSocket, gateway: TheGateway) -> None:
 
 @dataclass
 class Subscription:
-    """One subscription of a socket, as long as its task runs, which has a place in the hub and gives it back."""
+    """One subscription of a socket. It lasts as long as its task, which holds a place in the hub."""
 
     task: asyncio.Task[None]
     acknowledged: bool = False
@@ -86,18 +86,18 @@ class Session:
         self._closed = False
 
     async def run(self, place: Subscriber) -> None:
-        """Go on until the client leaves, does not read, or the gateway closes."""
+        """Run until the client disconnects, does not read, or the gateway closes."""
         await until_one_ends(self._read(), self._farewell(place))
 
     async def close(self) -> None:
-        """End the subscriptions; other commands that are under way go on without us."""
+        """End the subscriptions. Other commands in progress continue."""
         self._closed = True
         await cancel(*self._tasks())
 
     async def _farewell(self, place: Subscriber) -> None:
         while not self._gateway.hub.closing:
             await place.take(60.0)
-        if tasks := self._tasks():  # each of them says `closing` first
+        if tasks := self._tasks():  # each of them sends `closing` first
             await asyncio.wait(tasks)
         await self._close(SERVICE_RESTART, "shutting_down")
 
@@ -123,7 +123,7 @@ class Session:
         try:
             op, identity, fields = read_command(_decode(received))
             if op == "subscribe":
-                self._subscribe(identity, fields)  # it answers by itself
+                self._subscribe(identity, fields)  # it sends its own answer
             else:
                 await self._answer("ack", identity, await self._do(op, fields))
         except GatewayError as error:
@@ -144,7 +144,7 @@ class Session:
         return await command(self._gateway, fields)
 
     def _subscribe(self, identity: str | None, fields: Fields) -> None:
-        """Begin a subscription. Nothing is awaited here: what was checked still holds when its name is taken."""
+        """Start a subscription. Nothing is awaited here, so the checks still hold when its id is registered."""
         check_fields(fields, SUBSCRIPTION_TEXTS, ("max_rate", "feedback"))
         if not identity:
             raise InvalidField([FieldError("id", "a string, which names the subscription", "got none")])

@@ -1,4 +1,4 @@
-"""`/ws/topics`: what is sent on any topic, and how much of it."""
+"""`/ws/topics`: the messages of any topic, and their rate."""
 
 from contextlib import AsyncExitStack
 
@@ -19,9 +19,9 @@ MIN_RATE, MAX_RATE, USUAL_RATE = 0.1, 20.0, 5.0
 
 @router.websocket("/ws/topics")
 async def echo_topic(websocket: WebSocket, gateway: TheGateway) -> None:
-    """Who is at a topic, its newest messages, and each second the rate of all of them.
+    """Send a topic's endpoints, its newest messages, and once a second the rate of all its messages.
 
-    `?topic=` names it; `?max_rate=` is how many messages a second are shown at most.
+    `?topic=` names the topic; `?max_rate=` limits how many messages per second are shown.
     """
     query = websocket.query_params
     async with AsyncExitStack() as stack:
