@@ -136,20 +136,20 @@ class Gateway:
         await action.canceler.cancel(goal)
         return goal
 
-    async def recent_goals(self, interest: EventFilter) -> list[Goal]:
+    async def recent_goals(self, event_filter: EventFilter) -> list[Goal]:
         """Return a new subscriber's initial goals: the running and the latest ended ones, newest first."""
-        if interest.goal_id is not None:
-            return [await self.goal(interest.goal_id)]
+        if event_filter.goal_id is not None:
+            return [await self.goal(event_filter.goal_id)]
         newest: list[Goal] = []
         with suppress(Unavailable):  # a stream works without the past
             # Docking and undocking goals are queried by name, so that a busier action does not crowd them out.
-            named = interest.action_name
-            dock, undock = (server.action_name for server in self.servers_of(interest.robot))
+            named = event_filter.action_name
+            dock, undock = (server.action_name for server in self.servers_of(event_filter.robot))
             for name in dict.fromkeys((named, named or dock, named or undock)):
-                wanted = GoalFilter(frozenset() if name is None else frozenset({name}), interest.namespace)
+                wanted = GoalFilter(frozenset() if name is None else frozenset({name}), event_filter.namespace)
                 newest += await self.history.page(wanted, limit=RECENT)
         known = [*newest, *self.actions.running()]
-        goals = {goal.goal_id: goal for goal in known if interest.covers_goal(goal.goal_id, goal.action_name)}
+        goals = {goal.goal_id: goal for goal in known if event_filter.covers_goal(goal.goal_id, goal.action_name)}
         return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)
 
     def say_goodbye(self) -> None:

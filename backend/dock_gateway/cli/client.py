@@ -24,10 +24,10 @@ url_option = click.option(
     envvar="DOCK_GATEWAY_URL",
     default="http://127.0.0.1:8000",
     show_default=True,
-    help="Where the gateway is.",
+    help="Base URL of the gateway.",
 )
 robot_option = click.option("--robot", help="Namespace of the robot, such as /robot1.")
-json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, a line each.")
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document per line.")
 
 
 class StatusChoice(click.ParamType[int]):
@@ -207,7 +207,7 @@ def send(url: str, path: str, body: dict[str, Any], *, no_wait: bool, as_json: b
 @click.argument("goal_id", required=False)
 @url_option
 def cancel(url: str, goal_id: str | None) -> None:
-    """Cancel a goal; without GOAL_ID, the one that runs."""
+    """Cancel a goal; without GOAL_ID, the running one."""
     if goal_id is None:
         query = "&".join(f"status={status}" for status in ("pending", "accepted", "executing", "canceling"))
         running = [goal for path in ("/dock", "/undock") for goal in call(url, "GET", f"{path}?{query}")["goals"]]
@@ -219,8 +219,8 @@ def cancel(url: str, goal_id: str | None) -> None:
 
 
 @click.command()
-@click.option("--by", help="Who stops it, for others to see.")
-@click.option("--no-latch", is_flag=True, help="Let goals through again at once.")
+@click.option("--by", help="Your name, shown to others.")
+@click.option("--no-latch", is_flag=True, help="Accept new goals again immediately.")
 @robot_option
 @url_option
 def stop(url: str, robot: str | None, no_latch: bool, by: str | None) -> None:
@@ -244,7 +244,7 @@ def stop(url: str, robot: str | None, no_latch: bool, by: str | None) -> None:
 @robot_option
 @url_option
 def release(url: str, robot: str | None) -> None:
-    """Release a stop: goals are let through again. The robot stays where it is."""
+    """Release a stop: new goals are accepted again. The robot stays where it is."""
     call(url, "DELETE", f"/stop{robot_query(robot)}")
     click.echo("released")
 
@@ -269,8 +269,8 @@ def watch(url: str, goal_id: str | None, as_json: bool) -> None:
 @click.option("--status", type=StatusChoice(), help="Power supply status, by name or number.")
 @click.option("--voltage", type=float, help="Voltage in V.")
 @click.option("--percentage", type=float, help="Charge, 0 to 1.")
-@click.option("--rate", type=float, help="Publish repeatedly, so many times a second.")
-@click.option("--stop", "stop_publishing", is_flag=True, help="Publish no more.")
+@click.option("--rate", type=float, help="Publish repeatedly, at this rate in Hz.")
+@click.option("--stop", "stop_publishing", is_flag=True, help="Stop publishing.")
 @url_option
 def battery(
     url: str,

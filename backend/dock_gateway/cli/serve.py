@@ -30,7 +30,7 @@ def check_installed(setting: str, action_type: str) -> None:
 @click.command()
 @settings_options
 def serve(**options: str | None) -> None:
-    """Run the gateway alone, beside an action server that is there already."""
+    """Run only the gateway, for action servers that run already."""
     settings = read_settings(options)
     check_installed("dock_action_type", settings.dock_action_type)
     check_installed("undock_action_type", settings.undock_action_type)

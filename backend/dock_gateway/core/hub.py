@@ -25,8 +25,8 @@ class Subscriber:
 
     HARD_LIMIT = 10_000
 
-    def __init__(self, limit: int, interest: EventFilter) -> None:
-        self.interest = interest
+    def __init__(self, limit: int, event_filter: EventFilter) -> None:
+        self.event_filter = event_filter
         self.overrun = False
         self.immediate: Callable[[Event], bool] | None = None
         self.after = ""
@@ -158,7 +158,7 @@ class Hub:
     def __len__(self) -> int:
         return len(self._subscribers)
 
-    def subscribe(self, interest: EventFilter) -> Subscriber:
+    def subscribe(self, event_filter: EventFilter) -> Subscriber:
         """Add a subscriber. It receives every event published from now on that its filter covers.
 
         Raises:
@@ -169,21 +169,21 @@ class Hub:
             raise Unavailable("the gateway is shutting down", code="shutting_down")
         if len(self._subscribers) >= self._max_subscribers:
             raise TooManyRequests(f"{self._max_subscribers} subscribers are connected already")
-        subscriber = Subscriber(self._queue_limit, interest)
+        subscriber = Subscriber(self._queue_limit, event_filter)
         self._subscribers.add(subscriber)
-        for key in _keys(interest):
+        for key in _keys(event_filter):
             self._wanting[key].add(subscriber)
-        self._tell_wish(interest)
+        self._tell_wish(event_filter)
         return subscriber
 
     def unsubscribe(self, subscriber: Subscriber) -> None:
         """Remove a subscriber. Idempotent."""
         self._subscribers.discard(subscriber)
-        for key in _keys(subscriber.interest):
+        for key in _keys(subscriber.event_filter):
             self._wanting[key].discard(subscriber)
             if not self._wanting[key]:
                 del self._wanting[key]
-        self._tell_wish(subscriber.interest)
+        self._tell_wish(subscriber.event_filter)
 
     def on_watch(self, topic: str, changed: Callable[[], None]) -> None:
         """Register `changed`, to be called whenever a subscriber to a topic comes or goes."""
@@ -193,8 +193,8 @@ class Hub:
         """Return the robots whose topic has a subscriber."""
         return {robot for wanted, robot in self._wanting if wanted == topic and robot is not None}
 
-    def _tell_wish(self, interest: EventFilter) -> None:
-        for topic in interest.topics & self._on_wish.keys():
+    def _tell_wish(self, event_filter: EventFilter) -> None:
+        for topic in event_filter.topics & self._on_wish.keys():
             self._on_wish[topic]()
 
     def publish(self, event: Event) -> None:
@@ -230,15 +230,15 @@ class Hub:
             self._recent.put(event)
             self._keep(event)
         for subscriber in self._wanting.get((event.topic, event.robot), ()):
-            if subscriber.interest.covers(event):
+            if subscriber.event_filter.covers(event):
                 subscriber.put(event)
 
-    def since(self, event_id: str, interest: EventFilter) -> list[Event] | None:
+    def since(self, event_id: str, event_filter: EventFilter) -> list[Event] | None:
         """Return the events published after an event, in order; None if that event is not in the buffer."""
         if event_id not in self._recent:
             return None
         later = itertools.takewhile(lambda event: event.id != event_id, reversed(self._recent.values()))
-        return [event for event in list(later)[::-1] if interest.covers(event)]
+        return [event for event in list(later)[::-1] if event_filter.covers(event)]
 
     def close(self) -> None:
         """Let every stream send its closing message. New subscribers are refused."""
@@ -247,8 +247,8 @@ class Hub:
             subscriber.wake()
 
 
-def _keys(interest: EventFilter) -> Iterator[tuple[str, str | None]]:
+def _keys(event_filter: EventFilter) -> Iterator[tuple[str, str | None]]:
     """Yield the keys of a subscriber. `covers` returns False for events of any other topic and robot."""
-    for topic in interest.topics:
+    for topic in event_filter.topics:
         yield topic, None
-        yield topic, interest.robot
+        yield topic, event_filter.robot

@@ -13,7 +13,7 @@ export interface paths {
         };
         /**
          * List Goals
-         * @description Goals, newest first.
+         * @description List goals, newest first.
          */
         get: operations["list_goals"];
         put?: never;
@@ -39,7 +39,7 @@ export interface paths {
         };
         /**
          * Get Goal
-         * @description One goal, of any robot.
+         * @description Return one goal, of any robot.
          */
         get: operations["get_goal"];
         put?: never;
@@ -79,13 +79,13 @@ export interface paths {
         };
         /**
          * List Undock Goals
-         * @description Goals, newest first.
+         * @description List goals, newest first.
          */
         get: operations["list_undock_goals"];
         put?: never;
         /**
          * Undock
-         * @description Drive the robot off its charging dock; where it is not docked, the goal succeeds at once.
+         * @description Drive the robot off its charging dock. If it is not docked, the goal succeeds immediately.
          *
          *     An empty body asks for a battery that is not charging, 2 or 3. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
          */
@@ -105,7 +105,7 @@ export interface paths {
         };
         /**
          * Get Undock Goal
-         * @description One goal, of any robot.
+         * @description Return one goal, of any robot.
          */
         get: operations["get_undock_goal"];
         put?: never;
@@ -145,25 +145,26 @@ export interface paths {
         };
         /**
          * Get Stop
-         * @description Whether a stop is latched for a robot.
+         * @description Return whether a stop is latched for a robot.
          */
         get: operations["get_stop"];
         put?: never;
         /**
          * Stop
-         * @description Publish zero velocity at once, cancel every goal on every action of the robot, and let none be sent any more.
+         * @description Stop the robot: publish zero velocity at once, cancel all goals on all its actions, and refuse new ones.
          *
-         *     Goals of other clients are canceled, too. New ones are refused (`409 stop_latched`) until the stop is released by
-         *     `DELETE /stop`; with `{"latch": false}` they are not. Robots in namespaces below are stopped, too: without
-         *     `robot`, on a gateway without a namespace, all of them. The answer comes within 100 ms: an action server that has
-         *     not answered by then is in `unconfirmed`. `Prefer: wait=2` waits for it that long. Nothing in a request keeps a
-         *     robot from being stopped: where it cannot be read, the robot is stopped as without it, and `warning` says what is
-         *     wrong. It also says where a restart of the gateway would forget the stop.
+         *     Goals of other clients are canceled, too. New goals are refused (`409 stop_latched`) until `DELETE /stop` releases
+         *     the stop; with `{"latch": false}` they are not refused. Robots in namespaces below are stopped, too: on a gateway
+         *     without a namespace, a request without `robot` stops all robots. The response comes within 100 ms; action servers
+         *     that have not answered by then are listed in `unconfirmed`. `Prefer: wait=2` waits up to 2 s for them.
+         *
+         *     A malformed request still stops the robot, unless it is unclear which robot is meant. What cannot be read is
+         *     ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would forget the stop.
          */
         post: operations["stop"];
         /**
          * Release Stop
-         * @description Release the stop of a robot and of those below it; also where none is latched. The robot stays where it is.
+         * @description Release the stop of a robot and of the robots below it; also if none is latched. The robot does not move.
          */
         delete: operations["release_stop"];
         options?: never;
@@ -180,7 +181,7 @@ export interface paths {
         };
         /**
          * Dock Events
-         * @description The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes.
+         * @description Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes.
          */
         get: operations["dock_events"];
         put?: never;
@@ -200,7 +201,7 @@ export interface paths {
         };
         /**
          * Undock Events
-         * @description The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes.
+         * @description Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes.
          */
         get: operations["undock_events"];
         put?: never;
@@ -220,7 +221,7 @@ export interface paths {
         };
         /**
          * Goal Events
-         * @description The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes.
+         * @description Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes.
          */
         get: operations["goal_events"];
         put?: never;
@@ -240,7 +241,7 @@ export interface paths {
         };
         /**
          * Action Events
-         * @description The events of a goal as Server-Sent Events, until it has ended; `Last-Event-ID` resumes.
+         * @description Stream the events of a goal as Server-Sent Events until it ends. `Last-Event-ID` resumes.
          */
         get: operations["action_events"];
         put?: never;
@@ -260,7 +261,9 @@ export interface paths {
         };
         /**
          * Export Goals
-         * @description Every goal that matches, newest first: in CSV a row each, goal and result as JSON; or an array.
+         * @description Download all matching goals, newest first.
+         *
+         *     CSV has one row per goal, with its goal and result messages as JSON. JSON is one array.
          */
         get: operations["export_goals"];
         put?: never;
@@ -280,7 +283,9 @@ export interface paths {
         };
         /**
          * Export Goal
-         * @description A goal: in CSV its feedback, a row for each event and a column for each field; or the goal with its events.
+         * @description Download one goal.
+         *
+         *     CSV has its feedback: one row per event, one column per field. JSON has the goal with its events.
          */
         get: operations["export_goal"];
         put?: never;
@@ -300,7 +305,7 @@ export interface paths {
         };
         /**
          * List All Goals
-         * @description Goals of every action, newest first.
+         * @description List the goals of all actions, newest first.
          */
         get: operations["list_all_goals"];
         put?: never;
@@ -320,7 +325,7 @@ export interface paths {
         };
         /**
          * Get Any Goal
-         * @description One goal, on any action.
+         * @description Return one goal, on any action.
          */
         get: operations["get_any_goal"];
         put?: never;
@@ -342,7 +347,7 @@ export interface paths {
         put?: never;
         /**
          * Cancel Any Goal
-         * @description Ask the action server to cancel a goal, on any action and whoever sent it.
+         * @description Ask the action server to cancel a goal, on any action, whoever sent it.
          */
         post: operations["cancel_any_goal"];
         delete?: never;
@@ -360,7 +365,7 @@ export interface paths {
         };
         /**
          * Goal History
-         * @description The events of a goal, as they were sent on the streams, oldest first.
+         * @description List the events of a goal as they were sent on the streams, oldest first.
          */
         get: operations["goal_history"];
         put?: never;
@@ -380,7 +385,7 @@ export interface paths {
         };
         /**
          * List Actions
-         * @description Every action on the graph; one whose package is missing says what to install.
+         * @description List every action on the graph. If an action's interface package is missing, `hint` says what to install.
          */
         get: operations["list_actions"];
         put?: never;
@@ -400,13 +405,13 @@ export interface paths {
         };
         /**
          * List Action Goals
-         * @description Goals of an action, newest first.
+         * @description List the goals of an action, newest first.
          */
         get: operations["list_action_goals"];
         put?: never;
         /**
          * Send Action Goal
-         * @description Send a goal; the body holds the goal message's own fields, `{}` for its defaults.
+         * @description Send a goal. The body holds the fields of the goal message; `{}` sends its defaults.
          */
         post: operations["send_action_goal"];
         delete?: never;
@@ -424,7 +429,7 @@ export interface paths {
         };
         /**
          * Get Action Goal
-         * @description One goal of an action.
+         * @description Return one goal of an action.
          */
         get: operations["get_action_goal"];
         put?: never;
@@ -464,7 +469,7 @@ export interface paths {
         };
         /**
          * Get Action
-         * @description One action.
+         * @description Return one action.
          */
         get: operations["get_action"];
         put?: never;
@@ -484,7 +489,7 @@ export interface paths {
         };
         /**
          * List Interfaces
-         * @description The action types in the ament index; one that this Python cannot import says what to install.
+         * @description List the action types in the ament index. If Python cannot import one, `hint` says what to install.
          */
         get: operations["list_interfaces"];
         put?: never;
@@ -504,7 +509,9 @@ export interface paths {
         };
         /**
          * Get Interface
-         * @description JSON Schema of goal, result and feedback, with the definition's comments, units, constants and defaults.
+         * @description Return the JSON Schema of goal, result and feedback.
+         *
+         *     It includes the comments, units, constants and defaults of the definition.
          */
         get: operations["get_interface"];
         put?: never;
@@ -524,7 +531,7 @@ export interface paths {
         };
         /**
          * Get Graph
-         * @description The whole graph, at most a second old; with `If-None-Match` only where it has changed.
+         * @description Return the whole graph, at most one second old. With `If-None-Match`, return 304 if it has not changed.
          */
         get: operations["get_graph"];
         put?: never;
@@ -544,7 +551,7 @@ export interface paths {
         };
         /**
          * Get Topic
-         * @description One topic, as it is now, with those who publish and subscribe.
+         * @description Return the current state of one topic, with its publishers and subscribers.
          */
         get: operations["get_topic"];
         put?: never;
@@ -564,13 +571,13 @@ export interface paths {
         };
         /**
          * Get Battery
-         * @description The latest battery state, its age, and whether it is stale.
+         * @description Return the latest battery state, its age, and whether it is stale.
          */
         get: operations["get_battery"];
         put?: never;
         /**
          * Publish Battery
-         * @description Publish one battery state; floats that are left out are NaN.
+         * @description Publish one battery state. Omitted float fields are NaN.
          */
         post: operations["publish_battery"];
         delete?: never;
@@ -588,18 +595,18 @@ export interface paths {
         };
         /**
          * Get Publisher
-         * @description What is being published repeatedly.
+         * @description Return what the gateway publishes repeatedly.
          */
         get: operations["get_publisher"];
         /**
          * Start Publisher
-         * @description Publish a battery state repeatedly, from now on, in place of what was published before.
+         * @description Start publishing a battery state repeatedly. Replaces what was published before.
          */
         put: operations["start_publisher"];
         post?: never;
         /**
          * Stop Publisher
-         * @description Publish no more.
+         * @description Stop publishing.
          */
         delete: operations["stop_publisher"];
         options?: never;
@@ -616,7 +623,9 @@ export interface paths {
         };
         /**
          * Battery History
-         * @description What was measured of a battery from `since` on and before `until`, at so many points; the last five minutes.
+         * @description Return battery measurements from `since` up to but not including `until`, in at most `points` rows.
+         *
+         *     `until` defaults to now, and `since` to five minutes before `until`.
          */
         get: operations["battery_history"];
         put?: never;
@@ -636,7 +645,7 @@ export interface paths {
         };
         /**
          * List Robots
-         * @description Every robot that was found, or the one that is asked for.
+         * @description List every robot that was found, or only the one given by `robot`.
          */
         get: operations["list_robots"];
         put?: never;
@@ -656,7 +665,7 @@ export interface paths {
         };
         /**
          * List Alerts
-         * @description What is wrong now: critical alerts first, then the oldest first.
+         * @description List the active alerts: critical ones first, then oldest first.
          */
         get: operations["list_alerts"];
         put?: never;
@@ -677,13 +686,13 @@ export interface paths {
         get?: never;
         /**
          * Acknowledge
-         * @description Somebody has seen an alert. That holds at every gateway with the same history, until the alert is over.
+         * @description Acknowledge an alert. This holds at every gateway that shares the history, until the alert clears.
          */
         put: operations["acknowledge"];
         post?: never;
         /**
          * Withdraw Acknowledgement
-         * @description Take an acknowledgement back; also where there is none.
+         * @description Withdraw an acknowledgement. Succeeds even if there is none.
          */
         delete: operations["withdraw_acknowledgement"];
         options?: never;
@@ -700,7 +709,7 @@ export interface paths {
         };
         /**
          * Get Simulator
-         * @description The faults that are on, and whether the robot touches its dock and is charged there.
+         * @description Return the active faults, and whether the robot touches its dock and is charged there.
          */
         get: operations["get_simulator"];
         put?: never;
@@ -722,7 +731,7 @@ export interface paths {
         put?: never;
         /**
          * Reset Simulator
-         * @description Put the robot to its start, its battery as it was, and end every fault.
+         * @description Move the robot to its start pose, restore its battery, and clear every fault.
          */
         post: operations["reset_simulator"];
         delete?: never;
@@ -742,7 +751,7 @@ export interface paths {
         put?: never;
         /**
          * Place Robot
-         * @description Put the robot somewhere, by RViz's `initialpose`.
+         * @description Move the robot to a pose through RViz's `initialpose` topic.
          */
         post: operations["place_robot"];
         delete?: never;
@@ -761,7 +770,7 @@ export interface paths {
         get?: never;
         /**
          * Switch Fault
-         * @description Let something break, or work again.
+         * @description Switch a fault on or off.
          */
         put: operations["switch_fault"];
         post?: never;
@@ -780,7 +789,7 @@ export interface paths {
         };
         /**
          * Healthz
-         * @description Whether the ROS thread lives and does its work.
+         * @description Report whether the ROS thread is alive and responsive.
          */
         get: operations["healthz"];
         put?: never;
@@ -800,9 +809,10 @@ export interface paths {
         };
         /**
          * Readyz
-         * @description Whether the action server is there and answers; and how the history is kept, which holds up no goal.
+         * @description Report whether the action server is available and answers, and the state of the history.
          *
-         *     A latched stop is shown, and is no fault: the gateway is ready to release it.
+         *     A failing history does not affect readiness: it holds up no goal. Nor does a latched stop: the gateway is ready to
+         *     release it.
          */
         get: operations["readyz"];
         put?: never;
@@ -819,7 +829,7 @@ export interface components {
     schemas: {
         /**
          * Acknowledgement
-         * @description Who has seen an alert, and when.
+         * @description Who acknowledged an alert, and when.
          */
         Acknowledgement: {
             /** By */
@@ -921,7 +931,7 @@ export interface components {
         };
         /**
          * ActionInfo
-         * @description An action on the graph; `hint` says what to install where its package is missing.
+         * @description An action on the graph; `hint` says what to install if its package is missing.
          */
         ActionInfo: {
             /** Action Name */
@@ -945,7 +955,9 @@ export interface components {
         };
         /**
          * ActionInterface
-         * @description JSON Schema (draft 2020-12) of an action's messages: the goal as it is taken, the rest as it is written.
+         * @description JSON Schema (draft 2020-12) of an action's messages.
+         *
+         *     `goal` describes what a request may contain; `result` and `feedback` describe what the gateway returns.
          */
         ActionInterface: {
             /** Type */
@@ -1001,7 +1013,7 @@ export interface components {
         };
         /**
          * ActionServer
-         * @description Whether an action server is on the graph, and answers. `duplicate`: there is more than one.
+         * @description Whether an action server is on the graph and answers. `duplicate` is true if there is more than one.
          */
         ActionServer: {
             /** Action Name */
@@ -1015,7 +1027,7 @@ export interface components {
         };
         /**
          * ActionServerEvent
-         * @description The action server came, went, fell silent or answers again.
+         * @description An action server appeared, disappeared, stopped answering or answers again.
          */
         ActionServerEvent: {
             /**
@@ -1089,10 +1101,10 @@ export interface components {
         };
         /**
          * Alert
-         * @description Something that an operator has to know of.
+         * @description A condition that an operator has to know about.
          *
-         *     `robot` is the robot, the namespace of an action that belongs to none, or null where the gateway itself is
-         *     concerned. `detail` says what to do.
+         *     `robot` is the robot, the namespace of an action that belongs to no robot, or null for the gateway itself. `detail`
+         *     says what to do.
          */
         Alert: {
             /** Id */
@@ -1120,13 +1132,13 @@ export interface components {
         };
         /**
          * AlertKind
-         * @description Everything that is worth an alert.
+         * @description The kinds of alerts.
          * @enum {string}
          */
         AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_stale" | "history_lost" | "duplicate_action_server";
         /**
          * AlertList
-         * @description The alerts, critical ones first, then the oldest first.
+         * @description The active alerts: critical ones first, then oldest first.
          */
         AlertList: {
             /** Alerts */
@@ -1134,7 +1146,7 @@ export interface components {
         };
         /**
          * AlertsEvent
-         * @description The alerts changed: all of them, as they are now.
+         * @description The alerts changed. Contains all active alerts.
          */
         AlertsEvent: {
             /**
@@ -1188,7 +1200,7 @@ export interface components {
         };
         /**
          * BatteryHistory
-         * @description Columns of equal length, a row for each bucket in which there was a message; `time` is that of its last one.
+         * @description Columns of equal length, one row per bucket that has messages. `time` is that of the bucket's last message.
          */
         BatteryHistory: {
             /** Robot */
@@ -1404,7 +1416,7 @@ export interface components {
         };
         /**
          * DroppedEvent
-         * @description So many feedback events were dropped because this reader is slow.
+         * @description `count` feedback events were dropped because this reader is too slow.
          */
         DroppedEvent: {
             /**
@@ -1426,7 +1438,7 @@ export interface components {
         Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * ExportedGoal
-         * @description A goal with its events, oldest first; `complete` where none was given up.
+         * @description A goal with its events, oldest first; `complete` is false if events are missing.
          */
         ExportedGoal: {
             /** Goal Id */
@@ -1483,7 +1495,7 @@ export interface components {
         };
         /**
          * FeedbackDroppedEvent
-         * @description Feedback of a goal that the gateway did not read: too large, or too fast to follow. Nobody got it.
+         * @description Feedback of a goal that the gateway did not read because it is too large or too fast. No reader received it.
          */
         FeedbackDroppedEvent: {
             /**
@@ -1533,7 +1545,7 @@ export interface components {
         };
         /**
          * FieldProblem
-         * @description One field that is wrong.
+         * @description One invalid field.
          */
         FieldProblem: {
             /** Path */
@@ -1545,7 +1557,7 @@ export interface components {
         };
         /**
          * GapEvent
-         * @description What followed an event is not to be had any more; a snapshot comes instead.
+         * @description Some events after `after` are no longer available. The remaining ones follow, then a snapshot.
          */
         GapEvent: {
             /**
@@ -1560,6 +1572,8 @@ export interface components {
             time: string;
             /** After */
             after: string;
+            /** Count */
+            count: number;
         };
         /**
          * Goal
@@ -1617,7 +1631,9 @@ export interface components {
         };
         /**
          * GoalHistory
-         * @description The events of a goal, oldest first; `next_after` where there are more, `complete` where none was given up.
+         * @description The events of a goal, oldest first.
+         *
+         *     `next_after` is null on the last page. `complete` is false if events are missing.
          */
         GoalHistory: {
             /** Events */
@@ -1639,7 +1655,7 @@ export interface components {
         };
         /**
          * GoalState
-         * @description What is known of any goal, without its messages.
+         * @description The state of any goal, without its messages.
          */
         GoalState: {
             /** Goal Id */
@@ -1680,13 +1696,13 @@ export interface components {
         };
         /**
          * GoalStatus
-         * @description ROS's states of a goal, and ours before and beyond ROS (`pending`, `rejected`, `lost`).
+         * @description The states of a goal in ROS, and three of our own (`pending`, `rejected`, `lost`).
          * @enum {string}
          */
         GoalStatus: "pending" | "accepted" | "executing" | "canceling" | "succeeded" | "canceled" | "aborted" | "rejected" | "lost";
         /**
          * Graph
-         * @description The ROS graph; what is `hidden` is there for ROS's own sake.
+         * @description The ROS graph; `hidden` entries are ROS internals.
          */
         Graph: {
             /** Nodes */
@@ -1700,7 +1716,7 @@ export interface components {
         };
         /**
          * GraphAction
-         * @description An action, in place of the topics and services that it is made of.
+         * @description An action, listed in place of its topics and services.
          */
         GraphAction: {
             /** Name */
@@ -1714,7 +1730,7 @@ export interface components {
         };
         /**
          * GraphNode
-         * @description A node, or `count` nodes of the same name, and the names of what it has.
+         * @description A node, or `count` nodes of the same name, and the names of its topics, services and actions.
          */
         GraphNode: {
             /** Name */
@@ -1738,7 +1754,7 @@ export interface components {
         };
         /**
          * GraphService
-         * @description A service; without servers somebody waits for it.
+         * @description A service. If it has no servers, a client is waiting for it.
          */
         GraphService: {
             /** Name */
@@ -1752,7 +1768,7 @@ export interface components {
         };
         /**
          * GraphTopic
-         * @description A topic with everyone at it; more than one type is a mistake on the graph.
+         * @description A topic with its publishers and subscribers. More than one type is an error on the graph.
          */
         GraphTopic: {
             /** Name */
@@ -1789,7 +1805,7 @@ export interface components {
         };
         /**
          * HeartbeatEvent
-         * @description The stream lives.
+         * @description The stream is alive.
          */
         HeartbeatEvent: {
             /**
@@ -1805,10 +1821,10 @@ export interface components {
         };
         /**
          * HistoryState
-         * @description How the keeping of goals and events goes.
+         * @description The state of the history of goals and events.
          *
-         *     `waiting` in memory and `spooled` on disk are not in the database yet; `dropped` feedback and battery events were
-         *     given up.
+         *     `waiting` (in memory) and `spooled` (on disk) count what is not in the database yet; `dropped` counts the feedback
+         *     and battery events that were discarded.
          */
         HistoryState: {
             /** Waiting */
@@ -1824,7 +1840,7 @@ export interface components {
         };
         /**
          * Infrared
-         * @description What the infrared receivers at the robot's front measure, in m; null is nothing seen.
+         * @description Readings of the infrared receivers at the robot's front, in m; null if nothing is detected.
          */
         Infrared: {
             /** Left */
@@ -1836,7 +1852,7 @@ export interface components {
         };
         /**
          * Interface
-         * @description An action type.
+         * @description An action type; `hint` says what to install if its package is missing.
          */
         Interface: {
             /** Type */
@@ -1850,7 +1866,7 @@ export interface components {
         };
         /**
          * InterfaceList
-         * @description The action types that the machine knows.
+         * @description The action types in the ament index.
          */
         InterfaceList: {
             /** Interfaces */
@@ -1858,7 +1874,7 @@ export interface components {
         };
         /**
          * Measured
-         * @description What was measured of a field in each bucket; null where it was not.
+         * @description The mean, minimum and maximum of a field in each bucket; null if it was not measured.
          */
         Measured: {
             /** Mean */
@@ -1870,10 +1886,10 @@ export interface components {
         };
         /**
          * MessageEvent
-         * @description A message of the topic; `time` is when it was published.
+         * @description A message on the topic; `time` is when it was published.
          *
-         *     `abbreviated` ones have the first 100 items of long arrays and 10,000 characters of long texts; `lengths` says how
-         *     long they were, by the dotted path of the field.
+         *     If it is `abbreviated`, long arrays are cut to 100 items and long texts to 10,000 characters. `lengths` holds their
+         *     original lengths by dotted field path.
          */
         MessageEvent: {
             /**
@@ -1901,7 +1917,7 @@ export interface components {
         };
         /**
          * Pose
-         * @description A pose in the plane, in m and rad, counter-clockwise.
+         * @description A 2D pose, in m and rad; `theta` is counter-clockwise.
          */
         Pose: {
             /** X */
@@ -1939,14 +1955,14 @@ export interface components {
         };
         /**
          * Published
-         * @description The message as it went out.
+         * @description The message as published.
          */
         Published: {
             state: components["schemas"]["BatteryState"];
         };
         /**
          * Publisher
-         * @description What is being published.
+         * @description The state of the battery publisher.
          */
         Publisher: {
             /** Active */
@@ -1961,7 +1977,7 @@ export interface components {
         };
         /**
          * PublisherEvent
-         * @description The battery publisher changed, or went on (once a second).
+         * @description The state of the battery publisher: sent when it changes, and once a second while it publishes.
          */
         PublisherEvent: {
             /**
@@ -1980,7 +1996,7 @@ export interface components {
         };
         /**
          * RateEvent
-         * @description How much is sent: over the last 3 s, and `messages` in all since somebody looks.
+         * @description The topic's rate over the last 3 s; `messages` counts all messages since it was first watched.
          */
         RateEvent: {
             /**
@@ -2004,7 +2020,7 @@ export interface components {
         };
         /**
          * Readiness
-         * @description Whether a goal sent now would be heard.
+         * @description Whether the action server is available and answers, with the state of the history and of the stop.
          */
         Readiness: {
             /** Ready */
@@ -2040,7 +2056,7 @@ export interface components {
         };
         /**
          * ResumedEvent
-         * @description The first message of a stream that goes on after an event: so many follow that were missed.
+         * @description The first message of a resumed stream. The `count` missed events follow.
          */
         ResumedEvent: {
             /**
@@ -2060,10 +2076,10 @@ export interface components {
         };
         /**
          * Robot
-         * @description A robot at a glance.
+         * @description Summary of a robot.
          *
-         *     `docked` is null where nobody knows; `dock` and `undock` where it has no such action. `goals` run on its actions;
-         *     `last_goal` is the last one of docking and undocking that ended.
+         *     `docked` is null if unknown; `dock` and `undock` are null if the robot has no such action. `goals` are those running
+         *     on its actions; `last_goal` is the last docking or undocking goal that ended.
          */
         Robot: {
             /** Name */
@@ -2087,7 +2103,7 @@ export interface components {
         };
         /**
          * RobotBattery
-         * @description The latest battery state, without its age: it was received then.
+         * @description The latest battery state, with the time of reception instead of its age.
          */
         RobotBattery: {
             state: components["schemas"]["BatteryState"] | null;
@@ -2118,7 +2134,7 @@ export interface components {
         };
         /**
          * RobotsEvent
-         * @description Robots changed: those that did, as they are now, at most twice a second; and the names of those that left.
+         * @description The current state of robots that changed; `gone` names those that left. At most twice a second.
          */
         RobotsEvent: {
             /**
@@ -2138,10 +2154,10 @@ export interface components {
         };
         /**
          * Scene
-         * @description Where a robot and its dock are, all in one frame.
+         * @description Poses of a robot and its dock, all in one frame.
          *
-         *     `dock` is the face of the dock, its x axis pointing into it; `docked` where the robot is to stand; `staging` where
-         *     it drives to first; `marker` what the camera saw last.
+         *     `dock` is the face of the dock, with its x axis pointing into it. `docked` is the robot's target pose, `staging` the
+         *     pose that it drives to first, and `marker` the last marker pose that the camera saw.
          */
         Scene: {
             /**
@@ -2158,7 +2174,7 @@ export interface components {
         };
         /**
          * SceneEvent
-         * @description Where a robot and its dock are, up to 20 times a second.
+         * @description The poses of a robot and its dock, up to 20 times a second.
          */
         SceneEvent: {
             /**
@@ -2177,10 +2193,10 @@ export interface components {
         };
         /**
          * Simulator
-         * @description A simulated robot.
+         * @description The state of a simulated robot.
          *
-         *     `contact`: it touches its dock with its contacts; `docked`: and is charged there. `battery_publisher`: `self`, or
-         *     `other` while someone else publishes the battery's state.
+         *     `contact`: its contacts touch the dock; `docked`: it is also charged there. `battery_publisher` is `self`, or
+         *     `other` while something else publishes the battery state.
          */
         Simulator: {
             /** Available */
@@ -2200,7 +2216,7 @@ export interface components {
         };
         /**
          * SimulatorEvent
-         * @description A simulated robot was told something by hand, touched its dock or left it; or the simulator came or went.
+         * @description A simulated robot was changed by hand, touched or left its dock, or its simulator appeared or disappeared.
          */
         SimulatorEvent: {
             /**
@@ -2219,7 +2235,7 @@ export interface components {
         };
         /**
          * SnapshotEvent
-         * @description The first message of a stream; `robots` and `alerts` are there where `include=robots` asks for them.
+         * @description The first message of a stream. `robots` and `alerts` are filled only with `include=robots`.
          */
         SnapshotEvent: {
             /**
@@ -2319,7 +2335,7 @@ export interface components {
         };
         /**
          * StopFailure
-         * @description What a stop could not do: cancel the goals of an action, or publish zero velocity to a robot.
+         * @description A part of a stop that failed: canceling the goals of an action, or publishing zero velocity to a robot.
          */
         StopFailure: {
             /** Action Name */
@@ -2333,9 +2349,10 @@ export interface components {
         };
         /**
          * StopReport
-         * @description What a stop did; the actions in `unconfirmed` were asked to cancel their goals and have not answered yet.
+         * @description The result of a stop.
          *
-         *     `warning`: what of the request could not be read, and was left out; or that the stop is not stored yet.
+         *     `unconfirmed` lists actions that were asked to cancel their goals and have not answered yet. `warning` says what in
+         *     the request could not be read and was ignored, or that the stop is not stored yet.
          */
         StopReport: {
             /** Canceling */
@@ -2349,9 +2366,10 @@ export interface components {
         };
         /**
          * StopState
-         * @description Whether a stop is latched for a robot, since when and by whom; `robots` at or below it are held by a stop.
+         * @description Whether a stop is latched for a robot, since when and by whom.
          *
-         *     `persisted`: false where the gateway could not store its latest stop or release, so that a restart would forget it.
+         *     `robots` lists the robots at or below it that a stop holds. `persisted` is false if the gateway could not store its
+         *     latest stop or release, so that a restart would forget it.
          */
         StopState: {
             /** Latched */
@@ -2367,7 +2385,7 @@ export interface components {
         };
         /**
          * TopicEndpoint
-         * @description A publisher or a subscription; `node` is null for that of a DDS program which is no ROS node.
+         * @description A publisher or subscription; `node` is null for a DDS program that is not a ROS node.
          */
         TopicEndpoint: {
             /** Node */
@@ -2376,9 +2394,9 @@ export interface components {
         };
         /**
          * TopicEvent
-         * @description Who is at the topic: the first message of a stream, and again when that changes.
+         * @description The topic and its endpoints: the first message of a stream, sent again when they change.
          *
-         *     Where messages cannot be read, because their package is not `installed` for example, `hint` says what to do.
+         *     If messages cannot be read, for example because their package is not `installed`, `hint` says what to do.
          */
         TopicEvent: {
             /**
@@ -2401,7 +2419,7 @@ export interface components {
         };
         /**
          * TopicQuality
-         * @description Quality of service; a `depth` of null is not known, seconds of null are without limit.
+         * @description Quality of service. A null `depth` is unknown; null seconds are unlimited.
          */
         TopicQuality: {
             /** Reliability */
@@ -3113,11 +3131,11 @@ export interface operations {
         requestBody?: {
             content: {
                 "application/json": {
-                    /** @description Whether goals are refused until the stop is released; true where it is left out */
+                    /** @description Whether goals are refused until the stop is released; true by default */
                     latch?: boolean;
-                    /** @description Who asks for the stop */
+                    /** @description Name of who stops the robot */
                     by?: string | null;
-                    /** @description The robot, where it is not in the query */
+                    /** @description The robot, if it is not in the query */
                     robot?: string | null;
                 };
             };

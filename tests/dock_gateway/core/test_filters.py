@@ -36,5 +36,5 @@ def goal(action: str = "/dock", goal_id: str = "a") -> Event:
         (WithoutFeedback(ALL), Event(b"", "battery", droppable=True, robot="/"), True),
     ],
 )
-def test_what_is_covered(interest: EventFilter, event: Event, expected: bool) -> None:
-    assert interest.covers(event) is expected
+def test_what_is_covered(event_filter: EventFilter, event: Event, expected: bool) -> None:
+    assert event_filter.covers(event) is expected

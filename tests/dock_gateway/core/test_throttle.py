@@ -17,28 +17,28 @@ def texts(events: list[Event]) -> list[str]:
 
 
 def test_without_a_rate_all_pass() -> None:
-    conflator = Throttle(None)
-    assert texts(conflator.let_through([feedback("1"), feedback("2")], 0.0)) == ["1", "2"]
-    assert conflator.next_due() == float("inf")
+    throttle = Throttle(None)
+    assert texts(throttle.let_through([feedback("1"), feedback("2")], 0.0)) == ["1", "2"]
+    assert throttle.next_due() == float("inf")
 
 
 def test_the_newest_passes_so_often() -> None:
-    conflator = Throttle(2.0)
-    assert texts(conflator.let_through([feedback("1"), feedback("2")], 10.0)) == ["2"]
-    assert texts(conflator.let_through([feedback("3")], 10.1)) == []
-    assert conflator.next_due() == 10.5
-    assert texts(conflator.let_through([feedback("4")], 10.4)) == []
-    assert texts(conflator.let_through([], 10.5)) == ["4"]
-    assert conflator.next_due() == float("inf")
+    throttle = Throttle(2.0)
+    assert texts(throttle.let_through([feedback("1"), feedback("2")], 10.0)) == ["2"]
+    assert texts(throttle.let_through([feedback("3")], 10.1)) == []
+    assert throttle.next_due() == 10.5
+    assert texts(throttle.let_through([feedback("4")], 10.4)) == []
+    assert texts(throttle.let_through([], 10.5)) == ["4"]
+    assert throttle.next_due() == float("inf")
 
 
 def test_each_goal_has_its_own_rate() -> None:
-    conflator = Throttle(1.0)
-    assert texts(conflator.let_through([feedback("a1"), feedback("b1", "b")], 0.0)) == ["a1", "b1"]
+    throttle = Throttle(1.0)
+    assert texts(throttle.let_through([feedback("a1"), feedback("b1", "b")], 0.0)) == ["a1", "b1"]
 
 
 def test_what_must_arrive_passes_at_once_after_the_last_feedback() -> None:
-    conflator = Throttle(1.0)
-    conflator.let_through([feedback("1")], 0.0)
+    throttle = Throttle(1.0)
+    throttle.let_through([feedback("1")], 0.0)
     events = [feedback("2"), feedback("3"), status("succeeded")]
-    assert texts(conflator.let_through(events, 0.1)) == ["3", "succeeded"]
+    assert texts(throttle.let_through(events, 0.1)) == ["3", "succeeded"]

@@ -62,7 +62,7 @@ DOCK = Verb(
 )
 UNDOCK = Verb(
     "undock",
-    "Drive the robot off its charging dock; where it is not docked, the goal succeeds at once.\n\n"
+    "Drive the robot off its charging dock. If it is not docked, the goal succeeds immediately.\n\n"
     f"An empty body asks for a battery that is not charging, 2 or 3. {WAITING}",
     NOT_CHARGING,
     Gateway.undock_of,

@@ -46,12 +46,12 @@ STOP_REQUEST = {
     "properties": {
         "latch": {
             "type": "boolean",
-            "description": "Whether goals are refused until the stop is released; true where it is left out",
+            "description": "Whether goals are refused until the stop is released; true by default",
         },
-        "by": name_schema(MAX_NAME) | {"type": ["string", "null"], "description": "Who asks for the stop"},
+        "by": name_schema(MAX_NAME) | {"type": ["string", "null"], "description": "Name of who stops the robot"},
         "robot": {
             "type": ["string", "null"],
-            "description": "The robot, where it is not in the query",
+            "description": "The robot, if it is not in the query",
             **ROBOT_PATTERN,
         },
     },

@@ -242,6 +242,7 @@ class GapEvent(Schema):
     type: Literal["gap"]
     time: datetime
     after: str
+    count: int
 
 
 class ClosingEvent(Schema):

@@ -19,7 +19,7 @@ from dock_gateway.web.problems import problem_response, problems
 from dock_gateway.web.queries import STREAM_QUERY, read_after, read_event_filter, read_max_rate
 from dock_gateway.web.requests import GoalId, GraphName, TheGateway, known_query
 from dock_gateway.web.streams.feed import begin, feed, follow
-from dock_gateway.web.streams.frames import short_way
+from dock_gateway.web.streams.frames import fast_path
 
 log = logging.getLogger(__name__)
 
@@ -50,7 +50,7 @@ async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     try:
         await websocket.accept()
         if max_rate is None:
-            subscriber.immediate = short_way(websocket)
+            subscriber.immediate = fast_path(websocket)
         events = feed(gateway, subscriber, after=after, max_rate=max_rate)
         await until_one_ends(write_events(websocket, gateway, subscriber, events), ignore_input(websocket))
     finally:

@@ -13,31 +13,31 @@ from dock_gateway.gateway import Gateway
 from dock_gateway.history import LaterEvents
 
 
-async def snapshot(gateway: Gateway, interest: EventFilter) -> Event:
+async def snapshot(gateway: Gateway, event_filter: EventFilter) -> Event:
     """Return running and recent goals; the robot's battery, stop and servers; robots and alerts if asked for."""
-    goals = await gateway.recent_goals(interest)
-    robot = gateway.robots.get(interest.robot)
-    dock, undock = gateway.servers_of(interest.robot)
+    goals = await gateway.recent_goals(event_filter)
+    robot = gateway.robots.get(event_filter.robot)
+    dock, undock = gateway.servers_of(event_filter.robot)
     fleet = {}
-    if "robots" in interest.topics:
+    if "robots" in event_filter.topics:
         fleet = {"robots": gateway.fleet.documents(), "alerts": gateway.alerts.documents()}
     return notice(
         "snapshot",
         utc_now(),
-        ends_goal=interest.goal_id is not None and all(goal.status.terminal for goal in goals),
+        ends_goal=event_filter.goal_id is not None and all(goal.status.terminal for goal in goals),
         goals=[goal.document() for goal in goals],
         battery=robot.battery.document(),
         battery_publisher=robot.publisher.document(),
-        stop=gateway.stopper.state(interest.robot),
+        stop=gateway.stopper.state(event_filter.robot),
         action_server=dock,
         undock_server=undock,
         **fleet,
     )
 
 
-def present(gateway: Gateway, interest: EventFilter) -> list[Event]:
+def present(gateway: Gateway, event_filter: EventFilter) -> list[Event]:
     """Return the current state as events, for events that have no id and so are not replayed."""
-    name, now = interest.robot, utc_now()
+    name, now = event_filter.robot, utc_now()
     publisher = gateway.robots.get(name).publisher
     events = [
         system_event("stop", gateway.stopper.state(name), now, robot=name),
@@ -48,8 +48,8 @@ def present(gateway: Gateway, interest: EventFilter) -> list[Event]:
     ]
     if (simulator := gateway.simulators.document(name)) is not None:
         events.append(system_event("simulator", simulator, now, robot=name))
-    wanted = [event for event in events if interest.covers(event)]
-    if "robots" in interest.topics:
+    wanted = [event for event in events if event_filter.covers(event)]
+    if "robots" in event_filter.topics:
         wanted.append(fleet_event("robots", now, robots=gateway.fleet.documents(), gone=[]))
         wanted.append(fleet_event("alerts", now, alerts=gateway.alerts.documents()))
     return wanted
@@ -82,15 +82,15 @@ async def feed(
 async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | None = None) -> AsyncIterator[Event]:
     """Yield every message of a `feed` after the first ones: events, and notices of the stream itself."""
     interval = gateway.settings.heartbeat_interval
-    conflator = Throttle(max_rate)
+    throttle = Throttle(max_rate)
     next_heartbeat = time.monotonic() + interval
     while not (gateway.hub.closing or subscriber.overrun):
-        due = min(next_heartbeat, conflator.next_due())
+        due = min(next_heartbeat, throttle.next_due())
         events, dropped = await subscriber.take(max(0.0, due - time.monotonic()))
         if dropped:
             yield notice("dropped", utc_now(), count=dropped)
         now = time.monotonic()
-        for event in conflator.let_through(events, now):
+        for event in throttle.let_through(events, now):
             yield event
         if now >= next_heartbeat:
             yield notice("heartbeat", utc_now())
@@ -107,9 +107,9 @@ async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> 
     if after is not None and gateway.hub.clock.is_past(after):
         missed = await _missed(gateway, subscriber, after)
         if missed.complete:
-            over = await _ended_before(gateway, subscriber.interest, after)
+            over = await _ended_before(gateway, subscriber.event_filter, after)
             yield notice("resumed", utc_now(), ends_goal=over, after=after, count=len(missed.events))
-            for event in (*missed.events, *present(gateway, subscriber.interest)):
+            for event in (*missed.events, *present(gateway, subscriber.event_filter)):
                 yield event
             return
         yield notice("gap", utc_now(), after=after, count=len(missed.events))
@@ -117,50 +117,54 @@ async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> 
             yield event
     elif after is not None:
         yield notice("gap", utc_now(), after=after, count=0)
-    yield await snapshot(gateway, subscriber.interest)
+    yield await snapshot(gateway, subscriber.event_filter)
 
 
-async def _ended_before(gateway: Gateway, interest: EventFilter, after: str) -> bool:
+async def _ended_before(gateway: Gateway, event_filter: EventFilter, after: str) -> bool:
     """Whether a reader of one goal that has seen the event `after` knows how that goal ended."""
-    if interest.goal_id is None:
+    if event_filter.goal_id is None:
         return False
-    goal = await gateway.goal(interest.goal_id)
+    goal = await gateway.goal(event_filter.goal_id)
     return goal.status.terminal and (goal.last_event_id or "") <= after
 
 
 async def _missed(gateway: Gateway, subscriber: Subscriber, after: str) -> LaterEvents:
     """Return the events after an event, published by any gateway. The reader's queue skips them."""
     subscriber.after = after
-    missed = gateway.hub.since(after, subscriber.interest)
+    missed = gateway.hub.since(after, subscriber.event_filter)
     if missed is not None:
         return LaterEvents(missed, complete=True)
-    later = await _from_history(gateway, subscriber.interest, after)
+    later = await _from_history(gateway, subscriber.event_filter, after)
     if later.events:
         subscriber.catch_up(later.events[-1].id or after)
     return later
 
 
-async def _from_history(gateway: Gateway, interest: EventFilter, after: str) -> LaterEvents:
+async def _from_history(gateway: Gateway, event_filter: EventFilter, after: str) -> LaterEvents:
     """Return the stored events after an event that this process has not seen or no longer holds."""
     deadline = time.monotonic() + PATIENCE
     while True:
         try:
-            return await _read_history(gateway, interest, after)
+            return await _read_history(gateway, event_filter, after)
         except GatewayError:
             if time.monotonic() >= deadline or gateway.hub.closing:
                 return LaterEvents([], complete=False)
             await asyncio.sleep(0.1)
 
 
-async def _read_history(gateway: Gateway, interest: EventFilter, after: str) -> LaterEvents:
+async def _read_history(gateway: Gateway, event_filter: EventFilter, after: str) -> LaterEvents:
     missed: list[Event] = []
     complete, last = True, after
     for _ in range(MAX_PIECES):
         piece = await gateway.history.events_after(
-            last, goal_id=interest.goal_id, action_name=interest.action_name, topics=interest.topics, limit=PIECE
+            last,
+            goal_id=event_filter.goal_id,
+            action_name=event_filter.action_name,
+            topics=event_filter.topics,
+            limit=PIECE,
         )
         complete = complete and piece.complete
-        missed.extend(event for event in piece.events if interest.covers(event))
+        missed.extend(event for event in piece.events if event_filter.covers(event))
         if len(piece.events) < PIECE:
             return LaterEvents(missed, complete)
         last = piece.events[-1].id or last

@@ -6,7 +6,7 @@ from dock_gateway.core.event import Event
 from dock_gateway.web.edge.websocket import EXTENSION, FrameWriter
 
 
-class ShortWay:
+class FastPath:
     """The fast path of one connection, for a `Subscriber`."""
 
     def __init__(self, writer: FrameWriter) -> None:
@@ -17,7 +17,7 @@ class ShortWay:
         return self._write(event.frame)
 
 
-def short_way(websocket: WebSocket) -> ShortWay | None:
+def fast_path(websocket: WebSocket) -> FastPath | None:
     """Return the fast path to a WebSocket; None if the server offers none."""
     extension = (websocket.scope.get("extensions") or {}).get(EXTENSION)
-    return None if extension is None else ShortWay(extension["writer"])
+    return None if extension is None else FastPath(extension["writer"])

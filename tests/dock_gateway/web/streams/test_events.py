@@ -152,8 +152,8 @@ class OneGoal:
             await asyncio.sleep(0.01)  # what was found in the history is old when it is there
         return found
 
-    async def recent_goals(self, interest: EventFilter) -> list[Goal]:
-        return [await self.goal(interest.goal_id or "")]
+    async def recent_goals(self, event_filter: EventFilter) -> list[Goal]:
+        return [await self.goal(event_filter.goal_id or "")]
 
     def servers_of(self, _: str) -> tuple[ServerState, ServerState]:
         server = ServerState("/dock", available=True, answering=True)

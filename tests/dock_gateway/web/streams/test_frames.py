@@ -11,7 +11,7 @@ from starlette.websockets import WebSocket
 from websockets.asyncio.client import connect
 
 from dock_gateway.core.event import Event
-from dock_gateway.web.streams.frames import short_way
+from dock_gateway.web.streams.frames import fast_path
 from tests.support.edge import serving
 
 
@@ -27,7 +27,7 @@ def routes(endpoint: Any) -> Starlette:
 async def test_a_frame_reads_as_the_text(size: int) -> None:
     async def endpoint(websocket: WebSocket) -> None:
         await websocket.accept()
-        way = short_way(websocket)
+        way = fast_path(websocket)
         assert way is not None
         assert way(event(size))
         await websocket.close()
@@ -39,7 +39,7 @@ async def test_a_frame_reads_as_the_text(size: int) -> None:
 async def test_on_another_server_there_is_the_standard_way_alone() -> None:
     async def endpoint(websocket: WebSocket) -> None:
         await websocket.accept()
-        await websocket.send_text(str(short_way(websocket)))
+        await websocket.send_text(str(fast_path(websocket)))
 
     with TestClient(routes(endpoint)) as client, client.websocket_connect("/") as connection:
         assert connection.receive_text() == "None"
@@ -49,7 +49,7 @@ async def test_nothing_is_written_to_a_reader_that_does_not_read_or_has_gone() -
     outcome: asyncio.Future[list[bool]] = asyncio.get_running_loop().create_future()
 
     async def endpoint(websocket: WebSocket) -> None:
-        way = short_way(websocket)
+        way = fast_path(websocket)
         assert way is not None
         answers = [way(event(1))]  # not accepted yet
         await websocket.accept()
