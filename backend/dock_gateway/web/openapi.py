@@ -12,8 +12,8 @@ from pydantic.json_schema import models_json_schema
 from sensor_msgs.msg import BatteryState
 
 from dock_gateway.ros.messages.codec import codec
+from dock_gateway.web.schemas.common import Problem
 from dock_gateway.web.schemas.events import EVENTS
-from dock_gateway.web.schemas.goals import Problem
 from dock_gateway.web.schemas.graph import ECHO_EVENTS
 
 REF = "#/components/schemas/{model}"

@@ -18,7 +18,8 @@ from dock_gateway.web.requests import (
     known_query,
 )
 from dock_gateway.web.routes import goals
-from dock_gateway.web.schemas.goals import ActionGoal, ActionGoalPage, ActionInfo, ActionList
+from dock_gateway.web.schemas.actions import ActionInfo, ActionList
+from dock_gateway.web.schemas.goals import ActionGoal, ActionGoalPage
 
 router = APIRouter(tags=["Actions"], prefix="/actions")
 

@@ -8,7 +8,7 @@ from dock_gateway.core.goal import fragment
 from dock_gateway.web.openapi import battery_body, body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import RobotQuery, TheGateway, json_response, known_query, read_json, read_object
-from dock_gateway.web.schemas.goals import Battery, Published, Publisher
+from dock_gateway.web.schemas.robots import Battery, Published, Publisher
 
 router = APIRouter(tags=["Battery"], dependencies=[Depends(known_query("robot"))])
 

@@ -17,7 +17,7 @@ from dock_gateway.web.requests import (
     read_name,
     read_object,
 )
-from dock_gateway.web.schemas.goals import Alert, AlertList, RobotList
+from dock_gateway.web.schemas.robots import Alert, AlertList, RobotList
 
 router = APIRouter()
 NO_QUERY = Depends(known_query())

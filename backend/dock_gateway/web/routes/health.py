@@ -7,7 +7,7 @@ from dock_gateway import __version__
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.ros.bridge import ros_environment
 from dock_gateway.web.requests import TheGateway, json_response
-from dock_gateway.web.schemas.goals import Health, Readiness
+from dock_gateway.web.schemas.health import Health, Readiness
 
 router = APIRouter(tags=["Health"])
 

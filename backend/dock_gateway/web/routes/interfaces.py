@@ -20,7 +20,7 @@ from dock_gateway.ros.messages.interfaces import (
 from dock_gateway.ros.messages.schema import DIALECT
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import json_response, known_query
-from dock_gateway.web.schemas.goals import Schema
+from dock_gateway.web.schemas.common import Schema
 
 router = APIRouter(tags=["Interfaces"], prefix="/interfaces", dependencies=[Depends(known_query())])
 

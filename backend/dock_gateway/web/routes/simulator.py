@@ -12,7 +12,7 @@ from dock_gateway.gateway import Gateway
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import RobotQuery, TheGateway, json_response, known_query, read_json, read_object
-from dock_gateway.web.schemas.goals import Simulator
+from dock_gateway.web.schemas.robots import Simulator
 
 router = APIRouter(tags=["Simulator"], prefix="/simulator", dependencies=[Depends(known_query("robot"))])
 

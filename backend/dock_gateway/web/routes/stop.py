@@ -29,7 +29,7 @@ from dock_gateway.web.requests import (
     read_object,
     read_wait,
 )
-from dock_gateway.web.schemas.goals import StopReport, StopState
+from dock_gateway.web.schemas.robots import StopReport, StopState
 
 log = logging.getLogger(__name__)
 

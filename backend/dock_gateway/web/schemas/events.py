@@ -6,22 +6,9 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.web.schemas.goals import (
-    ActionServer,
-    Alert,
-    Battery,
-    BatteryState,
-    DockFeedback,
-    DockResult,
-    Goal,
-    GoalError,
-    GoalSummary,
-    Publisher,
-    Robot,
-    Schema,
-    Simulator,
-    StopState,
-)
+from dock_gateway.web.schemas.common import ActionServer, Schema
+from dock_gateway.web.schemas.goals import BatteryState, DockFeedback, DockResult, Goal, GoalError, GoalSummary
+from dock_gateway.web.schemas.robots import Alert, Battery, Publisher, Robot, Simulator, StopState
 
 
 class Vector3(Schema):

@@ -5,8 +5,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel
 
+from dock_gateway.web.schemas.common import Schema
 from dock_gateway.web.schemas.events import ClosingEvent, DroppedEvent, HeartbeatEvent
-from dock_gateway.web.schemas.goals import Schema
 
 
 class TopicQuality(Schema):

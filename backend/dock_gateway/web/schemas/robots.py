@@ -1,8 +1,163 @@
-"""Schemas of the battery history, for the OpenAPI document only."""
+"""The JSON shapes of robots: battery, stop, alerts, simulator."""
 
 from datetime import datetime
+from typing import Literal
 
-from dock_gateway.web.schemas.goals import Schema
+from dock_gateway.fleet.alert_rules import AlertKind
+from dock_gateway.web.schemas.common import ActionServer, Problem, Schema
+from dock_gateway.web.schemas.goals import BatteryState, GoalState
+
+
+class StopFailure(Schema):
+    """A part of a stop that failed: canceling the goals of an action, or publishing zero velocity to a robot."""
+
+    action_name: str | None
+    robot: str | None
+    code: str
+    detail: str
+
+
+class StopState(Schema):
+    """Whether a stop is latched for a robot, since when and by whom.
+
+    `robots` lists the robots at or below it that a stop holds. `persisted` is false if the gateway could not store its
+    latest stop or release, so that a restart would forget it.
+    """
+
+    latched: bool
+    since: datetime | None
+    by: str | None
+    robots: list[str]
+    persisted: bool
+
+
+class StopReport(Schema):
+    """The result of a stop.
+
+    `unconfirmed` lists actions that were asked to cancel their goals and have not answered yet. `warning` says what in
+    the request could not be read and was ignored, or that the stop is not stored yet.
+    """
+
+    canceling: list[str]
+    failed: list[StopFailure]
+    unconfirmed: list[str]
+    stop: StopState
+    warning: "Problem | None"
+
+
+class Battery(Schema):
+    """The latest battery state and its age."""
+
+    state: BatteryState | None
+    age_s: float | None
+    stale: bool
+    stale_after_s: float
+    received_at: datetime | None
+
+
+class Published(Schema):
+    """The message as published."""
+
+    state: BatteryState
+
+
+class Publisher(Schema):
+    """The state of the battery publisher."""
+
+    active: bool
+    state: BatteryState | None
+    rate_hz: float | None
+    published_count: int
+    started_at: datetime | None
+
+
+class RobotBattery(Schema):
+    """The latest battery state, with the time of reception instead of its age."""
+
+    state: BatteryState | None
+    received_at: datetime | None
+    stale: bool
+    stale_after_s: float
+
+
+class RobotPublisher(Schema):
+    """Whether the gateway publishes a battery state for the robot, and how often."""
+
+    active: bool
+    rate_hz: float | None
+
+
+class Robot(Schema):
+    """Summary of a robot.
+
+    `docked` is null if unknown; `dock` and `undock` are null if the robot has no such action. `goals` are those running
+    on its actions; `last_goal` is the last docking or undocking goal that ended.
+    """
+
+    name: str
+    default: bool
+    docked: bool | None
+    simulated: bool
+    battery: RobotBattery
+    battery_topic: str
+    battery_publisher: RobotPublisher
+    stop: StopState
+    dock: ActionServer | None
+    undock: ActionServer | None
+    goals: list[GoalState]
+    last_goal: GoalState | None
+
+
+class RobotList(Schema):
+    """The robots, by name."""
+
+    robots: list[Robot]
+
+
+class Acknowledgement(Schema):
+    """Who acknowledged an alert, and when."""
+
+    by: str
+    at: datetime
+
+
+class Alert(Schema):
+    """A condition that an operator has to know about.
+
+    `robot` is the robot, the namespace of an action that belongs to no robot, or null for the gateway itself. `detail`
+    says what to do.
+    """
+
+    id: str
+    kind: AlertKind
+    robot: str | None
+    severity: Literal["critical", "warning"]
+    since: datetime
+    title: str
+    detail: str
+    goal_id: str | None
+    acknowledged: Acknowledgement | None
+
+
+class AlertList(Schema):
+    """The active alerts: critical ones first, then oldest first."""
+
+    alerts: list[Alert]
+
+
+class Simulator(Schema):
+    """The state of a simulated robot.
+
+    `contact`: its contacts touch the dock; `docked`: it is also charged there. `battery_publisher` is `self`, or
+    `other` while something else publishes the battery state.
+    """
+
+    available: bool
+    faults: dict[str, bool]
+    contact: bool | None
+    docked: bool | None
+    battery_publisher: str | None
+    real_time_factor: float | None
 
 
 class Measured(Schema):

@@ -1,0 +1,38 @@
+"""The JSON shapes that several resources share."""
+
+from pydantic import BaseModel, ConfigDict
+
+
+class Schema(BaseModel):
+    """Base of the schemas. Every field is always present."""
+
+    model_config = ConfigDict(json_schema_serialization_defaults_required=True, extra="forbid")
+
+
+class ActionServer(Schema):
+    """Whether an action server is on the graph and answers. `duplicate` is true if there is more than one."""
+
+    action_name: str
+    available: bool
+    answering: bool
+    duplicate: bool
+
+
+class FieldProblem(Schema):
+    """One invalid field."""
+
+    path: str
+    expected: str
+    detail: str
+
+
+class Problem(BaseModel):
+    """RFC 9457 problem document."""
+
+    type: str
+    title: str
+    status: int
+    code: str
+    detail: str
+    errors: list[FieldProblem] | None = None
+    goal_id: str | None = None

@@ -1,0 +1,39 @@
+"""The JSON shapes of `/healthz` and `/readyz`."""
+
+from typing import Literal
+
+from dock_gateway.web.schemas.common import ActionServer, Schema
+from dock_gateway.web.schemas.robots import StopState
+
+
+class Health(Schema):
+    """Whether the gateway itself works; `node` is its name on the graph."""
+
+    status: Literal["ok", "ros_unavailable"]
+    version: str
+    node: str
+    ros: dict[str, str]
+    subscribers: int
+
+
+class HistoryState(Schema):
+    """The state of the history of goals and events.
+
+    `waiting` (in memory) and `spooled` (on disk) count what is not in the database yet; `dropped` counts the feedback
+    and battery events that were discarded.
+    """
+
+    waiting: int
+    spooled: int
+    dropped: int
+    database_reachable: bool
+    last_error: str | None
+
+
+class Readiness(Schema):
+    """Whether the action server is available and answers, with the state of the history and of the stop."""
+
+    ready: bool
+    action_server: ActionServer
+    history: HistoryState
+    stop: StopState
