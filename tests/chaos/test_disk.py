@@ -360,10 +360,10 @@ def test_whatever_happens_to_the_disk(domain: int, executed: Path, tmp_path: Pat
 
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[tuple[Disk, tuple[str, ...]]]:
-    """A disk of 3 MB, in a namespace that needs no root, and how to run a command there."""
+    """A disk of 3 MB for each round, in a namespace that needs no root, and how to run a command there."""
     folder = tmp_path / "small"
     folder.mkdir()
-    mount = 'mount -t tmpfs -o size=3m tmpfs "$0" && echo mounted && exec sleep 3600'
+    mount = f'mount -t tmpfs -o size={3 * ROUNDS}m tmpfs "$0" && echo mounted && exec sleep 3600'
     command = ("unshare", "--mount", "--map-root-user", "sh", "-c", mount, str(folder))
     try:
         process = Process(*command, env=dict(os.environ))
