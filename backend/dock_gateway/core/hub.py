@@ -133,7 +133,7 @@ class Hub:
         clock: Stamps the events that are published here.
     """
 
-    RECENT = 10_000
+    RECENT = 4_000  # some seconds of a busy gateway; a reader that was away for longer resumes from the history
 
     def __init__(
         self,
