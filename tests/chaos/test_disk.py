@@ -234,6 +234,8 @@ def withstand(trial: Trial, name: str, fault: Callable[[Trial], Any]) -> None:
             trial.wait_for_new_goals()
         with probing(trial.gateway) as findings:
             time.sleep(KEPT)
+            if takes_nothing(name):  # not at once where the gateway has just been started and looks for the action
+                wait_until(lambda: trial.answers()["history_unavailable"] > before["history_unavailable"], "a refusal")
             wait_until(lambda: tells(trial.history, name), f"/readyz tells of: {name}", timeout=30)
             state = trial.history
             alerts = {alert["kind"] for alert in trial.gateway.http.get("/alerts").json()["alerts"]}
