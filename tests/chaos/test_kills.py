@@ -99,7 +99,7 @@ class Fleet:
         return next(iter(self.running.values()))
 
 
-def check(load: Load, fleet: Fleet, executed: Path, kills: int, title: str, slack: float = 0.0) -> None:
+def check(load: Load, fleet: Fleet, executed: Path, kills: int, title: str, *, slack: float = 0.0) -> None:
     """What must hold after any number of kills.
 
     Args:
