@@ -228,7 +228,7 @@ describe("a goal of any action", () => {
     await user.type(list.getByRole("textbox", { name: "string_values 2" }), "b");
     await user.click(list.getByRole("button", { name: "Remove string_values 1" }));
     expect(screen.getByText(/"string_values": \["b", ""\]/)).toBeDefined();
-    await user.click(screen.getByText("Set to defaults"));
+    await user.click(screen.getByText("Reset"));
     expect(screen.getByText(/-d '\{\}'$/)).toBeDefined();
   });
 
@@ -306,7 +306,7 @@ describe("the goal to watch", () => {
     );
     await field("order");
     expect(screen.getByText('{"order": 21}')).toBeDefined();
-    await user.click(press("Fill in"));
+    await user.click(press("Reuse"));
     expect(((await field("order")) as HTMLInputElement).value).toBe("21");
   });
 });

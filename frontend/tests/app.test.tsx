@@ -84,7 +84,7 @@ describe("Stop", () => {
     stop.mockResolvedValueOnce(stopReport({ failed: [failure] }));
     const { user } = renderPage(fakeGateway({ stop }));
     await user.click(button("Stop"));
-    expect(await screen.findByText("Stop did not get through")).toBeDefined();
+    expect(await screen.findByText("Stop was NOT delivered")).toBeDefined();
     await user.click(button("Stop"));
     expect(await screen.findByText(/not every goal is canceled/)).toBeDefined();
   });
@@ -182,7 +182,7 @@ describe("docking", () => {
       action_server: { ...server, answering: false },
       goals: [{ ...running, status: "lost", error: { code: "action_server_lost", detail: "it left" } }],
     });
-    expect(screen.getByText(/does not answer: a goal may time out/)).toBeDefined();
+    expect(screen.getByText(/not responding: a goal may time out/)).toBeDefined();
     expect(screen.getByText(/it left/i, { selector: "[role=alert] *" })).toBeDefined();
     expect(screen.getByText(/Look at the robot/)).toBeDefined();
   });

@@ -5,7 +5,7 @@ import { at, goal, robot, simulator, undockServer } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
-const asks = () => screen.getByRole<HTMLInputElement>("switch", { name: /Ask before it moves/ });
+const asks = () => screen.getByRole<HTMLInputElement>("switch", { name: /Confirm before moving/ });
 
 beforeEach(() => localStorage.clear());
 
@@ -15,7 +15,7 @@ describe("a robot that is about to move", () => {
     const { user } = renderPage(gateway);
     await user.click(button("Dock"));
     const question = await screen.findByRole("dialog", { name: "Dock the robot?" });
-    expect(within(question).getByText(/nobody and nothing is in its way/)).toBeDefined();
+    expect(within(question).getByText(/the area is clear/)).toBeDefined();
     expect(document.activeElement?.textContent).toBe("Leave it where it is");
     await user.click(button("Leave it where it is"));
     await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());

@@ -254,7 +254,7 @@ describe("the page of a goal", () => {
     await user.click(button("Older"));
     expect(times()).toBe(6);
     expect(button("Older").disabled).toBe(true);
-    await user.click(button("Follow the newest"));
+    await user.click(button("Follow"));
     expect(times()).toBe(12);
     const [first] = within(table).getAllByRole("button");
     if (first === undefined) throw new Error("no row");

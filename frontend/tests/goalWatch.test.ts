@@ -92,7 +92,7 @@ describe("a goal that is watched", () => {
     tell({ type: "dropped", time: at(3), count: 1 }, next);
     await vi.waitFor(() => expect(ids(watch)).toEqual([first.id, missed.id, next.id]));
     expect(api.history).toHaveBeenLastCalledWith("a", first.id);
-    tell({ type: "gap", time: at(4), after: next.id }, snapshot({ goals: [goal("a")] }));
+    tell({ type: "gap", time: at(4), after: next.id, count: 0 }, snapshot({ goals: [goal("a")] }));
     await vi.waitFor(() => expect(api.history).toHaveBeenLastCalledWith("a", next.id));
   });
 

@@ -62,7 +62,7 @@ describe("the keyboard", () => {
     const { user } = renderPage(fakeGateway());
     await user.keyboard("?");
     await user.type(await within(await screen.findByRole("dialog")).findByLabelText("Your name"), "gr?");
-    await user.click(screen.getByLabelText(/^Letters are shortcuts/));
+    await user.click(screen.getByLabelText(/^Single-key shortcuts/));
     await user.keyboard("{Escape}");
     await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
     await user.keyboard("?gr");

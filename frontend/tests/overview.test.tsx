@@ -41,7 +41,7 @@ describe("the overview of several robots", () => {
     expect(row("/robot1").textContent).toMatch(
       /Docked.*24 %.*not charging.*now.*Idle.*On the dock.*Connected/,
     );
-    expect(row("/robot2").textContent).toMatch(/Not docked.*81 %.*charging.*Dock: Controlling.*None yet/);
+    expect(row("/robot2").textContent).toMatch(/Not docked.*81 %.*charging.*Dock: Controlling.*No goals yet/);
     expect(row("/robot10").textContent).toMatch(/2.16 V.*stale: .* ago.*Stopped by Ada.*Silent/);
   });
 
@@ -114,7 +114,7 @@ describe("the overview of one robot", () => {
   it("is a big card on top of all that there is of it", () => {
     renderPage(fakeGateway(), { robots: [robot("/", { goals: two.goals })] });
     expect(screen.getByTestId("robot-card").textContent).toMatch(
-      /^RobotPlaceNot docked.*24 %.*dock: Controlling/,
+      /^RobotDock statusNot docked.*24 %.*dock: Controlling/,
     );
     expect(screen.getByRole("button", { name: "Dock" })).toBeDefined();
     expect(screen.queryByRole("table", { name: /robots/ })).toBeNull();
@@ -192,7 +192,7 @@ describe("alerts", () => {
     const fetched = answers({ ...low, acknowledged: { by: "Ada", at: at(9) } });
     const { user } = renderPage(fakeGateway(), { robots, alerts: [low, lost] });
     await user.click(screen.getByRole("button", { name: "Acknowledge: Low battery: /robot1" }));
-    const dialog = await screen.findByRole("dialog", { name: "Who acknowledges?" });
+    const dialog = await screen.findByRole("dialog", { name: "Acknowledge as" });
     await user.type(within(dialog).getByLabelText("Your name"), "Ada{Enter}");
     await waitFor(() => expect(items()).toHaveLength(1));
     const [request] = fetched.mock.calls[0] ?? [];

@@ -89,7 +89,7 @@ def test_a_goal_of_someone_else_is_watched_and_filled_in_again(page: Page, gatew
     gateway.http.post(f"/actions{COUNTED}/goals", json={"order": 21}).raise_for_status()
     expect_status(page, "executing")
     row = page.get_by_role("row").filter(has_text='{"order": 21}').first
-    row.get_by_role("button", name="Fill in").click()
+    row.get_by_role("button", name="Reuse").click()
     expect(page.get_by_label("order")).to_have_value("21")
     press(page, "Cancel")
     expect_status(page, "canceled")
@@ -117,7 +117,7 @@ def test_a_robot_moves_only_after_a_question(page: Page, gateway: RunningGateway
     assert (asked["voltage"], asked["power_supply_status"]) == (12.6, 1)
     # Of what is kept in full, the row has what was set.
     row = page.get_by_role("row").filter(has_text='{"voltage": 12.6, "power_supply_status": 1}')
-    expect(row.get_by_role("button", name="Fill in")).to_be_visible()
+    expect(row.get_by_role("button", name="Reuse")).to_be_visible()
 
 
 @pytest.mark.expect_page_errors  # the browser logs the 422

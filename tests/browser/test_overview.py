@@ -95,7 +95,7 @@ def test_an_alert_is_acknowledged_with_a_name_for_all_to_see(page: Page, browser
     expect(page.get_by_test_id("alert-count")).to_have_text("1 alert")
     page.get_by_role("link", name=re.compile("^Overview")).click()
     alerts.get_by_role("button", name=re.compile("^Acknowledge")).click()
-    dialog = page.get_by_role("dialog", name="Who acknowledges?")
+    dialog = page.get_by_role("dialog", name="Acknowledge as")
     dialog.get_by_label("Your name").fill("Ada")
     dialog.get_by_role("button", name="Acknowledge").click()
     expect(page.get_by_test_id("alert-count")).to_be_hidden()
@@ -185,7 +185,7 @@ def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None
     expect(page.get_by_test_id("stop-banner")).to_be_visible()
     assert find_violations(page) == []
     page.get_by_role("button", name=re.compile("^Acknowledge: ")).first.click()
-    expect(page.get_by_role("dialog", name="Who acknowledges?")).to_be_visible()
+    expect(page.get_by_role("dialog", name="Acknowledge as")).to_be_visible()
     assert find_violations(page) == []
 
 

@@ -191,7 +191,7 @@ def test_a_goal_stage_by_stage(page: Page, gateway: RunningGateway) -> None:
     expect(page.get_by_test_id("goal-status")).to_have_text("succeeded", timeout=DRIVE_MS)
     expect(steps.filter(has_text=re.compile(r"Controlling: done\d+(\.\d)? s$"))).to_be_visible()
     expect(page.get_by_test_id("stage-bar")).to_be_visible()
-    page.get_by_role("link", name="All of this goal").click()
+    page.get_by_role("link", name="Goal details").click()
     goal_id = gateway.http.get("/dock").json()["goals"][0]["goal_id"]
     expect(page).to_have_url(f"{gateway.url}/ui/goals/{goal_id}")
 

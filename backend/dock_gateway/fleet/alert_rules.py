@@ -204,8 +204,8 @@ def _lost(states: list[RobotState], strays: Iterable[Goal], now: datetime) -> It
                 robot,
                 since,
                 "Goal lost",
-                f"Nobody knows how the goal on {goal.action_name} goes on{reason}. See that the robot stands still, "
-                "then start its action server again.",
+                f"Lost contact during the goal on {goal.action_name}; the state of the robot is unknown{reason}. "
+                "Check that it stands still, then start its action server again.",
                 goal.goal_id,
             )
 

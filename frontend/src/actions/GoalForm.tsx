@@ -108,7 +108,7 @@ export function GoalForm({ action, shape, draft: state, onSent }: GoalFormProps)
               {asks ? "Send goal …" : "Send goal"}
             </Button>
             <Button variant="default" size="md" onClick={state.clear}>
-              Set to defaults
+              Reset
             </Button>
             {!asks && !harmless && (
               <Button variant="default" size="md" onClick={() => setAsks(true)}>
@@ -154,5 +154,5 @@ export function GoalForm({ action, shape, draft: state, onSent }: GoalFormProps)
 }
 
 function notSent(wrong: number): string {
-  return `${wrong === 1 ? "One value is" : `${wrong} values are`} not valid: mend ${wrong === 1 ? "it" : "them"} first.`;
+  return `Fix ${wrong} invalid ${wrong === 1 ? "value" : "values"}.`;
 }

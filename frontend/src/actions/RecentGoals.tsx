@@ -120,7 +120,7 @@ function GoalRow({ goal, form }: { goal: AnyGoal; form: RecentGoalsProps["form"]
       <Table.Td className={classes.use}>
         {message !== null && form !== null && (
           <Button variant="default" size="compact-sm" onClick={() => form.begin(message)}>
-            Fill in
+            Reuse
           </Button>
         )}
       </Table.Td>

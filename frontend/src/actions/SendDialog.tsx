@@ -30,8 +30,8 @@ function Question({ action, body, reason, onClose, onSend }: Omit<SendDialogProp
   return (
     <Stack gap="md">
       <Text size="sm">
-        <strong className={classes.name}>{action}</strong> may move a robot. See first that nobody and nothing
-        is in its way.
+        <strong className={classes.name}>{action}</strong> may move a robot. Check first that the area is
+        clear.
       </Text>
       <Code block className={classes.body} tabIndex={0} role="region" aria-label="What is sent">
         {body}

@@ -9,7 +9,7 @@ const MEANINGS: Record<GoalStatus, string> = {
   canceling: "The cancellation was accepted; the action server is ending the goal.",
   succeeded: "The action server has done what was asked.",
   canceled: "Canceled as asked.",
-  aborted: "The action server gave up on the goal.",
+  aborted: "The action server aborted the goal.",
   rejected: "The action server did not accept the goal.",
   lost: "The action server went away while the goal ran.",
 };

@@ -40,7 +40,7 @@ export function AcknowledgeButton({ id, what }: { id: string; what: string }) {
           <CommandErrorAlert command="Acknowledge" error={acknowledge.error} onClose={acknowledge.reset} />
         </div>
       )}
-      <Dialog opened={asking} onClose={ask.close} title="Who acknowledges?">
+      <Dialog opened={asking} onClose={ask.close} title="Acknowledge as">
         <NameForm
           onName={(name) => {
             setOwnName(name);

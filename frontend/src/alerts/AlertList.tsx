@@ -50,7 +50,7 @@ export const AlertList = memo(function AlertList({ quiet = false }: { quiet?: bo
 });
 
 function summary(open: number, acknowledged: number): string {
-  if (open === 0 && acknowledged === 0) return "None: nothing needs you now.";
+  if (open === 0 && acknowledged === 0) return "No active alerts.";
   const parts = [open === 0 ? "none is new" : `${open} not acknowledged`];
   if (acknowledged > 0) parts.push(`${acknowledged} acknowledged`);
   return parts.join(", ");

@@ -147,7 +147,7 @@ export function unreachable(cause: unknown): CommandError {
   const code = timedOut ? "gateway_timeout" : "gateway_unreachable";
   const detail = timedOut
     ? "There was no answer within 12 seconds."
-    : "The request did not get through; the command was not carried out as far as this page knows.";
+    : "The request was NOT delivered, as far as this page knows.";
   return new CommandError(code, WORDS[code]?.title ?? code, detail);
 }
 

@@ -102,7 +102,7 @@ export function PublisherCard() {
           {moreOpen ? "Fewer fields" : "More fields"}
         </Button>
         <Text size="sm" c="dimmed">
-          An empty number is not measured: NaN in the message.
+          Leave a number empty to send NaN.
         </Text>
       </Group>
       <div id={moreId} hidden={!moreOpen}>

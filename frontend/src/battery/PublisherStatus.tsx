@@ -17,7 +17,7 @@ export function PublisherStatus() {
       <Group gap="xs" data-testid="publisher-status">
         <Badge color={active ? "green" : "gray.7"}>{active ? "publishing" : "not publishing"}</Badge>
         <Text size="sm" className="tabular">
-          {active ? <Active publisher={publisher} /> : "This gateway publishes nothing by itself now."}{" "}
+          {active ? <Active publisher={publisher} /> : "Not publishing."}{" "}
           {publishers !== null && <Simulated publishers={publishers} active={active} />}
         </Text>
       </Group>

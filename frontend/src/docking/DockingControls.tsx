@@ -100,9 +100,7 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
           />
         </Group>
         <Switch
-          label={
-            asking.simulated ? "Ask before it moves: never for a simulated robot" : "Ask before it moves"
-          }
+          label={asking.simulated ? "Confirm before moving (off in simulation)" : "Confirm before moving"}
           checked={asking.asks}
           disabled={asking.simulated}
           onChange={(event) => asking.change(event.currentTarget.checked)}
@@ -110,7 +108,7 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
       </Group>
       <Text size="sm" c="dimmed" id={reasonId} role="status">
         {[...new Set(reasons)].join(" ")}{" "}
-        {silent && <strong>The action server is there but does not answer: a goal may time out.</strong>}
+        {silent && <strong>The docking server is not responding: a goal may time out.</strong>}
       </Text>
       <CommandErrorAlert command="Dock" error={dock.error} onClose={dock.reset} />
       <CommandErrorAlert command="Undock" error={undock.error} onClose={undock.reset} />

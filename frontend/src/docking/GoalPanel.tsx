@@ -58,7 +58,7 @@ export function GoalPanel({ goal }: { goal: GoalCourse }) {
       </FactList>
       <FeedbackLog goalId={goal.goal_id} />
       <Anchor component={Link} to={`/ui/goals/${goal.goal_id}`} size="sm" underline="always">
-        All of this goal
+        Goal details
       </Anchor>
     </Stack>
   );

@@ -18,8 +18,8 @@ interface MoveDialogProps {
 const NAMES: Record<Verb, string> = { dock: "Dock", undock: "Undock" };
 
 const WHAT_HAPPENS: Record<Verb, string> = {
-  dock: "It drives to its dock by itself, until its battery is as asked for. See first that nobody and nothing is in its way.",
-  undock: "It backs out of its dock by itself. See first that nobody and nothing is behind it.",
+  dock: "It drives to its dock by itself, until its battery is as asked for. Check first that the area is clear.",
+  undock: "It backs out of its dock by itself. Check first that the area behind it is clear.",
 };
 
 /** Asks before the robot moves. Stop stays within reach, and so does the choice to leave the robot where it is. */

@@ -20,7 +20,7 @@ const MEANINGS: Record<Exclude<GoalStatus, "executing" | "succeeded">, string> =
   accepted: "The action server accepted the goal and will start it.",
   canceling: "The cancellation was accepted; the action server is stopping what it does.",
   canceled: "Canceled as asked.",
-  aborted: "The action server gave up on the goal.",
+  aborted: "The action server aborted the goal.",
   rejected: "The action server did not accept the goal.",
   lost: "The action server went away while the goal ran.",
 };
@@ -59,8 +59,7 @@ export function meaning(goal: Pick<AnyGoal, "status" | "stage" | "stalled">, ver
 
 const LOST =
   "Look at the robot: where it is now is not known here. Start its action server again; if that still knows the goal, the outcome appears here.";
-const STALLED =
-  "It may come back; otherwise the goal is called lost in some seconds. Press Stop to be on the safe side.";
+const STALLED = "If it stays silent, the goal is marked lost in a few seconds. Press Stop to be safe.";
 
 const ADVICE: Record<string, string> = {
   action_server_timeout: "Look at the action server's log; it may be frozen.",

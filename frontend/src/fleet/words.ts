@@ -18,7 +18,7 @@ export function isThere({ battery, battery_publisher, dock, undock, goals, last_
 }
 
 export function placeWords(docked: boolean | null): string {
-  if (docked === null) return "Not known";
+  if (docked === null) return "Unknown";
   return docked ? "Docked" : "Not docked";
 }
 

@@ -42,7 +42,7 @@ export function FeedbackRows({ start, schema }: FeedbackRowsProps) {
             aria-pressed={held !== null}
             onClick={() => setHeld(held === null ? (log.rows.at(-1)?.id ?? null) : null)}
           >
-            {held === null ? "Hold the table" : "Follow the newest"}
+            {held === null ? "Pause" : "Follow"}
           </Button>
           <Button variant="default" size="compact-sm" disabled={top < ROWS} onClick={() => goTo(top - ROWS)}>
             Older

@@ -109,7 +109,7 @@ function AskAgain({ goal, opened, reason, onClose, onSend }: AskAgainProps) {
     <Dialog title="Send this goal again?" opened={opened} onClose={onClose}>
       <Stack gap="md">
         <Text size="sm">
-          A robot may move as soon as {goal.action_name} accepts it. See that nobody is in its way.
+          A robot may move as soon as {goal.action_name} accepts it. Check that the area is clear.
         </Text>
         <NamedMessage title="Goal" value={goal.goal} schema={schemas?.goal} absent={NOT_MEASURED} />
         <Text size="sm" c="dimmed" id={reasonId} role="status">

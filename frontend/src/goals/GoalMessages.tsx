@@ -17,7 +17,9 @@ export function GoalMessages({ goal }: { goal: AnyGoal }) {
         value={goal.goal}
         schema={schemas?.goal}
         absent={
-          goal.origin === "external" ? "Not known: ROS does not tell what others asked for." : "Not known."
+          goal.origin === "external"
+            ? "Unknown: ROS does not publish the goal messages of other clients."
+            : "Unknown."
         }
       />
       <NamedMessage

@@ -93,7 +93,7 @@ function LettersSwitch() {
   const [on, setOn] = useState(lettersOn);
   return (
     <Switch
-      label="Letters are shortcuts"
+      label="Single-key shortcuts"
       description="Off where you speak to this computer, or press keys by mistake. Stop works either way."
       checked={on}
       onChange={(event) => {

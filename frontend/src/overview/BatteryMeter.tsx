@@ -12,7 +12,7 @@ const LOW = 0.2;
 /** A robot's battery: how full, whether it charges, and how old that is. */
 export function BatteryMeter({ battery }: { battery: Robot["battery"] }) {
   const { state, received_at, stale_after_s } = battery;
-  if (state === null || received_at === null) return <span className={classes.empty}>Not heard</span>;
+  if (state === null || received_at === null) return <span className={classes.empty}>No data</span>;
   const { percentage, voltage, power_supply_status: status } = state;
   const filled = percentage === null ? null : Math.round(percentage * 100);
   return (

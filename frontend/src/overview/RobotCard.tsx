@@ -22,7 +22,7 @@ export function RobotCard({ robot }: { robot: Robot }) {
     >
       <Head id={id} name={robot.name} simulated={robot.simulated} />
       <dl className={classes.card}>
-        <CardFact name="Place">
+        <CardFact name="Dock status">
           <span className={classes.place} data-docked={String(robot.docked)}>
             {placeWords(robot.docked)}
           </span>
@@ -35,7 +35,7 @@ export function RobotCard({ robot }: { robot: Robot }) {
             <NowCell robot={robot} live={live} />
           </div>
         </CardFact>
-        <CardFact name="Last outcome">
+        <CardFact name="Last result">
           <LastCell robot={robot} />
         </CardFact>
         <CardFact name="Connection">

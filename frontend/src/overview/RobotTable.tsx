@@ -18,10 +18,10 @@ interface Column {
 
 const COLUMNS: readonly Column[] = [
   { sort: "name", name: "Robot" },
-  { sort: "place", name: "Place", wide: true },
+  { sort: "place", name: "Dock status", wide: true },
   { sort: "battery", name: "Battery" },
   { sort: "goal", name: "Now" },
-  { sort: "last", name: "Last outcome", wide: true },
+  { sort: "last", name: "Last result", wide: true },
   { sort: "link", name: "Connection", wide: true },
 ];
 

@@ -70,7 +70,7 @@ function Elapsed({ since }: { since: number }) {
 /** How the last docking or undocking ended, and when. */
 export function LastCell({ robot }: { robot: Robot }) {
   const goal = robot.last_goal;
-  if (goal === null) return <span className={classes.empty}>None yet</span>;
+  if (goal === null) return <span className={classes.empty}>No goals yet</span>;
   return <Last goalId={goal.goal_id} words={lastWords(robot, goal)} {...outcomeOf(goal)} />;
 }
 

@@ -26,7 +26,7 @@ export function SceneCard() {
   const placeable = live && fresh && simulated;
 
   return (
-    <Section title="From above" aside={<Freshness live={live} known={known} fresh={fresh} />}>
+    <Section title="Map" aside={<Freshness live={live} known={known} fresh={fresh} />}>
       {!known ? (
         <NoScene live={live} simulated={simulated} />
       ) : (

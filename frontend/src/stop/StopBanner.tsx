@@ -151,8 +151,8 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
           <Text size="sm">
             Goals can be sent again afterwards, by everybody.{" "}
             {names.length > 1
-              ? "The robots stay where they are until one is. See first that nobody and nothing is in their way."
-              : "The robot stays where it is until one is. See first that nobody and nothing is in its way."}
+              ? "The robots stay where they are until one is. Check first that their area is clear."
+              : "The robot stays where it is until one is. Check first that the area is clear."}
           </Text>
           <Group justify="flex-end" gap="sm">
             <Button variant="default" onClick={ask.close} data-autofocus>

@@ -52,8 +52,7 @@ export function showStopped({ canceling, failed, unconfirmed, warning }: StopRep
       : canceling.length === 1
         ? "One goal is being canceled."
         : `${canceling.length} goals are being canceled.`;
-  const waiting =
-    unconfirmed.length === 0 ? goals : `Not answered yet: ${unconfirmed.join(", ")}; asked until they do.`;
+  const waiting = unconfirmed.length === 0 ? goals : `Not answered yet: ${unconfirmed.join(", ")}; retrying.`;
   show({
     color: unconfirmed.length === 0 && warning === null ? "green" : "orange",
     title: warning === null ? "Stopped" : "Stopped, with a warning",
@@ -65,7 +64,7 @@ export function showStopped({ canceling, failed, unconfirmed, warning }: StopRep
 export function showFailed(error: CommandError): void {
   show({
     color: "red",
-    title: "Stop did not get through",
+    title: "Stop was NOT delivered",
     message: `Use the robot's own emergency stop if it moves. ${error.title} (${error.code}): ${error.detail}`,
     autoClose: false,
   });
