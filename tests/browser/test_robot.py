@@ -179,7 +179,7 @@ def test_accessibility(page: Page, scheme: str) -> None:
 
 def test_a_goal_stage_by_stage(page: Page, gateway: RunningGateway) -> None:
     """Nobody is asked about a simulated robot; who opens the page later sees what was before, too."""
-    expect(page.get_by_role("switch", name="never for a simulated robot")).to_be_visible()
+    expect(page.get_by_role("switch", name="off in simulation")).to_be_visible()
     press(page, "Dock")
     expect(page.get_by_role("dialog")).to_be_hidden()
     steps = page.get_by_test_id("stages").get_by_role("listitem")
@@ -209,7 +209,7 @@ def test_one_robot_of_several(page: Page, gateway: RunningGateway, domain: int) 
         expect(page.get_by_test_id("publisher-status")).to_contain_text("/robot1/dock_simulator")
         plots(page)
         expect(page.get_by_text(f"curl -sX POST '{gateway.url}/dock?robot=/robot1'", exact=True)).to_be_visible()
-        page.get_by_role("switch", name="never for a simulated robot").scroll_into_view_if_needed()
+        page.get_by_role("switch", name="off in simulation").scroll_into_view_if_needed()
         press(page, "Dock")
         expect(page.get_by_test_id("stages").get_by_role("listitem").filter(has_text="now")).to_be_visible()
         goal = gateway.http.get("/dock?robot=/robot1").json()["goals"][0]

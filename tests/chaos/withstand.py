@@ -8,9 +8,10 @@ from tests.chaos.report import report
 from tests.support.gateway import RunningGateway
 from tests.support.probe import memory, open_files, probing, quantile
 
-# The promise is 100 ms; a machine that is shared gets ten times that.
-STOPPED_WITHIN = 1.0
 SECONDS = float(os.environ.get("CHAOS_SECONDS", "1"))
+# The promise is 100 ms. A long run gets ten times that; a short one, whose 99th percentile is the worst of ten answers
+# on a machine that other tests share, thirty times.
+STOPPED_WITHIN = 1.0 if SECONDS >= 5 else 3.0
 
 
 def withstand(gateway: RunningGateway, name: str, flood: AbstractContextManager[object], megabytes: float = 20) -> None:

@@ -77,7 +77,7 @@ def test_a_signal_with_streams_and_a_goal_and_a_waiting_request(domain: int, num
         assert server.running
 
 
-@pytest.mark.parametrize("said", ["robots]: robot /", "listening on"])
+@pytest.mark.parametrize("said", ["registry]: robot /", "listening on"])
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_signal_in_the_middle_of_a_start(domain: int, tmp_path: Path, said: str, number: signal.Signals) -> None:
     """ROS is there and the web is not, or the database is not."""

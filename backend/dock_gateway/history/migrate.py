@@ -4,6 +4,9 @@ import logging
 from pathlib import Path
 
 import sqlalchemy as sa
+from alembic import command
+from alembic.config import Config
+from alembic.util import CommandError
 
 MIGRATIONS = Path(__file__).parent / "migrations"
 
@@ -16,10 +19,6 @@ def migrate(connection: sa.Connection) -> None:
     Raises:
         RuntimeError: The tables belong to another version of the gateway.
     """
-    from alembic import command  # noqa: PLC0415 - a quarter of a second, on the thread that opens the database
-    from alembic.config import Config  # noqa: PLC0415
-    from alembic.util import CommandError  # noqa: PLC0415
-
     if connection.dialect.name == "postgresql":
         connection.execute(sa.select(sa.func.pg_advisory_xact_lock(_LOCK)))
     logging.getLogger("alembic").setLevel(logging.WARNING)

@@ -33,7 +33,7 @@ log = logging.getLogger(__name__)
 # Seconds that a statement waits for another process's lock before it fails, to be retried.
 BUSY_TIMEOUT = 0.5
 # The same while the tables are created and several processes may start at once.
-LOCK_PATIENCE = 1.5
+LOCK_PATIENCE = 3.0
 # How long a deleted or replaced file is reported. A damaged file is reported until it has been moved.
 TOLD_FOR = timedelta(hours=24)
 

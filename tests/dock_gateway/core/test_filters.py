@@ -13,7 +13,7 @@ def goal(action: str = "/dock", goal_id: str = "a") -> Event:
 
 
 @pytest.mark.parametrize(
-    ("interest", "event", "expected"),
+    ("event_filter", "event", "expected"),
     [
         (EventFilter(), goal(), True),
         (EventFilter(), Event(b"", "battery", robot="/"), False),
