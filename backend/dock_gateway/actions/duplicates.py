@@ -1,6 +1,6 @@
 """Detects two action servers with one name. Each executes every goal, so both move the robot."""
 
-from dock_gateway.ros.action_port import Presence
+from dock_gateway.ros.action_port import ServerPresence
 
 # Seconds after which a server on the graph counts as alive: a killed server stays there for up to 20 s.
 SETTLED = 25.0
@@ -16,7 +16,7 @@ class Duplicates:
     def __init__(self) -> None:
         self._since: dict[str, float] = {}  # by server
 
-    def found(self, presence: Presence, now: float) -> bool:
+    def found(self, presence: ServerPresence, now: float) -> bool:
         """Return whether there is more than one live server.
 
         Args:

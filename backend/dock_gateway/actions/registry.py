@@ -31,8 +31,6 @@ log = logging.getLogger(__name__)
 # Seconds after which an action that is off the graph is removed. A restart takes less.
 FORGET_AFTER = 10.0
 
-Reasons = PendingFacts[GoalError]
-
 
 class Action:
     """One action: its goals, the operations on them, and its server's state.

@@ -19,6 +19,11 @@ def is_under(name: str, namespace: str) -> bool:
     return prefix_of(name).startswith(prefix_of(namespace))
 
 
+def parent_of(name: str) -> str:
+    """Return the namespace that an action is in: `/robot1` of `/robot1/dock`."""
+    return name.rpartition("/")[0] or "/"
+
+
 def lineage(name: str) -> Iterator[str]:
     """Yield the namespaces that a name is in, root first, then the name itself: `/`, `/fleet`, `/fleet/robot1`."""
     yield "/"

@@ -152,7 +152,7 @@ class Hub:
         self._subscribers: set[Subscriber] = set()
         # By topic and robot, and by topic alone: an event of one robot costs nothing for readers of the others.
         self._wanting: defaultdict[tuple[str, str | None], set[Subscriber]] = defaultdict(set)
-        self._on_wish: dict[str, Callable[[], None]] = {}
+        self._on_watch: dict[str, Callable[[], None]] = {}
         self.closing = False
 
     def __len__(self) -> int:
@@ -173,7 +173,7 @@ class Hub:
         self._subscribers.add(subscriber)
         for key in _keys(event_filter):
             self._wanting[key].add(subscriber)
-        self._tell_wish(event_filter)
+        self._tell_watchers(event_filter)
         return subscriber
 
     def unsubscribe(self, subscriber: Subscriber) -> None:
@@ -183,19 +183,19 @@ class Hub:
             self._wanting[key].discard(subscriber)
             if not self._wanting[key]:
                 del self._wanting[key]
-        self._tell_wish(subscriber.event_filter)
+        self._tell_watchers(subscriber.event_filter)
 
     def on_watch(self, topic: str, changed: Callable[[], None]) -> None:
         """Register `changed`, to be called whenever a subscriber to a topic comes or goes."""
-        self._on_wish[topic] = changed
+        self._on_watch[topic] = changed
 
     def watched(self, topic: str) -> set[str]:
         """Return the robots whose topic has a subscriber."""
         return {robot for wanted, robot in self._wanting if wanted == topic and robot is not None}
 
-    def _tell_wish(self, event_filter: EventFilter) -> None:
-        for topic in event_filter.topics & self._on_wish.keys():
-            self._on_wish[topic]()
+    def _tell_watchers(self, event_filter: EventFilter) -> None:
+        for topic in event_filter.topics & self._on_watch.keys():
+            self._on_watch[topic]()
 
     def publish(self, event: Event) -> None:
         """Send an event to every subscriber that wants it, or queue it behind a `Hold`."""

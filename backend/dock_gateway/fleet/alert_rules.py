@@ -7,6 +7,7 @@ from datetime import datetime, timedelta
 from enum import StrEnum
 from typing import Any
 
+from dock_gateway.core.filters import lineage, parent_of
 from dock_gateway.core.goal import LOST_FOR, Goal
 from dock_gateway.fleet.robot_state import CHARGES, RobotState
 from dock_gateway.history import Acknowledgement, Incident
@@ -188,13 +189,12 @@ def _stops(states: list[RobotState]) -> Iterator[Alert]:
 
 def _above(name: str) -> list[str]:
     """Return the namespaces that contain a robot."""
-    parts = name.strip("/").split("/") if name != "/" else []
-    return [f"/{'/'.join(parts[:length])}" for length in range(len(parts))]
+    return [each for each in lineage(name) if each != name]
 
 
 def _lost(states: list[RobotState], strays: Iterable[Goal], now: datetime) -> Iterator[Alert]:
     goals = [(state.name, goal) for state in states for goal in state.lost]
-    goals += [(goal.action_name.rpartition("/")[0] or "/", goal) for goal in strays]
+    goals += [(parent_of(goal.action_name), goal) for goal in strays]
     for robot, goal in goals:
         since = goal.finished_at or goal.updated_at
         if now - since < LOST_FOR:

@@ -107,7 +107,7 @@ class AlertBoard:
     ) -> None:
         self._hub = hub
         self._acknowledgements = acknowledgements
-        self._watch = AlertRules(low_battery)
+        self._rules = AlertRules(low_battery)
         self._incident = incident
         self._alerts: dict[str, Alert] = {}
         self._told: bytes | None = None
@@ -123,7 +123,7 @@ class AlertBoard:
             strays: Lost goals on actions that belong to no robot.
             duplicates: By robot, the actions that have more than one server.
         """
-        found = self._watch.look(
+        found = self._rules.look(
             states, strays, utc_now(), time.monotonic(), incident=self._incident(), duplicates=duplicates
         )
         alerts = {alert.id: alert for alert in found}

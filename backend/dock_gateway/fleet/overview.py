@@ -9,6 +9,7 @@ import orjson
 
 from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.core.event import fleet_event, utc_now
+from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
@@ -113,7 +114,7 @@ class Fleet:
         found: dict[str, list[str]] = defaultdict(list)
         for name in self._actions.duplicates():
             owner = self._robots.owner(name)
-            found[name.rpartition("/")[0] or "/" if owner is None else owner.namespace].append(name)
+            found[parent_of(name) if owner is None else owner.namespace].append(name)
         return found
 
     def documents(self, namespace: str | None = None) -> list[dict[str, Any]]:

@@ -7,35 +7,13 @@ from functools import partial
 
 import sqlalchemy as sa
 
-from dock_gateway.core.event import FEEDBACK, Event, kind_of, nanoseconds, time_id
+from dock_gateway.core.event import FEEDBACK, Event, kind_of
 from dock_gateway.core.goal import Goal
 from dock_gateway.history import battery, queries
 from dock_gateway.history.battery import BatterySpan, Bucket, add_events
-from dock_gateway.history.protocol import NEVER, LaterEvents, selects
+from dock_gateway.history.protocol import NEVER, LaterEvents, is_complete, selects
 from dock_gateway.history.reader import Reader
 from dock_gateway.history.waiting import Waiting
-
-
-def begin(goal: Goal, first: str) -> str:
-    """Return an id before which the goal has no events; `first` is the id of its first existing event.
-
-    Events carry the robot's clock, which may differ from the gateway's.
-    """
-    return min(first, time_id(nanoseconds(goal.created_at)))
-
-
-def is_complete(goal: Goal, *, first: str | None, missing: str, feedback: int) -> bool:
-    """Return whether no event of a goal has been dropped.
-
-    Args:
-        goal: The goal.
-        first: Id of its first existing event.
-        missing: Id of the newest dropped event of any goal.
-        feedback: The number of its existing feedback events.
-    """
-    if first is None:
-        return goal.last_event_id is None
-    return missing < begin(goal, first) or feedback >= goal.feedback_count
 
 
 class EventReader:

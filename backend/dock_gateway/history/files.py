@@ -77,7 +77,7 @@ def set_aside(path: Path) -> Path:
 
 
 def aside(path: Path) -> dict[datetime, Path]:
-    """Return the damaged files that were set aside, by the time of that."""
+    """Return the damaged files that were set aside, by the time at which they were renamed."""
     found = {}
     for each in path.parent.iterdir():
         name, _, stamp = each.name.rpartition(MARK)

@@ -10,7 +10,6 @@ from dock_gateway.core.event import FEEDBACK, Event, kind_of
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.history.battery import BatterySpan, Bucket, add_events
-from dock_gateway.history.event_reader import is_complete
 from dock_gateway.history.merge import merge
 from dock_gateway.history.protocol import (
     KEY_LIFETIME,
@@ -20,6 +19,7 @@ from dock_gateway.history.protocol import (
     Incident,
     LaterEvents,
     fingerprint_of,
+    is_complete,
     selects,
 )
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Protocol
 
-from dock_gateway.core.event import Event
+from dock_gateway.core.event import Event, nanoseconds, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, Json
 from dock_gateway.history.battery import BatterySpan, Bucket
@@ -198,3 +198,25 @@ def selects(event: Event, goal_id: str | None, action_name: str | None, topics: 
     if event.topic != "goals" or event.topic not in topics:
         return event.topic in topics
     return goal_id in (None, event.goal_id) and action_name in (None, event.action_name)
+
+
+def _begin(goal: Goal, first: str) -> str:
+    """Return an id before which the goal has no events; `first` is the id of its first existing event.
+
+    Events carry the robot's clock, which may differ from the gateway's.
+    """
+    return min(first, time_id(nanoseconds(goal.created_at)))
+
+
+def is_complete(goal: Goal, *, first: str | None, missing: str, feedback: int) -> bool:
+    """Return whether no event of a goal has been dropped.
+
+    Args:
+        goal: The goal.
+        first: Id of its first existing event.
+        missing: Id of the newest dropped event of any goal.
+        feedback: The number of its existing feedback events.
+    """
+    if first is None:
+        return goal.last_event_id is None
+    return missing < _begin(goal, first) or feedback >= goal.feedback_count

@@ -61,7 +61,7 @@ class SqlHistory:
         self.shared = self._database.shared
         self._reader = Reader(self._database, self._writer)
         self.acknowledgements = SqlAcknowledgements(self._database, self._reader, self._writer)
-        self._past = EventReader(self._reader, self._waiting)
+        self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
         self.on_loss: Callable[[], None] = lambda: None
         self._tasks: list[asyncio.Task[None]] = []
@@ -229,21 +229,21 @@ class SqlHistory:
         self, event_id: str, *, goal_id: str | None, action_name: str | None, topics: frozenset[str], limit: int
     ) -> LaterEvents:
         """Return the events after a given id, oldest first."""
-        return await self._past.after(event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
+        return await self._events.after(event_id, goal_id=goal_id, action_name=action_name, topics=topics, limit=limit)
 
     async def events_of(
         self, goal_id: str, *, kinds: Collection[str], after: str = "", until: str = NEVER, limit: int
     ) -> list[Event]:
         """Return the events of a goal between two ids, oldest first."""
-        return await self._past.of_goal(goal_id, kinds=kinds, after=after, until=until, limit=limit)
+        return await self._events.of_goal(goal_id, kinds=kinds, after=after, until=until, limit=limit)
 
     async def knows_all_of(self, goal: Goal) -> bool:
         """Return whether no event of a goal is missing."""
-        return await self._past.knows_all_of(goal)
+        return await self._events.knows_all_of(goal)
 
     async def battery(self, span: BatterySpan) -> list[Bucket]:
         """Return the battery states of a span in buckets, oldest first."""
-        return await self._past.battery(span)
+        return await self._events.battery(span)
 
     # ------------------------------------------------------------------ the rest
 

@@ -31,7 +31,7 @@ class Waiting:
         self.droppable = EventBuffer(limit)
         self.gaps: dict[str, str] = {}
         self.dropped = 0
-        self._unsafe: dict[tuple[str, str], Goal | Event | Key] = {}
+        self._unspooled: dict[tuple[str, str], Goal | Event | Key] = {}
 
     def __len__(self) -> int:
         return len(self.goals) + len(self.events) + len(self.droppable) + len(self.keys)
@@ -52,26 +52,26 @@ class Waiting:
         kept = copy(goal) if waiting is None else merge(waiting, goal)
         self.goals[goal.goal_id] = kept
         if not safe:
-            self._unsafe["goal", goal.goal_id] = kept
+            self._unspooled["goal", goal.goal_id] = kept
         return kept
 
     def forget_goal(self, goal_id: str) -> None:
         """Remove a goal that must not be stored after all."""
         self.goals.pop(goal_id, None)
-        self._unsafe.pop(("goal", goal_id), None)
+        self._unspooled.pop(("goal", goal_id), None)
 
     def put_key(self, key: Key, *, safe: bool = False) -> None:
         """Add a key; the first goal to claim it keeps it."""
         if key.key not in self.keys:
             self.keys[key.key] = key
             if not safe:
-                self._unsafe["key", key.key] = key
+                self._unspooled["key", key.key] = key
 
     def forget_key(self, key: str, goal_id: str) -> None:
         """Remove the key of a goal that must not be stored after all."""
         if key in self.keys and self.keys[key].goal_id == goal_id:
             del self.keys[key]
-            self._unsafe.pop(("key", key), None)
+            self._unspooled.pop(("key", key), None)
 
     def put_event(self, event: Event, *, safe: bool = False) -> None:
         """Add an event that has an id."""
@@ -82,13 +82,13 @@ class Waiting:
         elif identity not in self.events:
             self.events[identity] = event
             if not safe:
-                self._unsafe["event", identity] = event
+                self._unspooled["event", identity] = event
 
     def drop(self, event: Event) -> None:
         """Drop an event and record that it is missing."""
         self.droppable.remove(event.id or "")
         self.events.pop(event.id or "", None)
-        self._unsafe.pop(("event", event.id or ""), None)
+        self._unspooled.pop(("event", event.id or ""), None)
         self.dropped += 1
         self.gaps[event.topic] = max(event.id or "", self.gaps.get(event.topic, ""))
 
@@ -111,32 +111,32 @@ class Waiting:
         for goal in batch.goals:
             if self.goals.get(goal.goal_id) is goal:
                 del self.goals[goal.goal_id]
-                self._unsafe.pop(("goal", goal.goal_id), None)
+                self._unspooled.pop(("goal", goal.goal_id), None)
         for key in batch.keys:
             self.keys.pop(key.key, None)
-            self._unsafe.pop(("key", key.key), None)
+            self._unspooled.pop(("key", key.key), None)
         for event in batch.events:
             self.events.pop(event.id or "", None)
             self.droppable.remove(event.id or "")
-            self._unsafe.pop(("event", event.id or ""), None)
+            self._unspooled.pop(("event", event.id or ""), None)
         for topic, event_id in batch.gaps.items():
             if self.gaps.get(topic) == event_id:
                 del self.gaps[topic]
 
     def unspooled(self) -> list[Goal | Event | Key]:
         """Return the entries that are only in memory."""
-        return list(self._unsafe.values())
+        return list(self._unspooled.values())
 
     def saved(self, entries: list[Goal | Event | Key]) -> None:
         """Mark entries as spooled."""
         gone = {id(entry) for entry in entries}
-        self._unsafe = {name: entry for name, entry in self._unsafe.items() if id(entry) not in gone}
+        self._unspooled = {name: entry for name, entry in self._unspooled.items() if id(entry) not in gone}
 
-    def unsave(self) -> None:
+    def forget_spool(self) -> None:
         """Mark all entries as not spooled, because the spool is lost."""
-        self._unsafe = {("goal", goal_id): goal for goal_id, goal in self.goals.items()}
-        self._unsafe |= {("event", event_id): event for event_id, event in self.events.items()}
-        self._unsafe |= {("key", name): key for name, key in self.keys.items()}
+        self._unspooled = {("goal", goal_id): goal for goal_id, goal in self.goals.items()}
+        self._unspooled |= {("event", event_id): event for event_id, event in self.events.items()}
+        self._unspooled |= {("key", name): key for name, key in self.keys.items()}
 
     def shed(self) -> None:
         """Drop the oldest events and ended external goals beyond the limit, because database and spool both fail.
@@ -155,7 +155,7 @@ class Waiting:
         for name, held in (("goal", self.goals), ("event", self.events), ("key", self.keys)):
             if len(held) <= self.limit:
                 continue
-            safe = [identity for identity in held if (name, identity) not in self._unsafe]
+            safe = [identity for identity in held if (name, identity) not in self._unspooled]
             for identity in safe[: len(held) - self.limit]:
                 del held[identity]
                 evicted += 1

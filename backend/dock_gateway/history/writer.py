@@ -328,7 +328,7 @@ class Writer:
         await self._spool.append(entries)
         if self._spool.lost:
             self._spool.lost = False
-            self._waiting.unsave()
+            self._waiting.forget_spool()
             self._guard.set()
 
     async def take_over(self) -> None:

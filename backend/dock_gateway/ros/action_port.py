@@ -57,7 +57,7 @@ class ResultAnswer:
 
 
 @dataclass(frozen=True)
-class Presence:
+class ServerPresence:
     """The servers of an action.
 
     Attributes:
@@ -171,17 +171,17 @@ class ActionPort:
         for client in self._clients:
             self._bridge.node.destroy_client(client)
 
-    async def presence(self) -> "Presence":
+    async def presence(self) -> "ServerPresence":
         """Return the servers of the action."""
         return await self._bridge.call(self._look)
 
-    def _look(self) -> "Presence":
+    def _look(self) -> "ServerPresence":
         available, node = all(client.service_is_ready() for client in self._clients), self._bridge.node
         if node.count_services(f"{self.action_name}/_action/send_goal") < 2:
-            return Presence(available)
+            return ServerPresence(available)
         infos = node.get_publishers_info_by_topic(f"{self.action_name}/_action/status")
         servers = frozenset(bytes(info.endpoint_gid).hex() for info in infos)
-        return Presence(available, servers, max(map(node.answers.answered_twice_at, self._clients)))
+        return ServerPresence(available, servers, max(map(node.answers.answered_twice_at, self._clients)))
 
     def send(self, goal_id: str, goal: Any) -> PendingCall:
         """Send a goal; the response says whether it was accepted."""

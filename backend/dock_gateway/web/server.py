@@ -76,7 +76,7 @@ def _log_config(level: str) -> None:
     if level != "debug":
         for handler in logging.getLogger().handlers:
             handler.addFilter(LogLimit())
-    for noisy in ("alembic", "asyncio", "httpcore", "httpx2", "websockets"):
+    for noisy in ("asyncio", "httpcore", "httpx2", "websockets"):
         logging.getLogger(noisy).setLevel(logging.WARNING)
     if level != "debug":
         logging.getLogger("uvicorn").setLevel(logging.WARNING)

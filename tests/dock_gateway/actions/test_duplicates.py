@@ -3,7 +3,7 @@
 import pytest
 
 from dock_gateway.actions.duplicates import SETTLED, Duplicates
-from dock_gateway.ros.action_port import Presence
+from dock_gateway.ros.action_port import ServerPresence
 
 
 class Watch:
@@ -14,7 +14,7 @@ class Watch:
         self.answered_twice_at = float("-inf")
 
     def found(self, seconds: float, *servers: str) -> bool:
-        return self._duplicates.found(Presence(True, frozenset(servers), self.answered_twice_at), seconds)
+        return self._duplicates.found(ServerPresence(True, frozenset(servers), self.answered_twice_at), seconds)
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import MemoryHistory
-from dock_gateway.ros.action_port import Presence
+from dock_gateway.ros.action_port import ServerPresence
 from dock_gateway.settings import Settings
 from tests.support.calls import FakeCall
 
@@ -37,8 +37,8 @@ class FakePort:
         self.answered_twice_at = float("-inf")
         self.pings = 0
 
-    async def presence(self) -> Presence:
-        return Presence(self.on_graph, frozenset(self.servers), self.answered_twice_at)
+    async def presence(self) -> ServerPresence:
+        return ServerPresence(self.on_graph, frozenset(self.servers), self.answered_twice_at)
 
     async def ping(self, timeout: float) -> bool:
         self.pings += 1

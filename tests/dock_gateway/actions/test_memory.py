@@ -23,7 +23,7 @@ from dock_gateway.history import sql
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
-from dock_gateway.ros.action_port import CancelAnswer, Presence, ResultAnswer
+from dock_gateway.ros.action_port import CancelAnswer, ResultAnswer, ServerPresence
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
 from tests.support.calls import FakeCall
@@ -46,8 +46,8 @@ class FakePort:
         self.result: ResultAnswer | None = ResultAnswer(GoalStatus.SUCCEEDED, b"{}")
         self.waiting: set[FakeCall] = set()
 
-    async def presence(self) -> Presence:
-        return Presence(True, frozenset(), float("-inf"))
+    async def presence(self) -> ServerPresence:
+        return ServerPresence(True, frozenset(), float("-inf"))
 
     async def ping(self, timeout: float) -> bool:
         return True

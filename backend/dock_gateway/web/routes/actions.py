@@ -115,8 +115,9 @@ async def get_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway)
 async def cancel_action_goal(name: GraphName, goal_id: GoalId, gateway: TheGateway) -> Response:
     """Ask the action server to cancel a goal, whoever sent it."""
     action = await gateway.actions.find(f"/{name}")
-    await goals.find_goal(gateway, action, goal_id)
-    return goal_response(await gateway.cancel(goal_id), f"/actions{action.name}/goals/{goal_id}", 202)
+    goal = await goals.find_goal(gateway, action, goal_id)
+    await action.canceler.cancel(goal)
+    return goal_response(goal, f"/actions{action.name}/goals/{goal_id}", 202)
 
 
 @router.get("/{name:path}", response_model=ActionInfo, responses=problems(404, 422, 503), dependencies=[NO_QUERY])

@@ -1,6 +1,15 @@
 """The JSON shapes of actions and their servers."""
 
-from dock_gateway.web.schemas.common import ActionServer, Schema
+from dock_gateway.web.schemas.common import Schema
+
+
+class ActionServer(Schema):
+    """Whether an action server is on the graph and answers. `duplicate` is true if there is more than one."""
+
+    action_name: str
+    available: bool
+    answering: bool
+    duplicate: bool
 
 
 class ActionInfo(ActionServer):

@@ -9,15 +9,6 @@ class Schema(BaseModel):
     model_config = ConfigDict(json_schema_serialization_defaults_required=True, extra="forbid")
 
 
-class ActionServer(Schema):
-    """Whether an action server is on the graph and answers. `duplicate` is true if there is more than one."""
-
-    action_name: str
-    available: bool
-    answering: bool
-    duplicate: bool
-
-
 class FieldProblem(Schema):
     """One invalid field."""
 

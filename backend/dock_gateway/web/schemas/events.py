@@ -6,7 +6,8 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.web.schemas.common import ActionServer, Schema
+from dock_gateway.web.schemas.actions import ActionServer
+from dock_gateway.web.schemas.common import Schema
 from dock_gateway.web.schemas.goals import BatteryState, DockFeedback, DockResult, Goal, GoalError, GoalSummary
 from dock_gateway.web.schemas.robots import Alert, Battery, Publisher, Robot, Simulator, StopState
 

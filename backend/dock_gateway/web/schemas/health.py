@@ -2,7 +2,8 @@
 
 from typing import Literal
 
-from dock_gateway.web.schemas.common import ActionServer, Schema
+from dock_gateway.web.schemas.actions import ActionServer
+from dock_gateway.web.schemas.common import Schema
 from dock_gateway.web.schemas.robots import StopState
 
 

@@ -4,7 +4,8 @@ from datetime import datetime
 from typing import Literal
 
 from dock_gateway.fleet.alert_rules import AlertKind
-from dock_gateway.web.schemas.common import ActionServer, Problem, Schema
+from dock_gateway.web.schemas.actions import ActionServer
+from dock_gateway.web.schemas.common import Problem, Schema
 from dock_gateway.web.schemas.goals import BatteryState, GoalState
 
 
