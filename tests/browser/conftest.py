@@ -2,7 +2,7 @@
 
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -30,6 +30,19 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if "browser" in Path(item.fspath).parts:
             item.add_marker(pytest.mark.browser)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """A failure shows what the page said, and what the gateway says."""
+    report = yield
+    page, gateway = (getattr(item, "funcargs", {}).get(name) for name in ("page", "gateway"))
+    if report.when == "call" and report.failed and isinstance(page, Page):
+        report.sections.append(("the page", page.locator("body").aria_snapshot()))
+        if isinstance(gateway, RunningGateway):
+            answers = (gateway.http.get(path).text for path in ("/health", "/stop", "/goals?limit=3"))
+            report.sections.append(("the gateway", "\n".join(answers)))
+    return report
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
