@@ -26,7 +26,7 @@ INTERFACES := backend/action_tutorials_interfaces
 INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check chaos bench bench-docking bench-dashboard format lock interfaces-wheel clean
+.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard format lock interfaces-wheel clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-18s %s\n", $$1, $$2}'
@@ -41,6 +41,9 @@ test: setup ## lint, format, types, import rules, Python tests, frontend tests
 
 check: setup ## the fast part of `make test`: everything but the tests
 	@scripts/check
+
+mutation: setup ## change the safety-critical modules in small ways: do their unit tests notice? (AREAS='latch stop')
+	@$(BIN)/python scripts/mutation.py $(AREAS)
 
 chaos: setup ## kill, flood and starve the gateway for half an hour; writes the figures to docs/reliability.md
 	@scripts/chaos $(PYTEST_ARGS)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import Phase, settings
 
 from tests.support.domain import ros_domain
 from tests.support.observer import Observer, ros_observer
@@ -16,6 +16,9 @@ os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 
 # Tests that have a time limit of their own say so: a busy machine takes its time.
 settings.register_profile("busy machine", deadline=None)
+# For `make mutation`: the same examples for every mutant, and no search for the smallest one that kills it.
+phases = [Phase.explicit, Phase.generate]
+settings.register_profile("mutation", deadline=None, derandomize=True, database=None, phases=phases)
 settings.load_profile("busy machine")
 
 
