@@ -21,7 +21,10 @@ WORK = Path(".mutation")
 # Area → its modules below backend/, and the unit tests that have to notice the mutants.
 AREAS = {
     "actions": (
-        [f"dock_gateway/actions/{name}.py" for name in ("tracker", "submission", "cancellation")],
+        [
+            f"dock_gateway/actions/{name}.py"
+            for name in ("goal_machine", "adoption", "tracker", "submission", "cancellation")
+        ],
         ["tests/dock_gateway/actions"],
     ),
     "latch": (

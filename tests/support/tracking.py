@@ -10,6 +10,7 @@ import orjson
 import pytest
 
 from dock_gateway.actions import results as results_module
+from dock_gateway.actions.goal_machine import News
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
@@ -50,7 +51,7 @@ class Scene:
         self.port = FakePort()
         self.reasons: PendingFacts[GoalError] = PendingFacts(0.1)
         self.tracker = GoalTracker(self.port, self.hub, self.history, self.reasons)  # type: ignore[arg-type]
-        self.tracker.on_return = self.returned.append
+        self.tracker.on[News.RETURNED].append(self.returned.append)
         self.subscriber: Subscriber = self.hub.subscribe(EventFilter())
         self.stamp = 0
 

@@ -4,22 +4,18 @@ Nothing is published about such a goal before it is looked up in the history: it
 ago. A ROS node that floods the graph with goals is throttled here, before it affects other users.
 """
 
-import asyncio
 import logging
-import time
 from collections import OrderedDict, deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.event import Now
 from dock_gateway.core.goal import Goal
-from dock_gateway.core.tasks import Tasks
-from dock_gateway.history import History
 
 log = logging.getLogger(__name__)
 
 # Applies a message to its goal, once the goal is known.
-Message = Callable[[Goal], None]
+Message = Callable[[Now, Goal], None]
 
 # Goals adopted in one batch, and seconds between two batches: 100 goals/s. All waiting goals are looked up together.
 # Those that have ended are settled at once and do not count towards the batch.
@@ -37,98 +33,67 @@ class Newcomer:
 
     Attributes:
         created_ns: When it was accepted, if known, else when it was first seen; nanoseconds since 1970.
+        since: When it was first seen, on the monotonic clock.
         running: Whether a message showed it as running.
         messages: The messages received, oldest first.
     """
 
     created_ns: int
+    since: float
     running: bool = False
     messages: deque[Message] = field(default_factory=lambda: deque(maxlen=MAX_MESSAGES))
-    since: float = field(default_factory=time.monotonic)
 
 
-class Adoption:
-    """Looks up unknown goals in batches, running goals first.
+class Newcomers:
+    """Unknown goals that wait to be looked up, running goals first. Pure, as `GoalMachine`."""
 
-    Args:
-        history: The store of goals, which other gateways may share.
-        adopt: Called with a goal's id, its entry in the history, and its messages.
-    """
+    def __init__(self) -> None:
+        self._waiting: OrderedDict[str, Newcomer] = OrderedDict()
 
-    def __init__(self, history: History, adopt: Callable[[str, Goal | None, Newcomer], None]) -> None:
-        self._history = history
-        self._adopt = adopt
-        self._newcomers: OrderedDict[str, Newcomer] = OrderedDict()
-        self._working = False
-        self._tasks = Tasks("looking up goals")
+    def __len__(self) -> int:
+        return len(self._waiting)
 
-    def hear(self, goal_id: str, message: Message, *, created_ns: int, running: bool) -> None:
+    def __iter__(self) -> Iterator[str]:
+        """Iterate over the ids of the goals to look up."""
+        return iter(self._waiting)
+
+    def hear(self, goal_id: str, message: Message, *, created_ns: int, running: bool, now: float) -> None:
         """Take a message about a goal that is not tracked."""
-        newcomer = self._newcomers.get(goal_id)
+        newcomer = self._waiting.get(goal_id)
         if newcomer is None:
-            if len(self._newcomers) >= MAX_NEWCOMERS and not self._make_room(running=running):
+            if len(self._waiting) >= MAX_NEWCOMERS and not self._make_room(running=running):
                 return
-            newcomer = self._newcomers[goal_id] = Newcomer(created_ns)
+            newcomer = self._waiting[goal_id] = Newcomer(created_ns, now)
         newcomer.messages.append(message)
         if running and not newcomer.running:
             newcomer.running = True
-            self._newcomers.move_to_end(goal_id, last=False)
-        if not self._working:
-            self._working = True
-            self._tasks.spawn(self._work())
+            self._waiting.move_to_end(goal_id, last=False)
 
     def _make_room(self, *, running: bool) -> bool:
         """Drop an ended goal to make room for a running one. A running goal is reported again by its server."""
         log.warning("more than %d unknown goals turned up at once; some are left out", MAX_NEWCOMERS)
-        last = next(reversed(self._newcomers))
-        if not running or self._newcomers[last].running:
+        last = next(reversed(self._waiting))
+        if not running or self._waiting[last].running:
             return False
-        del self._newcomers[last]
+        del self._waiting[last]
         return True
 
-    def claim(self, goal_id: str) -> list[Message]:
-        """Return the messages of a goal that became known in another way, and cancel its lookup."""
-        newcomer = self._newcomers.pop(goal_id, None)
-        return [] if newcomer is None else list(newcomer.messages)
+    def claim(self, goal_id: str) -> Newcomer | None:
+        """Remove and return a goal that became known; None if it does not wait."""
+        return self._waiting.pop(goal_id, None)
 
-    async def _work(self) -> None:
-        try:
-            while self._newcomers:
-                goal_ids = list(self._newcomers)
-                known = await self._look_up(goal_ids)
-                ended = {goal_id for goal_id, goal in (known or {}).items() if goal.status.final}
-                others = [goal_id for goal_id in goal_ids if goal_id not in ended]
-                for goal_id in (*ended, *others[:BATCH]):
-                    self._decide(goal_id, known)
-                pause = RETRY_INTERVAL if known is None else BATCH_INTERVAL if len(others) > BATCH else 0.0
-                await asyncio.sleep(pause)
-        finally:
-            self._working = False
+    def ready(self, asked: list[str], known: dict[str, Goal] | None, now: float) -> tuple[list[str], float]:
+        """Return the goals to adopt now, and the seconds until the next lookup.
 
-    async def _look_up(self, goal_ids: list[str]) -> dict[str, Goal] | None:
-        """Return what the history knows about these goals, or None if it does not answer."""
-        try:
-            return await self._history.known(goal_ids)
-        except GatewayError:
-            return None
-        except Exception:
-            log.exception("while looking up goals")
-            return None
-
-    def _decide(self, goal_id: str, known: dict[str, Goal] | None) -> None:
-        newcomer = self._newcomers.get(goal_id)
-        if newcomer is None:  # claimed meanwhile
-            return
-        impatient = newcomer.running and time.monotonic() - newcomer.since > PATIENCE
-        if known is None and not impatient:
-            self._newcomers.move_to_end(goal_id)
-            return
-        del self._newcomers[goal_id]
-        try:
-            self._adopt(goal_id, (known or {}).get(goal_id), newcomer)
-        except Exception:
-            log.exception("while taking up goal %s", goal_id)
-
-    async def close(self) -> None:
-        """Stop looking up goals."""
-        await self._tasks.close()
+        Args:
+            asked: The goals that were looked up, in their order.
+            known: What the history knows about them, or None if it does not answer.
+            now: Seconds on the monotonic clock.
+        """
+        if known is None:
+            waiting = ((goal_id, self._waiting.get(goal_id)) for goal_id in asked)
+            urgent = [goal_id for goal_id, it in waiting if it and it.running and now - it.since > PATIENCE]
+            return urgent[:BATCH], RETRY_INTERVAL
+        ended = [goal_id for goal_id in asked if goal_id in known and known[goal_id].status.final]
+        others = [goal_id for goal_id in asked if goal_id not in known or not known[goal_id].status.final]
+        return ended + others[:BATCH], BATCH_INTERVAL if len(others) > BATCH else 0.0

@@ -9,6 +9,7 @@ requests continue even after a refusal.
 import asyncio
 import logging
 
+from dock_gateway.actions.goal_machine import News
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
@@ -47,9 +48,9 @@ class Canceler:
         self._interlock = interlock
         self._unwanted: dict[str, GoalError] = {}
         self._insisting: set[str] = set()
-        tracker.on_return = self.seen_again
-        tracker.on_seen.append(self.seen_again)
-        tracker.on_end.append(self._forget)
+        for news in (News.SEEN, News.RETURNED):
+            tracker.on[news].append(self.seen_again)
+        tracker.on[News.RETIRED].append(self._forget)
 
     async def cancel(self, goal: Goal) -> None:
         """Ask the server to cancel a goal. If the server cannot be reached, the goal stays unwanted.
@@ -97,7 +98,7 @@ class Canceler:
     def _refused(self, goal: Goal) -> None:
         """Accept a refusal: the goal is no longer unwanted, unless a stop is latched for it."""
         self._unwanted.pop(goal.goal_id, None)
-        goal.error = self._why_unwanted(goal)
+        self._tracker.explain(goal, self._why_unwanted(goal))
 
     async def cancel_all(self) -> list[str]:
         """Ask the server to cancel every goal; return the ids of those that it will cancel.
@@ -110,8 +111,7 @@ class Canceler:
         goals = [goal for goal in self._tracker.live.values() if not goal.status.final]
         for goal in goals:
             self.mark_unwanted(goal, STOPPED)
-            if not goal.status.terminal:
-                goal.error = self._why_unwanted(goal)
+            self._tracker.explain(goal, self._why_unwanted(goal))
         try:
             answer = await self._tracker.port.cancel(None, STOP_TIMEOUT)
         except TimeoutError:
@@ -157,7 +157,7 @@ class Canceler:
         if why is None or goal.goal_id in self._insisting:
             return
         log.warning("canceling goal %s: %s", goal.goal_id, why.detail)
-        goal.error = why
+        self._tracker.explain(goal, why)
         self._insisting.add(goal.goal_id)
         self._tracker.tasks.spawn(self._insist(goal))
 
@@ -190,8 +190,7 @@ class Canceler:
                 except GatewayError as error:
                     log.info("goal %s could not be canceled yet: %s", goal.goal_id, error.detail)
                 await asyncio.sleep(RETRY_INTERVAL)
-            if not goal.status.terminal:  # the stop was released, so the goal may run
-                goal.error = None
+            self._tracker.explain(goal, None)  # the stop was released, so the goal may run
         finally:
             self._insisting.discard(goal.goal_id)
 

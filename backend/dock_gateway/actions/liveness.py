@@ -171,7 +171,7 @@ class ServerWatch:
         """Ask a server that is back whether it still knows its goals."""
         for goal in list(self._tracker.live.values()):
             if goal.status is not GoalStatus.PENDING or goal.goal_id in self._tracker.taken_up:
-                self._tracker.results.request_again(goal)
+                self._tracker.ask_again(goal)
 
     def _probe_quiet_goals(self) -> None:
         """Request the results of silent goals again: the server may have restarted too fast to be noticed."""
@@ -184,4 +184,4 @@ class ServerWatch:
                 self._next_probe[goal_id] = FIRST_PROBE
             elif silence >= due and self.state.answering:
                 self._next_probe[goal_id] = due * 2
-                self._tracker.results.request_again(goal)
+                self._tracker.ask_again(goal)

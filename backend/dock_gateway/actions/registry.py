@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from dock_gateway.actions.cancellation import Canceler
+from dock_gateway.actions.goal_machine import News
 from dock_gateway.actions.idempotency import Submitter
 from dock_gateway.actions.liveness import ServerState, ServerWatch
 from dock_gateway.actions.submission import Delivery
@@ -164,7 +165,7 @@ class ActionRegistry:
         kind = await asyncio.to_thread(ActionKind, type_name)
         port = await self._bridge.call(lambda: ActionPort(self._bridge, name, kind), undo=ActionPort.close)
         action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
-        action.tracker.on_end.append(self._on_end)
+        action.tracker.on[News.RETIRED].append(self._on_end)
         self._actions[name] = action
         unfinished = self._unfinished.pop(name, {})
         try:

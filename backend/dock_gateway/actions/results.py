@@ -5,17 +5,15 @@ ended, from the status topic, and why it was aborted.
 """
 
 import asyncio
-import logging
 import time
-from typing import Protocol
+from collections.abc import Callable
+from dataclasses import replace
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.goal import NO_RESULT, Goal, GoalError, GoalStatus, Json
+from dock_gateway.core.goal import NO_RESULT, Goal, GoalError, GoalStatus
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.ros.action_port import ActionPort, ResultAnswer
 from dock_gateway.ros.bridge import PendingCall
-
-log = logging.getLogger(__name__)
 
 # Seconds that an ended goal (by the status topic) waits for its result, and seconds between two requests for it.
 RESULT_WAIT, ASK_AGAIN_AFTER = 4.0, 0.5
@@ -28,25 +26,8 @@ SAID_NOTHING = "the action server aborted the goal and did not say why"
 WITH_RESULT = frozenset({GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED})
 
 
-class Goals(Protocol):
-    """The owner of the goals, which applies the answers to them."""
-
-    def heard(self) -> None:
-        """The action server gave a sign of life."""
-
-    def lose(self, goal: Goal, error: GoalError) -> None:
-        """Mark a goal that the action server does not know as lost."""
-
-    def end(
-        self,
-        goal: Goal,
-        status: GoalStatus,
-        *,
-        result: Json | None = None,
-        error: GoalError | None = None,
-        stamp_ns: int | None = None,
-    ) -> None:
-        """End the goal for good; `stamp_ns` is when the server reported it, in nanoseconds since 1970."""
+# Takes a goal, how it ended, and when the server reported that, in nanoseconds since 1970, if it did.
+Settle = Callable[[Goal, ResultAnswer, int | None], None]
 
 
 class Results:
@@ -54,14 +35,18 @@ class Results:
 
     Args:
         port: The action.
-        goals: The owner of the goals.
         reasons: Why goals were aborted.
+        heard: Called with each sign of life of the action server.
+        settle: Called with each answer, and if none comes for a goal that ended.
     """
 
-    def __init__(self, port: ActionPort, goals: Goals, reasons: PendingFacts[GoalError]) -> None:
+    def __init__(
+        self, port: ActionPort, reasons: PendingFacts[GoalError], heard: Callable[[], None], settle: Settle
+    ) -> None:
         self._port = port
-        self._goals = goals
         self._reasons = reasons
+        self._heard = heard
+        self._settle = settle
         self._end_stamps: PendingFacts[int] = PendingFacts(END_STAMP_WAIT)
         self._calls: dict[str, PendingCall] = {}
         self._tasks = Tasks("waiting for results")
@@ -69,8 +54,14 @@ class Results:
 
     # ------------------------------------------------------------------ asking
 
-    def request(self, goal: Goal) -> None:
-        """Request the goal's result, unless a request is pending."""
+    def request(self, goal: Goal, reported: tuple[GoalStatus, int] | None = None) -> None:
+        """Request the goal's result, unless a request is pending.
+
+        If the server reported how and when the goal ended, it ends without a result after `RESULT_WAIT` seconds.
+        """
+        if reported is not None and goal.goal_id not in self._end_stamps:
+            self._end_stamps.put(goal.goal_id, reported[1])
+            self._tasks.spawn(self._end_without_result(goal, reported[0]))
         if goal.goal_id not in self._calls:
             self.request_again(goal)
 
@@ -96,25 +87,14 @@ class Results:
                 del self._calls[goal.goal_id]
 
     async def _take_answer(self, goal: Goal, answer: ResultAnswer) -> None:
-        self._goals.heard()
-        if answer.status is None:
-            if not goal.status.terminal:
-                self._goals.lose(goal, GoalError("action_server_lost", "the action server does not know the goal"))
-            return
-        if not answer.status.terminal:
-            log.warning("goal %s: the action server gave a result and says %s", goal.goal_id, answer.status.value)
-            return
-        stamp_ns = await self._end_stamps.of(goal.goal_id)
-        error = answer.error
+        self._heard()
+        stamp_ns = None
+        if answer.status is not None and answer.status.terminal:
+            stamp_ns = await self._end_stamps.of(goal.goal_id)
         if answer.status is GoalStatus.ABORTED:
-            error = await self._reasons.of(goal.goal_id) or error or GoalError("goal_aborted", SAID_NOTHING)
-        self._goals.end(goal, answer.status, result=answer.result, error=error, stamp_ns=stamp_ns)
-
-    def expect(self, goal: Goal, status: GoalStatus, stamp_ns: int) -> None:
-        """Note that the server reported the goal's end. Without a result, the goal ends after `RESULT_WAIT` seconds."""
-        if goal.goal_id not in self._end_stamps:
-            self._end_stamps.put(goal.goal_id, stamp_ns)
-            self._tasks.spawn(self._end_without_result(goal, status))
+            error = await self._reasons.of(goal.goal_id) or answer.error or GoalError("goal_aborted", SAID_NOTHING)
+            answer = replace(answer, error=error)
+        self._settle(goal, answer, stamp_ns)
 
     async def _end_without_result(self, goal: Goal, status: GoalStatus) -> None:
         deadline = time.monotonic() + RESULT_WAIT
@@ -125,7 +105,7 @@ class Results:
                 self.request_again(goal)
         if not goal.status.final:
             error = GoalError(NO_RESULT, "the goal ended and the action server did not give its result")
-            self._goals.end(goal, status, error=error, stamp_ns=await self._end_stamps.of(goal.goal_id))
+            self._settle(goal, ResultAnswer(status, None, error), await self._end_stamps.of(goal.goal_id))
 
     # ------------------------------------------------------------------ the end
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dock_gateway.actions.cancellation import TOO_LATE, Canceler
+from dock_gateway.actions.goal_machine import News
 from dock_gateway.actions.liveness import ServerWatch
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, TooManyRequests, Unavailable
@@ -58,7 +59,7 @@ class Delivery:
         self._canceler = canceler
         self.stops = 0
         self._unanswered: dict[str, PendingCall] = {}  # of goals that were given up, by their ids
-        tracker.on_end.append(self._forget)
+        tracker.on[News.RETIRED].append(self._forget)
         self._tasks: set[asyncio.Task[Goal]] = set()
 
     def stop(self) -> None:
@@ -136,8 +137,7 @@ class Delivery:
             await self._reject(goal)
 
     def _accept(self, goal: Goal, response: Any) -> None:
-        self._tracker.move(goal, GoalStatus.ACCEPTED, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
-        self._tracker.results.request(goal)
+        self._tracker.accept(goal, response.stamp.sec * 1_000_000_000 + response.stamp.nanosec)
         self._canceler.seen_again(goal)
 
     async def _reject(self, goal: Goal) -> None:

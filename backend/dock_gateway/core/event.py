@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from dock_gateway.core.goal import Goal, GoalStatus, Json, encode, fragment
 
@@ -120,6 +120,18 @@ def nanoseconds(time: datetime) -> int:
 def utc_now() -> datetime:
     """Return the current UTC time."""
     return datetime.now(UTC)
+
+
+class Now(NamedTuple):
+    """The time: nanoseconds since 1970, and seconds on the monotonic clock."""
+
+    ns: int
+    monotonic: float
+
+    @classmethod
+    def read(cls) -> "Now":
+        """Return the current time."""
+        return cls(time.time_ns(), time.monotonic())
 
 
 def moment(stamp_ns: int) -> datetime:

@@ -10,10 +10,11 @@ from uuid import UUID
 import pytest
 
 from dock_gateway.actions import adoption as adoption_module
-from dock_gateway.actions.adoption import BATCH_INTERVAL, Adoption, Newcomer
+from dock_gateway.actions.adoption import BATCH_INTERVAL, Newcomers
+from dock_gateway.actions.goal_machine import News
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.event import Now
 from dock_gateway.core.goal import Goal, GoalError, encode
-from dock_gateway.history import MemoryHistory
 from tests.support.history import make_goal, until
 from tests.support.tracking import A, B, S, Scene, scene
 
@@ -137,41 +138,32 @@ async def test_a_goal_that_is_taken_up_while_it_is_looked_up(scene: Scene, claim
     assert scene.tracker.live[B].origin == "gateway"
 
 
-async def test_those_that_run_are_seen_though_thousands_have_ended(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    monkeypatch.setattr(adoption_module, "BATCH_INTERVAL", 0.01)
-    seen: list[str] = []
-
-    def adopt(goal_id: str, _: Goal | None, newcomer: Newcomer) -> None:
-        seen.append(goal_id)
-
-    adoption = Adoption(MemoryHistory(10), adopt)
+def test_those_that_run_are_seen_though_thousands_have_ended(caplog: pytest.LogCaptureFixture) -> None:
+    newcomers = Newcomers()
     for number in range(3000):
-        adoption.hear(f"{number}", lambda _: None, created_ns=1, running=number >= 2990)
-    await until(lambda: len(seen) >= 1000)
-    assert set(seen[:50]) >= {f"{number}" for number in range(2990, 3000)}
-    assert len(seen) == adoption_module.MAX_NEWCOMERS
+        newcomers.hear(f"{number}", lambda *_: None, created_ns=1, running=number >= 2990, now=0.0)
+    ready, pause = newcomers.ready(list(newcomers), {}, 0.0)
+    assert set(ready) >= {f"{number}" for number in range(2990, 3000)}
+    assert (len(ready), pause) == (adoption_module.BATCH, BATCH_INTERVAL)
+    assert len(newcomers) == adoption_module.MAX_NEWCOMERS
     assert "left out" in caplog.text
-    await adoption.close()
 
 
-async def test_made_up_goals_are_taken_up_at_a_rate_that_harms_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_made_up_goals_are_taken_up_at_a_rate_that_harms_nobody(
+    scene: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(adoption_module, "BATCH_INTERVAL", 0.1)
-    history, batches = MemoryHistory(10), []
+    batches: list[tuple[float, int]] = []
 
     async def known(goal_ids: Collection[str]) -> dict[str, Goal]:
         batches.append((time.monotonic(), len(goal_ids)))
         return {}
 
-    monkeypatch.setattr(history, "known", known)
-    adoption = Adoption(history, lambda *_: None)
-    for number in range(200):
-        adoption.hear(f"{number}", lambda _: None, created_ns=1, running=True)
+    monkeypatch.setattr(scene.history, "known", known)
+    scene.status(*((str(UUID(int=number)), S.EXECUTING) for number in range(200)))
     await until(lambda: len(batches) == 4)
     assert [size for _, size in batches] == [200, 150, 100, 50], "one query for all that wait"
     assert batches[-1][0] - batches[0][0] >= 0.3
-    await adoption.close()
 
 
 async def test_goals_that_have_ended_are_recognized_at_once_however_many(scene: Scene) -> None:
@@ -184,37 +176,33 @@ async def test_goals_that_have_ended_are_recognized_at_once_however_many(scene: 
     assert set(scene.tracker.live) == {A}
 
 
-async def test_a_goal_that_cannot_be_taken_up_harms_no_other(caplog: pytest.LogCaptureFixture) -> None:
+async def test_a_goal_that_cannot_be_taken_up_harms_no_other(scene: Scene, caplog: pytest.LogCaptureFixture) -> None:
     seen: list[str] = []
 
-    def adopt(goal_id: str, _: Goal | None, __: Newcomer) -> None:
-        if goal_id == "bad":
+    def listen(goal: Goal) -> None:
+        if goal.goal_id == A:
             raise ValueError("broken")
-        seen.append(goal_id)
+        seen.append(goal.goal_id)
 
-    adoption = Adoption(MemoryHistory(10), adopt)
-    for goal_id in ("bad", "good"):
-        adoption.hear(goal_id, lambda _: None, created_ns=1, running=False)
-    await until(lambda: seen == ["good"])
-    adoption.hear("next", lambda _: None, created_ns=1, running=False)
-    await until(lambda: seen == ["good", "next"])
-    assert "goal bad" in caplog.text
-    await adoption.close()
+    scene.tracker.on[News.SEEN].append(listen)
+    scene.status((A, S.EXECUTING), (B, S.EXECUTING))
+    await until(lambda: seen == [B])
+    later = str(UUID(int=1))
+    scene.status((later, S.EXECUTING))
+    await until(lambda: seen == [B, later])
+    assert f"goal {A}" in caplog.text
 
 
-async def test_what_waits_of_a_goal_is_bounded() -> None:
-    taken: list[int] = []
-
-    def adopt(_: str, __: Goal | None, newcomer: Newcomer) -> None:
-        for take in newcomer.messages:
-            take(make_goal(1))
-
-    adoption = Adoption(MemoryHistory(10), adopt)
+def test_what_waits_of_a_goal_is_bounded() -> None:
+    newcomers, taken = Newcomers(), list[int]()
     for number in range(1000):
-        adoption.hear("one", partial(lambda number, _: taken.append(number), number), created_ns=1, running=True)
-    await until(lambda: bool(taken))
+        message = partial(lambda number, *_: taken.append(number), number)
+        newcomers.hear("one", message, created_ns=1, running=True, now=0.0)
+    newcomer = newcomers.claim("one")
+    assert newcomer is not None
+    for take in newcomer.messages:
+        take(Now.read(), make_goal(1))
     assert taken == list(range(900, 1000))
-    await adoption.close()
 
 
 async def test_the_end_that_another_gateway_saw_first_is_told_here_too(scene: Scene) -> None:

@@ -10,6 +10,7 @@ import pytest
 
 from dock_gateway.actions import cancellation as canceler_module
 from dock_gateway.actions.cancellation import STOPPED, TOO_LATE, Canceler
+from dock_gateway.actions.goal_machine import News
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
@@ -177,7 +178,7 @@ async def test_nothing_is_remembered_of_ended_goals(scene: Scene) -> None:
 
 async def test_a_goal_that_turns_up_while_a_stop_holds_is_canceled_and_says_why(scene: Scene) -> None:
     scene.held = True
-    for seen in scene.tracker.on_seen:
+    for seen in scene.tracker.on[News.SEEN]:
         seen(goal := scene.goal(S.EXECUTING))
     await until(lambda: goal.status is S.CANCELING)
     assert goal.error is not None

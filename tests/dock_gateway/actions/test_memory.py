@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.actions import adoption, cancellation, results, tracker
+from dock_gateway.actions import adoption, cancellation, goal_machine, results
 from dock_gateway.actions.registry import Action
 from dock_gateway.core import tasks
 from dock_gateway.core.errors import GatewayError, Unavailable
@@ -149,8 +149,8 @@ class Scene:
 @pytest.fixture
 async def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
     for module, name, value in (
-        (tracker, "MAX_REMEMBERED", 10),
-        (tracker, "MAX_LOST", 10),
+        (goal_machine, "MAX_REMEMBERED", 10),
+        (goal_machine, "MAX_LOST", 10),
         (tasks, "MAX_REMEMBERED", 10),
         (cancellation, "MAX_UNWANTED", 10),
         (results, "RESULT_WAIT", 0.01),

@@ -53,7 +53,10 @@ async def test_a_result_after_the_time_still_counts(scene: Scene) -> None:
 
 
 @pytest.mark.parametrize("status", [S.SUCCEEDED, S.ABORTED])
-async def test_a_result_before_the_status_is_not_asked_for_again(scene: Scene, status: GoalStatus) -> None:
+async def test_a_result_before_the_status_is_not_asked_for_again(
+    scene: Scene, status: GoalStatus, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(scene.tracker._results._end_stamps, "_wait", 5.0)
     goal = scene.send()
     scene.status((A, S.EXECUTING))
     await asyncio.sleep(0)
@@ -74,7 +77,7 @@ async def test_a_result_before_the_status_is_not_asked_for_again(scene: Scene, s
 async def test_an_aborted_goal_says_why(scene: Scene) -> None:
     goal = scene.send()
     scene.reasons.put(A, GoalError("battery_lost", "no battery for 60 s"))
-    scene.tracker.results.request(goal)
+    scene.tracker.accept(goal, 1)
     await asyncio.sleep(0)
     scene.port.answer(A, S.ABORTED, b"{}")
     await asyncio.sleep(0.05)
@@ -83,7 +86,7 @@ async def test_an_aborted_goal_says_why(scene: Scene) -> None:
 
 async def test_a_reason_that_comes_a_moment_later(scene: Scene) -> None:
     goal = scene.send()
-    scene.tracker.results.request(goal)
+    scene.tracker.accept(goal, 1)
     await asyncio.sleep(0)
     scene.port.answer(A, S.ABORTED, b"{}")
     await asyncio.sleep(0.05)
@@ -96,7 +99,7 @@ async def test_a_reason_that_comes_a_moment_later(scene: Scene) -> None:
 async def test_an_unknown_goal_is_lost_only_while_it_runs(scene: Scene) -> None:
     goal = scene.send()
     scene.tracker.move(goal, S.EXECUTING)
-    scene.tracker.results.request_again(goal)
+    scene.tracker.ask_again(goal)
     await asyncio.sleep(0)
     scene.port.answer(A, None)
     await asyncio.sleep(0.05)
@@ -107,11 +110,11 @@ async def test_an_unknown_goal_is_lost_only_while_it_runs(scene: Scene) -> None:
 
 async def test_a_server_that_is_not_there_is_asked_again_later(scene: Scene) -> None:
     goal = scene.send()
-    scene.tracker.results.request(goal)
+    scene.tracker.accept(goal, 1)
     await asyncio.sleep(0)
     scene.port.calls[A][-1].response.set_exception(Unavailable("nobody"))
     await asyncio.sleep(0.05)
-    scene.tracker.results.request(goal)
+    scene.tracker.accept(goal, 1)
     await asyncio.sleep(0)
     assert len(scene.port.calls[A]) == 2
 

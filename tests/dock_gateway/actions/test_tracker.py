@@ -4,6 +4,7 @@ import asyncio
 
 import pytest
 
+from dock_gateway.actions import goal_machine
 from dock_gateway.actions import tracker as tracker_module
 from dock_gateway.core import tasks as later_module
 from dock_gateway.core.event import message_event
@@ -16,8 +17,7 @@ __all__ = ["scene"]
 
 async def test_the_usual_order(scene: Scene) -> None:
     goal = scene.send()
-    scene.tracker.move(goal, S.ACCEPTED)
-    scene.tracker.results.request(goal)
+    scene.tracker.accept(goal, 1)
     scene.status((A, S.EXECUTING))
     scene.feedback(1)
     await asyncio.sleep(0)
@@ -107,15 +107,15 @@ async def test_waiting_ends_with_the_goal_with_the_time_and_with_the_gateway(sce
 
 
 async def test_memory_is_bounded(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(tracker_module, "MAX_REMEMBERED", 10)
+    monkeypatch.setattr(goal_machine, "MAX_REMEMBERED", 10)
     monkeypatch.setattr(later_module, "MAX_REMEMBERED", 10)
-    monkeypatch.setattr(tracker_module, "MAX_LOST", 5)
+    monkeypatch.setattr(goal_machine, "MAX_LOST", 5)
     for number in range(50):
         goal = scene.send(f"{number:08d}-0000-4000-8000-000000000000")
         scene.reasons.put(goal.goal_id, GoalError("x", "y"))
         scene.tracker.lose(goal, GoalError("action_server_lost", "gone"))
     assert len(scene.tracker.live) == 5
-    assert len(scene.tracker._ended) <= 10
+    assert len(scene.tracker._machine._ended) <= 10
     assert len(scene.reasons) <= 10
 
 
