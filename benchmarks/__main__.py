@@ -1,16 +1,16 @@
 """Run the benchmark: `make bench`, or `python -m benchmarks --help` in its environment."""
 
+import gc
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Sequence
 from contextlib import ExitStack
 from datetime import UTC, datetime
-from functools import partial
 
 import orjson
 import uvloop
 
-from benchmarks.cases import acceptance, fan_out, highest_rate, latency
+from benchmarks.cases import FAILURES, acceptance, fan_out, highest_rate, latency
 from benchmarks.figures import Results
 from benchmarks.machine import describe, wait_until_quiet
 from benchmarks.options import Options, read_options
@@ -18,8 +18,9 @@ from benchmarks.plot import plot
 from benchmarks.robots import robots
 from benchmarks.site import Site, site
 from benchmarks.startup import startup
+from benchmarks.systems import LEFT_OUT
 from benchmarks.systems.bare import Bare
-from benchmarks.systems.base import Impossible, System
+from benchmarks.systems.base import System
 from benchmarks.systems.gateway import Gateway
 from benchmarks.systems.http_gateway import HttpGateway
 from benchmarks.systems.rosbridge import Rosbridge
@@ -28,53 +29,60 @@ from benchmarks.table import table
 RUNNING = {"a": acceptance, "b": latency, "c": fan_out, "d": highest_rate}
 
 
-def _makers(stack: ExitStack, options: Options) -> list[Callable[[], System]]:
-    """What makes each system, each at a site of its own."""
+def _own(stack: ExitStack, options: Options, robots: int = 0) -> list[Bare | Gateway]:
+    """The bare client and the versions of the gateway, each at a site of its own."""
 
     def where() -> Site:
-        return stack.enter_context(site(options.payload))
+        return stack.enter_context(site(options.payload, robots))
 
-    makers: list[Callable[[], System]] = [partial(Bare, where())]
-    makers += [partial(Gateway, where(), variant) for variant in options.variants]
-    makers.append(partial(Gateway, where()))
-    if options.peers:
-        makers.append(partial(HttpGateway, where(), options.peers / "ros2-http-gateway", options.rosidl_runtime_py))
-        makers.append(partial(Rosbridge, where(), options.peers / "rosbridge-server-rs"))
-    return makers
+    return [Bare(where()), *(Gateway(where(), variant) for variant in (*options.variants, None))]
+
+
+def _peers(stack: ExitStack, options: Options, results: Results) -> list[System]:
+    """The peers that are installed, each at a site of its own."""
+    peers: list[System] = []
+    for name, why in LEFT_OUT.items() if options.peers else ():
+        results.leave_out(name, "", why)
+    for peer in (HttpGateway, Rosbridge) if options.peers else ():
+        prefix = options.peers / peer.name
+        if prefix.is_dir():
+            peers.append(peer(stack.enter_context(site(options.payload)), prefix))
+        else:
+            results.leave_out(peer.name, "", "it could not be installed from PyPI")
+    return peers
 
 
 async def _run(options: Options, results: Results) -> None:
-    with ExitStack() as stack:
-        if set(options.cases) & set("abcde"):
-            makers = _makers(stack, options)
+    if set(options.cases) & set("abcde"):
+        with ExitStack() as stack:
+            systems = [*_own(stack, options), *_peers(stack, options, results)]
             if "e" in options.cases:
                 _say("e")
-                await startup(results, makers, options)
-            await _run_together(options, results, makers)
+                await startup(results, systems, options)
+            await _run_together(options, results, systems)
     if "f" in options.cases:
         _say("f")
-        await robots(results, options)
+        with ExitStack() as stack:
+            await robots(results, _own(stack, options, options.robots), options)
 
 
-async def _run_together(options: Options, results: Results, makers: list[Callable[[], System]]) -> None:
+async def _run_together(options: Options, results: Results, systems: Sequence[System]) -> None:
+    """Run the cases in which all systems stay up."""
     cases = [case for case in options.cases if case in RUNNING]
-    systems: list[System] = []
+    started: list[System] = []
     try:
-        for new in makers if cases else []:
-            system = new()
-            system.patience = 3
-            systems.append(system)
+        for system in systems if cases else ():
             try:
                 await system.start()
-            except Impossible as why:
-                results.missing("", "", system.name, str(why))
-                systems.remove(system)
+                started.append(system)
+            except FAILURES as why:
+                results.leave_out(system.name, "", f"it did not start: {str(why) or type(why).__name__}")
                 await system.close()
         for case in cases:
             _say(case)
-            await RUNNING[case](results, systems, options)
+            await RUNNING[case](results, started, options)
     finally:
-        for system in systems:
+        for system in started:
             await system.close()
 
 
@@ -87,6 +95,7 @@ def main() -> None:
     options = read_options(sys.argv[1:])
     results = Results()
     begun = time.monotonic()
+    gc.disable()
     busy = wait_until_quiet(options.quiet)
     uvloop.run(_run(options, results))
     text = table(results)
@@ -99,7 +108,7 @@ def main() -> None:
         "options": {
             name: str(value) for name, value in vars(options).items() if name in ("cases", "rounds", "seconds")
         },
-        "figures": results.document(),
+        **results.document(),
     }
     (options.output / "results.json").write_bytes(orjson.dumps(run, option=orjson.OPT_INDENT_2))
     (options.output / "table.md").write_text(text + "\n")

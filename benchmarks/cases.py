@@ -1,44 +1,55 @@
-"""Cases (a) to (d): acceptance, latency, fan-out, highest rate. Systems take turns, round by round."""
+"""The cases. Each measures one system in one turn; `take_turns` gives every system its turns."""
 
 import asyncio
 import gc
-from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Any
 
 from benchmarks.figures import Results
 from benchmarks.machine import wait_until_quiet
 from benchmarks.options import Options
 from benchmarks.site import Goal
-from benchmarks.systems.base import Impossible, Reading, System, Timing
+from benchmarks.systems.base import Impossible, Reading, System
 
 PAUSE = 0.05  # between goals: an action server that remembers many is slower for everyone
 LATENCY_RATES = (10, 100, 1000)
 FAN_OUT = ((1, 20), (200, 20), (1000, 20), (200, 100))
 LADDER = (500, 750, 1000, 1500, 2000, 2500, 3000, 4000, 5000)
+FAILURES = (Impossible, OSError, TimeoutError, AssertionError)
+
+
+async def take_turns(
+    results: Results, case: str, systems: Sequence[Any], options: Options, measure: Callable[[Any], Awaitable[None]]
+) -> None:
+    """Measure A, B, C, then A, B, C again; what fails is left out of the turn, with the reason."""
+    for _ in range(options.rounds):
+        for system in systems:
+            gc.collect()  # the load client collects garbage only here: its pauses are not the system's
+            wait_until_quiet(options.quiet)
+            try:
+                await measure(system)
+            except FAILURES as error:
+                results.leave_out(system.name, case, str(error)[:300] or type(error).__name__)
 
 
 async def acceptance(results: Results, systems: Sequence[System], options: Options) -> None:
     """(a) Submit → accepted, and goal → result."""
-    timings: dict[str, list[Timing]] = defaultdict(list)
-    each = max(10, options.goals // options.rounds)
-    for round_ in range(options.rounds):
-        wait_until_quiet(options.quiet)
-        for system in _turn(systems, round_):
-            try:
-                for _ in range(5):
-                    await system.submit()
-                for _ in range(each):
-                    await asyncio.sleep(PAUSE)
-                    timings[system.name].append(await system.submit())
-            except (Impossible, OSError, TimeoutError, AssertionError) as error:
-                results.missing("(a) goal", "", system.name, _why(error))
-    for system in systems:
-        accepted = [timing.accepted for timing in timings[system.name] if timing.accepted is not None]
-        result = [timing.result for timing in timings[system.name] if timing.result is not None]
-        if accepted:
-            results.latencies("(a) goal", "submit → accepted", system.name, accepted)
-        if result:
-            results.latencies("(a) goal", "goal → result", system.name, result)
+    case, goals = "(a) goal", max(10, options.goals // options.rounds)
+
+    async def measure(system: System) -> None:
+        for _ in range(5):
+            await system.submit()
+        timings = []
+        for _ in range(goals):
+            await asyncio.sleep(PAUSE)
+            timings.append(await system.submit())
+        for what, values in (
+            ("submit → accepted", [timing.accepted for timing in timings]),
+            ("goal → result", [timing.result for timing in timings]),
+        ):
+            results.latencies(case, what, system.name, (value for value in values if value is not None))
+
+    await take_turns(results, case, systems, options, measure)
 
 
 async def latency(results: Results, systems: Sequence[System], options: Options) -> None:
@@ -60,74 +71,48 @@ async def fan_out(results: Results, systems: Sequence[System], options: Options)
 async def _streams(
     results: Results, systems: Sequence[System], options: Options, case: str, *, goal: Goal, readers: int
 ) -> None:
-    readings: dict[str, list[Reading]] = defaultdict(list)
-    impossible: set[str] = set()
-    for round_ in range(options.rounds):
-        for system in _turn(systems, round_):
-            if system.name in impossible:
-                continue
-            wait_until_quiet(options.quiet)
-            try:
-                readings[system.name].append(await _read(system, goal, readers))
-            except (Impossible, OSError, TimeoutError, AssertionError) as error:
-                results.missing(case, "", system.name, _why(error))
-                impossible.add(system.name)
+    async def measure(system: System) -> None:
+        add_reading(results, case, system.name, await system.stream(goal, readers))
+
     for system in systems:
-        if found := readings[system.name]:
-            add_readings(results, case, system.name, found)
+        if readers > system.max_readers:
+            results.leave_out(system.name, case, "one reader only")
+    await take_turns(results, case, [s for s in systems if readers <= s.max_readers], options, measure)
 
 
-def add_readings(results: Results, case: str, system: str, readings: Sequence[Reading]) -> None:
-    """Add what some runs of one system gave."""
-    results.latencies(case, "", system, (value for reading in readings for value in reading.latencies))
-    results.add(case, "CPU", system, sorted(reading.cpu for reading in readings)[len(readings) // 2], unit="%")
-    lost, expected = sum(reading.lost for reading in readings), sum(reading.expected for reading in readings)
-    results.add(case, "lost", system, lost, unit="lost", note=f"{lost} of {expected} messages lost" if lost else "")
+def add_reading(results: Results, case: str, system: str, reading: Reading) -> None:
+    """Add what one turn of one system gave."""
+    if not reading.received:
+        raise Impossible(f"it delivered none of {reading.expected} messages")
+    results.latencies(case, "", system, reading.latencies)
+    results.add(case, "CPU", system, reading.cpu, "%")
+    results.add(case, f"lost of {reading.expected}", system, reading.lost, "lost")
 
 
 async def highest_rate(results: Results, systems: Sequence[System], options: Options) -> None:
-    """(d) The highest rate at which one reader loses nothing, twice tried."""
-    case, measure = "(d) highest rate", "without loss, 1 reader"
-    best: dict[str, float] = {}
-    climbing = list(systems)
-    for rate in LADDER:
-        for system in list(climbing):
-            try:
-                for _ in range(2):
-                    wait_until_quiet(options.quiet)
-                    reading = await _read(system, Goal(rate, int(rate * options.seconds), 0.5), 1)
-                    if not reading.lost:
-                        break
-            except (Impossible, OSError, TimeoutError, AssertionError) as error:
-                results.missing(case, "", system.name, _why(error))
-                climbing.remove(system)
-                continue
+    """(d) The highest rate of LADDER at which one reader loses nothing, found by halving."""
+    case = "(d) highest rate"
+
+    async def measure(system: System) -> None:
+        best, low, high = 0.0, 0, len(LADDER)
+        while low < high:
+            middle = (low + high) // 2
+            rate = LADDER[middle]
+            reading = await _without_loss(system, Goal(rate, int(rate * options.seconds), 0.5))
             if reading.lost:
-                climbing.remove(system)
-                results.missing(case, "", system.name, f"at {rate} Hz {reading.lost} of {reading.expected} were lost")
+                high = middle
                 continue
-            best[system.name] = rate
-            if reading.achieved_hz < 0.95 * rate:
-                results.missing(case, "", system.name, f"the action server itself reached {reading.achieved_hz:.0f} Hz")
-                best[system.name] = reading.achieved_hz
-                climbing.remove(system)
-    for name, rate in best.items():
-        results.add(case, measure, name, rate, unit="Hz")
+            best, low = min(rate, reading.achieved_hz), middle + 1
+            if reading.achieved_hz < 0.95 * rate:  # the action server is the limit
+                break
+        if not best:
+            raise Impossible(f"it lost {reading.lost} of {reading.expected} messages at {rate} Hz")
+        results.add(case, "without loss, 1 reader", system.name, best, "Hz")
+
+    await take_turns(results, case, systems, options, measure)
 
 
-async def _read(system: System, goal: Goal, readers: int) -> Reading:
-    gc.collect()
-    gc.disable()  # the load client's own pauses are nobody's latency
-    try:
-        return await system.stream(goal, readers)
-    finally:
-        gc.enable()
-
-
-def _turn(systems: Sequence[System], round_: int) -> list[System]:
-    first = round_ % len(systems)
-    return [*systems[first:], *systems[:first]]
-
-
-def _why(error: Exception) -> str:
-    return str(error)[:200] or type(error).__name__
+async def _without_loss(system: System, goal: Goal) -> Reading:
+    """Read a goal's feedback, and once more if messages were lost: the machine may have been busy."""
+    reading = await system.stream(goal, 1)
+    return await system.stream(goal, 1) if reading.lost else reading

@@ -12,7 +12,7 @@ from benchmarks.figures import Results
 
 
 def plot(results: Results, *files: Path) -> None:
-    """Medians as bars with the 99th percentile as a whisker, one group a case."""
+    """Medians as bars with the 99th percentile as a whisker, each the median of the turns; one group a case."""
     rows = [(case, measure) for case, measure in results.rows() if measure.endswith("p50")]
     systems = [s for s in results.systems() if any(_value(results, case, m, s) for case, m in rows)]
     if not rows or not systems:
@@ -37,4 +37,4 @@ def plot(results: Results, *files: Path) -> None:
 
 def _value(results: Results, case: str, measure: str, system: str) -> float:
     found = results.find(case, measure, system)
-    return 0.0 if found is None or found.value is None or found.measure != measure else found.value
+    return found.value if found else 0.0

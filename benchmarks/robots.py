@@ -1,61 +1,33 @@
-"""Case (f): many robots, each in its namespace with feedback at 10 Hz, through one gateway."""
+"""Case (f): many robots, each in its namespace with feedback at 10 Hz, through one client or gateway."""
 
-import asyncio
 import time
+from collections.abc import Sequence
 
-from benchmarks.cases import add_readings
-from benchmarks.figures import BARE, OURS, Results
-from benchmarks.machine import wait_until_quiet
+from benchmarks.cases import add_reading, take_turns
+from benchmarks.figures import Results
 from benchmarks.options import Options
-from benchmarks.site import ACTION, Goal, site
+from benchmarks.site import ACTION, Goal
 from benchmarks.systems.bare import Bare
-from benchmarks.systems.base import Impossible
 from benchmarks.systems.gateway import Gateway
 
 RATE = 10
-DISCOVERY = 60.0
 
 
-async def robots(results: Results, options: Options) -> None:
-    """One goal on each robot, all feedback read by one reader."""
+async def robots(results: Results, systems: Sequence[Bare | Gateway], options: Options) -> None:
+    """One goal on each robot, all feedback read by one reader. Each turn starts the system anew."""
     case = f"(f) {options.robots} robots x {RATE} Hz"
+    names = [f"/robot{number}/{ACTION}" for number in range(1, options.robots + 1)]
     # Goals go out one after another: a delay lets all of them be there before the first feedback.
     goal = Goal(RATE, int(RATE * options.seconds), 4.0)
-    with site(options.payload, options.robots) as where:
-        client = Bare(where)
-        try:
-            await client.start_idle()
-            order = {"do": "robots", "robots": options.robots, "goal": goal.state}
-            await client.read({**order, "goal": Goal(RATE, 1).state}, Goal(RATE, 1), options.robots)
-            wait_until_quiet(options.quiet)
-            add_readings(results, case, BARE, [await client.read(order, goal, options.robots)])
-        finally:
-            await client.close()
-    with site(options.payload, options.robots) as where:
-        gateway = Gateway(where)
-        try:
-            await gateway.start_idle()
-            begun = time.monotonic()
-            names = await _discover(gateway, options.robots)
-            results.add(case, "start → all actions known", OURS, time.monotonic() - begun, unit="s")
-            wait_until_quiet(options.quiet)
-            reading = await gateway.read(goal, 1, [f"/actions{name}/goals" for name in names])
-            add_readings(results, case, OURS, [reading])
-            results.add(case, "RSS", OURS, gateway.rss, unit="MB")
-        except (Impossible, TimeoutError, AssertionError) as why:
-            results.missing(case, "", OURS, str(why)[:300] or type(why).__name__)
-        finally:
-            await gateway.close()
 
+    async def measure(system: Bare | Gateway) -> None:
+        begun = time.monotonic()
+        try:
+            await system.start_robots(names)
+            results.add(case, "start → all actions known", system.name, time.monotonic() - begun, "s")
+            add_reading(results, case, system.name, await system.read_robots(goal, names))
+            results.add(case, "RSS", system.name, system.rss, "MB")
+        finally:
+            await system.close()
 
-async def _discover(gateway: Gateway, count: int) -> list[str]:
-    wanted = [f"/robot{number}/{ACTION}" for number in range(1, count + 1)]
-    deadline = time.monotonic() + DISCOVERY
-    while time.monotonic() < deadline:
-        known = await asyncio.to_thread(gateway.actions)
-        if known is None:
-            raise Impossible("needs /actions")
-        if set(wanted) <= set(known):
-            return wanted
-        await asyncio.sleep(0.1)
-    raise Impossible(f"only {len(set(wanted) & set(known))} of {count} actions were known after {DISCOVERY:g} s")
+    await take_turns(results, case, systems, options, measure)

@@ -14,7 +14,10 @@ ROOT = Path(__file__).parent.parent
 PRODUCT = ROOT / ".venv"
 ACTION = "connect_to_charging_dock"
 ACTION_TYPE = "action_tutorials_interfaces/action/ConnectToChargingDock"
-LEAKING = ("VIRTUAL_ENV", "PYTHONPATH", "PYTHONHOME", "LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE")
+LEAKING = (
+    *("VIRTUAL_ENV", "PYTHONPATH", "PYTHONHOME", "LD_LIBRARY_PATH", "_ROS_WHEELS_BOOTSTRAP_COMPLETE"),
+    "PYTHONDONTWRITEBYTECODE",  # a system that compiles itself at each start would start slowly
+)
 
 
 @dataclass(frozen=True)
@@ -61,7 +64,6 @@ def ros_variables(domain: int, prefix: Path) -> dict[str, str]:
         "ROS_DOMAIN_ID": str(domain),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "PYTHONUNBUFFERED": "1",
-        "PYTHONDONTWRITEBYTECODE": "1",
     }
 
 

@@ -1,4 +1,4 @@
-"""The figures as a Markdown table."""
+"""The figures as a Markdown table, and beneath it what was left out."""
 
 from benchmarks.figures import BARE, OURS, Figure, Results
 
@@ -16,12 +16,26 @@ def table(results: Results) -> str:
     widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
     lines.insert(1, ["-" * width for width in widths])
     text = "\n".join("| " + " | ".join(map(str.ljust, line, widths)) + " |" for line in lines)
-    notes = dict.fromkeys(f"{f.system}, {f.case or 'all cases'}: {f.note}" for f in results.figures if f.note)
-    return "\n".join([text, "", *(f"- {note}" for note in notes)])
+    return "\n".join([text, "", *_left_out(results)])
 
 
 def _cell(figure: Figure | None) -> str:
-    if figure is None or figure.value is None:
+    """The median, and the range of the turns where they differ."""
+    if figure is None:
         return "-"
-    value = f"{figure.value:.0f}" if figure.value >= 100 or figure.unit in ("lost", "Hz") else f"{figure.value:.2f}"
-    return f"{value} {figure.unit}".strip()
+    value, low, high = (_number(number, figure.unit) for number in (figure.value, *figure.spread))
+    return f"{value} {figure.unit}" if low == high else f"{value} {figure.unit} ({low} to {high})"
+
+
+def _number(value: float, unit: str) -> str:
+    return f"{value:.0f}" if value >= 100 or unit in ("lost", "Hz") else f"{value:.2f}"
+
+
+def _left_out(results: Results) -> list[str]:
+    """One line a system and case, with the number of turns where other turns gave figures."""
+    lines = []
+    for (system, case), reasons in results.left_out.items():
+        good = max((len(f.turns) for f in results.figures.values() if (f.case, f.system) == (case, system)), default=0)
+        turns = f" ({len(reasons)} of {good + len(reasons)} turns)" if good else ""
+        lines.append(f"- left out: {system}{f', {case}' if case else ''}{turns}: {'; '.join(dict.fromkeys(reasons))}")
+    return lines

@@ -2,7 +2,7 @@
 
 {"do": "goal"}                                     one goal; answers with the times to acceptance and result
 {"do": "stream", "goal": {…}}                      one goal with feedback; answers with the latencies
-{"do": "robots", "goal": {…}, "robots": 100}       one such goal on each of /robot1 … /robotN
+{"do": "robots", "goal": {…}, "names": […]}        one such goal on each of these actions
 """
 
 import json
@@ -96,9 +96,7 @@ def main() -> None:
         if order["do"] == "goal":
             answer = node.goal()
         elif order["do"] == "robots":
-            answer = node.stream(
-                order["goal"], [f"/robot{number}/{ACTION}" for number in range(1, order["robots"] + 1)]
-            )
+            answer = node.stream(order["goal"], order["names"])
         else:
             answer = node.stream(order["goal"], [ACTION])
         print(json.dumps(answer), flush=True)

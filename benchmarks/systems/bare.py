@@ -8,18 +8,28 @@ import orjson
 
 from benchmarks.figures import BARE
 from benchmarks.site import PRODUCT, ROOT, Goal
-from benchmarks.systems.base import Impossible, Reading, System, Timing
+from benchmarks.systems.base import Reading, System, Timing
 
 
 class Bare(System):
     """The bare client."""
 
     name = BARE
+    max_readers = 1
 
     async def start(self) -> None:
         """Start it and have a first goal accepted."""
         await self.start_idle()
         await self._order({"do": "goal"})
+
+    async def start_robots(self, names: list[str]) -> None:
+        """Start it, and come back when each robot's action has answered a goal."""
+        await self.start_idle()
+        await self.read_robots(Goal(10, 1), names)
+
+    async def read_robots(self, goal: Goal, names: list[str]) -> Reading:
+        """Have each robot's action run a goal and read all feedback."""
+        return await self._read({"do": "robots", "goal": goal.state, "names": names}, goal, len(names))
 
     async def start_idle(self) -> None:
         """Start it."""
@@ -47,12 +57,9 @@ class Bare(System):
 
     async def stream(self, goal: Goal, readers: int) -> Reading:
         """One reader; there is no other kind."""
-        if readers != 1:
-            raise Impossible("one reader only")
-        return await self.read({"do": "stream", "goal": goal.state}, goal, 1)
+        return await self._read({"do": "stream", "goal": goal.state}, goal, 1)
 
-    async def read(self, order: dict[str, Any], goal: Goal, actions: int) -> Reading:
-        """Have goals run and read their feedback."""
+    async def _read(self, order: dict[str, Any], goal: Goal, actions: int) -> Reading:
         cpu = asyncio.create_task(self.cpu_during(goal.seconds, goal.delay))
         answer = await self._order(order)
         return Reading.of(goal.count * actions, answer["latencies"], answer["stamps"], await cpu)

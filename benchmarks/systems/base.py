@@ -1,6 +1,7 @@
 """What every measured system can be asked."""
 
 import asyncio
+import sys
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Self
@@ -52,7 +53,7 @@ class System(ABC):
 
     name: str
     process: Process
-    patience = 1  # so many first goals may stay without an answer
+    max_readers = sys.maxsize
 
     def __init__(self, where: Site) -> None:
         self.site = where

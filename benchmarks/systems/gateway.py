@@ -16,7 +16,8 @@ from benchmarks.site import PRODUCT, Goal, Site
 from benchmarks.systems.base import Impossible, Reading, System, Timing
 
 MARK = b'"type":"feedback"'
-START_TIMEOUT = 20.0
+START_TIMEOUT = 60.0
+DISCOVERY = 60.0
 
 
 class Gateway(System):
@@ -24,15 +25,13 @@ class Gateway(System):
 
     Args:
         where: Where to start it.
-        variant: Name of another version, and the folder that holds its `dock_gateway`.
+        variant: Name of another version, and its checkout with the environment that `make setup` made there.
     """
 
     def __init__(self, where: Site, variant: tuple[str, Path] | None = None) -> None:
         super().__init__(where)
         self.name = f"{OURS} {variant[0]}" if variant else OURS
-        self._source = variant[1].resolve() if variant else None
-        self.port = free_port()
-        self._kept = KeptConnection(lambda: Connection(self.port))
+        self._prefix = variant[1] / ".venv" if variant else PRODUCT
 
     async def start(self) -> None:
         """Start it and have a first goal accepted."""
@@ -41,13 +40,13 @@ class Gateway(System):
 
     async def start_idle(self) -> None:
         """Start it, and come back when it answers HTTP."""
+        self.port = free_port()
+        self._kept = KeptConnection(lambda: Connection(self.port))
         self._data = tempfile.TemporaryDirectory()
         variables = {"XDG_DATA_HOME": self._data.name, "DOCK_GATEWAY_PORT": str(self.port)}
         variables |= {"DOCK_GATEWAY_MAX_SUBSCRIBERS": "2000", "DOCK_GATEWAY_LOG_LEVEL": "warning"}
-        if self._source:
-            variables["PYTHONPATH"] = str(self._source)
-        command = (str(PRODUCT / "bin/dock-gateway"), "serve")
-        self.process = Process(*command, env=self.site.environment(**variables)).__enter__()
+        command = (str(self._prefix / "bin/dock-gateway"), "serve")
+        self.process = Process(*command, env=self.site.environment(self._prefix, **variables)).__enter__()
         await asyncio.to_thread(self._until_listening)
 
     def _until_listening(self) -> None:
@@ -59,7 +58,7 @@ class Gateway(System):
                 time.sleep(0.01)
             else:
                 return
-        raise Impossible(f"it did not start: {self.process.output[-600:]}")
+        raise Impossible(f"it did not listen within {START_TIMEOUT:g} s: {self.process.output[-600:]}")
 
     def _until_accepted(self) -> None:
         deadline = time.monotonic() + START_TIMEOUT
@@ -92,9 +91,22 @@ class Gateway(System):
 
     async def stream(self, goal: Goal, readers: int) -> Reading:
         """Read /ws/feedback."""
-        return await self.read(goal, readers, ["/dock"])
+        return await self._read(goal, readers, ["/dock"])
 
-    async def read(self, goal: Goal, readers: int, submit_to: list[str]) -> Reading:
+    async def start_robots(self, names: list[str]) -> None:
+        """Start it, and come back when it knows each robot's action."""
+        await self.start_idle()
+        deadline = time.monotonic() + DISCOVERY
+        while missing := set(names) - await asyncio.to_thread(self._actions):
+            if time.monotonic() > deadline:
+                raise Impossible(f"{len(missing)} of {len(names)} actions were unknown after {DISCOVERY:g} s")
+            await asyncio.sleep(0.1)
+
+    async def read_robots(self, goal: Goal, names: list[str]) -> Reading:
+        """Have each robot's action run a goal and read all feedback."""
+        return await self._read(goal, 1, [f"/actions{name}/goals" for name in names])
+
+    async def _read(self, goal: Goal, readers: int, submit_to: list[str]) -> Reading:
         """Have a goal run at each of some addresses, and read all feedback."""
         tally = Tally()
         url = f"ws://127.0.0.1:{self.port}/ws/feedback"
@@ -120,11 +132,10 @@ class Gateway(System):
                 status, answer = connection.request("POST", path, body)
                 assert status == 202, orjson.dumps(answer).decode()
 
-    def actions(self) -> list[str] | None:
-        """The actions it knows and could send goals to; None where it has no /actions."""
+    def _actions(self) -> set[str]:
         with Connection(self.port) as connection:
-            status, answer = connection.request("GET", "/actions")
-        return None if status == 404 else [action["action_name"] for action in answer["actions"] if action["available"]]
+            _, answer = connection.request("GET", "/actions")
+        return {action["action_name"] for action in answer["actions"] if action["available"]}
 
     async def close(self) -> None:
         """End it."""

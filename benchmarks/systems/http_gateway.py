@@ -11,11 +11,12 @@ from tests.support.processes import Process
 
 from benchmarks.http import Connection, KeptConnection, free_port
 from benchmarks.readers import EventStreamReader, Tally
-from benchmarks.site import ACTION, ACTION_TYPE, Goal, Site, site_packages
+from benchmarks.site import ACTION, ACTION_TYPE, ROOT, Goal, Site
 from benchmarks.systems.base import Impossible, Reading, System, Timing
 
 TOKEN = "benchmark"
-START_TIMEOUT = 20.0
+START_TIMEOUT = 60.0
+STAND_INS = ROOT / "benchmarks/stand_ins"
 
 
 class HttpGateway(System):
@@ -24,24 +25,18 @@ class HttpGateway(System):
     Args:
         where: Where to start it.
         prefix: Its Python environment.
-        runtime_py: A folder that holds the package rosidl_runtime_py, which it imports and PyPI does not have.
     """
 
     name = "ros2-http-gateway"
 
-    def __init__(self, where: Site, prefix: Path, runtime_py: Path | None) -> None:
+    def __init__(self, where: Site, prefix: Path) -> None:
         super().__init__(where)
         self._prefix = prefix
-        self._runtime_py = runtime_py
-        self.port = free_port()
-        self._kept = KeptConnection(self._connect)
 
     async def start(self) -> None:
         """Start it and have a first goal accepted."""
-        if not (site_packages(self._prefix) / "ros2_http_gateway").is_dir():
-            raise Impossible("not installed")
-        if self._runtime_py is None and not (site_packages(self._prefix) / "rosidl_runtime_py").is_dir():
-            raise Impossible("imports rosidl_runtime_py, which is not on PyPI; name a folder by --rosidl-runtime-py")
+        self.port = free_port()
+        self._kept = KeptConnection(self._connect)
         digest = hashlib.sha256(TOKEN.encode()).hexdigest()
         config = {
             "endpoints": {"/dock": {"action": f"/{ACTION}", "type": ACTION_TYPE, "roles": ["operator"]}},
@@ -53,9 +48,8 @@ class HttpGateway(System):
         self._folder = tempfile.TemporaryDirectory()
         file = Path(self._folder.name) / "config.yaml"
         file.write_bytes(orjson.dumps(config))
-        more = {"PYTHONPATH": str(self._runtime_py)} if self._runtime_py else {}
-        command = (str(self._prefix / "bin/ros2-http-gateway"), str(file))
-        self.process = Process(*command, env=self.site.environment(self._prefix, **more)).__enter__()
+        environment = self.site.environment(self._prefix, PYTHONPATH=str(STAND_INS))
+        self.process = Process(str(self._prefix / "bin/ros2-http-gateway"), str(file), env=environment).__enter__()
         await asyncio.to_thread(self._until_accepted)
 
     def _connect(self) -> Connection:
