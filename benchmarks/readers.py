@@ -17,8 +17,6 @@ class Tally:
     def __init__(self) -> None:
         self.latencies = array("d")
         self.stamps: set[int] = set()
-        self.told_dropped = 0
-        self.last = time.monotonic()
 
     def note(self, text: bytes, now_ns: int) -> None:
         """A feedback message arrived."""
@@ -57,8 +55,6 @@ class WebSocketReader(WSListener):  # type: ignore[misc]
         if self._mark in text[:200]:
             self._tally.note(text, now_ns)
             return
-        if text.startswith(b'{"type":"dropped"'):
-            self._tally.told_dropped += 1
         if not self.begun.done():
             self.begun.set_result(None)
         self._others(text)
@@ -87,7 +83,11 @@ class EventStreamReader(asyncio.Protocol):
         """Some events, or a part of one."""
         now_ns = time.time_ns()
         if not self.begun.done():
-            self.begun.set_result(None)
+            status = data.partition(b"\r\n")[0].decode()
+            if " 200 " in status:
+                self.begun.set_result(None)
+            else:
+                self.begun.set_exception(ConnectionError(status))
         *events, self._rest = (self._rest + data).split(b"\n\n")
         for event in events:
             if b"event: feedback" in event:

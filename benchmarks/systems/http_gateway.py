@@ -94,15 +94,17 @@ class HttpGateway(System):
             f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{self.port}\r\nAuthorization: Bearer {TOKEN}\r\n\r\n".encode()
         )
         loop = asyncio.get_running_loop()
-        transports: list[asyncio.Transport] = []
+        connections: list[tuple[asyncio.Transport, EventStreamReader]] = []
         try:
-            for _ in range(readers):
-                made = await loop.create_connection(lambda: EventStreamReader(tally, request), "127.0.0.1", self.port)
-                transports.append(made[0])
+            while len(connections) < readers:
+                connections.append(
+                    await loop.create_connection(lambda: EventStreamReader(tally, request), "127.0.0.1", self.port)
+                )
+            await asyncio.wait_for(asyncio.gather(*(reader.begun for _, reader in connections)), START_TIMEOUT)
             used = await cpu
             await tally.settle(goal.count * readers)
         finally:
-            for transport in transports:
+            for transport, _ in connections:
                 transport.close()
         return Reading.of(goal.count * readers, list(tally.latencies), list(tally.stamps), used)
 
