@@ -1,6 +1,6 @@
 """Detects two action servers with one name. Each executes every goal, so both move the robot."""
 
-from dock_gateway.ros.action_port import ServerPresence
+from dock_gateway.ros.action_link import ServerPresence
 
 # Seconds after which a server on the graph counts as alive: a killed server stays there for up to 20 s.
 SETTLED = 25.0

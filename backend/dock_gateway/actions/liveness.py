@@ -92,7 +92,7 @@ class ServerWatch:
         self._set(available=available, answering=answering, duplicate=duplicate)
         self._judge()
         if came_back:
-            self._reconcile()
+            self.reconcile()
         self._probe_quiet_goals()
         return self.state
 
@@ -167,7 +167,7 @@ class ServerWatch:
             else:
                 self._tracker.stall(goal, stalled=silence > self._settings.stalled_after)
 
-    def _reconcile(self) -> None:
+    def reconcile(self) -> None:
         """Ask a server that is back whether it still knows its goals."""
         for goal in list(self._tracker.live.values()):
             if goal.status is not GoalStatus.PENDING or goal.goal_id in self._tracker.taken_up:

@@ -10,6 +10,7 @@ from dock_gateway.actions.cancellation import Canceler
 from dock_gateway.actions.goal_machine import News
 from dock_gateway.actions.idempotency import Submitter
 from dock_gateway.actions.liveness import ServerState, ServerWatch
+from dock_gateway.actions.rejoining import Rejoiner
 from dock_gateway.actions.submission import Delivery
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.discovery import Discovery
@@ -72,6 +73,7 @@ class Action:
         self.submitter = Submitter(settings, history, self.tracker, self.delivery)
         self._tasks = Tasks(f"looking after {self.name}")
         self._tasks.spawn(self.watch.run())
+        self._tasks.spawn(Rejoiner(self.tracker, self.watch).run())
 
     def _tell(self, state: ServerState) -> None:
         self._hub.publish(system_event("action_server", state, utc_now(), action_name=self.name))

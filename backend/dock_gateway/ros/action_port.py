@@ -5,20 +5,21 @@ topics; subscribing to the topics shows every goal of the action, whoever sent i
 """
 
 import asyncio
+import time
 import uuid
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 from action_msgs.srv import CancelGoal
 from rclpy.client import Client
-from rclpy.qos import QoSProfile, qos_profile_action_status_default
-from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import serialize_message
-from rclpy.subscription import Subscription
 from unique_identifier_msgs.msg import UUID
 
+from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import FROM_ROS, GoalError, GoalStatus, Json
+from dock_gateway.ros.action_link import ActionLink, ServerPresence
 from dock_gateway.ros.bridge import Bridge, PendingCall, guard
 from dock_gateway.ros.listener import Unread
 from dock_gateway.ros.losses import Losses, OnLoss
@@ -26,11 +27,9 @@ from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.interfaces import load_action
 from dock_gateway.ros.status import StatusReader, StatusReport, text_of
 
-# Messages. At 3,000 Hz a depth of 10 lost messages on a busy machine; 1,000 lost none.
-FEEDBACK_DEPTH = 1000
-# Many goals may be sent and answered at the same time; ROS's default depth of 10 would lose some.
-SERVICE_QOS = QoSProfile(depth=1000)
-
+# Seconds that a server has for an answer when it is tried through another participant, seconds between two looks, and
+# seconds for the server to be found through the common participant.
+ANSWER_WITHIN, LOOK_INTERVAL, HOME_WITHIN = 1.0, 0.1, 5.0
 
 # Bytes before the goal id, the first field of a feedback message, and bytes of the id.
 HEADER, ID_SIZE = 4, 16
@@ -56,21 +55,6 @@ class ResultAnswer:
     error: GoalError | None = None
 
 
-@dataclass(frozen=True)
-class ServerPresence:
-    """The servers of an action.
-
-    Attributes:
-        available: Whether a server of all three services is on the graph.
-        servers: Identifiers of the servers, alive or dead, if there are several.
-        answered_twice_at: When two of them last answered the same request, on the monotonic clock.
-    """
-
-    available: bool
-    servers: frozenset[str] = frozenset()
-    answered_twice_at: float = float("-inf")
-
-
 class ActionKind:
     """An action type by its name, `package/action/Name`. The constructor imports the package, which is slow.
 
@@ -86,6 +70,10 @@ class ActionKind:
             codec(part)
 
 
+class LeftError(Exception):
+    """The link through which a request was sent has been replaced by another one."""
+
+
 class ActionPort:
     """Sends goals, cancel requests and result requests to one action, and listens to all its goals.
 
@@ -95,34 +83,29 @@ class ActionPort:
         bridge: The bridge to the ROS thread.
         action_name: Absolute name of the action.
         kind: Type of the action.
+
+    Attributes:
+        unanswered_since: When the server did not answer or could not be reached for the first time since its last
+            answer, on the monotonic clock; None if it has answered. Requests for results are not counted, because
+            they are answered when the goal ends.
+        answered: Whether the server has ever answered.
     """
 
     def __init__(self, bridge: Bridge, action_name: str, kind: ActionKind) -> None:
         self.action_name = action_name
         self.action_type = kind.name
         self.goal_codec = codec(kind.action.Goal)
+        self.unanswered_since: float | None = None
+        self.answered = False
         self._bridge = bridge
-        self._subscriptions: list[Subscription] = []
-        self._clients: list[Client] = []
         self._impl = kind.action.Impl
         self._result_codec = codec(kind.action.Result)
         self._feedback_codec = codec(kind.action.Feedback)
         # Sending serializes the request at once, so it can be reused: it is expensive to create.
         self._goal_request = self._impl.SendGoalService.Request()
-        try:
-            self._send = self._make_client(self._impl.SendGoalService, "send_goal")
-            self._result = self._make_client(self._impl.GetResultService, "get_result")
-            # Last: a server that has answered a ping has also matched the clients announced before.
-            self._cancel = self._make_client(CancelGoal, "cancel_goal")
-        except Exception:
-            self.close()
-            raise
-
-    def _make_client(self, service: Any, name: str) -> Client:
-        path = f"{self.action_name}/_action/{name}"
-        client = self._bridge.node.create_client(service, path, qos_profile=SERVICE_QOS)
-        self._clients.append(client)
-        return client
+        self._canceling: set[PendingCall] = set()
+        self._newest_stamp = 0
+        self._link = ActionLink(bridge, action_name, self._impl)
 
     def listen(self, on_status: OnStatus, on_feedback: OnFeedback, on_loss: OnLoss) -> None:
         """Start listening to all goals.
@@ -132,66 +115,142 @@ class ActionPort:
             on_feedback: Called on the loop with a goal id, the feedback as JSON and the source timestamp in ns.
             on_loss: Called on the loop with a goal id, why its feedback was not read, and the number of messages.
         """
-        node, overrides = self._bridge.node, QoSOverridingOptions.with_default_policies()
-        losses, statuses = Losses(self._bridge, on_loss), StatusReader()
+        losses = Losses(self._bridge, on_loss)
         inbox = self._bridge.inbox(lambda goal_id, *_: losses.count(goal_id, Unread.TOO_FAST))
 
         def hear_feedback(message: Any, info: dict[str, Any]) -> None:
+            stamp = info["source_timestamp"]
+            if stamp == self._newest_stamp:  # received through two links
+                return
+            self._newest_stamp = stamp
             feedback = self._feedback_codec.encode(message.feedback)
-            inbox.offer(len(feedback), on_feedback, to_text(message.goal_id), feedback, info["source_timestamp"])
+            inbox.offer(len(feedback), on_feedback, to_text(message.goal_id), feedback, stamp)
 
         def refuse_feedback(message: bytes, why: Unread) -> None:
             losses.count(text_of(message[HEADER : HEADER + ID_SIZE]), why)
 
-        def hear_status(message: bytes, info: dict[str, Any]) -> None:
-            inbox.put(on_status, statuses.read(message), info["source_timestamp"])
+        def listen(link: ActionLink) -> None:
+            statuses = StatusReader()
 
-        feedback = node.create_subscription(
-            self._impl.FeedbackMessage,
-            f"{self.action_name}/_action/feedback",
-            guard(hear_feedback, refuse_feedback),
-            QoSProfile(depth=FEEDBACK_DEPTH),
-            qos_overriding_options=overrides,
-        )
-        self._subscriptions.append(feedback)
-        status = node.create_subscription(
-            self._impl.GoalStatusMessage,
-            f"{self.action_name}/_action/status",
-            guard(hear_status),
-            qos_profile_action_status_default,
-            qos_overriding_options=overrides,
-            raw=True,
-        )
-        self._subscriptions.append(status)
+            def hear_status(message: bytes, info: dict[str, Any]) -> None:
+                inbox.put(on_status, statuses.read(message), info["source_timestamp"])
+
+            link.listen(guard(hear_feedback, refuse_feedback), guard(hear_status))
+
+        self._listen = listen
+        listen(self._link)
 
     def close(self) -> None:
         """Leave the action."""
-        for subscription in self._subscriptions:
-            self._bridge.node.destroy_subscription(subscription)
-        for client in self._clients:
-            self._bridge.node.destroy_client(client)
+        if self.away:
+            self._bridge.to_loop(self._leave, self._link)
+        else:
+            self._link.leave()
 
-    async def presence(self) -> "ServerPresence":
+    # ------------------------------------------------------------------ another participant
+
+    @property
+    def away(self) -> bool:
+        """Whether the action is reached through a DDS participant of its own."""
+        return self._link.bridge is not self._bridge
+
+    async def rejoin(self, keep: float) -> bool:
+        """Reach the server through another DDS participant if it answers there and not here; return whether it is.
+
+        The other participant is a new one, or the common one if the action is reached through one of its own.
+
+        Args:
+            keep: Seconds to wait for an answer.
+
+        Raises:
+            Unavailable: The ROS thread is down or too slow.
+        """
+        since = time.monotonic() if self.unanswered_since is None else self.unanswered_since
+        other = self._bridge if self.away else await self._bridge.branch(since)
+        return await self._replace(other, keep, unless_answered=True)
+
+    async def go_home(self) -> bool:
+        """Reach the server through the common DDS participant again if it answers there; return whether it is."""
+        return await self._replace(self._bridge, HOME_WITHIN, unless_answered=False)
+
+    async def _replace(self, bridge: Bridge, keep: float, *, unless_answered: bool) -> bool:
+        """Replace the link by one on another participant if the server answers there within `keep` seconds."""
+        try:
+            unused = await bridge.call(lambda: ActionLink(bridge, self.action_name, self._impl), undo=ActionLink.leave)
+        except BaseException:
+            self._bridge.release(bridge)
+            raise
+        try:
+            if not await self._wait_for(unused, time.monotonic() + keep, unless_answered=unless_answered):
+                return False
+            await bridge.call(lambda: self._listen(unused))
+            self._link, unused = unused, self._link
+        finally:
+            self._leave(unused)
+        self._answered()
+        for pending in list(self._canceling):  # they are sent again
+            pending.fail(LeftError())
+        return True
+
+    def _leave(self, link: ActionLink) -> None:
+        link.bridge.to_ros(link.leave)
+        self._bridge.release(link.bridge)
+
+    async def _wait_for(self, link: ActionLink, deadline: float, *, unless_answered: bool) -> bool:
+        """Wait until the server answers through another link; return False if `unless_answered` and it answers here."""
+        while time.monotonic() < deadline:
+            if (await link.bridge.call(link.look)).available and await self._ping(link, ANSWER_WITHIN):
+                return not (unless_answered and await self._ping(self._link, ANSWER_WITHIN))
+            if unless_answered and self.unanswered_since is None:
+                return False
+            await asyncio.sleep(LOOK_INTERVAL)
+        return False
+
+    # ------------------------------------------------------------------ requests
+
+    async def presence(self) -> ServerPresence:
         """Return the servers of the action."""
-        return await self._bridge.call(self._look)
+        while True:
+            link = self._link
+            try:
+                presence = await link.bridge.call(link.look)
+            except Exception:
+                if link is self._link:
+                    raise
+                continue  # it was replaced meanwhile
+            if not presence.available:
+                self._ask()
+            return presence
 
-    def _look(self) -> "ServerPresence":
-        available, node = all(client.service_is_ready() for client in self._clients), self._bridge.node
-        if node.count_services(f"{self.action_name}/_action/send_goal") < 2:
-            return ServerPresence(available)
-        infos = node.get_publishers_info_by_topic(f"{self.action_name}/_action/status")
-        servers = frozenset(bytes(info.endpoint_gid).hex() for info in infos)
-        return ServerPresence(available, servers, max(map(node.answers.answered_twice_at, self._clients)))
+    def _ask(self) -> None:
+        if self.unanswered_since is None:
+            self.unanswered_since = time.monotonic()
+
+    def _answered(self) -> None:
+        self.unanswered_since, self.answered = None, True
 
     def send(self, goal_id: str, goal: Any) -> PendingCall:
         """Send a goal; the response says whether it was accepted."""
         self._goal_request.goal_id, self._goal_request.goal = to_ros(goal_id), goal
-        return self._bridge.request(self._send, self._goal_request)
+        self._ask()
+        return self._request(self._link, self._link.send, self._goal_request)
 
     def request_result(self, goal_id: str) -> PendingCall:
         """Request a goal's `ResultAnswer`, sent when the goal has ended, or at once if it is unknown."""
         request = self._impl.GetResultService.Request(goal_id=to_ros(goal_id))
-        return self._bridge.request(self._result, request, self._read_result)
+        return self._request(self._link, self._link.result, request, self._read_result)
+
+    def _request(
+        self, link: ActionLink, client: Client, request: Any, read: Callable[[Any], Any] = lambda answer: answer
+    ) -> PendingCall:
+        """Send a request; its answer is a sign that the present link works."""
+
+        def read_answer(response: Any) -> Any:
+            if link is self._link:
+                self._answered()
+            return read(response)
+
+        return link.bridge.request(client, request, read_answer)
 
     def _read_result(self, response: Any) -> "ResultAnswer":
         status = FROM_ROS.get(response.status)
@@ -213,23 +272,36 @@ class ActionPort:
         Raises:
             TimeoutError: The server did not answer.
         """
+        async with asyncio.timeout(timeout):
+            while True:
+                with suppress(LeftError):
+                    return await self._cancel(self._link, goal_id)
+
+    async def _cancel(self, link: ActionLink, goal_id: str | None) -> CancelAnswer:
         request = CancelGoal.Request()
         if goal_id is not None:
             request.goal_info.goal_id = to_ros(goal_id)
-        pending = self._bridge.request(self._cancel, request, _read_cancel)
+        if link is self._link:
+            self._ask()
+        pending = self._request(link, link.cancel, request, _read_cancel)
+        self._canceling.add(pending)
         try:
-            async with asyncio.timeout(timeout):
-                answer: CancelAnswer = await asyncio.shield(pending.response)
+            answer: CancelAnswer = await asyncio.shield(pending.response)
         finally:
+            self._canceling.discard(pending)
             if not pending.response.done():
                 pending.forget()
         return answer
 
     async def ping(self, timeout: float) -> bool:
         """Return whether the server answers a request to cancel a goal that does not exist."""
+        return await self._ping(self._link, timeout)
+
+    async def _ping(self, link: ActionLink, timeout: float) -> bool:
         try:
-            await self.cancel(str(uuid.uuid4()), timeout)
-        except TimeoutError:
+            async with asyncio.timeout(timeout):
+                await self._cancel(link, str(uuid.uuid4()))
+        except (TimeoutError, LeftError, Unavailable):
             return False
         return True
 

@@ -9,6 +9,7 @@ import asyncio
 import logging
 import os
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -29,6 +30,9 @@ from dock_gateway.ros.threads import RosThread
 log = logging.getLogger(__name__)
 
 T = TypeVar("T")
+
+# The maximum number of branches, each with about ten threads.
+MAX_BRANCHES = 4
 
 
 class PendingCall:
@@ -73,6 +77,11 @@ class PendingCall:
         self.response.cancel()
         self._client.remove_pending_request(self._ros_future)
 
+    def fail(self, error: Exception) -> None:
+        """Raise an error where the answer is awaited; a later answer is dropped."""
+        _settle(self.response, None, error)
+        self._client.remove_pending_request(self._ros_future)
+
 
 class Bridge:
     """An rclpy context, node and executor, spun in their own thread, and the listeners of the node.
@@ -81,15 +90,36 @@ class Bridge:
         node_name: Name of the node.
         namespace: Namespace of the node.
         max_message_bytes: The largest message that is read, in bytes.
+        loop: The event loop, if this is a branch of another bridge.
+
+    Attributes:
+        joined_at: When it joined the ROS graph, on the monotonic clock.
+        branches: Its branches, oldest first.
+        users: The number of users of this branch.
     """
 
-    def __init__(self, node_name: str, namespace: str, max_message_bytes: int) -> None:
-        self._loop = asyncio.get_running_loop()
+    def __init__(
+        self,
+        node_name: str,
+        namespace: str,
+        max_message_bytes: int,
+        loop: asyncio.AbstractEventLoop | None = None,
+    ) -> None:
+        self._loop = loop or asyncio.get_running_loop()
+        self.joined_at = time.monotonic()
+        self.branches: list[Bridge] = []
+        self.users = 0
+        self._names = node_name, namespace
+        self._joining = asyncio.Lock()
+        self._closing = threading.Lock()
+        self._closed = False
         self._context = Context()
         rclpy.init(args=None, context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._messages = MessageListener("ros-messages", self._context, max_message_bytes)
         self._answers = AnswerListener("ros-answers", self._context)
-        self.node = ListeningNode(node_name, namespace or None, self._context, self._messages, self._answers)
+        # A second node of the same name must not register services and topics that the first one has.
+        own = {} if loop is None else {"enable_rosout": False, "start_parameter_services": False}
+        self.node = ListeningNode(node_name, namespace or None, self._context, self._messages, self._answers, **own)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._thread = RosThread("ros", self._executor.spin)
@@ -109,6 +139,15 @@ class Bridge:
 
     def close(self) -> None:
         """Stop spinning and leave the ROS graph; blocks until the threads end, or a few seconds."""
+        closing = [branch.close_soon() for branch in self.branches]
+        with self._closing:
+            if not self._closed:
+                self._closed = True
+                self._leave()
+        for thread in closing:
+            thread.join(1.0)
+
+    def _leave(self) -> None:
         self._thread.stopping = True
         self._executor.shutdown(timeout_sec=0.5)
         ended = [self._messages.close(), self._answers.close(), self._thread.end()]
@@ -116,6 +155,53 @@ class Bridge:
             return
         self.node.destroy_node()
         self._context.try_shutdown()
+
+    # ------------------------------------------------------------------ branches
+
+    async def branch(self, after: float) -> "Bridge":
+        """Return a DDS participant that no peer has met before a time. `release` it after use.
+
+        It is shared by all callers, and closed with this bridge. If there are `MAX_BRANCHES`, the newest is returned.
+
+        Args:
+            after: The time, on the monotonic clock.
+        """
+        async with self._joining:
+            newest = self.branches[-1] if self.branches else None
+            if newest is None or (newest.joined_at <= after and len(self.branches) < MAX_BRANCHES):
+                newest = await self._make_branch()
+            newest.users += 1
+            return newest
+
+    async def _make_branch(self) -> "Bridge":
+        def make() -> Bridge:
+            branch = Bridge(*self._names, self.max_message_bytes, self._loop)
+            branch.start()
+            return branch
+
+        making = self._loop.run_in_executor(None, make)
+        try:
+            branch = await asyncio.shield(making)
+        except asyncio.CancelledError:
+            making.add_done_callback(lambda made: made.result().close_soon())
+            raise
+        self.branches.append(branch)
+        return branch
+
+    def release(self, branch: "Bridge") -> None:
+        """Close a branch when its last user has released it; do nothing for any other bridge."""
+        branch.users -= 1
+        if branch in self.branches and branch.users == 0:
+            self.branches.remove(branch)
+            branch.close_soon()
+
+    def close_soon(self) -> threading.Thread:
+        """Close it in a thread, which is returned."""
+        thread = threading.Thread(target=self.close, name="leaving ROS", daemon=True)
+        thread.start()
+        return thread
+
+    # ------------------------------------------------------------------ calls
 
     def to_ros(self, function: Callable[[], object]) -> None:
         """Schedule a function on the ROS thread, in the order of the calls; its exceptions are logged."""

@@ -270,11 +270,17 @@ class ListeningNode(Node):  # type: ignore[misc]
     """A node whose clients and guarded subscriptions are served by listeners, and the rest by the executor."""
 
     def __init__(
-        self, name: str, namespace: str | None, context: Context, messages: MessageListener, answers: AnswerListener
+        self,
+        name: str,
+        namespace: str | None,
+        context: Context,
+        messages: MessageListener,
+        answers: AnswerListener,
+        **options: Any,
     ) -> None:
         self.answers = answers
         self._messages = messages
-        super().__init__(name, namespace=namespace, context=context)
+        super().__init__(name, namespace=namespace, context=context, **options)
 
     def create_publisher(self, msg_type: Any, topic: str, *args: Any, **options: Any) -> Publisher:
         """Like rclpy's, but without event callbacks, which the executor would check for each message."""

@@ -3,7 +3,7 @@
 import pytest
 
 from dock_gateway.actions.duplicates import SETTLED, Duplicates
-from dock_gateway.ros.action_port import ServerPresence
+from dock_gateway.ros.action_link import ServerPresence
 
 
 class Watch:

@@ -16,7 +16,7 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import MemoryHistory
-from dock_gateway.ros.action_port import ServerPresence
+from dock_gateway.ros.action_link import ServerPresence
 from dock_gateway.settings import Settings
 from tests.support.calls import FakeCall
 

@@ -23,7 +23,8 @@ from dock_gateway.history import sql
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
-from dock_gateway.ros.action_port import CancelAnswer, ResultAnswer, ServerPresence
+from dock_gateway.ros.action_link import ServerPresence
+from dock_gateway.ros.action_port import CancelAnswer, ResultAnswer
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
 from tests.support.calls import FakeCall
