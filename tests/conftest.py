@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import Phase, settings
 
+from tests.support import shapes
 from tests.support.domain import ros_domain
 from tests.support.observer import Observer, ros_observer
 
@@ -34,6 +35,13 @@ def pytest_configure(config: pytest.Config) -> None:
 def own_data_directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What a gateway keeps in the user's data directory does not outlive the test."""
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+
+
+@pytest.fixture(autouse=True)
+def documented() -> Iterator[None]:
+    """A test fails if a gateway sent it anything that the OpenAPI document does not describe."""
+    yield
+    assert not (differences := shapes.noted()), "not as in the OpenAPI document:\n" + "\n".join(differences)
 
 
 @pytest.fixture

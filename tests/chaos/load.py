@@ -11,7 +11,8 @@ from typing import Any, Self
 import httpx2
 import orjson
 from websockets.exceptions import ConnectionClosed, InvalidHandshake
-from websockets.sync.client import connect
+
+from tests.support.clients import HttpClient, connect
 
 # Codes of goals that were never sent: a retry with their key gets another goal.
 UNSENT = {"stopped", "action_server_unavailable", "ros_unavailable"}
@@ -61,13 +62,9 @@ class Sender(Worker):
         key, ids = str(uuid.uuid4()), set()
         while number not in self.accepted:
             try:
-                answer = httpx2.post(
-                    f"{self._url()}/actions/fibonacci/goals",
-                    json={"order": number},
-                    headers={"Idempotency-Key": key},
-                    timeout=10.0,
-                    trust_env=False,
-                )
+                with HttpClient(self._url(), timeout=10.0) as http:
+                    headers = {"Idempotency-Key": key}
+                    answer = http.post("/actions/fibonacci/goals", json={"order": number}, headers=headers)
             except httpx2.HTTPError:
                 self.answers["broken off"] += 1
                 time.sleep(0.05)
@@ -100,7 +97,7 @@ class Reader(Worker):
         last = max((event["id"] for event in self.events), default="")
         url = f"{self._url().replace('http', 'ws')}/ws/feedback" + (f"?after={last}" if last else "")
         try:
-            with connect(url, open_timeout=5, max_size=None) as connection:
+            with connect(url, open_timeout=5) as connection:
                 self.resumed.append((url.partition("/ws")[0], last))
                 while not self.stopping.is_set():
                     try:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import httpx2
 import orjson
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import ClientConnection
 
+from tests.support.clients import HttpClient, connect
 from tests.support.processes import BIN, Process, ros_environment
 
 LOW = {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}
@@ -56,11 +56,11 @@ class RunningGateway:
 
     process: Process
     url: str
-    http: httpx2.Client
+    http: HttpClient
 
     @contextmanager
     def stream(self, query: str = "", path: str = "/ws/feedback") -> Iterator[Stream]:
-        with connect(f"{self.url.replace('http', 'ws')}{path}{query}", max_size=None) as connection:
+        with connect(f"{self.url.replace('http', 'ws')}{path}{query}") as connection:
             yield Stream(connection)
 
     @contextmanager
@@ -120,7 +120,7 @@ def running_gateway(domain: int, *prefix: str, **settings: str) -> Iterator[Runn
         environment = ros_environment(domain, **variables)
         process = stack.enter_context(Process(*prefix, str(BIN / "dock-gateway"), "serve", env=environment))
         url = process.wait_for("listening on ").rpartition(" ")[2]
-        with httpx2.Client(base_url=url, timeout=15.0, trust_env=False) as http:
+        with HttpClient(url) as http:
             yield RunningGateway(process, url, http)
 
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import orjson
 from websockets.exceptions import WebSocketException
-from websockets.sync.client import connect
 
+from tests.support.clients import connect
 from tests.support.gateway import RunningGateway
 
 PAUSE = 0.02

@@ -10,8 +10,8 @@ from urllib.parse import urlsplit
 import httpx2
 import pytest
 from websockets.exceptions import InvalidStatus
-from websockets.sync.client import connect
 
+from tests.support.clients import connect
 from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.observer import wait_until
 

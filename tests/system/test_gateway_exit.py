@@ -13,6 +13,7 @@ import httpx2
 import pytest
 from websockets.exceptions import ConnectionClosed
 
+from tests.support.clients import HttpClient
 from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.observer import wait_until
 from tests.support.processes import BIN, Process, ros_environment
@@ -53,9 +54,8 @@ def test_a_signal_with_streams_and_a_goal_and_a_waiting_request(domain: int, num
         gateway.publish(LOW)
 
         def wait_for_the_end() -> None:
-            answers.append(
-                httpx2.post(f"{gateway.url}/dock", headers={"Prefer": "wait=60"}, timeout=30, trust_env=False)
-            )
+            with HttpClient(gateway.url) as http:
+                answers.append(http.post("/dock", headers={"Prefer": "wait=60"}, timeout=30))
 
         waiting = threading.Thread(target=wait_for_the_end)
         waiting.start()
@@ -157,7 +157,7 @@ def up(domain: int, port: int, *arguments: str) -> Iterator[tuple[Process, Runni
     with Process(*command, env=ros_environment(domain)) as process:
         process.wait_for("dock-gateway is ready", timeout=30)
         url = f"http://127.0.0.1:{port}"
-        with httpx2.Client(base_url=url, timeout=15.0, trust_env=False) as http:
+        with HttpClient(url) as http:
             yield process, RunningGateway(process, url, http)
 
 
@@ -233,7 +233,8 @@ def test_up_with_a_simulated_robot_stays_on_this_machine(domain: int) -> None:
     port = free_port()
     with Process(str(BIN / "dock-gateway"), "up", "--port", str(port), env=environment) as process:
         process.wait_for("dock-gateway is ready", timeout=30)
-        health = httpx2.get(f"http://127.0.0.1:{port}/healthz", trust_env=False).json()
+        with HttpClient(f"http://127.0.0.1:{port}") as http:
+            health = http.get("/healthz").json()
         assert health["ros"]["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"
 
 

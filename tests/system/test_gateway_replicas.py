@@ -8,11 +8,10 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-import httpx2
 import pytest
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import connect
 
+from tests.support.clients import HttpClient, connect
 from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, Stream, running_dock_server, running_gateway
 from tests.support.observer import wait_until
@@ -79,7 +78,8 @@ def test_a_reader_that_loses_one_resumes_at_the_other(replicas: tuple[RunningGat
     first, second = replicas
     second.publish(LOW)
     with proxy(first.url, second.url) as front, second.stream() as witness:
-        goal_id = httpx2.post(f"{front.url}/dock", trust_env=False, timeout=15).raise_for_status().json()["goal_id"]
+        with HttpClient(front.url) as http:
+            goal_id = http.post("/dock").raise_for_status().json()["goal_id"]
         with first.stream(f"?goal_id={goal_id}") as reader:
             for _ in range(10):
                 reader.until_type("feedback")
@@ -91,7 +91,7 @@ def test_a_reader_that_loses_one_resumes_at_the_other(replicas: tuple[RunningGat
         last = ids(before)[-1]
         time.sleep(1)
         address = f"{front.url.replace('http', 'ws')}/ws/feedback?goal_id={goal_id}&after={last}"
-        with connect(address, max_size=None) as connection:
+        with connect(address) as connection:
             again = Stream(connection)
             assert again.next()["type"] == "resumed"
             for _ in range(10):
@@ -112,7 +112,7 @@ def test_one_key_is_one_goal_through_both(replicas: tuple[RunningGateway, Runnin
     headers = {"Idempotency-Key": f"race-{time.time_ns()}"}
 
     def send(gateway: RunningGateway) -> tuple[int, str]:
-        response = httpx2.post(f"{gateway.url}/dock", headers=headers, trust_env=False, timeout=15)
+        response = gateway.http.post("/dock", headers=headers)
         return response.status_code, response.json()["goal_id"]
 
     with ThreadPoolExecutor(8) as pool:

@@ -7,8 +7,8 @@ from typing import Any
 
 import orjson
 import pytest
-from websockets.sync.client import connect
 
+from tests.support.clients import connect
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.observer import wait_until
@@ -124,7 +124,7 @@ def test_changes_come_at_most_twice_a_second(gateway: RunningGateway) -> None:
 
 
 def test_on_the_socket_too(gateway: RunningGateway) -> None:
-    with connect(f"{gateway.url.replace('http', 'ws')}/ws", max_size=None) as socket:
+    with connect(f"{gateway.url.replace('http', 'ws')}/ws") as socket:
         for text in (
             '{"op": "subscribe", "id": "1", "include": "robots", "feedback": false}',
             '{"op": "subscribe", "id": "2", "feedback": "some"}',

@@ -9,8 +9,9 @@ from typing import Any
 import orjson
 import pytest
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import ClientConnection
 
+from tests.support.clients import connect
 from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 
@@ -61,7 +62,7 @@ def gateway(shared_domain: int) -> Iterator[RunningGateway]:
 
 @contextmanager
 def open_socket(gateway: RunningGateway) -> Iterator[Socket]:
-    with connect(f"{gateway.url.replace('http', 'ws')}/ws", max_size=None) as connection:
+    with connect(f"{gateway.url.replace('http', 'ws')}/ws") as connection:
         yield Socket(connection)
 
 

@@ -4,10 +4,9 @@ import time
 from collections.abc import Iterator
 from typing import Any
 
-import httpx2
-import orjson
 import pytest
 
+from tests.support.clients import server_sent_events
 from tests.support.domain import ros_domain
 from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 
@@ -34,19 +33,6 @@ def running(gateway: RunningGateway) -> Iterator[str]:
 
 def ids(events: list[dict[str, Any]]) -> list[str]:
     return [event["id"] for event in events if "id" in event]
-
-
-def sse(response: httpx2.Response) -> Iterator[tuple[str | None, dict[str, Any]]]:
-    """Id and document of each event, read as EventSource does."""
-    identity, data = None, ""
-    for line in response.iter_lines():
-        if line.startswith("id: "):
-            identity = line[4:]
-        elif line.startswith("data: "):
-            data += line[6:]
-        elif not line and data:
-            yield identity, orjson.loads(data)
-            data = ""
 
 
 def test_a_reader_that_was_away_gets_what_it_missed_and_nothing_twice(gateway: RunningGateway, running: str) -> None:
@@ -126,7 +112,7 @@ def test_max_rate_thins_feedback_out_and_leaves_the_end_alone(gateway: RunningGa
 def test_server_sent_events_until_the_end(gateway: RunningGateway, running: str) -> None:
     with gateway.http.stream("GET", f"/dock/{running}/events") as response:
         assert response.headers["content-type"].startswith("text/event-stream")
-        events = sse(response)
+        events = server_sent_events(response)
         _, snapshot = next(events)
         assert snapshot["type"] == "snapshot"
         assert [goal["goal_id"] for goal in snapshot["goals"]] == [running]
@@ -136,16 +122,18 @@ def test_server_sent_events_until_the_end(gateway: RunningGateway, running: str)
         rest = [event for _, event in events]  # it ends by itself
         assert rest[-1]["type"] == "result"
     with gateway.http.stream("GET", f"/dock/{running}/events", headers={"Last-Event-ID": identity}) as response:
-        again = [event for _, event in sse(response)]
+        again = [event for _, event in server_sent_events(response)]
     assert again[0]["type"] == "resumed"
     assert ids(again) == ids(rest)
     with gateway.http.stream(
         "GET", f"/dock/{running}/events", params={"feedback": "false", "after": identity}
     ) as response:
-        types = [event["type"] for _, event in sse(response)]  # on a busy machine the goal may seem stalled meanwhile
+        types = [
+            event["type"] for _, event in server_sent_events(response)
+        ]  # on a busy machine the goal may seem stalled meanwhile
         assert (types[0], types[-1], set(types[1:-1])) == ("resumed", "result", {"status"})
     with gateway.http.stream("GET", f"/dock/{running}/events") as response:
-        (only,) = [event for _, event in sse(response)]
+        (only,) = [event for _, event in server_sent_events(response)]
     assert only["goals"][0]["status"] == "succeeded"
 
 
@@ -159,7 +147,7 @@ def test_server_sent_events_of_nothing(gateway: RunningGateway) -> None:
 def test_readers_that_leave_are_forgotten(gateway: RunningGateway, running: str) -> None:
     for _ in range(5):
         with gateway.http.stream("GET", f"/dock/{running}/events") as response:
-            next(sse(response))
+            next(server_sent_events(response))
         with gateway.stream(f"?goal_id={running}") as stream:
             stream.next()
     deadline = time.monotonic() + 10

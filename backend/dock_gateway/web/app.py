@@ -87,7 +87,7 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
     install_openapi(app)
     install_docs(app)
     install_dashboard(app, settings)
-    install_problems(app, allowed_methods([*(route for router in routers for route in router.routes), *app.routes]))
+    allowed = allowed_methods([*(route for router in routers for route in router.routes), *app.routes])
     if settings.allowed_origins:
         app.add_middleware(
             CORSMiddleware,
@@ -97,5 +97,6 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
             expose_headers=("Content-Disposition", "ETag", "Location", "Retry-After"),
             allow_private_network=True,  # a robot's address is usually in one
         )
-    app.add_middleware(OriginGuard, settings=settings)  # runs first: the last one added is the outermost
+    app.add_middleware(OriginGuard, settings=settings)
+    install_problems(app, allowed)  # last: what is added last is the outermost
     return app

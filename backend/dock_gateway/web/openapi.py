@@ -12,8 +12,10 @@ from pydantic.json_schema import models_json_schema
 from sensor_msgs.msg import BatteryState
 
 from dock_gateway.ros.messages.codec import codec
+from dock_gateway.web.schemas.commands import ANSWERS
 from dock_gateway.web.schemas.common import Problem
 from dock_gateway.web.schemas.events import EVENTS
+from dock_gateway.web.schemas.goals import ACTION_EVENTS
 from dock_gateway.web.schemas.graph import ECHO_EVENTS
 
 REF = "#/components/schemas/{model}"
@@ -50,10 +52,15 @@ def _build(app: FastAPI) -> dict[str, Any]:
         tags=app.openapi_tags,
     )
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
-    models: list[type[BaseModel]] = [*EVENTS, *ECHO_EVENTS, Problem]
+    models: list[type[BaseModel]] = [*EVENTS, *ACTION_EVENTS, *ECHO_EVENTS, *ANSWERS, Problem]
     _, ours = models_json_schema([(model, "serialization") for model in models], ref_template=REF)
     schemas.update(ours["$defs"])
-    schemas["Event"] = _one_of(schemas, EVENTS, "A message of /ws/feedback.")
+    schemas["Event"] = _one_of(schemas, EVENTS, "A message of an event stream.")
+    schemas["ActionEvent"] = _one_of(schemas, ACTION_EVENTS, "An event of a goal on an action other than docking.")
+    schemas["Answer"] = {
+        "description": "The answer to a command of /ws.",
+        "anyOf": [{"$ref": REF.format(model=model.__name__)} for model in ANSWERS],
+    }
     schemas["EchoEvent"] = _one_of(schemas, ECHO_EVENTS, "A message of /ws/topics.")
     _add_message(schemas, "BatteryState", "null is NaN: not measured.", complete=True)
     _add_message(

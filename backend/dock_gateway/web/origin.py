@@ -11,11 +11,9 @@ from typing import NamedTuple
 
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
-from starlette.websockets import WebSocket
 
-from dock_gateway.core.errors import GatewayError, NotAllowed
+from dock_gateway.core.errors import NotAllowed
 from dock_gateway.settings import LOOPBACK_HOSTS, Settings
-from dock_gateway.web.problems import problem_response
 
 # Without OPTIONS: preflights of allowed pages are answered by CORS.
 SAFE_METHODS = frozenset({"GET", "HEAD"})
@@ -33,19 +31,13 @@ class OriginGuard:
         self._origins = frozenset(settings.allowed_origins)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass the request on, or answer 403."""
-        if scope["type"] not in ("http", "websocket"):
-            await self._app(scope, receive, send)
-            return
-        try:
+        """Pass the request on.
+
+        Raises:
+            NotAllowed: The page or the host name is foreign.
+        """
+        if scope["type"] in ("http", "websocket"):
             self._check(scope)
-        except GatewayError as error:
-            response = problem_response(error)
-            if scope["type"] == "websocket":
-                await WebSocket(scope, receive, send).send_denial_response(response)
-            else:
-                await response(scope, receive, send)
-            return
         await self._app(scope, receive, send)
 
     def _check(self, scope: Scope) -> None:

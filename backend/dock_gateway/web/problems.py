@@ -1,4 +1,4 @@
-"""Turns the errors of the core, FastAPI and Starlette into problem+json."""
+"""Turns the errors of the core, FastAPI and Starlette into problem+json, for requests and for WebSockets."""
 
 from http import HTTPStatus
 from typing import Any
@@ -6,7 +6,9 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
+from starlette.middleware.exceptions import ExceptionMiddleware
 from starlette.responses import Response
+from starlette.websockets import WebSocket
 
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, got
 from dock_gateway.core.goal import encode
@@ -33,11 +35,14 @@ def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
 
 
 def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> None:
-    """Register the handlers. `allowed` returns the `Allow` header of a path."""
+    """Register the handlers, for routes and for middleware that was added before.
 
-    @app.exception_handler(GatewayError)
-    async def gateway_error(_: Request, error: GatewayError) -> Response:
-        return problem_response(error)
+    Args:
+        app: The application.
+        allowed: Returns the `Allow` header of a path.
+    """
+    app.exception_handler(GatewayError)(_gateway_error)
+    app.add_middleware(ExceptionMiddleware, handlers={GatewayError: _gateway_error})  # type: ignore[dict-item]
 
     @app.exception_handler(RequestValidationError)
     async def validation_error(_: Request, error: RequestValidationError) -> Response:
@@ -58,6 +63,16 @@ def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> 
     @app.exception_handler(Exception)
     async def bug(_: Request, __: Exception) -> Response:  # uvicorn logs the traceback
         return problem_response(GatewayError("an error inside of the gateway; its log has the details"))
+
+
+async def _gateway_error(connection: Request | WebSocket, error: Exception) -> Response | None:
+    """Answer a request, or refuse a WebSocket that has not been accepted yet."""
+    assert isinstance(error, GatewayError)
+    response = problem_response(error)
+    if isinstance(connection, Request):
+        return response
+    await connection.send_denial_response(response)
+    return None
 
 
 def _field_error(item: dict[str, Any]) -> FieldError:

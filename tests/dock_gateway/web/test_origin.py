@@ -8,6 +8,7 @@ from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from dock_gateway.settings import Settings
 from dock_gateway.web.origin import OriginGuard
+from dock_gateway.web.problems import install_problems
 
 Headers = dict[str, str] | list[tuple[str, str]]
 
@@ -19,6 +20,7 @@ def status(method: str, headers: Headers, scheme: str = "http", **settings: str)
     async def x() -> None: ...
 
     app.add_middleware(OriginGuard, settings=Settings(**settings))  # type: ignore[arg-type]
+    install_problems(app)
     with TestClient(ProxyHeadersMiddleware(app, "*"), base_url=f"{scheme}://127.0.0.1:8000") as client:
         return client.request(method, "/x", headers=headers).status_code
 
@@ -139,6 +141,7 @@ def test_websockets_of_other_pages(headers: dict[str, str]) -> None:
         await websocket.close()
 
     app.add_middleware(OriginGuard, settings=Settings())
+    install_problems(app)
     client = TestClient(app, base_url="http://127.0.0.1:8000")
     for scheme in ("http", "https"):
         url = f"{scheme.replace('http', 'ws')}://127.0.0.1:8000/ws"

@@ -18,7 +18,9 @@ class FieldProblem(Schema):
 
 
 class Problem(BaseModel):
-    """RFC 9457 problem document."""
+    """RFC 9457 problem document. `errors` lists invalid fields; `goal_id` is the goal that the problem is about."""
+
+    model_config = ConfigDict(extra="forbid")
 
     type: str
     title: str

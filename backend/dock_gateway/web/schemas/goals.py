@@ -126,6 +126,9 @@ class ActionResultEvent(Schema):
     error: GoalError | None
 
 
+ACTION_EVENTS = (ActionStatusEvent, ActionFeedbackEvent, ActionResultEvent)
+
+
 class GoalHistory(Schema):
     """The events of a goal, oldest first.
 

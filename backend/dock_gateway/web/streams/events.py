@@ -5,17 +5,16 @@ import logging
 from collections.abc import AsyncGenerator, AsyncIterator, Coroutine
 from typing import Any
 
-from fastapi import APIRouter, Request, WebSocket
+from fastapi import APIRouter, Depends, Request, WebSocket
 from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocketDisconnect
 
-from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
 from dock_gateway.web.paced import PacedResponse, send_in_time
-from dock_gateway.web.problems import problem_response, problems
+from dock_gateway.web.problems import problems
 from dock_gateway.web.queries import STREAM_QUERY, read_after, read_event_filter, read_max_rate
 from dock_gateway.web.requests import GoalId, GraphName, TheGateway, known_query
 from dock_gateway.web.streams.feed import begin, feed, follow
@@ -32,7 +31,7 @@ SSE_RESPONSES = {
 }
 
 
-@router.websocket("/ws/feedback")
+@router.websocket("/ws/feedback", dependencies=[Depends(known_query(*STREAM_QUERY, "after", "max_rate"))])
 async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     """Send a snapshot, then every event as it happens.
 
@@ -40,13 +39,8 @@ async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     more than goals; `?feedback=false` omits feedback, `?max_rate=` limits its rate; `?after=` resumes.
     """
     query = websocket.query_params
-    try:
-        await known_query(*STREAM_QUERY, "after", "max_rate")(websocket)
-        after, max_rate = read_after(query), read_max_rate(query)
-        subscriber = gateway.hub.subscribe(await read_event_filter(gateway, query))
-    except GatewayError as error:
-        await websocket.send_denial_response(problem_response(error))
-        return
+    after, max_rate = read_after(query), read_max_rate(query)
+    subscriber = gateway.hub.subscribe(await read_event_filter(gateway, query))
     try:
         await websocket.accept()
         if max_rate is None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import orjson
-from fastapi import APIRouter, WebSocket
+from fastapi import APIRouter, Depends, WebSocket
 from starlette.types import Message
 from starlette.websockets import WebSocketDisconnect
 
@@ -28,7 +28,6 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
-from dock_gateway.web.problems import problem_response
 from dock_gateway.web.queries import read_after, read_event_filter, read_max_rate
 from dock_gateway.web.requests import TheGateway, known_query
 from dock_gateway.web.streams.commands import COMMANDS, STOP, Fields, check_fields, read_command
@@ -47,16 +46,11 @@ INTERNAL = GatewayError("an error inside of the gateway; its log has the details
 SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
 
-@router.websocket("/ws")
+@router.websocket("/ws", dependencies=[Depends(known_query())])
 async def socket(websocket: WebSocket, gateway: TheGateway) -> None:
     """Receive commands, send acks and events."""
-    try:
-        await known_query()(websocket)
-        # A socket counts as a subscriber even without a subscription, and is woken at shutdown.
-        place = gateway.hub.subscribe(EventFilter(topics=frozenset()))
-    except GatewayError as error:
-        await websocket.send_denial_response(problem_response(error))
-        return
+    # A socket counts as a subscriber even without a subscription, and is woken at shutdown.
+    place = gateway.hub.subscribe(EventFilter(topics=frozenset()))
     session = Session(websocket, gateway)
     try:
         await websocket.accept()
