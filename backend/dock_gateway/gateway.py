@@ -271,7 +271,7 @@ async def _take_up_unfinished(actions: ActionRegistry, history: History) -> None
             while not await _expect(actions, history, began, complete=True):  # noqa: ASYNC110 - nobody says when
                 await asyncio.sleep(SCAN_INTERVAL)
     except Exception:
-        log.exception("while taking up the goals of before")
+        log.exception("while restoring earlier goals")
 
 
 async def _expect(actions: ActionRegistry, history: History, began: datetime, *, complete: bool = False) -> bool:
@@ -329,6 +329,6 @@ def _logged() -> Iterator[None]:
     try:
         yield
     except GatewayError as error:
-        log.warning("cannot look at the ROS graph: %s", error.detail)
+        log.warning("cannot read the ROS graph: %s", error.detail)
     except Exception:
-        log.exception("while looking at the ROS graph")
+        log.exception("while reading the ROS graph")

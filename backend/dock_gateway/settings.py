@@ -46,11 +46,11 @@ class Settings(BaseSettings):
     model_config = SettingsConfigDict(env_prefix="DOCK_GATEWAY_", frozen=True, extra="forbid")
 
     host: str = Field("127.0.0.1", description="Address to listen on. `0.0.0.0` opens the gateway to the network.")
-    port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 takes a free one.")
+    port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 selects a free port.")
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         (),
-        description="Host names that requests may be addressed to, such as `robot.local`, separated by commas; `*` for "
-        "any. The loopback names and IP addresses always pass.",
+        description="Host names that requests may be addressed to, such as `robot.local`, separated by commas; `*` "
+        "for any. Loopback names and IP addresses are always allowed.",
     )
     allowed_origins: Annotated[tuple[str, ...], NoDecode] = Field(
         (),
@@ -60,11 +60,12 @@ class Settings(BaseSettings):
     log_level: str = Field(
         "info",
         pattern="^(debug|info|warning|error)$",
-        description="How much is logged. Of one kind 20 lines in 10 s are, and the rest is counted, but with `debug`.",
+        description="Log level. At most 20 similar lines are logged in 10 s and the rest are counted, except with "
+        "`debug`.",
     )
     dashboard_dir: Path | None = Field(
         None,
-        description="Folder of the built dashboard. Empty: the installed one, or `frontend/dist` of a checkout.",
+        description="Folder of the built dashboard. Empty: the installed one, or `frontend/dist` in a checkout.",
     )
 
     node_name: str = Field("dock_gateway", description="Name of the gateway's ROS node.")
@@ -83,135 +84,159 @@ class Settings(BaseSettings):
     )
     battery_topic: str = Field("battery_status", description="Topic of `sensor_msgs/BatteryState`.")
     cmd_vel_topic: str = Field(
-        "cmd_vel", description="Topic of `geometry_msgs/Twist`, which `/stop` publishes zeros on."
+        "cmd_vel", description="Topic of `geometry_msgs/Twist`. `/stop` publishes zero velocity on it."
     )
-    stop_topic: str = Field(
-        "stop_latched", description="Topic of `std_msgs/Bool`, which says whether a stop is latched."
-    )
+    stop_topic: str = Field("stop_latched", description="Topic of `std_msgs/Bool`: whether a stop is latched.")
     diagnostics_topic: str = Field(
         "/diagnostics",
-        description="Topic of `diagnostic_msgs/DiagnosticArray`, where action servers say why a goal ended.",
+        description="Topic of `diagnostic_msgs/DiagnosticArray`, on which action servers report why a goal ended.",
     )
 
     allow_duplicate_servers: bool = Field(
         False,
-        description="Whether goals are sent to an action that more than one action server serves: each of them carries "
-        "out every goal.",
+        description="Whether goals are sent to an action that has more than one server. Each of them executes every "
+        "goal.",
     )
     server_wait: Seconds = Field(
         1.5, description="Seconds to wait for an action server to appear before a goal is refused (503)."
     )
-    accept_timeout: Seconds = Field(5.0, description="Seconds an action server has to accept or reject a goal (504).")
-    cancel_timeout: Seconds = Field(5.0, description="Seconds an action server has to answer a cancel request (504).")
-    ping_interval: Seconds = Field(1.0, description="Seconds between two looks at whether the action server lives.")
-    stalled_after: Seconds = Field(
-        3.0, description="Seconds of silence after which a running goal is shown as stalled."
+    accept_timeout: Seconds = Field(
+        5.0, description="Seconds that an action server may take to accept or reject a goal (504)."
     )
-    lost_after: Seconds = Field(8.0, description="Seconds of silence after which a running goal is `lost`.")
+    cancel_timeout: Seconds = Field(
+        5.0, description="Seconds that an action server may take to answer a cancel request (504)."
+    )
+    ping_interval: Seconds = Field(1.0, description="Seconds between two checks of the action server.")
+    stalled_after: Seconds = Field(
+        3.0, description="Seconds without a message from the action server after which a running goal is `stalled`."
+    )
+    lost_after: Seconds = Field(
+        8.0, description="Seconds without a message from the action server after which a running goal is `lost`."
+    )
     battery_stale_after: Seconds = Field(
         2.0, description="Seconds without a message after which the battery state is stale."
     )
     forget_robot_after: float = Field(
         600.0,
         ge=0,
-        description="Seconds after which a robot that has left the ROS graph leaves `/robots`, too; 0: never. "
-        "The configured one stays.",
+        description="Seconds after which a robot that has left the ROS graph is removed from `/robots`; 0: never. "
+        "The configured robot is never removed.",
     )
     low_battery: float = Field(
         0.2,
         ge=0,
         lt=1,
-        description="Share of the charge (0 to 1) below which the battery of a robot that is not being charged is an "
-        "alert; 0: never.",
+        description="Charge (0 to 1) below which a robot that is not charging raises an alert; 0: never.",
     )
 
     database_url: str = Field(
         "",
         pattern=r"^(memory:|sqlite:///.+|postgres(ql)?://.*)?$",
-        description="Where the history is kept: `postgresql://user@host/name`, `sqlite:////path/to/history.db`, "
-        "or `memory:`. Empty: SQLite, `history-<ROS_DOMAIN_ID>.db` in the user's data directory.",
+        description="URL of the history database: `postgresql://user@host/name`, `sqlite:////path/to/history.db`, or "
+        "`memory:`. Empty: SQLite, `history-<ROS_DOMAIN_ID>.db` in the user's data directory.",
     )
     spool_path: Path | None = Field(
         None,
-        description="Folder for goals that the database does not take at once. Empty: `spool-<ROS_DOMAIN_ID>` in the "
+        description="Folder for goals while the database is not available. Empty: `spool-<ROS_DOMAIN_ID>` in the "
         "user's data directory.",
     )
     stop_path: Path | None = Field(
         None,
-        description="File that keeps latched stops across restarts. Empty: `stops-<ROS_DOMAIN_ID>.json` in the user's "
-        "data directory, `stops-<ROS_DOMAIN_ID>-localhost.json` where only this machine's robots are met.",
+        description="File that keeps latched stops across restarts. Empty: `stops-<ROS_DOMAIN_ID>.json` in the "
+        "user's data directory, or `stops-<ROS_DOMAIN_ID>-localhost.json` if discovery is limited to "
+        "this machine.",
     )
     history_queue: int = Field(
         10_000,
         ge=100,
-        description="Feedback and battery events that wait for the database before the oldest are dropped.",
+        description="Maximum number of feedback and battery events that wait for the database. Beyond it, the oldest "
+        "are dropped.",
     )
     retention_hours: float = Field(
-        168.0, gt=0, description="Hours that feedback and battery events are kept; status and results stay as goals do."
+        168.0,
+        gt=0,
+        description="Hours for which feedback and battery events are kept. Status and result events are kept as long "
+        "as their goal.",
     )
     retention_mb: int = Field(
-        256, ge=1, description="Megabytes of feedback and battery events that are kept; the oldest go first."
+        256,
+        ge=1,
+        description="Maximum size of the stored feedback and battery events, in megabytes. The oldest are deleted "
+        "first.",
     )
     goal_retention_days: float = Field(
         365.0,
         ge=1,
-        description="Days that goals are kept, with their status and result events; those that have not ended stay.",
+        description="Days for which goals are kept, with their status and result events. Goals that have not ended "
+        "are not deleted.",
     )
     goal_retention_mb: int = Field(
         1000,
         ge=1,
-        description="Megabytes that goals may take, with their status and result events; the oldest that have ended go "
-        "first.",
+        description="Maximum size of the stored goals with their status and result events, in megabytes. The oldest "
+        "ended goals are deleted first.",
     )
 
     max_actions: int = Field(
-        1000, ge=2, description="Actions on the ROS graph that are taken up; each takes 0.7 MB. Docking comes first."
+        1000,
+        ge=2,
+        description="Maximum number of actions on the ROS graph that the gateway serves, docking first. Each takes "
+        "0.7 MB of memory.",
     )
-    max_robots: int = Field(500, ge=1, description="Robots that are taken up.")
+    max_robots: int = Field(500, ge=1, description="Maximum number of robots that the gateway serves.")
     max_message_bytes: int = Field(
         1_000_000,
         ge=1024,
-        description="Largest ROS message that is read, in bytes. Larger feedback is told as `feedback_dropped`; a goal "
-        "with a larger result ends without it (`result_too_large`).",
+        description="Maximum size of a ROS message, in bytes. Larger feedback is dropped (`feedback_dropped`); a "
+        "goal with a larger result ends without it (`result_too_large`).",
     )
-    max_body_bytes: int = Field(1_000_000, ge=1024, description="Largest request body, in bytes (413).")
-    body_timeout: Seconds = Field(10.0, description="Seconds a client has to send its body (408).")
+    max_body_bytes: int = Field(1_000_000, ge=1024, description="Maximum size of a request body, in bytes (413).")
+    body_timeout: Seconds = Field(10.0, description="Seconds that a client may take to send a body (408).")
     max_header_bytes: int = Field(
         65_536,
         ge=8192,
         le=1_000_000,
-        description="Largest first line and headers of a request together, in bytes (431).",
+        description="Maximum size of a request's first line and headers together, in bytes (431).",
     )
-    header_timeout: Seconds = Field(10.0, description="Seconds a client has to send the head of a request (408).")
+    header_timeout: Seconds = Field(
+        10.0, description="Seconds that a client may take to send the first line and headers of a request (408)."
+    )
     max_connections: int = Field(
         4000,
         ge=32,
-        description="Connections at the same time; fewer where the process may not open 128 files beside them.",
+        description="Maximum number of connections; lower if the limit of open files does not leave 128 for other "
+        "files.",
     )
     max_connections_per_address: int = Field(
         2000,
         ge=8,
-        description="Connections of one address at the same time. Behind a proxy all clients have its address.",
+        description="Maximum number of connections from one address. Behind a proxy, all clients have its address.",
     )
     max_frames_per_second: int = Field(
         1000,
         ge=10,
-        description="Frames, pings among them, that may come on a WebSocket in a second; it is closed with 1008.",
+        description="Maximum number of frames per second on a WebSocket, including pings. Beyond it, the WebSocket "
+        "is closed with 1008.",
     )
     max_frame_bytes_per_second: int = Field(
         4_000_000,
         ge=65_536,
-        description="Bytes that may come on a WebSocket in a second; it is closed with 1008.",
+        description="Maximum number of bytes per second on a WebSocket. Beyond it, the WebSocket is closed with 1008.",
     )
-    max_pending_goals: int = Field(32, ge=1, description="Goals that may wait for acceptance at the same time (429).")
-    max_goals: int = Field(1000, ge=10, description="Ended goals that `memory:` keeps; the oldest go first.")
-    max_subscribers: int = Field(1000, ge=1, description="WebSocket subscribers at the same time (429).")
+    max_pending_goals: int = Field(32, ge=1, description="Maximum number of goals that wait for acceptance (429).")
+    max_goals: int = Field(
+        1000, ge=10, description="Maximum number of ended goals in the history `memory:`. The oldest are deleted first."
+    )
+    max_subscribers: int = Field(1000, ge=1, description="Maximum number of WebSocket subscribers (429).")
     subscriber_queue: int = Field(
         256,
         ge=1,
-        description="Feedback events that wait for a slow subscriber before the oldest are dropped.",
+        description="Maximum number of feedback events that wait for a slow subscriber. Beyond it, the oldest are "
+        "dropped.",
     )
-    subscriber_timeout: Seconds = Field(30.0, description="Seconds a subscriber may not read before it is cut off.")
+    subscriber_timeout: Seconds = Field(
+        30.0, description="Seconds after which a subscriber that does not read is disconnected."
+    )
     heartbeat_interval: Seconds = Field(5.0, description="Seconds between heartbeats on a stream.")
 
     @field_validator("allowed_hosts", "allowed_origins", mode="before")
@@ -226,21 +251,23 @@ class Settings(BaseSettings):
     @classmethod
     def _check_node_name(cls, value: str) -> str:
         if not NAME.fullmatch(value):
-            raise ValueError(f"{value[:100]!r} is no name of a ROS node: letters, digits and _, no digit first")
+            raise ValueError(
+                f"{value[:100]!r} is not a ROS node name: letters, digits and _, not starting with a digit"
+            )
         return value
 
     @field_validator("namespace")
     @classmethod
     def _check_namespace(cls, value: str) -> str:
         if not NAMESPACE.fullmatch(value):
-            raise ValueError(f"{value[:100]!r} is no ROS namespace, such as /robot1: letters, digits, _ and /")
+            raise ValueError(f"{value[:100]!r} is not a ROS namespace such as /robot1: letters, digits, _ and /")
         return value
 
     @field_validator("dock_action_type", "undock_action_type")
     @classmethod
     def _check_action_type(cls, value: str) -> str:
         if not ACTION_TYPE.fullmatch(value):
-            raise ValueError(f"{value[:100]!r} is no type of an action, such as some_package/action/Dock")
+            raise ValueError(f"{value[:100]!r} is not an action type such as some_package/action/Dock")
         return value
 
     @model_validator(mode="after")

@@ -22,11 +22,11 @@ class Purpose:
 
 DOCKING = Purpose(
     (PowerSupplyStatus.CHARGING, PowerSupplyStatus.FULL, PowerSupplyStatus.UNKNOWN),
-    "docking can only bring about 1 (CHARGING) or 4 (FULL); 0 (not set) means CHARGING",
+    "docking only accepts 1 (CHARGING) or 4 (FULL); 0 (not set) means CHARGING",
 )
 UNDOCKING = Purpose(
     (PowerSupplyStatus.DISCHARGING, PowerSupplyStatus.NOT_CHARGING, PowerSupplyStatus.UNKNOWN),
-    "undocking can only bring about 2 (DISCHARGING) or 3 (NOT_CHARGING); 0 (not set) means either of them",
+    "undocking only accepts 2 (DISCHARGING) or 3 (NOT_CHARGING); 0 (not set) means either",
 )
 
 

@@ -159,8 +159,8 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._make_messages()
         self._report_change()
         response.success = True
-        response.message = "the robot is at its start"
-        self.get_logger().info("Reset: the robot is at its start")
+        response.message = "the robot is at its start pose"
+        self.get_logger().info("Reset: the robot is at its start pose")
         return response
 
     def _switch(self, fault: Fault, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
@@ -233,7 +233,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         if before is not None and status.battery_publisher != before.battery_publisher:
             others = status.battery_publisher == "other"
             self.get_logger().info(
-                "Someone else publishes battery_status: stepping back" if others else "Publishing battery_status again"
+                "Another node publishes battery_status: pausing" if others else "Publishing battery_status again"
             )
         self._report()
 

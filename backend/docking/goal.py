@@ -175,9 +175,9 @@ class Goal:
                 f"no battery message for {self._limits.battery_lost_after:g} s (battery_lost_after)",
             )
         message = (
-            "no battery message has come yet: the wheels stand still"
+            "no battery message received yet: the robot waits"
             if battery is None
-            else f"no battery message for over {self._limits.battery_stale_after:g} s: the wheels stand still"
+            else f"no battery message for over {self._limits.battery_stale_after:g} s: the robot waits"
         )
         return Command(Stage.WAIT_FOR_BATTERY, self._rest(), ErrorCode.BATTERY_STALE, message, retries=self.retries)
 
@@ -278,9 +278,9 @@ class DockGoal(Goal):
         """Try again where that may help, else give up."""
         reason = self._failure
         if reason is not None and self._stage is Stage.RETRY and not isinstance(failure, OdometryLost):
-            return self.abort(reason.error_code, f"{reason}; then, backing off: {failure}")
+            return self.abort(reason.error_code, f"{reason}; then, while backing off: {failure}")
         if isinstance(failure, FailedToDetectDock) and self.retries:
-            return self.abort(self._plan.lost.error_code, f"{failure}, though it was seen before")
+            return self.abort(self._plan.lost.error_code, f"{failure}, although it was seen before")
         if not failure.worth_a_retry or self._watch is None or self.retries >= self._limits.max_retries:
             return self.abort(failure.error_code, str(failure))
         self.retries += 1

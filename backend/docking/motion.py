@@ -1,4 +1,4 @@
-"""Whether the robot moves as it is told, by its own reckoning."""
+"""Compares the commanded motion with the motion that odometry measures."""
 
 from collections import deque
 from dataclasses import dataclass
@@ -14,29 +14,29 @@ FARTHEST = 1e6
 PAUSE = 0.4
 """After a longer time without a look, in s, the comparison begins anew: a base stops when commands stay away."""
 TOLERANCE = 0.35
-"""The part of all that was told, to and fro, that may be missing: wheels slip."""
+"""The fraction of the commanded motion, in both directions, that may be missing: wheels slip."""
 LEAST_WAY = 0.04
 """In m; a shorter way missing says nothing: odometry comes late, by up to 0.1 s, and wheels need time to speed up."""
 LEAST_TURN = 0.2
 """In rad; a smaller turn missing says nothing."""
 
 
-_SUMS = ("told", "told_turn", "to_and_fro", "to_and_fro_turn", "done", "done_turn")
+_SUMS = ("commanded", "commanded_turn", "to_and_fro", "to_and_fro_turn", "measured", "measured_turn")
 
 
 @dataclass(frozen=True, slots=True)
 class _Ways:
-    """What was told and what was done between two looks: m forward and rad, since `at`."""
+    """Commanded and measured motion between two observations: m forward and rad, since `at`."""
 
     at: float
-    told: float
-    told_turn: float
-    done: float
-    done_turn: float
+    commanded: float
+    commanded_turn: float
+    measured: float
+    measured_turn: float
 
 
 class MotionWatch:
-    """Compares what the wheels were told with what odometry says.
+    """Compares the commanded velocities with odometry.
 
     Attributes:
         commanded: The velocity since the last look.
@@ -47,7 +47,7 @@ class MotionWatch:
 
         Args:
             odometry_timeout: Silence of odometry, in s, that is an error.
-            blocked_after: How long, in s, the robot may not move although it was told to.
+            blocked_after: Seconds over which commanded and measured motion are compared.
             started_at: Seconds of the monotonic clock.
         """
         self.commanded = STANDSTILL
@@ -59,7 +59,7 @@ class MotionWatch:
         self._sums = dict.fromkeys(_SUMS, 0.0)  # of the window
 
     def rest(self) -> None:
-        """The robot was told to stand still: what was before no longer counts."""
+        """Forget earlier motion: the robot was commanded to stand still."""
         self.commanded = STANDSTILL
         self._last = None
         self._window.clear()
@@ -73,7 +73,7 @@ class MotionWatch:
 
         Raises:
             OdometryLost: Odometry has been silent for too long.
-            Blocked: The robot did not move as it was told.
+            Blocked: The robot did not move as commanded.
         """
         now, odometry = observation.now, observation.odometry
         sound = odometry if odometry is not None and _makes_sense(odometry.pose) else None
@@ -81,7 +81,7 @@ class MotionWatch:
             self._heard_at = max(self._heard_at, sound.stamp)
         if sound is None or now - sound.stamp > DELAY:
             if now - self._heard_at > self._odometry_timeout:
-                nonsense = "" if odometry is sound else f" but one that makes no sense, {odometry and odometry.pose}"
+                nonsense = "" if odometry is sound else f" except an implausible pose, {odometry and odometry.pose}"
                 raise OdometryLost(f"no odometry for {self._odometry_timeout:g} s (odometry_timeout){nonsense}")
             return False
         self._remember(now, sound.pose)
@@ -105,23 +105,26 @@ class MotionWatch:
 
     def _add(self, ways: _Ways, sign: float) -> None:
         sums = self._sums
-        sums["told"] += sign * ways.told
-        sums["told_turn"] += sign * ways.told_turn
-        sums["to_and_fro"] += sign * abs(ways.told)
-        sums["to_and_fro_turn"] += sign * abs(ways.told_turn)
-        sums["done"] += sign * ways.done
-        sums["done_turn"] += sign * ways.done_turn
+        sums["commanded"] += sign * ways.commanded
+        sums["commanded_turn"] += sign * ways.commanded_turn
+        sums["to_and_fro"] += sign * abs(ways.commanded)
+        sums["to_and_fro_turn"] += sign * abs(ways.commanded_turn)
+        sums["measured"] += sign * ways.measured
+        sums["measured_turn"] += sign * ways.measured_turn
 
     def _compare(self) -> None:
         sums = self._sums
-        missing, missing_turn = abs(sums["told"] - sums["done"]), abs(sums["told_turn"] - sums["done_turn"])
+        missing, missing_turn = (
+            abs(sums["commanded"] - sums["measured"]),
+            abs(sums["commanded_turn"] - sums["measured_turn"]),
+        )
         if missing > max(LEAST_WAY, TOLERANCE * sums["to_and_fro"]) or missing_turn > max(
             LEAST_TURN, TOLERANCE * sums["to_and_fro_turn"]
         ):
             raise Blocked(
-                f"told to drive {sums['told']:.2f} m and turn {sums['told_turn']:.2f} rad within"
-                f" {self._blocked_after:g} s (blocked_after), the robot drove {sums['done']:.2f} m and turned"
-                f" {sums['done_turn']:.2f} rad"
+                f"commanded {sums['commanded']:.2f} m and {sums['commanded_turn']:.2f} rad within"
+                f" {self._blocked_after:g} s (blocked_after), measured"
+                f" {sums['measured']:.2f} m and {sums['measured_turn']:.2f} rad"
             )
 
 

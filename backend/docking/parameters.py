@@ -61,8 +61,8 @@ _GOAL: tuple[Parameter, ...] = (
         "goal_policy",
         "reject",
         ("reject", "preempt"),
-        "What happens to a goal that comes while another one runs: it is rejected, or it preempts the other, which is"
-        " aborted.",
+        "What happens to a goal that arrives while another one runs: it is rejected, or it preempts the "
+        "other one, which is aborted.",
     ),
     FloatParameter(
         "battery_stale_after",
@@ -70,7 +70,7 @@ _GOAL: tuple[Parameter, ...] = (
         0.1,
         3600.0,
         "s",
-        "Silence of the battery that stops the wheels; the goal goes on when messages come again.",
+        "Time without a battery message after which the wheels stop; the goal continues with the next message.",
     ),
     FloatParameter(
         "battery_lost_after",
@@ -78,24 +78,36 @@ _GOAL: tuple[Parameter, ...] = (
         0.1,
         86400.0,
         "s",
-        "Silence of the battery, since the goal was accepted, that aborts it. Not below battery_stale_after.",
+        "Time without a battery message, counted from the goal's acceptance, after which it is aborted. "
+        "Not below battery_stale_after.",
     ),
     FloatParameter(
-        "goal_timeout", 0.0, 0.0, 86400.0, "s", "The longest that a goal may take before it is aborted; 0 is for ever."
+        "goal_timeout", 0.0, 0.0, 86400.0, "s", "Maximum duration of a goal, after which it is aborted; 0: no limit."
     ),
 )
 
 _MOTION: tuple[Parameter, ...] = (
-    FloatParameter("controller_frequency", 20.0, 5.0, 100.0, "Hz", "How often a velocity is decided on and published."),
-    FloatParameter("v_linear_max", 0.26, 0.01, 2.0, "m/s", "The fastest that the robot drives, either way (linear.x)."),
     FloatParameter(
-        "v_angular_max", 1.0, 0.05, 4.0, "rad/s", "The fastest that the robot turns, either way (angular.z)."
+        "controller_frequency", 20.0, 5.0, 100.0, "Hz", "Rate at which velocities are computed and published."
     ),
-    FloatParameter("a_linear_max", 0.5, 0.05, 5.0, "m/s²", "How fast linear.x may change, but for a stop."),
-    FloatParameter("a_angular_max", 2.0, 0.1, 20.0, "rad/s²", "How fast angular.z may change, but for a stop."),
-    FloatParameter("odometry_timeout", 1.0, 0.1, 60.0, "s", "Silence of odometry that aborts the goal."),
     FloatParameter(
-        "blocked_after", 2.0, 0.5, 60.0, "s", "How long the robot may not move as it is told before it is blocked."
+        "v_linear_max", 0.26, 0.01, 2.0, "m/s", "Maximum linear velocity, forwards and backwards (linear.x)."
+    ),
+    FloatParameter(
+        "v_angular_max", 1.0, 0.05, 4.0, "rad/s", "Maximum angular velocity, in both directions (angular.z)."
+    ),
+    FloatParameter("a_linear_max", 0.5, 0.05, 5.0, "m/s²", "Maximum linear acceleration; does not apply to a stop."),
+    FloatParameter(
+        "a_angular_max", 2.0, 0.1, 20.0, "rad/s²", "Maximum angular acceleration; does not apply to a stop."
+    ),
+    FloatParameter("odometry_timeout", 1.0, 0.1, 60.0, "s", "Time without odometry after which the goal is aborted."),
+    FloatParameter(
+        "blocked_after",
+        2.0,
+        0.5,
+        60.0,
+        "s",
+        "Time over which commanded and measured motion are compared; if they differ too much, the robot is blocked.",
     ),
     FloatParameter(
         "staging_x_offset",
@@ -103,7 +115,7 @@ _MOTION: tuple[Parameter, ...] = (
         -3.0,
         -0.3,
         "m",
-        "From the docked pose to the staging pose along the robot's x axis; negative is in front of the dock.",
+        "Distance from the docked pose to the staging pose along the robot's x axis; negative is in front of the dock.",
     ),
 )
 
@@ -113,8 +125,8 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         "controller",
         "rotate",
         ("rotate", "dock_pose", "infrared"),
-        "What drives the robot: the tutorial's turning, the pose of a marker on the dock, or three infrared receivers."
-        " All parameters after rotate_speed are for the last two.",
+        "How the robot is driven: turning on the spot as in the tutorial, by the pose of a marker on the "
+        "dock, or by three infrared receivers. All parameters after rotate_speed apply to the last two.",
     ),
     FloatParameter(
         "rotate_speed",
@@ -122,7 +134,7 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         -2.0,
         2.0,
         "rad/s",
-        "How fast the robot turns on the spot while it looks for the dock (angular.z); counter-clockwise is positive.",
+        "Angular velocity of the controller rotate (angular.z); counter-clockwise is positive.",
     ),
     *_MOTION,
     FloatParameter(
@@ -131,28 +143,28 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         0.005,
         0.5,
         "m/s",
-        "The slowest on the way, and the speed of the last piece before contact.",
+        "Minimum linear velocity, also used for the last part before contact.",
     ),
-    FloatParameter("search_speed", 0.6, 0.05, 4.0, "rad/s", "How fast the robot turns while it looks for the dock."),
-    IntegerParameter("max_retries", 3, 0, 100, "", "How often the robot backs off and tries again."),
+    FloatParameter("search_speed", 0.6, 0.05, 4.0, "rad/s", "Angular velocity while the robot searches for the dock."),
+    IntegerParameter(
+        "max_retries", 3, 0, 100, "", "Maximum number of retries; the robot backs off before each of them."
+    ),
+    FloatParameter("initial_perception_timeout", 20.0, 0.1, 3600.0, "s", "Time limit for finding the dock."),
+    FloatParameter("staging_timeout", 60.0, 0.1, 3600.0, "s", "Time limit for driving to the staging pose."),
     FloatParameter(
-        "initial_perception_timeout", 20.0, 0.1, 3600.0, "s", "The longest that the robot may look for the dock."
-    ),
-    FloatParameter("staging_timeout", 60.0, 0.1, 3600.0, "s", "The longest that the way to the staging pose may take."),
-    FloatParameter(
-        "dock_approach_timeout", 30.0, 0.1, 3600.0, "s", "The longest that the way from there to the dock may take."
+        "dock_approach_timeout", 30.0, 0.1, 3600.0, "s", "Time limit for driving from the staging pose to the dock."
     ),
     FloatParameter(
-        "wait_charge_timeout", 5.0, 0.1, 3600.0, "s", "The longest that the battery may take on the dock to charge."
+        "wait_charge_timeout", 5.0, 0.1, 3600.0, "s", "Time limit for the battery to start charging on the dock."
     ),
-    FloatParameter("retry_timeout", 30.0, 0.1, 3600.0, "s", "The longest that backing off may take."),
+    FloatParameter("retry_timeout", 30.0, 0.1, 3600.0, "s", "Time limit for backing off."),
     FloatParameter(
         "external_detection_timeout",
         2.0,
         0.1,
         60.0,
         "s",
-        "Silence of the marker's detections, or of the receivers, on the way to the dock after which it is lost.",
+        "Time without a detection of the marker or the beacon, during the approach, after which the dock is lost.",
     ),
     FloatParameter(
         "external_detection_translation_x",
@@ -160,7 +172,8 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         -2.0,
         0.0,
         "m",
-        "From the marker, or the beacon, to the docked robot along the marker's x axis, which points into the dock.",
+        "Position of the docked robot relative to the marker or the beacon, along the marker's x axis, "
+        "which points into the dock.",
     ),
     FloatParameter(
         "external_detection_translation_y",
@@ -168,7 +181,7 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         -1.0,
         1.0,
         "m",
-        "The same along the marker's y axis.",
+        "The same, along the marker's y axis.",
     ),
     FloatParameter(
         "external_detection_rotation_yaw",
@@ -176,7 +189,7 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         -3.1416,
         3.1416,
         "rad",
-        "How the docked robot is turned against the marker's x axis.",
+        "Heading of the docked robot relative to the marker's x axis.",
     ),
     FloatParameter(
         "infrared_receiver_x",
@@ -184,7 +197,7 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         -1.0,
         1.0,
         "m",
-        "Where the three infrared receivers are: x in base_link.",
+        "Position of the three infrared receivers: x in base_link.",
     ),
     FloatParameter(
         "infrared_receiver_angle",
@@ -192,10 +205,15 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         0.05,
         1.5,
         "rad",
-        "How far the left and the right receiver are turned away from straight ahead.",
+        "Angle between straight ahead and the direction of the left or the right receiver.",
     ),
     FloatParameter(
-        "infrared_field_of_view", 0.5, 0.1, 3.0, "rad", "Of each receiver, from edge to edge; not below its angle."
+        "infrared_field_of_view",
+        0.5,
+        0.1,
+        3.0,
+        "rad",
+        "Field of view of each receiver, edge to edge. Not below infrared_receiver_angle.",
     ),
     FloatParameter(
         "infrared_beacon_angle",
@@ -203,7 +221,7 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         0.1,
         1.57,
         "rad",
-        "How far to each side of its axis the dock's beacon shines: where its light ends, the robot knows the axis.",
+        "Angle from the dock's axis to each edge of the beacon's light; the robot locates the axis by this edge.",
     ),
 )
 
@@ -216,12 +234,12 @@ UNDOCK_SERVER: tuple[Parameter, ...] = (
         0.1,
         3600.0,
         "s",
-        "The longest that backing out may take, until the battery no longer charges.",
+        "Time limit for backing out until the battery no longer charges.",
     ),
 )
 
 FIBONACCI_SERVER: tuple[Parameter, ...] = (
-    FloatParameter("step_period", 1.0, 0.01, 60.0, "s", "The time that each number takes."),
+    FloatParameter("step_period", 1.0, 0.01, 60.0, "s", "Time between two numbers."),
 )
 
 

@@ -114,7 +114,7 @@ class Session:
 
     def _await_acceptance(self, now: float) -> Request | None:
         if self._interrupts > 1:
-            self._finish(ExitCode.INTERRUPTED, "left before the server answered; the goal is canceled if it runs")
+            self._finish(ExitCode.INTERRUPTED, "exited before the server answered; the goal is canceled if it runs")
             return Request.CANCEL_GOAL
         if now - self._since < self._patience.acceptance:
             return None
@@ -123,14 +123,16 @@ class Session:
 
     def _await_result(self, now: float) -> Request | None:
         if self._interrupts > 1:
-            self._finish(ExitCode.INTERRUPTED, "left before the goal had ended; it may still be running")
+            self._finish(ExitCode.INTERRUPTED, "exited before the goal ended; it may still be running")
         elif self._cancel_wanted and self._canceled_at is None:
             self._canceled_at = now
             return Request.CANCEL_GOAL
         elif self._canceled_at is not None and now - self._canceled_at >= self._patience.cancel:
-            self._finish(ExitCode.LOST, f"the goal did not end within {self._patience.cancel:g} s of being canceled")
+            self._finish(
+                ExitCode.LOST, f"the goal did not end within {self._patience.cancel:g} s after the cancel request"
+            )
         elif now - self._heard_at >= self._patience.lost:
-            self._finish(ExitCode.LOST, f"no sign of life from the action server for {self._patience.lost:g} s")
+            self._finish(ExitCode.LOST, f"no response from the action server for {self._patience.lost:g} s")
         elif now - self._heard_at >= self._patience.silence:
             return self._ping(now)
         return None
@@ -166,7 +168,7 @@ class Session:
             return
         exit_code = STATUS_TO_EXIT.get(status)
         if exit_code is None:
-            self._finish(ExitCode.LOST, "the action server does not know the goal any more; it was restarted")
+            self._finish(ExitCode.LOST, "the action server no longer knows the goal; it was restarted")
         elif exit_code is ExitCode.CANCELED and self._interrupts:
             self._finish(ExitCode.INTERRUPTED, "the goal was canceled")
         else:

@@ -57,7 +57,7 @@ class UndockGoal(Goal):
             FailedToUndock: It has taken too long.
         """
         if self._time > self._limits.undocking_timeout:
-            what = "the battery is charging still" if self._out else "the robot did not get away from the dock"
+            what = "the battery is still charging" if self._out else "the robot did not get away from the dock"
             raise FailedToUndock(f"{what} after {self._limits.undocking_timeout:g} s (undocking_timeout)")
         step = STANDSTILL if self._out else self._controller.step(observation, dt)
         if isinstance(step, Done):

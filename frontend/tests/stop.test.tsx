@@ -107,7 +107,7 @@ describe("a warning of the gateway", () => {
 
   it("stays on the banner for as long as the stop is not stored", async () => {
     const { store } = renderPage(fakeGateway(), { stop: { ...latched("Ada"), persisted: false } });
-    expect(banner()?.textContent).toMatch(/is not stored: a restart of the gateway would forget it/);
+    expect(banner()?.textContent).toMatch(/is not stored: a restart of the gateway would lose it/);
     act(() => store.onEvent({ type: "stop", time: at(1), robot: "/", stop: latched("Ada") }));
     await waitFor(() => expect(banner()?.textContent).not.toMatch(/is not stored/));
   });

@@ -79,7 +79,8 @@ def test_what_is_wrong_is_said_in_a_plain_sentence() -> None:
     with pytest.raises(click.UsageError) as refused:
         read_settings({"namespace": "/robot 1"})
     assert (
-        refused.value.message == "namespace: '/robot 1' is no ROS namespace, such as /robot1: letters, digits, _ and /"
+        refused.value.message
+        == "namespace: '/robot 1' is not a ROS namespace such as /robot1: letters, digits, _ and /"
     )
 
 

@@ -61,7 +61,8 @@ def check_event(path: str, text: str | bytes) -> None:
     elif "op" in message:
         name = "Answer"
     else:
-        name = "ActionEvent" if _is_on_another_action(message) else "Event"
+        of_goal = message.get("type") in ("status", "feedback", "result")
+        name = "ActionEvent" if of_goal and not _is_docking(message) else "Event"
     if name == "Answer":
         _compare(where, _reference(name), text)
         return
@@ -70,12 +71,14 @@ def check_event(path: str, text: str | bytes) -> None:
         _note(where, f"its type is {kind!r}, not one of {', '.join(kinds)}")
         return
     _compare(f"{where} of type {kind}", {"$ref": kinds[kind]}, text)
+    for goal in message.get("goals", ()):  # the schema of a snapshot allows both kinds of goals
+        name = "Goal" if _is_docking(goal) else "ActionGoal"
+        _compare(f"{where} of type {kind}, a goal", _reference(name), orjson.dumps(goal))
 
 
-def _is_on_another_action(message: dict[str, Any]) -> bool:
-    """Whether it is a goal's event with the messages of an action other than docking and undocking."""
-    goal_event = message.get("type") in ("status", "feedback", "result")
-    return goal_event and str(message.get("action_name")).rpartition("/")[2] not in DOCKING
+def _is_docking(document: dict[str, Any]) -> bool:
+    """Whether a goal, or an event of one, is on a docking or undocking action."""
+    return str(document.get("action_name")).rpartition("/")[2] in DOCKING
 
 
 def _reference(name: str) -> Schema:

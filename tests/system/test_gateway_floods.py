@@ -118,6 +118,6 @@ def test_hundreds_of_actions_at_once(domain: int) -> None:
         answers_while_flooded(gateway)
         assert sum(action["installed"] for action in found.values()) == 58
         assert {action["hint"] for action in found.values() if not action["installed"]} == {
-            "there are 60 already, see max_actions"
+            "the limit of 60 is reached, see max_actions"
         }
         assert len(gateway.http.get("/robots").json()["robots"]) == 20

@@ -70,8 +70,8 @@ def test_only_who_asks_for_it_gets_it_and_nobody_else_pays(gateway: RunningGatew
     with gateway.stream("?include=system,battery") as other:
         with gateway.stream("?include=scene") as stream:
             stream.until_type("scene")
-            gateway.process.wait_for(": hearing scene of /")
-        gateway.process.wait_for("no longer hearing scene of /")
+            gateway.process.wait_for("subscribed to scene of /")
+        gateway.process.wait_for("unsubscribed from scene of /")
         for _ in range(20):
             other.next()
         assert "scene" not in {event["type"] for event in other.seen}

@@ -71,7 +71,7 @@ class Newcomers:
 
     def _make_room(self, *, running: bool) -> bool:
         """Drop an ended goal to make room for a running one. A running goal is reported again by its server."""
-        log.warning("more than %d unknown goals turned up at once; some are left out", MAX_NEWCOMERS)
+        log.warning("more than %d unknown goals were reported at the same time; some are ignored", MAX_NEWCOMERS)
         last = next(reversed(self._waiting))
         if not running or self._waiting[last].running:
             return False

@@ -27,10 +27,10 @@ UNKNOWN_GOAL = 2  # action_msgs/CancelGoal ERROR_UNKNOWN_GOAL_ID
 
 TOO_LATE = GoalError(
     "action_server_timeout",
-    "the action server accepted the goal only after the gateway had given up on it, so it was canceled",
+    "the action server accepted the goal too late, so the gateway canceled it",
 )
-STOPPED = GoalError("stopped", "a stop was asked for")
-CANCELED = GoalError("canceled", "it was canceled while the action server could not be reached")
+STOPPED = GoalError("stopped", "a stop was requested")
+CANCELED = GoalError("canceled", "the goal was canceled while the action server could not be reached")
 
 
 class Canceler:
@@ -78,7 +78,7 @@ class Canceler:
                 answer = await self._tracker.port.cancel(goal.goal_id, self._settings.cancel_timeout)
             except TimeoutError:
                 seconds = self._settings.cancel_timeout
-                detail = f"the action server did not answer within {seconds:g} s; it is asked again"
+                detail = f"the action server did not answer within {seconds:g} s; retrying"
                 raise ServerTimeout(detail, goal_id=goal.goal_id) from None
             self._tracker.heard()
             if goal.goal_id in answer.goal_ids:
@@ -91,7 +91,7 @@ class Canceler:
         if goal.status in (GoalStatus.PENDING, GoalStatus.CANCELING, GoalStatus.LOST):
             return
         if goal.status.terminal:
-            raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal.goal_id)
+            raise Conflict(f"the goal is already {goal.status.value}", code="goal_terminal", goal_id=goal.goal_id)
         self._refused(goal)
         raise Conflict("the action server refuses to cancel the goal", code="cancel_rejected", goal_id=goal.goal_id)
 
@@ -116,7 +116,7 @@ class Canceler:
             answer = await self._tracker.port.cancel(None, STOP_TIMEOUT)
         except TimeoutError:
             self._insist_on(goals)
-            detail = "the action server does not answer; it was asked to cancel every goal, and is asked again"
+            detail = "the action server does not answer the request to cancel all goals; retrying"
             raise ServerTimeout(detail) from None
         except Unavailable:
             self._insist_on(goals)
@@ -206,4 +206,4 @@ def require_unfinished(goal: Goal) -> None:
         Conflict: The goal has ended (`goal_terminal`).
     """
     if goal.status.final:
-        raise Conflict(f"the goal is {goal.status.value} already", code="goal_terminal", goal_id=goal.goal_id)
+        raise Conflict(f"the goal is already {goal.status.value}", code="goal_terminal", goal_id=goal.goal_id)

@@ -152,7 +152,9 @@ class GoalMachine:
         elif status.terminal:
             self.end(now, goal, status, result=result, error=error, stamp_ns=stamp_ns)
         else:
-            log.warning("goal %s: the action server gave a result and says %s", goal.goal_id, status.value)
+            log.warning(
+                "goal %s: ignored a result with the status %s, which does not end a goal", goal.goal_id, status.value
+            )
 
     def _hear(self, now: Now, goal_id: str, take: Message, *, created_ns: int, running: bool) -> None:
         if (goal := self.live.get(goal_id)) is not None:
@@ -239,7 +241,7 @@ class GoalMachine:
         self._publish(status_event, goal, stamp_ns or now.ns)
         self.outputs.append(Store(goal))
         if was_lost:
-            log.info("goal %s is back", goal.goal_id)
+            log.info("goal %s is no longer lost", goal.goal_id)
             self.outputs.append(Notify(News.RETURNED, goal))
 
     def stall(self, now: Now, goal: Goal, *, stalled: bool) -> None:

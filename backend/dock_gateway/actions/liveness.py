@@ -72,7 +72,7 @@ class ServerWatch:
             try:
                 await self.look(ping=self._ping_idle or bool(self._tracker.live))
             except GatewayError as error:
-                log.warning("cannot look after the action server: %s", error.detail)
+                log.warning("cannot monitor the action server: %s", error.detail)
                 self._set(available=False, answering=False, duplicate=self.state.duplicate)
                 self._judge()
             await asyncio.sleep(self._settings.ping_interval)
@@ -104,7 +104,7 @@ class ServerWatch:
             self._gone_since = time.monotonic()
         elif self._tracker.last_heard > self._gone_since and not self._told_of_half:
             self._told_of_half = True
-            log.warning("%s is heard, but no request can reach its action server", self.state.action_name)
+            log.warning("%s: messages arrive, but requests do not reach the action server", self.state.action_name)
 
     async def _ping(self) -> bool:
         try:
@@ -130,15 +130,17 @@ class ServerWatch:
         deadline = time.monotonic() + self._settings.server_wait
         while not (await self._tracker.port.presence()).available:
             if time.monotonic() >= deadline:
-                raise Unavailable(f"no action server for {self.state.action_name}; is it started, on this ROS domain?")
+                raise Unavailable(
+                    f"no action server for {self.state.action_name}: check that it runs in this ROS domain"
+                )
             await asyncio.sleep(0.05)
         state = await self.look()
         if self._refuses:
             detail = f"more than one action server serves {state.action_name}, and each would move the robot"
-            raise Conflict(f"{detail}: end all but one", code="duplicate_action_server")
+            raise Conflict(f"{detail}: shut down all but one", code="duplicate_action_server")
         if not state.answering:
             raise ServerTimeout(
-                f"the action server of {self.state.action_name} does not answer; it may be busy, frozen or dead"
+                f"the action server of {self.state.action_name} does not answer: it may be busy, frozen or dead"
             )
 
     @property

@@ -71,7 +71,7 @@ class Action:
             settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=self.canceler
         )
         self.submitter = Submitter(settings, history, self.tracker, self.delivery)
-        self._tasks = Tasks(f"looking after {self.name}")
+        self._tasks = Tasks(f"monitoring {self.name}")
         self._tasks.spawn(self.watch.run())
         self._tasks.spawn(Rejoiner(self.tracker, self.watch).run())
 
@@ -211,7 +211,7 @@ class ActionRegistry:
     def _give_up(self) -> None:
         """Mark goals whose action has not come back as lost, until it does."""
         for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
-            if goal.lose(GoalError("action_server_lost", "nobody serves the action any more"), utc_now()):
+            if goal.lose(GoalError("action_server_lost", "the action has no server any more"), utc_now()):
                 now_ns = time.time_ns()
                 self._hub.publish(status_event(goal, self._hub.clock.stamp(now_ns), now_ns))
                 self._history.record(goal)
@@ -220,7 +220,7 @@ class ActionRegistry:
         types = self._types[name]
         type_name = self._type_of(name)
         if len(types) > 1:
-            log.warning("action %s has more than one type: %s; %s counts", name, ", ".join(types), type_name)
+            log.warning("action %s has more than one type: %s; using %s", name, ", ".join(types), type_name)
         await self.open(name, type_name)
 
     def _type_of(self, name: str) -> str:
@@ -236,7 +236,7 @@ class ActionRegistry:
         return settings.undock_action_type if name.endswith(f"/{settings.undock_action}") else None
 
     async def _forget(self, action: Action) -> None:
-        log.info("action %s has gone", action.name)
+        log.info("action %s left the ROS graph", action.name)
         del self._actions[action.name]
         await action.close()
         self._bridge.to_ros(action.port.close)
@@ -275,7 +275,7 @@ class ActionRegistry:
                 while name not in self._actions and name not in self._discovery.failed:
                     await self._changed.wait()
         except TimeoutError:
-            raise NotFound(f"nobody serves an action {name}", code="action_not_found") from None
+            raise NotFound(f"there is no server for the action {name}", code="action_not_found") from None
         if failure := self._discovery.failed.get(name):
             detail = f"{name} is of type {self._type_of(name)}: {failure.why}"
             raise Unavailable(detail, code="interface_not_installed")

@@ -21,7 +21,7 @@ RESULT_WAIT, ASK_AGAIN_AFTER = 4.0, 0.5
 LATE_RESULT = 60.0
 # Seconds that a result waits for the status message of the end, whose timestamp is the same at every gateway.
 END_STAMP_WAIT = 0.2
-SAID_NOTHING = "the action server aborted the goal and did not say why"
+SAID_NOTHING = "the action server aborted the goal and gave no reason"
 # Goals that end in one of these states have a result, which may arrive late.
 WITH_RESULT = frozenset({GoalStatus.SUCCEEDED, GoalStatus.CANCELED, GoalStatus.ABORTED})
 
@@ -104,7 +104,7 @@ class Results:
             if not goal.status.final:
                 self.request_again(goal)
         if not goal.status.final:
-            error = GoalError(NO_RESULT, "the goal ended and the action server did not give its result")
+            error = GoalError(NO_RESULT, "the goal ended, but the action server did not send its result")
             self._settle(goal, ResultAnswer(status, None, error), await self._end_stamps.of(goal.goal_id))
 
     # ------------------------------------------------------------------ the end

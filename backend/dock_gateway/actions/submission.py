@@ -21,7 +21,7 @@ from dock_gateway.settings import Settings
 
 # Rejection codes that are passed on from an action server; any other becomes `goal_rejected`.
 KNOWN_REJECTIONS = ("dock_busy", "stop_latched")
-STOPPED_ON_ITS_WAY = "a stop was asked for while the goal was on its way, so it was not sent"
+STOPPED_ON_ITS_WAY = "the goal was not sent, as a stop was requested first"
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Delivery:
             TooManyRequests: Too many goals are waiting for an answer.
         """
         if len(self._tasks) >= self._settings.max_pending_goals:
-            raise TooManyRequests(f"{len(self._tasks)} goals are waiting for the action server's answer already")
+            raise TooManyRequests(f"{len(self._tasks)} goals already wait for the action server's answer")
         self._interlock.require_released(self._tracker.port.action_name)
         task = asyncio.create_task(self._deliver(message, claim, self.stops if stops is None else stops, again))
         self._tasks.add(task)
@@ -149,7 +149,7 @@ class Delivery:
         elif busy_with is not None:
             error = GoalError("dock_busy", f"goal {busy_with} is running; cancel it first")
         else:
-            error = GoalError("goal_rejected", "the action server rejected the goal and did not say why")
+            error = GoalError("goal_rejected", "the action server rejected the goal and gave no reason")
         if goal.status is not GoalStatus.PENDING:
             return  # it runs: the server refused the same id sent again
         self._tracker.end(goal, GoalStatus.REJECTED, error=error)

@@ -74,7 +74,7 @@ class GoalTracker:
         self.on[News.RETIRED].append(self._results.retire)
         self._hub = hub
         self._history = history
-        self._seals = Tasks("storing how goals ended")
+        self._seals = Tasks("storing the ends of goals")
         self._places: dict[str, Hold] = {}
         self._waiters: WeakValueDictionary[str, asyncio.Event] = WeakValueDictionary()  # held by the waiting callers
         self._looking_up = False
@@ -149,7 +149,7 @@ class GoalTracker:
                     try:
                         self._adopt(goal_id, (known or {}).get(goal_id))
                     except Exception:
-                        log.exception("while taking up goal %s", goal_id)
+                        log.exception("while adopting goal %s", goal_id)
                     if self._machine.ended(goal_id):
                         self._let_go(goal_id)
                 await asyncio.sleep(pause)
@@ -188,7 +188,7 @@ class GoalTracker:
 
     def _expire(self, goal_id: str) -> None:
         if goal_id in self._places:
-            log.warning("goal %s: what follows its end is told before it; its result is awaited", goal_id)
+            log.warning("goal %s: its result is late, so later events are published before its end", goal_id)
             self._let_go(goal_id)
 
     def _let_go(self, goal_id: str) -> None:

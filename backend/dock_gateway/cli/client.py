@@ -231,7 +231,7 @@ def stop(url: str, robot: str | None, no_latch: bool, by: str | None) -> None:
     if warning := report.get("warning"):
         click.echo(f"warning: {warning['detail']}", err=True)
     if report["stop"]["latched"]:
-        click.echo("no goal is sent until the stop is released: dock-gateway release")
+        click.echo("goals are refused until the stop is released: dock-gateway release")
     for failure in report["failed"]:
         click.echo(f"{failure['action_name'] or failure['robot']}: {failure['detail']}", err=True)
     for name in report["unconfirmed"]:

@@ -86,7 +86,7 @@ def _end(parts: Sequence[Part]) -> None:
         try:
             part.process.wait(max(0.0, deadline - time.monotonic()))
         except subprocess.TimeoutExpired:
-            click.echo(f"dock-gateway: {part.name} does not end and is killed", err=True)
+            click.echo(f"dock-gateway: {part.name} does not exit and is killed", err=True)
             part.process.kill()
             part.process.wait()
 
@@ -139,7 +139,10 @@ def stay_on_this_machine(environment: MutableMapping[str, str], *, always: bool)
     peers = environment.pop("ROS_STATIC_PEERS", "")
     environment["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     if wanted != "LOCALHOST" or peers:
-        click.echo("dock-gateway: a simulated robot stays on this machine, whatever ROS's variables say", err=True)
+        click.echo(
+            "dock-gateway: the simulated robot is visible on this machine only, whatever the ROS variables say",
+            err=True,
+        )
 
 
 def robot_commands(programs: Programs, settings: Settings) -> dict[str, list[str]]:
@@ -196,7 +199,7 @@ def up(no_sim: bool, **options: str | None) -> None:
     """
     settings = read_settings(options)
     if settings.port == 0:
-        raise click.UsageError("port: `up` tells where to go before the gateway runs, so it needs a port other than 0")
+        raise click.UsageError("port: `up` prints the address before the gateway runs, so the port must not be 0")
     require_free_port(settings)
     stay_on_this_machine(os.environ, always=not no_sim)
     arguments = [f"{option_name(name)}={value}" for name, value in options.items() if value is not None]
@@ -204,4 +207,4 @@ def up(no_sim: bool, **options: str | None) -> None:
 
     gateway = [sys.executable, "-m", "dock_gateway", "serve", *arguments]
     if not asyncio.run(_supervise({"the gateway": gateway} | commands, own_url(settings))):
-        raise click.ClickException("the gateway could not be started; the lines above say why")
+        raise click.ClickException("the gateway could not be started; see the messages above")

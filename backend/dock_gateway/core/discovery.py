@@ -72,7 +72,7 @@ class Discovery:
                 return True
             try:
                 if len(known) >= self._limit:
-                    raise OverflowError(f"there are {self._limit} already, see {self._setting}")
+                    raise OverflowError(f"the limit of {self._limit} is reached, see {self._setting}")
                 await take_up(name)
             except GatewayError:
                 raise
@@ -87,7 +87,7 @@ class Discovery:
         self.failed[name] = Failure(why, time.monotonic() + RETRY_AFTER)
         if before is None or before.why != why:
             unexpected = not isinstance(error, EXPECTED)
-            log.warning("%s %s is there and cannot be used: %s", self._kind, name, why, exc_info=unexpected)
+            log.warning("%s %s is on the ROS graph but cannot be used: %s", self._kind, name, why, exc_info=unexpected)
 
     def keep(self, names: Collection[str]) -> None:
         """Forget the failures of names that are no longer on the graph."""

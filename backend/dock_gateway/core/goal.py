@@ -137,7 +137,9 @@ class Goal:
         unconfirmed = self.status is GoalStatus.PENDING and error.code == "action_server_lost"
         if not self.advance(GoalStatus.LOST, now):
             return False
-        self.error = GoalError(UNCONFIRMED, f"{error.detail}; it may never have got it") if unconfirmed else error
+        self.error = (
+            GoalError(UNCONFIRMED, f"{error.detail}; it may not have received the goal") if unconfirmed else error
+        )
         return True
 
     def hear(self, feedback: Json, now: datetime) -> None:

@@ -168,7 +168,7 @@ class Hub:
         if self.closing:
             raise Unavailable("the gateway is shutting down", code="shutting_down")
         if len(self._subscribers) >= self._max_subscribers:
-            raise TooManyRequests(f"{self._max_subscribers} subscribers are connected already")
+            raise TooManyRequests(f"{self._max_subscribers} subscribers are already connected")
         subscriber = Subscriber(self._queue_limit, event_filter)
         self._subscribers.add(subscriber)
         for key in _keys(event_filter):

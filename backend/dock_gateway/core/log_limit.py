@@ -49,9 +49,9 @@ class LogLimit(logging.Filter):
                 count = self._counts[kind] = Count(now)
             count.lines += 1
         if left_out:
-            _add(record, f"{left_out} such lines were left out")
+            _add(record, f"{left_out} similar lines were suppressed")
         if count.lines == MAX_LINES:
-            _add(record, f"more such lines are left out for {PERIOD + count.since - now:.0f} s")
+            _add(record, f"similar lines are suppressed for {PERIOD + count.since - now:.0f} s")
         return count.lines <= MAX_LINES
 
     def _forget(self, now: float) -> None:

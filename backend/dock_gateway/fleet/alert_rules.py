@@ -130,7 +130,7 @@ class AlertRules:
                 robot,
                 self._duplicate_since[robot],
                 "Two action servers",
-                f"More than one action server serves {names}, and each of them moves the robot: end all but one.",
+                f"More than one action server serves {names}, and each of them moves the robot. Shut down all but one.",
             )
 
     def _discharging(self, state: RobotState, now: datetime, seconds: float) -> Iterator[Alert]:
@@ -147,7 +147,7 @@ class AlertRules:
                 state.name,
                 since,
                 "Not charging on the dock",
-                f"{state.name} is docked, and its battery is not charged: look at the contacts and the charger, or "
+                f"{state.name} is docked, but its battery is not charging. Check the contacts and the charger, or "
                 "undock the robot and dock it again.",
             )
 
@@ -164,8 +164,8 @@ class AlertRules:
             state.name,
             self._low_since.setdefault(state.name, now),
             "Low battery",
-            f"The battery of {state.name} has fallen below {self._low_battery:.0%} and is not charged: send the robot "
-            "to its dock.",
+            f"The battery of {state.name} has fallen below {self._low_battery:.0%} and is not charging. Send the "
+            "robot to its dock.",
         )
 
 
@@ -175,15 +175,16 @@ def _stops(states: list[RobotState]) -> Iterator[Alert]:
     for name, stop in held.items():
         if any(above in held for above in _above(name)):
             continue
-        unstored = "" if stop["persisted"] else " It is not stored: a restart of the gateway would forget it."
+        unstored = "" if stop["persisted"] else " It is not stored: a restart of the gateway would lose it."
         others = sum(other != name and name in _above(other) for other in held)
+        names = f"{name}{f' and {others} below it' if others else ''}"
+        stopped = f"{stop['by']} stopped {names}" if stop["by"] else f"{names} was stopped"
         yield Alert(
             AlertKind.STOP_LATCHED,
             name,
             stop["since"],
             "Stopped",
-            f"{stop['by'] or 'Somebody'} stopped {name}{f' and {others} below it' if others else ''}: no goal is sent. "
-            f"See that the way is clear, then release the stop.{unstored}",
+            f"{stopped}: goals are refused. Check that the area is clear, then release the stop.{unstored}",
         )
 
 
@@ -218,6 +219,6 @@ def _stale(state: RobotState, now: datetime) -> Iterator[Alert]:
             state.name,
             since,
             "No battery state",
-            f"Nothing is heard on {state.battery_topic} any more: see whether {state.name} is switched on and in "
-            "reach, and its battery driver runs.",
+            f"There are no messages on {state.battery_topic}. Check that {state.name} is switched on and in range, "
+            "and that its battery driver runs.",
         )

@@ -128,7 +128,7 @@ class AlertBoard:
         )
         alerts = {alert.id: alert for alert in found}
         for ended in self._alerts.keys() - alerts.keys():
-            log.info("alert over: %s of %s", self._alerts[ended].kind, self._alerts[ended].robot or "the gateway")
+            log.info("alert cleared: %s of %s", self._alerts[ended].kind, self._alerts[ended].robot or "the gateway")
             self._acknowledgements.put(ended, None)
         for came in alerts.keys() - self._alerts.keys():
             robot = alerts[came].robot or "the gateway"
@@ -173,7 +173,7 @@ class AlertBoard:
     async def _change(self, alert_id: str, acknowledgement: Acknowledgement | None) -> dict[str, Any]:
         alert = self._alerts.get(alert_id)
         if alert is None:
-            raise NotFound(f"there is no alert {alert_id}; it may be over", code="alert_not_found")
+            raise NotFound(f"there is no alert {alert_id}; it may have cleared", code="alert_not_found")
         self._acknowledgements.put(alert_id, acknowledgement)
         self._tell()
         await self._acknowledgements.save()
@@ -190,7 +190,7 @@ class AlertBoard:
                         settled = True
                         self._forget_others()
             except Exception:
-                log.exception("while the acknowledgements were looked up")
+                log.exception("while reading the acknowledgements")
             await asyncio.sleep(SYNC_INTERVAL)
 
     def _forget_others(self) -> None:

@@ -53,13 +53,13 @@ class Departures:
                 continue
             try:
                 if await self._is_overdue(robot, scan, seconds):
-                    log.info("robot %s has gone", robot.namespace)
+                    log.info("robot %s left the ROS graph", robot.namespace)
                     self._seen.pop(robot.namespace, None)
                     self._robots.forget(robot.namespace)
             except GatewayError:  # the others would fail too
                 raise
             except Exception:
-                log.exception("while looking whether robot %s has gone", robot.namespace)
+                log.exception("while checking whether robot %s left the ROS graph", robot.namespace)
 
     async def _is_overdue(self, robot: Robot, scan: Scan, seconds: float) -> bool:
         name, age = robot.namespace, robot.battery.age

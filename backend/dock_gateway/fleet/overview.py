@@ -135,7 +135,7 @@ class Fleet:
             try:
                 self.look()
             except Exception:
-                log.exception("while looking at the robots")
+                log.exception("while updating the overview of robots")
 
     def look(self) -> None:
         """Update the alerts; publish the robots that have changed, if there are subscribers."""

@@ -37,7 +37,7 @@ def locked(folder: Path) -> Iterator[None]:
                 break
             except BlockingIOError:
                 if time.monotonic() > deadline:
-                    raise TimeoutError(f"another gateway does not let go of {folder}") from None
+                    raise TimeoutError(f"another gateway keeps {folder} locked") from None
                 time.sleep(0.01)
         yield
     finally:
@@ -70,7 +70,7 @@ def set_aside(path: Path) -> Path:
         OSError: It cannot be renamed, or too many have been set aside already.
     """
     if len(found := aside(path)) >= MAX_ASIDE:
-        raise OSError(f"{len(found)} damaged files are kept in {path.parent} already; look at the disk")
+        raise OSError(f"{len(found)} damaged files are already kept in {path.parent}; check the disk")
     new = beside(path, MARK + datetime.now(UTC).strftime(STAMP))
     rename(path, new)
     return new

@@ -25,7 +25,7 @@ def take_over_database(old: Path, new: Path) -> None:
             if old.exists() and not new.exists():
                 _rename(old, new)
     except (OSError, sqlite3.Error) as error:
-        log.warning("%s is left alone, and a new history is begun in %s: %s", old, new, error)
+        log.warning("%s is not changed, and a new history is started in %s: %s", old, new, error)
 
 
 def _rename(old: Path, new: Path) -> None:
@@ -37,7 +37,7 @@ def _rename(old: Path, new: Path) -> None:
         if not is_damage(error):
             raise
     rename(old, new)
-    log.info("%s is now %s", old, new)
+    log.info("renamed %s to %s", old, new)
 
 
 def take_over_spool(old: Path, new: Path) -> None:
@@ -56,4 +56,4 @@ def take_over_spool(old: Path, new: Path) -> None:
         with suppress(OSError):
             old.rmdir()
     except OSError as error:
-        log.warning("the spool in %s is left alone: %s", old, error)
+        log.warning("the spool in %s is not changed: %s", old, error)

@@ -28,4 +28,4 @@ def migrate(connection: sa.Connection) -> None:
     try:
         command.upgrade(config, "head")
     except CommandError as error:
-        raise RuntimeError(f"the history database is of another version of the gateway: {error}") from error
+        raise RuntimeError(f"the history database belongs to another version of the gateway: {error}") from error

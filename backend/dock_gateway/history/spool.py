@@ -70,7 +70,7 @@ class Spool:
 
     def _append(self, data: bytes) -> Path:
         if self._current is not None and not _is_at(*self._current):
-            log.error("%s was deleted; what is known of it is written again", self._current[0])
+            log.error("%s was deleted; the entries still in memory are written again", self._current[0])
             self._remove([self._current[0]])
             self._current, self.lost = None, True
         if self._current is None:
@@ -137,7 +137,7 @@ class Spool:
                         try:
                             entry = entry_of(line)
                         except ValueError as error:
-                            log.error("%s, line %d is damaged and left out: %s", path, number, error)
+                            log.error("%s, line %d is damaged and skipped: %s", path, number, error)
                         else:
                             yield entry
             except OSError as error:

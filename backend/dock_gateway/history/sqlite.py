@@ -138,7 +138,7 @@ class SqliteDatabase(Database):
         if self.prepared and self._identities() != self._opened:
             self.prepared = False
         if not self.prepared:
-            raise NotOpenError(f"{self._path} is not the file that it was; it is opened anew")
+            raise NotOpenError(f"{self._path} was replaced by another file and is opened again")
         if self.incident is not None and not self._is_told(self.incident):
             self.incident = None
 
@@ -179,7 +179,7 @@ class SqliteDatabase(Database):
                 self._kept = set_aside(self._path)
                 self._lose(
                     f"{self._path} was damaged ({self._damage}). It is kept as {self._kept}, and a new history was "
-                    "begun. Look at the disk; move the damaged file to end this alert."
+                    "started. Check the disk; move the damaged file to clear this alert."
                 )
             elif self._opened and found[0] != self._opened[0]:
                 for path, opened, there in zip(self._files[1:], self._opened[1:], found[1:], strict=True):
@@ -187,7 +187,7 @@ class SqliteDatabase(Database):
                         path.unlink()  # SQLite would apply it to the new file
                 what = "deleted" if found[0] is None else "replaced by another file"
                 self._kept = None
-                self._lose(f"{self._path} was {what} while the gateway ran. What was in it is not known any more.")
+                self._lose(f"{self._path} was {what} while the gateway was running. Its contents are lost.")
             self._damage, self._opened = None, []
 
     def _lose(self, detail: str) -> None:
@@ -201,8 +201,8 @@ class SqliteDatabase(Database):
             self._kept = found[since]
             self.incident = Incident(
                 since,
-                f"{self._path} was damaged, and is kept as {self._kept}. Look at the disk; move the damaged file to "
-                "end this alert.",
+                f"{self._path} was damaged and is kept as {self._kept}. Check the disk; move the damaged file to "
+                "clear this alert.",
             )
             log.warning("%s", self.incident.detail)
 

@@ -69,7 +69,10 @@ class Interlock:
         self._echoes: dict[str, asyncio.Task[None]] = {}  # topics that may not show the state
         self._closing = False
         if self._latches.held:
-            log.warning("a stop is latched for %s; release it to go on", ", ".join(sorted(self._latches.held)))
+            log.warning(
+                "a stop is latched for %s; goals are refused until it is released",
+                ", ".join(sorted(self._latches.held)),
+            )
 
     # ------------------------------------------------------------------ queries
 
@@ -86,7 +89,7 @@ class Interlock:
         over = self._latches.over(action_name)
         if over is not None:
             by = self._latches.held[over].by
-            detail = f"{over} was stopped{f' by {by}' if by else ''}: no goal is sent until the stop is released"
+            detail = f"{over} was stopped{f' by {by}' if by else ''}: goals are refused until the stop is released"
             raise Conflict(f"{detail} (DELETE /stop)", code="stop_latched")
 
     def document(self, namespace: str) -> dict[str, Any]:
@@ -150,8 +153,8 @@ class Interlock:
         """Wait until the latches are on disk. If they are not within `timeout` seconds, return the reason."""
         if await self._writer.wait(timeout):
             return None
-        detail = f"the robot is stopped, but a restart of the gateway would forget the stop: {self._writer.problem}"
-        return Unavailable(f"{detail}; the gateway tries again until it is stored", code="stop_not_persisted")
+        detail = f"the robot is stopped, but a restart of the gateway would lose the stop: {self._writer.problem}"
+        return Unavailable(f"{detail}; the gateway retries until it is stored", code="stop_not_persisted")
 
     def tell(self, namespace: str) -> None:
         """Publish the state of a robot and of those below it on their topics. A failed publish is retried.
@@ -172,7 +175,7 @@ class Interlock:
         try:
             self._topics[namespace].publish(latched=latched)
         except Exception:
-            log.exception("stop_latched of %s could not be published; it is tried again", namespace)
+            log.exception("stop_latched of %s could not be published; retrying", namespace)
             self._said[namespace] = None
             return False
         self._said[namespace] = latched
@@ -223,7 +226,7 @@ class Interlock:
                     del self._echoes[namespace]
                     return
             except Exception:
-                log.exception("stop_latched of %s may not say what holds; it is tried again", namespace)
+                log.exception("stop_latched of %s may be out of date; retrying", namespace)
 
     async def _settle(self, namespace: str) -> bool:
         """Make the topic show the current state; return True once it does.
@@ -233,7 +236,7 @@ class Interlock:
         """
         over, said = self._latches.over(namespace), self._said.get(namespace, False)
         if over is not None and self._latches.latch(namespace, self._latches.held[over]):
-            log.warning("the stop of %s holds for %s, too: it is said again", over, namespace)
+            log.warning("the stop of %s holds for %s, too: publishing it again", over, namespace)
             self._changed()
         elif said is (over is not None):
             return True

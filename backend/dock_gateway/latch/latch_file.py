@@ -152,7 +152,7 @@ class LatchWriter:
             log.warning("the stops are on the disk again")
         else:
             level = logging.WARNING if problem is NOT_YET else logging.ERROR
-            log.log(level, "a restart of the gateway would forget the latest stop or release: %s", problem)
+            log.log(level, "a restart of the gateway would lose the latest stop or release: %s", problem)
         self.problem = problem
         self._on_change()
 

@@ -73,7 +73,7 @@ class LastGoals:
         except Unavailable:
             return False
         except Exception:
-            log.exception("while the outcomes of goals on %s were looked up", name)
+            log.exception("while reading the last goals on %s", name)
             return True
         for goal in found:
             self.take(goal)

@@ -63,17 +63,17 @@ class OnDemand:
             try:
                 await change(robot)
             except GatewayError as error:
-                log.warning("%s of %s is not heard: %s", self._topic, robot, error.detail)
+                log.warning("cannot subscribe to %s of %s: %s", self._topic, robot, error.detail)
             except Exception:
-                log.exception("while %s of %s was opened or closed", self._topic, robot)
+                log.exception("while changing the subscription to %s of %s", self._topic, robot)
 
     async def _open(self, robot: str) -> None:
         self._ports[robot] = await self._bridge.call(lambda: self._make(robot), undo=lambda port: port.close())
-        log.info("hearing %s of %s", self._topic, robot)
+        log.info("subscribed to %s of %s", self._topic, robot)
 
     async def _close(self, robot: str) -> None:
         self._bridge.to_ros(self._ports.pop(robot).close)
-        log.info("no longer hearing %s of %s", self._topic, robot)
+        log.info("unsubscribed from %s of %s", self._topic, robot)
 
     async def close(self) -> None:
         """Stop opening and closing ports."""

@@ -87,7 +87,7 @@ class Simulators:
             await asyncio.sleep(1.0)
             for namespace, simulator in self._simulators.items():
                 if simulator.available and time.monotonic() - simulator.heard_at > GONE_AFTER:
-                    log.info("the simulator of %s has gone", namespace)
+                    log.info("the simulator of %s left the ROS graph", namespace)
                     simulator.available = False
                     self._tell(namespace)
 
@@ -166,7 +166,7 @@ class Simulators:
                     simulator.changed.clear()
                     await simulator.changed.wait()
         except TimeoutError:
-            log.warning("the simulator has not reported what it was told")
+            log.warning("the simulator has not confirmed the change")
 
     async def close(self) -> None:
         """Stop watching."""

@@ -293,7 +293,7 @@ class Bridge:
         self._require_alive()
         try:
             if not client.service_is_ready():
-                raise Unavailable(f"nobody serves {client.service_name}")
+                raise Unavailable(f"there is no server for {client.service_name}")
             return PendingCall(self, client, request, self._loop.create_future(), read)
         except _rclpy.InvalidHandle:
             raise Unavailable("the action has left the ROS graph") from None

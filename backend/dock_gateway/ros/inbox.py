@@ -117,7 +117,7 @@ class Inboxes:
             try:
                 message.function(*message.args)
             except Exception:
-                log.exception("an error in what ROS has to say")
+                log.exception("an error while handling a ROS message")
             if time.perf_counter() > until:
                 asyncio.get_running_loop().call_soon(self._serve)
                 return

@@ -77,9 +77,9 @@ def _goals(message: bytes) -> Iterator[tuple[bytes, int, GoalStatus]]:
         entries = [first.unpack_from(message, _BODY + 4)] if count else []
         entries += rest.iter_unpack(message[begin : begin + rest.size * (count - 1)] if count else b"")
     except struct.error as error:
-        raise ValueError(f"this is no status message: {error}") from None
+        raise ValueError(f"not a status message: {error}") from None
     if len(entries) != count:
-        raise ValueError(f"a status message of {len(entries)} goals says that it has {count}")
+        raise ValueError(f"a status message with {len(entries)} goals has a count of {count}")
     for goal_id, seconds, nanoseconds, number in entries:
         if (status := FROM_ROS.get(number)) is not None:
             yield goal_id, seconds * 1_000_000_000 + nanoseconds, status

@@ -42,12 +42,12 @@ class RosThread(threading.Thread):
             except Exception:
                 if self.stopping:
                     return
-                log.exception("the thread %s hit an error and goes on", self.name)
+                log.exception("an error in the thread %s, which continues", self.name)
                 now = time.monotonic()
                 crashes = [at for at in crashes if now - at < CRASH_WINDOW] + [now]
                 if len(crashes) >= MAX_CRASHES:
                     log.critical(
-                        "the thread %s failed %d times in %.0f s and is given up", self.name, len(crashes), CRASH_WINDOW
+                        "the thread %s failed %d times in %.0f s and is ended", self.name, len(crashes), CRASH_WINDOW
                     )
                     return
 
@@ -56,5 +56,5 @@ class RosThread(threading.Thread):
         if self.is_alive():
             self.join(1.0)
         if self.is_alive():
-            log.warning("the thread %s did not end; leaving it behind", self.name)
+            log.warning("the thread %s did not end in time", self.name)
         return not self.is_alive()

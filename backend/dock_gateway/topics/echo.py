@@ -121,9 +121,9 @@ class Echo:
                     self._tell_rate()
                     await self._look_again()
             except GatewayError as error:
-                log.warning("%s cannot be looked at: %s", self._topic.name, error.detail)
+                log.warning("cannot subscribe to %s: %s", self._topic.name, error.detail)
             except Exception:
-                log.exception("while %s was looked at", self._topic.name)
+                log.exception("while reading %s", self._topic.name)
                 await asyncio.sleep(TICK)
 
     async def _wait(self, until: float) -> None:

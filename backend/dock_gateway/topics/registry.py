@@ -51,16 +51,16 @@ class EchoRegistry:
                 if not echo.viewed and self._echoes.get(topic) is echo:
                     del self._echoes[topic]
                     await echo.close()
-                    log.info("nobody looks at %s any more", topic)
+                    log.info("unsubscribed from %s", topic)
 
     async def _open(self, topic: str) -> Echo:
         found = await self._graph.topic(topic)
         if len(self._echoes) >= MAX_TOPICS:
-            raise TooManyRequests(f"{MAX_TOPICS} topics are looked at already")
+            raise TooManyRequests(f"{MAX_TOPICS} topics are already being watched")
         echo = Echo(self._bridge, self._graph, found)
         await echo.open()
         self._echoes[topic] = echo
-        log.info("somebody looks at %s", topic)
+        log.info("subscribed to %s", topic)
         return echo
 
     async def close(self) -> None:

@@ -13,9 +13,9 @@ from dock_gateway.web.edge.security import CONTENT_SECURITY_POLICY, PAGE_POLICY
 
 PAGE_HEADERS = {"Cache-Control": "no-cache", CONTENT_SECURITY_POLICY: PAGE_POLICY}
 NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>dock-gateway</title>
-<h1>dock-gateway runs; its dashboard has not been built</h1>
+<h1>dock-gateway is running; its dashboard has not been built</h1>
 <p>In the checkout, run <code>make run</code>, or <code>make setup</code> and reload this page.
-The API is there all the same: <a href="/docs">/docs</a>.</p></html>"""
+The API is available: <a href="/docs">/docs</a>.</p></html>"""
 
 
 class Assets(StaticFiles):

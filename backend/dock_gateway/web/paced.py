@@ -24,7 +24,7 @@ async def send_in_time(send: Send, message: Message, timeout: float) -> None:
         async with asyncio.timeout(timeout):
             await send(message)
     except TimeoutError:
-        log.info("a subscriber did not read for %g s and is cut off", timeout)
+        log.info("disconnecting a subscriber that did not read for %g s", timeout)
         raise
 
 
@@ -68,6 +68,6 @@ class PacedResponse(StreamingResponse):
             try:
                 await super().__call__(scope, receive, lambda message: send_in_time(send, message, self._timeout))
             except (TimeoutError, ClientDisconnect):
-                log.debug("an answer was left unfinished")
+                log.debug("a response was not completed")
             except GatewayError as error:
-                log.warning("an answer is broken off: %s", error.detail)
+                log.warning("a response was aborted: %s", error.detail)

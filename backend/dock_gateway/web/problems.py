@@ -62,7 +62,7 @@ def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> 
 
     @app.exception_handler(Exception)
     async def bug(_: Request, __: Exception) -> Response:  # uvicorn logs the traceback
-        return problem_response(GatewayError("an error inside of the gateway; its log has the details"))
+        return problem_response(GatewayError("internal error; the gateway's log has the details"))
 
 
 async def _gateway_error(connection: Request | WebSocket, error: Exception) -> Response | None:

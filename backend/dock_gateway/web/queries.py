@@ -28,7 +28,7 @@ RFC_3339 = re.compile(
 def _as_documented(text: object) -> object:
     """Refuse times out of range, and the numbers and shorter forms that pydantic also accepts."""
     if not isinstance(text, str) or not RFC_3339.fullmatch(text):
-        raise ValueError("a time as of RFC 3339, from 1970 to 2261, such as 2026-11-21T03:32:40Z")
+        raise ValueError("an RFC 3339 time from 1970 to 2261, such as 2026-11-21T03:32:40Z")
     return text
 
 
@@ -55,7 +55,7 @@ async def read_goal_filter(
     ] = None,
     action: Annotated[list[ActionName] | None, Query(description="Only goals on these actions")] = None,
     status: StatusQuery = None,
-    origin: Annotated[Origin | None, Query(description="Only goals that were sent so")] = None,
+    origin: Annotated[Origin | None, Query(description="Only goals of this origin")] = None,
     since: SinceQuery = None,
     until: UntilQuery = None,
 ) -> GoalFilter:

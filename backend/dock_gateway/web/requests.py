@@ -99,7 +99,7 @@ async def _read_in_time(request: Request, within: float | None) -> bytes:
             status=HTTPStatus.REQUEST_TIMEOUT,
         ) from None
     except ClientDisconnect:
-        raise MalformedRequest("the body was cut off") from None
+        raise MalformedRequest("the connection was closed before the body was complete") from None
 
 
 async def _read(request: Request, limit: int) -> bytes:
@@ -202,7 +202,7 @@ TheGateway = Annotated[Gateway, Depends(depend_on_gateway)]
 GraphName = Annotated[
     str,
     Path(
-        description="The name on the ROS graph without its first slash",
+        description="The name on the ROS graph without its leading slash",
         json_schema_extra={"pattern": f"^{NAME_PART}(?:/{NAME_PART})*$"},
     ),
 ]
@@ -212,7 +212,7 @@ RobotQuery = Annotated[
 ]
 StatusQuery = Annotated[list[GoalStatus] | None, Query(description="Only goals in these states")]
 LimitQuery = Annotated[int, Query(ge=1, le=500)]
-CursorQuery = Annotated[uuid.UUID | None, Query(description="`next_cursor` of the page before")]
+CursorQuery = Annotated[uuid.UUID | None, Query(description="`next_cursor` of the previous page")]
 
 
 def json_response(document: object, status: int = 200, headers: dict[str, str] | None = None) -> Response:

@@ -88,7 +88,7 @@ def run(settings: Settings) -> bool:
     raise_file_limit()
     if settings.host not in LOOPBACK_HOSTS:
         log.warning(
-            "listening on %s: everyone who reaches this machine on the network can move the robot",
+            "listening on %s: anyone who can reach this machine over the network can move the robot",
             settings.host,
         )
     config = uvicorn.Config(

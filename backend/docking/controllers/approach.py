@@ -21,9 +21,9 @@ UNSURE = 0.5
 """How long the dock may be out of sight, in s, before the robot stands still, farther away than that."""
 COMMITTED = 0.06
 """Where it is judged whether the robot comes straight enough, in m before the docked pose."""
-ASIDE = 0.02
+LATERAL_ERROR = 0.02
 """How far aside it may be there, in m."""
-ASKEW = math.radians(5.0)
+HEADING_ERROR = math.radians(5.0)
 """How far it may be turned there, in rad."""
 BEYOND = 0.015
 """How far beyond the docked pose to push, in m, before contact is taken for granted."""
@@ -95,10 +95,10 @@ class Approach:
             return self._lost(f"the dock was out of sight for {self._lost_after:g} s (external_detection_timeout)")
         if left < COMMITTED and not self._judged:
             self._judged = True
-            if abs(off.y) > ASIDE or abs(off.theta) > ASKEW:
+            if abs(off.y) > LATERAL_ERROR or abs(off.theta) > HEADING_ERROR:
                 return FailedToControl(
-                    f"the robot did not come straight: {1000 * off.y:.0f} mm aside and"
-                    f" {math.degrees(off.theta):.1f} degrees askew"
+                    f"the robot is misaligned: lateral error {1000 * off.y:.0f} mm,"
+                    f" heading error {math.degrees(off.theta):.1f} degrees"
                 )
         return None
 

@@ -75,7 +75,7 @@ class InfraredPlan(SightedPlan):
         self.beacon.update(observation)
         if self._needed and observation.now - self.beacon.heard_at > self._detection_timeout:
             raise InfraredLost(
-                f"the receivers are silent for {self._detection_timeout:g} s (external_detection_timeout)"
+                f"the receivers were silent for {self._detection_timeout:g} s (external_detection_timeout)"
             )
         super().observe(observation)
 

@@ -74,9 +74,7 @@ class Drive:
 
     def _stop_left_alone(self) -> None:
         self._publish_zero()
-        self._node.get_logger().error(
-            f"No control step for {WATCHDOG_TIMEOUT:g} s although the robot moves: the wheels stand still"
-        )
+        self._node.get_logger().error(f"No control step for {WATCHDOG_TIMEOUT:g} s while the robot moves: stopping it")
 
     def _publish_zero(self) -> None:
         self._stopped_at = self._published_at = time.monotonic()

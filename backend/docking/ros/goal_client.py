@@ -152,7 +152,7 @@ class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
 
     def _take_cancel_answer(self, future: Future) -> None:
         if self._session.phase is Phase.RUNNING and not future.result().goals_canceling:
-            self.get_logger().warning("The action server refused to cancel the goal; Ctrl-C again leaves it alone")
+            self.get_logger().warning("The action server refused to cancel the goal; press Ctrl-C again to exit")
             self._session.cancel_refused()
 
     def _note_reason(self, message: DiagnosticArray) -> None:
@@ -211,7 +211,7 @@ def client_parser(program: str, action_name: str) -> argparse.ArgumentParser:
 def add_timeout(parser: argparse.ArgumentParser) -> None:
     """Add the option `--timeout`."""
     parser.add_argument(
-        "--timeout", type=_seconds, default=10.0, metavar="S", help="how long to wait for a server (default 10 s)"
+        "--timeout", type=_seconds, default=10.0, metavar="S", help="time to wait for a server (default 10 s)"
     )
 
 

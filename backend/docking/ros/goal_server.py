@@ -181,7 +181,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         goal_id = goal_id_text(handle.goal_id)
         running = self._helm.running
         if running is not None:
-            running.end(running.goal.abort(ErrorCode.PREEMPTED, f"goal {goal_id} took over"))
+            running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
         self._equip()
         execution = Execution(handle, goal_id, self._make_goal(), self._end)
         self._running = self._helm.running = execution

@@ -21,54 +21,84 @@ DOCK_SIMULATOR: tuple[Parameter, ...] = (
         0.1,
         100.0,
         "",
-        "Simulated seconds in each second. Controllers expect 1, as they live by the real clock.",
+        "Simulated seconds per second. Controllers expect 1, as they use the real clock.",
     ),
     _positive(
         "battery_resume_after",
         3.0,
         3600.0,
         "s",
-        "Silence of all others on battery_status after which the simulated battery is published again.",
+        "Time without messages of other nodes on battery_status after which the simulated battery is published again.",
     ),
-    IntegerParameter("seed", 0, 0, 2**31 - 1, "", "Decides on all that is random."),
-    FloatParameter("start_x", DEFAULTS.start.x, -20.0, 20.0, "m", "Where the robot stands at first, in world."),
-    FloatParameter("start_y", DEFAULTS.start.y, -20.0, 20.0, "m", "The same."),
-    FloatParameter("start_theta", DEFAULTS.start.theta, -3.15, 3.15, "rad", "The same; 0 looks into the dock."),
-    _positive("battery_start", DEFAULTS.battery.start, 1.0, "", "What is in the battery at first, 0 to 1."),
-    _positive("charge_current", DEFAULTS.battery.charge_current, 65.0, "A", "What the charger gives until it is full."),
-    _positive("linear_max", DEFAULTS.robot.linear_max, 5.0, "m/s", "The fastest that the robot drives, either way."),
-    _positive("angular_max", DEFAULTS.robot.angular_max, 10.0, "rad/s", "The fastest that it turns, either way."),
-    _positive("linear_acceleration", DEFAULTS.robot.linear_acceleration, 20.0, "m/s²", "The most, either way."),
-    _positive("angular_acceleration", DEFAULTS.robot.angular_acceleration, 50.0, "rad/s²", "The most, either way."),
+    IntegerParameter("seed", 0, 0, 2**31 - 1, "", "Seed of the random number generator."),
+    FloatParameter("start_x", DEFAULTS.start.x, -20.0, 20.0, "m", "Start pose of the robot in world, x."),
+    FloatParameter("start_y", DEFAULTS.start.y, -20.0, 20.0, "m", "Start pose, y."),
+    FloatParameter("start_theta", DEFAULTS.start.theta, -3.15, 3.15, "rad", "Start pose, heading; 0 faces the dock."),
+    _positive("battery_start", DEFAULTS.battery.start, 1.0, "", "Initial charge of the battery, 0 to 1."),
+    _positive(
+        "charge_current", DEFAULTS.battery.charge_current, 65.0, "A", "Charging current until the battery is full."
+    ),
+    _positive("linear_max", DEFAULTS.robot.linear_max, 5.0, "m/s", "Maximum linear velocity, forwards and backwards."),
+    _positive(
+        "angular_max", DEFAULTS.robot.angular_max, 10.0, "rad/s", "Maximum angular velocity, in both directions."
+    ),
+    _positive("linear_acceleration", DEFAULTS.robot.linear_acceleration, 20.0, "m/s²", "Maximum linear acceleration."),
+    _positive(
+        "angular_acceleration", DEFAULTS.robot.angular_acceleration, 50.0, "rad/s²", "Maximum angular acceleration."
+    ),
     _positive(
         "cmd_vel_timeout",
         DEFAULTS.robot.watchdog,
         60.0,
         "s",
-        "Simulated time without a velocity on cmd_vel after which the robot stops.",
+        "Simulated time without a message on cmd_vel after which the robot stops.",
     ),
-    _positive("slip", DEFAULTS.robot.slip, 0.9, "", "The part of a wheel's turning that is lost on the ground."),
+    _positive("slip", DEFAULTS.robot.slip, 0.9, "", "Wheel slip, as a fraction of the wheel's rotation."),
     _positive(
         "slip_noise",
         DEFAULTS.robot.slip_noise,
         0.1,
         "m",
-        "Standard deviation of a wheel's way on the ground after 1 m.",
+        "Standard deviation of a wheel's travel over 1 m.",
     ),
     _positive(
         "odometry_drift",
         DEFAULTS.odometry.drift,
         0.2,
         "",
-        "Standard deviation of the error that the radius of each wheel is known with, as a part of it.",
+        "Standard deviation of the error of each wheel's radius, as a fraction of the radius.",
     ),
-    _positive("marker_range", DEFAULTS.marker.range, 50.0, "m", "The farthest that the camera sees the marker."),
-    _positive("marker_field_of_view", DEFAULTS.marker.field_of_view, 6.28, "rad", "Of the camera, from edge to edge."),
-    _positive("marker_noise", DEFAULTS.marker.noise, 1.0, "m", "Standard deviation of each coordinate of the marker."),
-    _positive("marker_angle_noise", DEFAULTS.marker.angle_noise, 1.0, "rad", "The same of its angle."),
-    _positive("marker_drop_outs", DEFAULTS.marker.drop_outs, 1.0, "", "The part of the pictures without the marker."),
-    _positive("infrared_range", DEFAULTS.infrared.range, 50.0, "m", "The farthest that the beacon is seen from."),
-    _positive("infrared_noise", DEFAULTS.infrared.noise, 1.0, "m", "Standard deviation of a distance to the beacon."),
+    _positive(
+        "marker_range", DEFAULTS.marker.range, 50.0, "m", "Maximum range at which the camera detects the marker."
+    ),
+    _positive(
+        "marker_field_of_view", DEFAULTS.marker.field_of_view, 6.28, "rad", "Field of view of the camera, edge to edge."
+    ),
+    _positive(
+        "marker_noise",
+        DEFAULTS.marker.noise,
+        1.0,
+        "m",
+        "Standard deviation of the marker's position, for each coordinate.",
+    ),
+    _positive(
+        "marker_angle_noise", DEFAULTS.marker.angle_noise, 1.0, "rad", "Standard deviation of the marker's heading."
+    ),
+    _positive(
+        "marker_drop_outs",
+        DEFAULTS.marker.drop_outs,
+        1.0,
+        "",
+        "Fraction of the camera images in which the marker is missed.",
+    ),
+    _positive("infrared_range", DEFAULTS.infrared.range, 50.0, "m", "Maximum range of the infrared receivers."),
+    _positive(
+        "infrared_noise",
+        DEFAULTS.infrared.noise,
+        1.0,
+        "m",
+        "Standard deviation of the measured distance to the beacon.",
+    ),
 )
 
 

@@ -55,7 +55,7 @@ const WORDS: Record<string, Words> = {
   },
   duplicate_action_server: {
     title: "There is more than one action server",
-    advice: "Each of them would move the robot: end all but one, then send the goal again.",
+    advice: "Each of them would move the robot: shut down all but one, then send the goal again.",
   },
   gateway_timeout: {
     title: "The gateway did not answer",

@@ -159,7 +159,7 @@ export interface paths {
          *     that have not answered by then are listed in `unconfirmed`. `Prefer: wait=2` waits up to 2 s for them.
          *
          *     A malformed request still stops the robot, unless it is unclear which robot is meant. What cannot be read is
-         *     ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would forget the stop.
+         *     ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would lose the stop.
          */
         post: operations["stop"];
         /**
@@ -840,14 +840,16 @@ export interface components {
              */
             at: string;
         };
+        /** @description An event of a goal on an action other than docking. */
+        ActionEvent: components["schemas"]["ActionStatusEvent"] | components["schemas"]["ActionFeedbackEvent"] | components["schemas"]["ActionResultEvent"];
         /**
          * ActionFeedbackEvent
          * @description Feedback of a goal on any action.
          */
         ActionFeedbackEvent: {
             /**
-             * Type
-             * @constant
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
              */
             type: "feedback";
             /** Id */
@@ -989,8 +991,8 @@ export interface components {
          */
         ActionResultEvent: {
             /**
-             * Type
-             * @constant
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
              */
             type: "result";
             /** Id */
@@ -1083,8 +1085,8 @@ export interface components {
             /** Last Event Id */
             last_event_id: string | null;
             /**
-             * Type
-             * @constant
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
              */
             type: "status";
             /** Id */
@@ -1162,6 +1164,8 @@ export interface components {
             /** Alerts */
             alerts: components["schemas"]["Alert"][];
         };
+        /** @description The answer to a command of /ws. */
+        Answer: components["schemas"]["GoalAck"] | components["schemas"]["PublisherAck"] | components["schemas"]["PublishedAck"] | components["schemas"]["StopAck"] | components["schemas"]["ReleaseAck"] | components["schemas"]["SubscriptionAck"] | components["schemas"]["PingAck"] | components["schemas"]["CommandError"];
         /**
          * Battery
          * @description The latest battery state and its age.
@@ -1394,6 +1398,39 @@ export interface components {
             cmd_vel: components["schemas"]["Twist"];
         };
         /**
+         * CommandError
+         * @description A command was refused or failed.
+         */
+        CommandError: {
+            /** Type */
+            type: string;
+            /** Title */
+            title: string;
+            /** Status */
+            status: number;
+            /** Code */
+            code: string;
+            /** Detail */
+            detail: string;
+            /**
+             * Errors
+             * @default null
+             */
+            errors: components["schemas"]["FieldProblem"][] | null;
+            /**
+             * Goal Id
+             * @default null
+             */
+            goal_id: string | null;
+            /**
+             * Op
+             * @constant
+             */
+            op: "error";
+            /** Id */
+            id: string | null;
+        };
+        /**
          * DockFeedback
          * @description Feedback of ConnectToChargingDock and DisconnectFromChargingDock.
          */
@@ -1434,7 +1471,7 @@ export interface components {
         };
         /** @description A message of /ws/topics. */
         EchoEvent: components["schemas"]["TopicEvent"] | components["schemas"]["MessageEvent"] | components["schemas"]["RateEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ClosingEvent"];
-        /** @description A message of /ws/feedback. */
+        /** @description A message of an event stream. */
         Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * ExportedGoal
@@ -1618,6 +1655,20 @@ export interface components {
             goal: components["schemas"]["DockGoal"] | null;
             feedback: components["schemas"]["DockFeedback"] | null;
             result: components["schemas"]["DockResult"] | null;
+        };
+        /**
+         * GoalAck
+         * @description The answer to `send_goal` and `cancel_goal`.
+         */
+        GoalAck: {
+            /**
+             * Op
+             * @constant
+             */
+            op: "ack";
+            /** Id */
+            id: string | null;
+            goal: components["schemas"]["ActionGoal"];
         };
         /**
          * GoalError
@@ -1916,6 +1967,24 @@ export interface components {
             };
         };
         /**
+         * PingAck
+         * @description The answer to `ping`.
+         */
+        PingAck: {
+            /**
+             * Op
+             * @constant
+             */
+            op: "ack";
+            /** Id */
+            id: string | null;
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+        };
+        /**
          * Pose
          * @description A 2D pose, in m and rad; `theta` is counter-clockwise.
          */
@@ -1929,7 +1998,7 @@ export interface components {
         };
         /**
          * Problem
-         * @description RFC 9457 problem document.
+         * @description RFC 9457 problem document. `errors` lists invalid fields; `goal_id` is the goal that the problem is about.
          */
         Problem: {
             /** Type */
@@ -1961,6 +2030,20 @@ export interface components {
             state: components["schemas"]["BatteryState"];
         };
         /**
+         * PublishedAck
+         * @description The answer to `publish_battery` without a rate: the message as published.
+         */
+        PublishedAck: {
+            /**
+             * Op
+             * @constant
+             */
+            op: "ack";
+            /** Id */
+            id: string | null;
+            state: components["schemas"]["BatteryState"];
+        };
+        /**
          * Publisher
          * @description The state of the battery publisher.
          */
@@ -1974,6 +2057,20 @@ export interface components {
             published_count: number;
             /** Started At */
             started_at: string | null;
+        };
+        /**
+         * PublisherAck
+         * @description The answer to `publish_battery` with a rate, and to `stop_publishing`.
+         */
+        PublisherAck: {
+            /**
+             * Op
+             * @constant
+             */
+            op: "ack";
+            /** Id */
+            id: string | null;
+            battery_publisher: components["schemas"]["Publisher"];
         };
         /**
          * PublisherEvent
@@ -2027,6 +2124,20 @@ export interface components {
             ready: boolean;
             action_server: components["schemas"]["ActionServer"];
             history: components["schemas"]["HistoryState"];
+            stop: components["schemas"]["StopState"];
+        };
+        /**
+         * ReleaseAck
+         * @description The answer to `release_stop`.
+         */
+        ReleaseAck: {
+            /**
+             * Op
+             * @constant
+             */
+            op: "ack";
+            /** Id */
+            id: string | null;
             stop: components["schemas"]["StopState"];
         };
         /**
@@ -2249,7 +2360,7 @@ export interface components {
              */
             time: string;
             /** Goals */
-            goals: components["schemas"]["Goal"][];
+            goals: (components["schemas"]["Goal"] | components["schemas"]["ActionGoal"])[];
             battery: components["schemas"]["Battery"];
             battery_publisher: components["schemas"]["Publisher"];
             stop: components["schemas"]["StopState"];
@@ -2315,6 +2426,27 @@ export interface components {
             time: string;
         };
         /**
+         * StopAck
+         * @description The answer to `stop`.
+         */
+        StopAck: {
+            /**
+             * Op
+             * @constant
+             */
+            op: "ack";
+            /** Id */
+            id: string | null;
+            /** Canceling */
+            canceling: string[];
+            /** Failed */
+            failed: components["schemas"]["StopFailure"][];
+            /** Unconfirmed */
+            unconfirmed: string[];
+            stop: components["schemas"]["StopState"];
+            warning: components["schemas"]["Problem"] | null;
+        };
+        /**
          * StopEvent
          * @description A stop was latched or released.
          */
@@ -2369,7 +2501,7 @@ export interface components {
          * @description Whether a stop is latched for a robot, since when and by whom.
          *
          *     `robots` lists the robots at or below it that a stop holds. `persisted` is false if the gateway could not store its
-         *     latest stop or release, so that a restart would forget it.
+         *     latest stop or release, so that a restart would lose it.
          */
         StopState: {
             /** Latched */
@@ -2382,6 +2514,21 @@ export interface components {
             robots: string[];
             /** Persisted */
             persisted: boolean;
+        };
+        /**
+         * SubscriptionAck
+         * @description The answer to `subscribe` and `unsubscribe`.
+         */
+        SubscriptionAck: {
+            /**
+             * Op
+             * @constant
+             */
+            op: "ack";
+            /** Id */
+            id: string | null;
+            /** Subscription */
+            subscription: string;
         };
         /**
          * TopicEndpoint
@@ -2530,7 +2677,7 @@ export interface operations {
                 /** @description Only goals in these states */
                 status?: components["schemas"]["GoalStatus"][] | null;
                 limit?: number;
-                /** @description `next_cursor` of the page before */
+                /** @description `next_cursor` of the previous page */
                 cursor?: string | null;
             };
             header?: never;
@@ -2806,7 +2953,7 @@ export interface operations {
                 /** @description Only goals in these states */
                 status?: components["schemas"]["GoalStatus"][] | null;
                 limit?: number;
-                /** @description `next_cursor` of the page before */
+                /** @description `next_cursor` of the previous page */
                 cursor?: string | null;
             };
             header?: never;
@@ -3408,7 +3555,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its first slash */
+                /** @description The name on the ROS graph without its leading slash */
                 name: string;
                 goal_id: string;
             };
@@ -3474,7 +3621,7 @@ export interface operations {
                 action?: string[] | null;
                 /** @description Only goals in these states */
                 status?: components["schemas"]["GoalStatus"][] | null;
-                /** @description Only goals that were sent so */
+                /** @description Only goals of this origin */
                 origin?: ("gateway" | "external") | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
@@ -3574,7 +3721,7 @@ export interface operations {
         parameters: {
             query?: {
                 limit?: number;
-                /** @description `next_cursor` of the page before */
+                /** @description `next_cursor` of the previous page */
                 cursor?: string | null;
                 /** @description Only goals on actions in this namespace or below */
                 robot?: string | null;
@@ -3582,7 +3729,7 @@ export interface operations {
                 action?: string[] | null;
                 /** @description Only goals in these states */
                 status?: components["schemas"]["GoalStatus"][] | null;
-                /** @description Only goals that were sent so */
+                /** @description Only goals of this origin */
                 origin?: ("gateway" | "external") | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
@@ -3821,12 +3968,12 @@ export interface operations {
                 /** @description Only goals in these states */
                 status?: components["schemas"]["GoalStatus"][] | null;
                 limit?: number;
-                /** @description `next_cursor` of the page before */
+                /** @description `next_cursor` of the previous page */
                 cursor?: string | null;
             };
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its first slash */
+                /** @description The name on the ROS graph without its leading slash */
                 name: string;
             };
             cookie?: never;
@@ -3880,7 +4027,7 @@ export interface operations {
                 "Idempotency-Key"?: string;
             };
             path: {
-                /** @description The name on the ROS graph without its first slash */
+                /** @description The name on the ROS graph without its leading slash */
                 name: string;
             };
             cookie?: never;
@@ -3997,7 +4144,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its first slash */
+                /** @description The name on the ROS graph without its leading slash */
                 name: string;
                 goal_id: string;
             };
@@ -4048,7 +4195,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its first slash */
+                /** @description The name on the ROS graph without its leading slash */
                 name: string;
                 goal_id: string;
             };
@@ -4117,7 +4264,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its first slash */
+                /** @description The name on the ROS graph without its leading slash */
                 name: string;
             };
             cookie?: never;
@@ -4273,7 +4420,7 @@ export interface operations {
             query?: never;
             header?: never;
             path: {
-                /** @description The name on the ROS graph without its first slash */
+                /** @description The name on the ROS graph without its leading slash */
                 name: string;
             };
             cookie?: never;

@@ -45,7 +45,7 @@ export const LINK_WORDS: Record<Link, string> = {
 export const LINK_HINTS: Record<Link, string> = {
   connected: "Its action servers answer.",
   silent: "An action server is on the graph but does not answer: it may be frozen. Look at its log.",
-  duplicate: "More than one action server serves its docking action: end all but one.",
+  duplicate: "More than one action server serves its docking action: shut down all but one.",
   gone: "Nobody offers its docking action: start its docking server.",
   battery: "It has a battery topic and no docking action.",
 };

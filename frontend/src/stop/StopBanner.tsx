@@ -87,7 +87,7 @@ function Held({ stop, title, large = false, children }: HeldProps) {
         <Text size="sm">{children}</Text>
         {!stop.persisted && (
           <Text size="sm" fw={600}>
-            This stop is not stored: a restart of the gateway would forget it. Check the gateway's disk.
+            This stop is not stored: a restart of the gateway would lose it. Check the gateway's disk.
           </Text>
         )}
       </div>

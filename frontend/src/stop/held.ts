@@ -10,7 +10,7 @@ export interface HeldStop {
   by: string | null;
   /** The robots in namespaces below, by name. */
   below: string[];
-  /** False where a restart of the gateway would forget it. */
+  /** False where a restart of the gateway would lose it. */
   persisted: boolean;
 }
 

@@ -1,4 +1,4 @@
-import type { EventOf, Goal, GoalStatus } from "../api/types";
+import type { AnyGoal, EventOf, Goal, GoalStatus } from "../api/types";
 import { withStage } from "./stages";
 import { type GoalsState, MAX_ARRIVALS, MAX_GOALS } from "./state";
 
@@ -118,10 +118,12 @@ export function mergeGoals<S extends GoalsState>(state: S, goals: readonly Goal[
 export function snapshotGoals<S extends GoalsState>(
   state: S,
   actionNames: readonly string[] | null,
-  goals: readonly Goal[],
+  goals: readonly (Goal | AnyGoal)[],
 ): S {
   const ended = [...state.goals.values()].filter((goal) => isFinal(goal.status));
-  const ours = [...ended, ...goals].filter((goal) => actionNames?.includes(goal.action_name) ?? true);
+  const ours = [...ended, ...(goals as readonly Goal[])].filter(
+    (goal) => actionNames?.includes(goal.action_name) ?? true,
+  );
   const map = new Map(ours.map((goal) => [goal.goal_id, goal]));
   const next = prune({ ...state, goals: map, arrivals: new Map() });
   return { ...next, stages: ours.reduce((stages, goal) => withStage(stages, goal, null), next.stages) };

@@ -94,7 +94,7 @@ async def test_a_goal_that_is_heard_of_is_not_lost_though_its_server_is_not_on_t
             await scene.watch.look()
     assert scene.goal.status is S.EXECUTING
     assert [record.message for record in caplog.records] == [
-        "/dock is heard, but no request can reach its action server"
+        "/dock: messages arrive, but requests do not reach the action server"
     ]
     await scene.look_after(0.06)
     assert scene.goal.status is S.LOST

@@ -25,7 +25,7 @@ def test_the_address_that_is_announced(host: str, url: str) -> None:
 def test_a_port_that_cannot_be_announced_is_refused() -> None:
     result = CliRunner().invoke(main, ["up", "--port", "0"])
     assert result.exit_code == 2
-    assert "needs a port other than 0" in result.output
+    assert "the port must not be 0" in result.output
 
 
 @pytest.mark.parametrize(

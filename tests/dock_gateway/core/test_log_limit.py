@@ -35,11 +35,11 @@ def test_a_flood_is_cut_short_and_counted(log: Log) -> None:
         log.logger.info("goal %s", number)
     lines = log.take()
     assert lines[:2] == ["goal 0", "goal 1"]
-    assert lines[MAX_LINES - 1 :] == [f"goal {MAX_LINES - 1} (more such lines are left out for 10 s)"]
+    assert lines[MAX_LINES - 1 :] == [f"goal {MAX_LINES - 1} (similar lines are suppressed for 10 s)"]
     log.seconds += PERIOD
     for number in range(2):
         log.logger.info("goal %s", number)
-    assert log.take() == [f"goal 0 ({1000 - MAX_LINES} such lines were left out)", "goal 1"]
+    assert log.take() == [f"goal 0 ({1000 - MAX_LINES} similar lines were suppressed)", "goal 1"]
     log.seconds += PERIOD
     log.logger.info("goal %s", 5)
     assert log.take() == ["goal 5"]

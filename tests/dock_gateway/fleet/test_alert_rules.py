@@ -192,7 +192,7 @@ def test_ids_are_the_same_everywhere() -> None:
 
 def test_a_stop_that_is_not_stored() -> None:
     (alert,) = Looks().alerts(0, robot(latched=True, persisted=False))
-    assert alert.detail.endswith("It is not stored: a restart of the gateway would forget it.")
+    assert alert.detail.endswith("It is not stored: a restart of the gateway would lose it.")
 
 
 def test_an_alert_as_a_document() -> None:

@@ -48,7 +48,7 @@ async def test_what_is_damaged_is_left_out_and_logged(tmp_path: Path, caplog: py
     second = Spool(tmp_path)
     with caplog.at_level(logging.ERROR):
         assert await everything(second) == [make_event(0), make_event(2), make_event(4)]
-    assert caplog.text.count("is damaged and left out") == 5
+    assert caplog.text.count("is damaged and skipped") == 5
     await second.close()
 
 

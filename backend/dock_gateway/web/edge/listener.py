@@ -64,7 +64,7 @@ class Listener:
     def _arrived(self, task: asyncio.Task[object]) -> None:
         self._arriving.discard(task)
         if not task.cancelled() and (error := task.exception()) is not None:
-            log.debug("a connection went before it was accepted: %s", error)
+            log.debug("a connection was closed before it was accepted: %s", error)
 
     def close(self) -> None:
         """Stop accepting."""

@@ -83,7 +83,7 @@ async def stop_robot(
     with _noting(wrong):
         how = _read_stop(read_object(value, *FIELDS))
     if wrong:
-        log.warning("a stop is carried out, though not all of it was understood: %s", _warning(wrong)["detail"])
+        log.warning("a stop is carried out although parts of the request are invalid: %s", _warning(wrong)["detail"])
     report = vars(await gateway.stopper.stop(robot, **how, wait=wait))
     if (problem := report.pop("problem")) is not None:
         wrong.insert(0, problem)
@@ -152,7 +152,7 @@ async def stop(request: Request, gateway: TheGateway, robot: RobotQuery = None) 
     that have not answered by then are listed in `unconfirmed`. `Prefer: wait=2` waits up to 2 s for them.
 
     A malformed request still stops the robot, unless it is unclear which robot is meant. What cannot be read is
-    ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would forget the stop.
+    ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would lose the stop.
     """
     value: Any = {}
     wait = 0.0

@@ -8,7 +8,15 @@ from pydantic import BaseModel, ConfigDict, Field
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.web.schemas.actions import ActionServer
 from dock_gateway.web.schemas.common import Schema
-from dock_gateway.web.schemas.goals import BatteryState, DockFeedback, DockResult, Goal, GoalError, GoalSummary
+from dock_gateway.web.schemas.goals import (
+    ActionGoal,
+    BatteryState,
+    DockFeedback,
+    DockResult,
+    Goal,
+    GoalError,
+    GoalSummary,
+)
 from dock_gateway.web.schemas.robots import Alert, Battery, Publisher, Robot, Simulator, StopState
 
 
@@ -66,7 +74,7 @@ class SnapshotEvent(Schema):
 
     type: Literal["snapshot"]
     time: datetime
-    goals: list[Goal]
+    goals: list[Goal | ActionGoal]
     battery: Battery
     battery_publisher: Publisher
     stop: StopState

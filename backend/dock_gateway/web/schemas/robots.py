@@ -22,7 +22,7 @@ class StopState(Schema):
     """Whether a stop is latched for a robot, since when and by whom.
 
     `robots` lists the robots at or below it that a stop holds. `persisted` is false if the gateway could not store its
-    latest stop or release, so that a restart would forget it.
+    latest stop or release, so that a restart would lose it.
     """
 
     latched: bool

@@ -42,7 +42,7 @@ MAX_SUBSCRIPTIONS = 32
 MAX_COMMANDS = 64
 # Stops in addition to MAX_COMMANDS. They are never refused: beyond this, the socket is not read until one is answered.
 MAX_STOPS = 64
-INTERNAL = GatewayError("an error inside of the gateway; its log has the details")
+INTERNAL = GatewayError("internal error; the gateway's log has the details")
 SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
 
@@ -104,7 +104,7 @@ class Session:
             if received["type"] == "websocket.disconnect":
                 return
             if len(self._commands) >= MAX_COMMANDS and not _is_stop(received):
-                await self._answer_error(None, TooManyRequests(f"{MAX_COMMANDS} commands are under way already"))
+                await self._answer_error(None, TooManyRequests(f"{MAX_COMMANDS} commands are already in progress"))
                 continue
             while len(self._commands) >= MAX_COMMANDS + MAX_STOPS:
                 await asyncio.wait(self._commands, return_when=asyncio.FIRST_COMPLETED)
@@ -143,9 +143,9 @@ class Session:
         if not identity:
             raise InvalidField([FieldError("id", "a string, which names the subscription", "got none")])
         if identity in self._subscriptions:
-            raise Conflict(f"there is a subscription {identity} already", code="subscription_exists")
+            raise Conflict(f"the subscription {identity} already exists", code="subscription_exists")
         if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
-            raise TooManyRequests(f"this socket has {MAX_SUBSCRIPTIONS} subscriptions already")
+            raise TooManyRequests(f"this socket already has {MAX_SUBSCRIPTIONS} subscriptions")
         query = {name: str(value) for name, value in fields.items() if value is not None}
         after, max_rate = read_after(query), read_max_rate(query)
         if self._closed:
