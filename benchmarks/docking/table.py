@@ -26,11 +26,11 @@ def _column(trials: Sequence[Trial], limits: MotionLimits) -> dict[str, str]:
         "docked within 2 cm and 5°": f"{len(docked)} of {len(trials)} ({100 * len(docked) / len(trials):.1f} %)",
         "time, median / 95 % / longest": _three([trial.seconds for trial in docked], "s", 1.0, 0),
         "docked after 0 / 1 / 2 / 3 retries": " / ".join(str(retries[number]) for number in range(4)),
-        "final error aside, median / 95 % / greatest": _three([trial.aside for trial in docked], "mm", 1000.0, 1),
-        "final error turned, median / 95 % / greatest": _three(
+        "final lateral error, median / 95 % / greatest": _three([trial.aside for trial in docked], "mm", 1000.0, 1),
+        "final heading error, median / 95 % / greatest": _three(
             [math.degrees(trial.askew) for trial in docked], "°", 1.0, 1
         ),
-        "ran into the dock elsewhere": str(sum(trial.bumps > 0 for trial in trials)),
+        "hit the dock elsewhere": str(sum(trial.bumps > 0 for trial in trials)),
         "highest speed (limit)": (
             f"{_most(trials, 'v_linear'):.2f} m/s ({limits.v_linear_max:g}),"
             f" {_most(trials, 'v_angular'):.2f} rad/s ({limits.v_angular_max:g})"
@@ -39,7 +39,7 @@ def _column(trials: Sequence[Trial], limits: MotionLimits) -> dict[str, str]:
             f"{_most(trials, 'a_linear'):.2f} m/s² ({limits.a_linear_max:g}),"
             f" {_most(trials, 'a_angular'):.2f} rad/s² ({limits.a_angular_max:g})"
         ),
-        "other ends": ", ".join(f"{code} {count}" for code, count in ends.items()) or "none",
+        "other results": ", ".join(f"{code} {count}" for code, count in ends.items()) or "none",
     }
 
 

@@ -45,7 +45,7 @@ def test_anything_else_is_not(purpose: str, status: int) -> None:
     assert rejection is not None
     assert rejection.error_code is ErrorCode.INVALID_GOAL
     assert f"is {status} (" in rejection.error_msg
-    assert f"but {purpose}ing can only" in rejection.error_msg
+    assert f"but {purpose}ing only accepts" in rejection.error_msg
 
 
 def test_a_second_goal_is_rejected_and_told_of_the_first() -> None:

@@ -54,7 +54,7 @@ def test_it_waits_for_the_first_reading() -> None:
     step = make_goal().step(Observation(START, None))
     assert isinstance(step, Command)
     assert step.velocity == STANDSTILL
-    assert "has come yet" in step.error_msg
+    assert "received yet" in step.error_msg
 
 
 def test_it_goes_on_when_the_battery_is_back() -> None:

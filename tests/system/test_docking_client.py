@@ -93,7 +93,7 @@ def test_a_server_that_dies_is_noticed(domain: int, server_process: Process) -> 
     with Process(CLIENT, env=ros_environment(domain)) as client:
         client.wait_for("Received feedback")
         server_process.send_signal(signal.SIGKILL)
-        client.wait_for("No sign of life from the action server", timeout=30)
+        client.wait_for("No response from the action server", timeout=30)
         assert client.wait() == 6
 
 
