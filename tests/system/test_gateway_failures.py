@@ -86,6 +86,21 @@ def test_a_server_that_blocks_while_it_works_is_not_taken_for_dead(gateway: Runn
         assert not any(event.get("stalled") for event in stream.seen)
 
 
+def test_a_server_that_sends_feedback_and_answers_nothing_is_tried_once(gateway: RunningGateway, domain: int) -> None:
+    """It looks like a server whose requests get lost, but another DDS participant gets no answer either."""
+    with plain_server(domain, "--feedbacks", "220"), gateway.stream() as stream:
+        gateway.wait_until_ready()
+        goal_id = gateway.http.post("/dock").json()["goal_id"]
+        stream.until_type("feedback")
+        assert gateway.http.post(f"/dock/{goal_id}/cancel", timeout=10).json()["code"] == "action_server_timeout"
+        assert stream.until_type("result", timeout=40)["status"] == "succeeded"
+        assert "another DDS participant is tried" in gateway.process.output
+        assert gateway.process.output.count("another DDS participant") == 1
+        sent = [event["feedback"] for event in stream.seen if event["type"] == "feedback"]
+        numbers = [round(100 * feedback["current_battery_state"]["percentage"]) for feedback in sent]
+        assert numbers == list(range(220))
+
+
 def test_a_killed_server(gateway: RunningGateway, domain: int) -> None:
     with running_dock_server(domain) as server, gateway.stream() as stream:
         gateway.wait_until_ready()

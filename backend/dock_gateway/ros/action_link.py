@@ -40,15 +40,20 @@ class ActionLink:
         bridge: The bridge to the participant.
         action_name: Absolute name of the action.
         impl: The services and topics of its type.
+        listen: Called with the link before its clients are made: a server that answers has then also matched the
+            subscriptions.
     """
 
-    def __init__(self, bridge: Bridge, action_name: str, impl: Any) -> None:
+    def __init__(
+        self, bridge: Bridge, action_name: str, impl: Any, listen: Callable[["ActionLink"], None] = lambda _: None
+    ) -> None:
         self.bridge = bridge
         self._name = action_name
         self._impl = impl
         self._subscriptions: list[Subscription] = []
         self._clients: list[Client] = []
         try:
+            listen(self)
             self.send = self._make_client(impl.SendGoalService, "send_goal")
             self.result = self._make_client(impl.GetResultService, "get_result")
             # Last: a server that has answered a ping has also matched the clients announced before.

@@ -118,19 +118,20 @@ class ActionPort:
         losses = Losses(self._bridge, on_loss)
         inbox = self._bridge.inbox(lambda goal_id, *_: losses.count(goal_id, Unread.TOO_FAST))
 
-        def hear_feedback(message: Any, info: dict[str, Any]) -> None:
-            stamp = info["source_timestamp"]
-            if stamp == self._newest_stamp:  # received through two links
-                return
-            self._newest_stamp = stamp
-            feedback = self._feedback_codec.encode(message.feedback)
-            inbox.offer(len(feedback), on_feedback, to_text(message.goal_id), feedback, stamp)
-
-        def refuse_feedback(message: bytes, why: Unread) -> None:
-            losses.count(text_of(message[HEADER : HEADER + ID_SIZE]), why)
-
         def listen(link: ActionLink) -> None:
             statuses = StatusReader()
+
+            def refuse_feedback(message: bytes, why: Unread) -> None:
+                if link is self._link:
+                    losses.count(text_of(message[HEADER : HEADER + ID_SIZE]), why)
+
+            def hear_feedback(message: Any, info: dict[str, Any]) -> None:
+                stamp = info["source_timestamp"]
+                if link is not self._link or stamp == self._newest_stamp:  # received through two links
+                    return
+                self._newest_stamp = stamp
+                feedback = self._feedback_codec.encode(message.feedback)
+                inbox.offer(len(feedback), on_feedback, to_text(message.goal_id), feedback, stamp)
 
             def hear_status(message: bytes, info: dict[str, Any]) -> None:
                 inbox.put(on_status, statuses.read(message), info["source_timestamp"])
@@ -176,14 +177,15 @@ class ActionPort:
     async def _replace(self, bridge: Bridge, keep: float, *, unless_answered: bool) -> bool:
         """Replace the link by one on another participant if the server answers there within `keep` seconds."""
         try:
-            unused = await bridge.call(lambda: ActionLink(bridge, self.action_name, self._impl), undo=ActionLink.leave)
+            unused = await bridge.call(
+                lambda: ActionLink(bridge, self.action_name, self._impl, self._listen), undo=ActionLink.leave
+            )
         except BaseException:
             self._bridge.release(bridge)
             raise
         try:
             if not await self._wait_for(unused, time.monotonic() + keep, unless_answered=unless_answered):
                 return False
-            await bridge.call(lambda: self._listen(unused))
             self._link, unused = unused, self._link
         finally:
             self._leave(unused)

@@ -4,7 +4,6 @@ import asyncio
 import signal
 import time
 from collections.abc import AsyncIterator, Iterator
-from typing import Any
 
 import pytest
 
@@ -15,6 +14,7 @@ from dock_gateway.ros.bridge import Bridge
 from tests.support.gateway import running_program
 from tests.support.history import until
 from tests.support.processes import Process
+from tests.support.rejoining import lose_answers
 
 pytestmark = pytest.mark.ros
 
@@ -61,15 +61,6 @@ async def port(bridge: Bridge, server: Process, heard: Heard) -> ActionPort:
         assert time.monotonic() < deadline
         await asyncio.sleep(0.1)
     return port
-
-
-def lose_answers(bridge: Bridge, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Nothing that servers answer reaches this participant."""
-
-    def take(client: Any) -> bool:
-        return client.handle.take_response(client.srv_type.Response)[0] is not None
-
-    monkeypatch.setattr(bridge._answers, "_take", take)
 
 
 async def start_goal(port: ActionPort, heard: Heard) -> None:
