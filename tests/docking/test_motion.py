@@ -84,6 +84,78 @@ def test_what_was_before_a_pause_does_not_count() -> None:
     drive(motion, Velocity(0.2, 0.0), STANDSTILL, 1.9, start=6.0, pose=pose)
 
 
+def step(motion: MotionWatch, now: float, pose: Pose | None = None) -> bool:
+    return motion.sees(Observation(now, odometry=Odometry(pose or Pose(), STANDSTILL, now)))
+
+
+def stuck(times: list[float]) -> float | None:
+    """When a robot that is commanded to drive, and stands still, is blocked; None if it is not."""
+    motion = watch()
+    for now in times:
+        try:
+            step(motion, now)
+        except Blocked:
+            return now
+        motion.commanded = Velocity(0.2, 0.0)
+    return None
+
+
+def every_quarter(first: float, last: float) -> list[float]:
+    return [0.25 * number for number in range(int(first * 4), int(last * 4) + 1)]
+
+
+def test_it_is_blocked_as_soon_as_the_time_is_over() -> None:
+    assert stuck(every_quarter(0.0, 3.0)) == 2.0
+    assert stuck(sorted([*every_quarter(0.0, 3.0), 1.0])) == 2.0, "one observation may come twice"
+
+
+def test_a_pause_of_04_s_counts_and_a_longer_one_does_not() -> None:
+    assert stuck([0.0, 0.4, *every_quarter(0.5, 3.0)]) == 2.0
+    assert stuck([0.0, 0.45, *every_quarter(0.5, 3.0)]) == 2.5
+
+
+def test_a_few_centimeters_that_are_missing_mean_nothing() -> None:
+    motion = watch()
+    for now in every_quarter(0.0, 6.0):
+        assert step(motion, now)
+        motion.commanded = Velocity(0.016, 0.08)
+
+
+def test_a_long_drive_before_does_not_hide_that_it_is_blocked() -> None:
+    motion = watch()
+    drive(motion, Velocity(0.25, 0.0), Velocity(0.25, 0.0), 60.0)
+    with pytest.raises(Blocked):
+        drive(motion, Velocity(0.25, 0.0), STANDSTILL, 2.1, start=60.0, pose=Pose(15.0))
+
+
+def test_it_starts_and_rests_at_a_standstill() -> None:
+    motion = watch()
+    assert motion.commanded == STANDSTILL
+    motion.commanded = Velocity(0.2, 0.0)
+    motion.rest()
+    assert motion.commanded == STANDSTILL
+
+
+def test_odometry_may_be_03_s_old() -> None:
+    odometry = Odometry(Pose(), STANDSTILL, 0.0)
+    assert watch().sees(Observation(0.3, odometry=odometry))
+    assert not watch().sees(Observation(0.31, odometry=odometry))
+
+
+def test_odometry_is_lost_only_after_its_time_and_the_error_says_so() -> None:
+    motion = watch()
+    assert not motion.sees(Observation(1.0))
+    with pytest.raises(OdometryLost, match=r"^no odometry for 1 s \(odometry_timeout\)$"):
+        motion.sees(Observation(1.01))
+
+
+@pytest.mark.parametrize("pose", [Pose(1e6), Pose(0.0, -1e6), Pose(0.0, 0.0, 1e6)])
+def test_a_pose_too_far_away_is_none(pose: Pose) -> None:
+    assert not step(watch(), 0.5, pose)
+    with pytest.raises(OdometryLost, match="implausible pose, Pose"):
+        step(watch(), 1.5, pose)
+
+
 def test_without_odometry_it_sees_nothing_and_then_gives_up() -> None:
     motion = watch()
     assert not motion.sees(Observation(0.9))

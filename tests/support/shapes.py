@@ -14,7 +14,6 @@ import jsonschema
 import orjson
 from jsonschema_rs import Draft202012Validator
 
-DOCUMENT = orjson.loads((Path(__file__).parents[2] / "frontend" / "openapi.json").read_bytes())
 PROBLEM = "application/problem+json"
 # Answers that every path can give: the origin guard, the limits on input, a bug, a method that is not offered.
 EVERYWHERE = {400, 403, 405, 408, 413, 414, 431, 500, 503}
@@ -23,6 +22,12 @@ MAX_NOTED = 20
 
 Schema = dict[str, Any]
 _noted: list[str] = []
+
+
+@cache
+def document() -> Any:
+    """The copy that the dashboard's types come from; a test keeps it fresh."""
+    return orjson.loads((Path(__file__).parents[2] / "frontend" / "openapi.json").read_bytes())
 
 
 def noted() -> list[str]:
@@ -66,7 +71,7 @@ def check_event(path: str, text: str | bytes) -> None:
     if name == "Answer":
         _compare(where, _reference(name), text)
         return
-    kinds = DOCUMENT["components"]["schemas"][name]["discriminator"]["mapping"]
+    kinds = document()["components"]["schemas"][name]["discriminator"]["mapping"]
     if (kind := message.get("type")) not in kinds:
         _note(where, f"its type is {kind!r}, not one of {', '.join(kinds)}")
         return
@@ -107,7 +112,7 @@ def _validator(schema: bytes) -> Draft202012Validator:
 
 
 def _whole(schema: bytes) -> Schema:
-    return {**orjson.loads(schema), "components": DOCUMENT["components"]}
+    return {**orjson.loads(schema), "components": document()["components"]}
 
 
 def _differences(schema: bytes, value: object) -> Iterator[str]:
@@ -126,7 +131,7 @@ def _differences(schema: bytes, value: object) -> Iterator[str]:
 def _operations() -> list[tuple[int, re.Pattern[str], dict[str, Any]]]:
     """Paths with fewer variables first. Names on the ROS graph contain slashes."""
     found = []
-    for template, item in DOCUMENT["paths"].items():
+    for template, item in document()["paths"].items():
         pattern = re.sub(r"\\{name\\}", ".+", re.escape(template))
         pattern = re.sub(r"\\{\w+\\}", "[^/]+", pattern)
         literals = [part for part in template.split("/") if part and not part.startswith("{")]
