@@ -41,9 +41,11 @@ def _own(stack: ExitStack, options: Options, robots: int = 0) -> list[Bare | Gat
 def _peers(stack: ExitStack, options: Options, results: Results) -> list[System]:
     """The peers that are installed, each at a site of its own."""
     peers: list[System] = []
-    for name, why in LEFT_OUT.items() if options.peers else ():
+    if options.peers is None:
+        return peers
+    for name, why in LEFT_OUT.items():
         results.leave_out(name, "", why)
-    for peer in (HttpGateway, Rosbridge) if options.peers else ():
+    for peer in (HttpGateway, Rosbridge):
         prefix = options.peers / peer.name
         if prefix.is_dir():
             peers.append(peer(stack.enter_context(site(options.payload)), prefix))
