@@ -12,7 +12,7 @@ from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
 
 RESULTS = Path(__file__).parents[2] / "test-results"
-# The first draws no window frame of its own: half the processor time.
+# The first has no window frame to draw, and so needs less processor time.
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next((path for name in NAMES if (path := shutil.which(name))), None)
 MISSING = "no Chromium is installed (on Debian: sudo apt-get install chromium-headless-shell)"

@@ -93,7 +93,7 @@ class Fleet:
     def told_before_stored(self) -> set[str]:
         """Goals of which a gateway says that the database, or the result, took longer than what is promised."""
         lines = "\n".join(process.output for process in self.processes).splitlines()
-        return {goal_id for line in lines if "told before it" in line for goal_id in re.findall(UUID, line)}
+        return {goal_id for line in lines if "before it" in line for goal_id in re.findall(UUID, line)}
 
     def any(self) -> RunningGateway:
         return next(iter(self.running.values()))

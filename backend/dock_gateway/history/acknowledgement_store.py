@@ -5,12 +5,12 @@ import asyncio
 import sqlalchemy as sa
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.history.database import Database
+from dock_gateway.history.database import DATABASE_ERRORS, Database
 from dock_gateway.history.protocol import Acknowledgement
 from dock_gateway.history.queries import insert_into
 from dock_gateway.history.reader import AWAY, Reader
 from dock_gateway.history.tables import acknowledgements
-from dock_gateway.history.writer import DATABASE_ERRORS, Writer
+from dock_gateway.history.writer import Writer
 
 WRITE_TIMEOUT = 1.0  # seconds
 

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import TypeVar, TypeVarTuple
 
 import sqlalchemy as sa
+import sqlalchemy.exc as sa_errors
 
 from dock_gateway.history.migrate import migrate
 from dock_gateway.history.protocol import Incident
@@ -12,6 +13,9 @@ from dock_gateway.history.protocol import Incident
 CONNECT_TIMEOUT = 2.0  # seconds
 # Connections for writes (batches, new keys, ends of goals) and for reads, so that none blocks another.
 WRITERS, READERS = 3, 3
+
+# The errors that a database may raise.
+DATABASE_ERRORS = (sa_errors.SQLAlchemyError, OSError, TimeoutError, RuntimeError)
 
 T = TypeVar("T")
 Ts = TypeVarTuple("Ts")
@@ -52,3 +56,17 @@ class Database(ABC):
     @abstractmethod
     async def close(self) -> None:
         """Close every connection."""
+
+
+def is_about_data(error: Exception) -> bool:
+    """Return whether the data itself was refused (SQLSTATE class 22 or 23), so that a retry fails again."""
+    if not isinstance(error, sa_errors.DBAPIError):
+        return True
+    sqlstate = str(getattr(error.orig, "sqlstate", None) or "")
+    return isinstance(error, sa_errors.DataError | sa_errors.IntegrityError) or sqlstate[:2] in ("22", "23")
+
+
+def brief(error: Exception) -> str:
+    """Return the error in one line, without the statement and its data."""
+    cause = error.orig if isinstance(error, sa_errors.DBAPIError) and error.orig is not None else error
+    return (str(cause) or type(cause).__name__).splitlines()[0][:300]

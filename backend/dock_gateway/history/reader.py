@@ -7,8 +7,8 @@ from collections.abc import Callable
 import sqlalchemy as sa
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.history.database import Database, T, Ts
-from dock_gateway.history.writer import DATABASE_ERRORS, Writer
+from dock_gateway.history.database import DATABASE_ERRORS, Database, T, Ts
+from dock_gateway.history.writer import Writer
 
 READ_TIMEOUT = 1.0  # seconds
 # Seconds after a failed read in which further reads fail at once.

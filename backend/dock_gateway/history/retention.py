@@ -13,9 +13,8 @@ import sqlalchemy as sa
 from dock_gateway.core.event import time_id
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.history import queries
-from dock_gateway.history.database import Database
+from dock_gateway.history.database import DATABASE_ERRORS, Database
 from dock_gateway.history.tables import IS_KEPT, events, goals, idempotency_keys
-from dock_gateway.history.writer import DATABASE_ERRORS
 
 log = logging.getLogger(__name__)
 

@@ -20,16 +20,17 @@ from dock_gateway.core.tasks import cancel
 from dock_gateway.history import queries
 from dock_gateway.history.acknowledgement_store import SqlAcknowledgements
 from dock_gateway.history.battery import BatterySpan, Bucket
-from dock_gateway.history.database import Database
+from dock_gateway.history.database import DATABASE_ERRORS, Database
 from dock_gateway.history.event_reader import EventReader
 from dock_gateway.history.merge import merge
 from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, Incident, LaterEvents, fingerprint_of
 from dock_gateway.history.reader import AWAY, Reader
 from dock_gateway.history.retention import Limits, Retention
 from dock_gateway.history.rows import Key
+from dock_gateway.history.seals import Sealer
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.waiting import Waiting
-from dock_gateway.history.writer import DATABASE_ERRORS, Writer
+from dock_gateway.history.writer import Writer
 
 log = logging.getLogger(__name__)
 
@@ -56,6 +57,7 @@ class SqlHistory:
         self._spool = spool
         self._waiting = Waiting(max_waiting)
         self._writer = Writer(self._database, self._spool, self._waiting, self._write_again)
+        self._sealer = Sealer(self._database)
         self._keys: dict[str, Key] = {}
         self.newest = ""
         self.shared = self._database.shared
@@ -78,7 +80,8 @@ class SqlHistory:
             self.newest = await self._reader.read(queries.newest)
         for key in self._waiting.keys.values():
             self._keys.setdefault(key.key, key)
-        self._tasks = [asyncio.create_task(self.retention.run()), asyncio.create_task(self._look_after_database())]
+        work = (self._sealer.run(), self.retention.run(), self._look_after_database())
+        self._tasks = [asyncio.create_task(each) for each in work]
 
     async def _look_after_database(self) -> None:
         """Poll the database, so that an outage or a replaced file is noticed without any writes."""
@@ -170,9 +173,11 @@ class SqlHistory:
             self._writer.notice(must_keep=not event.droppable)
 
     async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
-        """Store the end of a goal before it is published."""
+        """Store the end of a goal now, if the database answers; return its events as stored."""
         self.record(goal)
-        return await self._writer.seal(copy(goal), end)
+        if not self._writer.reachable or self._writer.slow:
+            return list(end)
+        return await self._sealer.seal(copy(goal), end)
 
     # ------------------------------------------------------------------ read
 

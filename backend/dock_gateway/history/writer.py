@@ -3,45 +3,30 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
 import sqlalchemy.exc as sa_errors
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.event import Event
 from dock_gateway.core.goal import Goal
 from dock_gateway.history import queries
-from dock_gateway.history.database import Database
+from dock_gateway.history.database import DATABASE_ERRORS, Database, brief, is_about_data
 from dock_gateway.history.rows import Batch, Key
 from dock_gateway.history.spool import Entry, Spool
 from dock_gateway.history.waiting import Waiting
 
 log = logging.getLogger(__name__)
 
-# The errors that a database may raise.
-DATABASE_ERRORS = (sa_errors.SQLAlchemyError, OSError, TimeoutError, RuntimeError)
-
 ANSWER_TIMEOUT = 0.1  # Seconds that a new goal waits for the database before it goes to the spool.
 REFUSE_AFTER = 2.0  # Seconds to wait for the running write if the spool fails too.
-SEAL_TIMEOUT = 1.0  # Seconds that the end of a goal, and all later messages, wait for the database.
 WRITE_TIMEOUT = 10.0  # Seconds per transaction.
 BATCH_INTERVAL = 0.2  # Seconds to collect a batch before it is written.
 BATCH_PATIENCE = 0.3  # Seconds that new goals, which are written first, may delay the rest.
 # Seconds until entries that must be kept, and are not in the database yet, go to the spool.
 SPOOL_AFTER = 0.5
 RETRY_FIRST, RETRY_LAST = 0.1, 2.0  # Seconds before the first retry, and at most.
-
-
-@dataclass(frozen=True)
-class Seal:
-    """A goal whose end must be stored before it is published; `stored` has the events as stored, by key."""
-
-    goal: Goal
-    end: Sequence[Event]
-    stored: "asyncio.Future[dict[str, Event]]"
 
 
 class Writer:
@@ -70,14 +55,11 @@ class Writer:
         self._urgent = asyncio.Event()
         self._guard = asyncio.Event()
         self._in_flight: set[str] = set()  # ids of the goals in the running transaction
-        self._seals: list[Seal] = []
-        self._seal_wake = asyncio.Event()
         self._tasks: list[asyncio.Task[None]] = []
 
     def start(self) -> None:
         """Start the background tasks."""
-        work = (self._write_on(), self._spool_on(), self._seal_on())
-        self._tasks = [asyncio.create_task(each) for each in work]
+        self._tasks = [asyncio.create_task(self._write_on()), asyncio.create_task(self._spool_on())]
 
     def notice(self, *, must_keep: bool) -> None:
         """Note that `waiting` has a new entry."""
@@ -141,44 +123,6 @@ class Writer:
         finally:
             del self._tickets[ticket]
         return True
-
-    # ------------------------------------------------------------------ the end of a goal
-
-    async def seal(self, goal: Goal, end: Sequence[Event]) -> list[Event]:
-        """Store the end of a goal now if the database answers; return its events as stored."""
-        if not self.reachable or self.slow:
-            return list(end)
-        seal = Seal(goal, end, asyncio.get_running_loop().create_future())
-        self._seals.append(seal)
-        self._seal_wake.set()
-        try:
-            async with asyncio.timeout(SEAL_TIMEOUT):
-                stored = await seal.stored
-        except DATABASE_ERRORS as error:
-            log.warning("goal %s: its state is told before it is stored: %s", goal.goal_id, _brief(error))
-            return list(end)
-        return [replace(stored.get(event.key or "", event), ends_goal=event.ends_goal) for event in end]
-
-    async def _seal_on(self) -> None:
-        """Store the ends of goals; all pending ones in one transaction."""
-        while True:
-            await self._seal_wake.wait()
-            self._seal_wake.clear()
-            seals, self._seals = self._seals, []
-            goals = {seal.goal.goal_id: seal.goal for seal in seals}
-            batch = Batch(goals=list(goals.values()), events=[event for seal in seals for event in seal.end])
-            try:
-                async with asyncio.timeout(WRITE_TIMEOUT):
-                    # Not durable: the regular record of the goal is, shortly after.
-                    stored = await self._database.write(queries.seal, batch, durable=False)
-            except DATABASE_ERRORS as error:
-                for seal in seals:
-                    if not seal.stored.done():
-                        seal.stored.set_exception(error)
-            else:
-                for seal in seals:
-                    if not seal.stored.done():
-                        seal.stored.set_result(stored)
 
     def _settle(self, batch: Batch, error: Exception | None) -> None:
         written = {goal.goal_id for goal in batch.goals}
@@ -245,7 +189,7 @@ class Writer:
             async with asyncio.timeout(WRITE_TIMEOUT):
                 await self._database.write(queries.write, batch, durable=batch.must_keep)
         except (sa_errors.StatementError, ValueError) as error:
-            if not _about_data(error):
+            if not is_about_data(error):
                 raise
             await self._write_one_by_one(batch)
 
@@ -256,7 +200,7 @@ class Writer:
                 async with asyncio.timeout(WRITE_TIMEOUT):
                     await self._database.write(queries.write, part)
             except (sa_errors.StatementError, ValueError) as error:
-                if not _about_data(error):
+                if not is_about_data(error):
                     raise
                 log.error("the database refuses %s: %s", part, error)
 
@@ -286,7 +230,7 @@ class Writer:
         self.last_error = None
 
     def _say_unreachable(self, error: Exception) -> None:
-        self.last_error = _brief(error)
+        self.last_error = brief(error)
         if self.reachable or not self.answered.is_set():
             log.warning("the history database does not answer; goals go to the spool: %s", self.last_error)
         self.reachable = False
@@ -383,17 +327,3 @@ def batch_of(entries: list[Entry]) -> Batch:
     keys = [entry for entry in entries if isinstance(entry, Key) and entry.expires_at > datetime.now(UTC)]
     events = [entry for entry in entries if not isinstance(entry, Goal | Key)]
     return Batch(goals=list(waiting.goals.values()), events=events, keys=keys)
-
-
-def _about_data(error: Exception) -> bool:
-    """Return whether the data itself was refused (SQLSTATE class 22 or 23), so that a retry fails again."""
-    if not isinstance(error, sa_errors.DBAPIError):
-        return True
-    sqlstate = str(getattr(error.orig, "sqlstate", None) or "")
-    return isinstance(error, sa_errors.DataError | sa_errors.IntegrityError) or sqlstate[:2] in ("22", "23")
-
-
-def _brief(error: Exception) -> str:
-    """Return the error in one line, without the statement and its data."""
-    cause = error.orig if isinstance(error, sa_errors.DBAPIError) and error.orig is not None else error
-    return (str(cause) or type(cause).__name__).splitlines()[0][:300]

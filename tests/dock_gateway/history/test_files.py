@@ -255,7 +255,7 @@ async def test_a_disk_that_damages_everything_is_not_filled(
     garbage(path)
     async with open_at(f"sqlite:///{path}", tmp_path) as history:
         await history.add(make_goal(1))
-        await until(lambda: "look at the disk" in (history.stats().last_error or ""))
+        await until(lambda: "check the disk" in (history.stats().last_error or ""))
         assert len(beside(path)) == 3
         assert history.stats().spooled > 0
         for name in beside(path):
