@@ -170,8 +170,6 @@ class GoalMachine:
             self.outputs.append(AwaitResult(goal))
 
     def _take_feedback(self, feedback: Json, stamp_ns: int, now: Now, goal: Goal) -> None:
-        if goal.status.final:
-            return
         if goal.status is GoalStatus.LOST or (goal.status is GoalStatus.PENDING and goal.origin == "external"):
             self.move(now, goal, GoalStatus.EXECUTING, stamp_ns)
         self._heard_at[goal.goal_id] = now.monotonic

@@ -1,7 +1,7 @@
 """A goal that must not run is canceled whenever it turns up. The port is a fake; tests/system has the real one."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from datetime import UTC, datetime
 from types import SimpleNamespace
 from typing import Any
@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.actions import cancellation as canceler_module
-from dock_gateway.actions.cancellation import STOPPED, TOO_LATE, Canceler
+from dock_gateway.actions.cancellation import CANCELED, STOP_TIMEOUT, STOPPED, TOO_LATE, Canceler
 from dock_gateway.actions.goal_machine import News
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
@@ -34,10 +34,14 @@ class FakePort:
 
     def __init__(self) -> None:
         self.asked: list[str | None] = []
+        self.timeouts: list[float] = []
+        self.while_asked: Callable[[], None] = lambda: None
         self.script: list[CancelAnswer | Exception] = [CancelAnswer(frozenset({A}), 0)]
 
     async def cancel(self, goal_id: str | None, timeout: float) -> CancelAnswer:
         self.asked.append(goal_id)
+        self.timeouts.append(timeout)
+        self.while_asked()
         answer = self.script.pop(0) if len(self.script) > 1 else self.script[0]
         if isinstance(answer, Exception):
             raise answer
@@ -54,10 +58,10 @@ class Scene:
         self.tracker = GoalTracker(self.port, hub, MemoryHistory(10), PendingFacts(0.01))  # type: ignore[arg-type]
         self.held = False
         interlock: Any = SimpleNamespace(holds=lambda _: self.held)
-        self.canceler = Canceler(Settings(), self.tracker, interlock)
+        self.canceler = Canceler(Settings(cancel_timeout=0.7), self.tracker, interlock)
 
-    def goal(self, status: GoalStatus) -> Goal:
-        goal = Goal(A, "/dock", "pkg/action/Dock", datetime.now(UTC))
+    def goal(self, status: GoalStatus, goal_id: str = A) -> Goal:
+        goal = Goal(goal_id, "/dock", "pkg/action/Dock", datetime.now(UTC))
         self.tracker.add(goal)
         if status is S.LOST:
             self.tracker.move(goal, S.EXECUTING)
@@ -79,8 +83,10 @@ async def test_a_running_goal(scene: Scene) -> None:
     goal = scene.goal(S.EXECUTING)
     await scene.canceler.cancel(goal)
     assert goal.status is S.CANCELING
+    assert goal.error is None
     await scene.canceler.cancel(goal)  # once more does no harm
     assert scene.port.asked == [A, A]
+    assert scene.port.timeouts == [0.7, 0.7]
 
 
 async def test_a_refusal(scene: Scene) -> None:
@@ -88,8 +94,40 @@ async def test_a_refusal(scene: Scene) -> None:
     scene.port.script = [CancelAnswer(frozenset(), 1)]
     with pytest.raises(Conflict) as refused:
         await scene.canceler.cancel(goal)
-    assert refused.value.code == "cancel_rejected"
+    assert (refused.value.code, refused.value.extra) == ("cancel_rejected", {"goal_id": A})
+    assert refused.value.detail == "the action server refuses to cancel the goal"
     assert goal.status is S.EXECUTING
+    assert scene.port.asked == [A]
+
+
+async def test_a_goal_that_the_server_does_not_know_yet_is_asked_for_once_more(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 2)]
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel(goal)
+    assert refused.value.code == "cancel_rejected"
+    assert scene.port.asked == [A, A]
+
+
+@pytest.mark.parametrize("return_code", [0, 2])
+async def test_a_goal_that_ends_while_the_server_is_asked(scene: Scene, return_code: int) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), return_code)]
+    scene.port.while_asked = lambda: scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel(goal)
+    assert (refused.value.code, refused.value.extra) == ("goal_terminal", {"goal_id": A})
+    assert refused.value.detail == "the goal is succeeded already"
+    assert scene.port.asked == [A]
+
+
+async def test_a_refusal_ends_all_wishes_to_cancel(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.canceler.mark_unwanted(goal, TOO_LATE)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    with pytest.raises(Conflict):
+        await scene.canceler.cancel(goal)
+    assert (scene.canceler._unwanted, goal.error) == ({}, None)
 
 
 async def test_an_ended_goal(scene: Scene) -> None:
@@ -97,7 +135,8 @@ async def test_an_ended_goal(scene: Scene) -> None:
     scene.tracker.end(goal, S.SUCCEEDED, result=b"{}")
     with pytest.raises(Conflict) as refused:
         await scene.canceler.cancel(goal)
-    assert refused.value.code == "goal_terminal"
+    assert (refused.value.code, refused.value.extra) == ("goal_terminal", {"goal_id": A})
+    assert refused.value.detail == "the goal is succeeded already"
     assert scene.port.asked == []
 
 
@@ -125,11 +164,14 @@ async def test_a_lost_goal_is_canceled_when_it_is_back(scene: Scene) -> None:
 async def test_a_server_that_cannot_be_reached_is_asked_again(scene: Scene, failure: Exception) -> None:
     goal = scene.goal(S.EXECUTING)
     scene.port.script = [failure, failure, failure, CancelAnswer(frozenset({A}), 0)]
-    with pytest.raises((ServerTimeout, Unavailable)):
+    with pytest.raises((ServerTimeout, Unavailable)) as refused:
         await scene.canceler.cancel(goal)
-    await asyncio.sleep(0.1)
-    assert goal.status is S.CANCELING
+    if isinstance(failure, TimeoutError):
+        assert refused.value.detail == "the action server did not answer within 0.7 s; it is asked again"
+        assert refused.value.extra == {"goal_id": A}
+    await until(lambda: goal.status is S.CANCELING)
     assert scene.port.asked == [A] * 4
+    assert goal.error == CANCELED
 
 
 async def test_a_goal_that_was_given_up(scene: Scene) -> None:
@@ -159,9 +201,71 @@ async def test_a_stop_tells_which_goals_the_server_refuses_to_cancel(scene: Scen
     scene.port.script = [CancelAnswer(frozenset(), 1)]
     with pytest.raises(GatewayError) as refused:
         await scene.canceler.cancel_all()
-    assert refused.value.code == "cancel_rejected"
-    assert A in refused.value.detail
+    assert (refused.value.code, refused.value.extra) == ("cancel_rejected", {"canceling": []})
+    assert refused.value.detail == f"the action server refuses to cancel {A}"
     assert goal.status is S.EXECUTING
+    assert goal.error is None
+    assert scene.canceler.uncanceled
+    assert scene.port.timeouts == [STOP_TIMEOUT]
+
+
+async def test_a_stop_cancels_what_the_server_does_not_refuse(scene: Scene) -> None:
+    goals = {goal_id: scene.goal(S.EXECUTING, goal_id) for goal_id in (A, "b", "c", "d")}
+    scene.port.script = [CancelAnswer(frozenset({"d", "b", "unknown"}), 0)]
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel_all()
+    assert refused.value.detail == f"the action server refuses to cancel {A}, c"
+    assert refused.value.extra == {"canceling": ["b", "d", "unknown"]}
+    assert [goal.status for goal in goals.values()] == [S.EXECUTING, S.CANCELING, S.EXECUTING, S.CANCELING]
+    assert [goal.error for goal in goals.values()] == [None, STOPPED, None, STOPPED]
+
+
+async def test_a_stop_that_is_not_answered_goes_on(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    lost = scene.goal(S.LOST, "b")
+    scene.port.script = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
+    with pytest.raises(ServerTimeout) as refused:
+        await scene.canceler.cancel_all()
+    assert refused.value.detail == (
+        "the action server does not answer; it was asked to cancel every goal, and is asked again"
+    )
+    await until(lambda: goal.status is S.CANCELING)
+    assert scene.port.asked == [None, A], "a lost goal is canceled when it is seen"
+    assert (goal.error, lost.error) == (STOPPED, LOST)
+
+
+async def test_a_server_that_answers_lives(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    for ask in (lambda: scene.canceler.cancel(goal), scene.canceler.cancel_all):
+        scene.tracker.last_heard = 0.0
+        await ask()
+        assert scene.tracker.last_heard > 0.0
+
+
+async def test_only_so_many_unwanted_goals_are_remembered(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(canceler_module, "MAX_UNWANTED", 2)
+    known = scene.goal(S.EXECUTING)
+    scene.canceler.mark_unwanted(known, TOO_LATE)
+    scene.canceler.mark_unwanted(known, STOPPED)
+    others = [Goal(f"{n}", "/dock", "pkg/action/Dock", datetime.now(UTC)) for n in range(4)]
+    for goal in others[:2]:
+        scene.canceler.mark_unwanted(goal, STOPPED)
+    assert list(scene.canceler._unwanted) == [A, "0", "1"]
+    for goal in others[2:]:
+        scene.canceler.mark_unwanted(goal, STOPPED)
+    assert scene.canceler._unwanted == {A: TOO_LATE, "2": STOPPED, "3": STOPPED}
+
+
+async def test_a_refusal_while_a_stop_holds_is_logged_once(scene: Scene, caplog: pytest.LogCaptureFixture) -> None:
+    scene.held = True
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 1)]
+    scene.canceler.seen_again(goal)
+    scene.canceler.seen_again(goal)  # it is asked for already
+    await until(lambda: len(scene.port.asked) >= 4)
+    refusals = [record for record in caplog.records if "could not be canceled: " in record.getMessage()]
+    assert len(refusals) == 1
+    assert len(scene.canceler._insisting) == 1
 
 
 async def test_a_stop_without_goals_and_server_is_fine(scene: Scene) -> None:
