@@ -18,7 +18,7 @@ from mutmut.stats import status_by_exit_code
 
 GOAL = 0.9
 WORK = Path(".mutation")
-# The others take long: they look at memory, and at the clock.
+# Those of the actions that take milliseconds: the others look at memory and at the clock.
 ACTION_TESTS = ("adoption", "cancellation", "goal_machine", "idempotency", "results", "submission", "tracker")
 # Area → its modules below backend/, and the unit tests that have to notice the mutants.
 AREAS = {

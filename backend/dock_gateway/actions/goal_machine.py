@@ -147,8 +147,7 @@ class GoalMachine:
     ) -> None:
         """Handle the answer to a request for a goal's result; `status` is None if the server does not know the goal."""
         if status is None:
-            if not goal.status.terminal:
-                self.lose(now, goal, GoalError("action_server_lost", "the action server does not know the goal"))
+            self.lose(now, goal, GoalError("action_server_lost", "the action server does not know the goal"))
         elif status.terminal:
             self.end(now, goal, status, result=result, error=error, stamp_ns=stamp_ns)
         else:
