@@ -1,6 +1,5 @@
 """Goals on one action, as ROS tells of them: a tracker whose port is a fake."""
 
-import asyncio
 import time
 from collections.abc import AsyncIterator
 from datetime import UTC, datetime
@@ -71,8 +70,12 @@ class Scene:
 
     async def documents(self) -> list[dict[str, Any]]:
         """What subscribers got."""
-        await asyncio.sleep(0.05)
-        return [orjson.loads(event.data) for event in (await self.subscriber.take(0.01))[0]]
+        events, quiet = [], 0
+        while quiet < 3:  # a busy machine may wake everything at once
+            batch, _ = await self.subscriber.take(0.03)
+            quiet = 0 if batch else quiet + 1
+            events += batch
+        return [orjson.loads(event.data) for event in events]
 
     async def events(self) -> list[str]:
         """What subscribers got: `status:executing`, `feedback:1`, `result:succeeded`."""
