@@ -54,7 +54,10 @@ def prepare(area: str, sources: list[str], tests: list[str]) -> Path:
     folder.mkdir(parents=True)
     for name in ("backend/dock_gateway", "backend/docking", "tests", "pyproject.toml"):
         (folder / Path(name).name).symlink_to(Path(name).absolute())
+    (folder / "frontend").mkdir()
+    (folder / "frontend/openapi.json").symlink_to(Path("frontend/openapi.json").absolute())  # the tests read it
     settings = {
+        "also_copy": ["frontend"],
         "source_paths": ["dock_gateway", "docking"],
         "only_mutate": sources,
         "pytest_add_cli_args_test_selection": tests,

@@ -95,7 +95,7 @@ async def test_a_refusal(scene: Scene) -> None:
     with pytest.raises(Conflict) as refused:
         await scene.canceler.cancel(goal)
     assert (refused.value.code, refused.value.extra) == ("cancel_rejected", {"goal_id": A})
-    assert refused.value.detail == "the action server refuses to cancel the goal"
+    assert "refuses" in refused.value.detail
     assert goal.status is S.EXECUTING
     assert scene.port.asked == [A]
 
@@ -117,7 +117,7 @@ async def test_a_goal_that_ends_while_the_server_is_asked(scene: Scene, return_c
     with pytest.raises(Conflict) as refused:
         await scene.canceler.cancel(goal)
     assert (refused.value.code, refused.value.extra) == ("goal_terminal", {"goal_id": A})
-    assert refused.value.detail == "the goal is succeeded already"
+    assert "succeeded" in refused.value.detail
     assert scene.port.asked == [A]
 
 
@@ -136,7 +136,7 @@ async def test_an_ended_goal(scene: Scene) -> None:
     with pytest.raises(Conflict) as refused:
         await scene.canceler.cancel(goal)
     assert (refused.value.code, refused.value.extra) == ("goal_terminal", {"goal_id": A})
-    assert refused.value.detail == "the goal is succeeded already"
+    assert "succeeded" in refused.value.detail
     assert scene.port.asked == []
 
 
@@ -167,7 +167,7 @@ async def test_a_server_that_cannot_be_reached_is_asked_again(scene: Scene, fail
     with pytest.raises((ServerTimeout, Unavailable)) as refused:
         await scene.canceler.cancel(goal)
     if isinstance(failure, TimeoutError):
-        assert refused.value.detail == "the action server did not answer within 0.7 s; it is asked again"
+        assert "0.7 s" in refused.value.detail
         assert refused.value.extra == {"goal_id": A}
     await until(lambda: goal.status is S.CANCELING)
     assert scene.port.asked == [A] * 4
@@ -202,7 +202,7 @@ async def test_a_stop_tells_which_goals_the_server_refuses_to_cancel(scene: Scen
     with pytest.raises(GatewayError) as refused:
         await scene.canceler.cancel_all()
     assert (refused.value.code, refused.value.extra) == ("cancel_rejected", {"canceling": []})
-    assert refused.value.detail == f"the action server refuses to cancel {A}"
+    assert A in refused.value.detail
     assert goal.status is S.EXECUTING
     assert goal.error is None
     assert scene.canceler.uncanceled
@@ -214,7 +214,7 @@ async def test_a_stop_cancels_what_the_server_does_not_refuse(scene: Scene) -> N
     scene.port.script = [CancelAnswer(frozenset({"d", "b", "unknown"}), 0)]
     with pytest.raises(Conflict) as refused:
         await scene.canceler.cancel_all()
-    assert refused.value.detail == f"the action server refuses to cancel {A}, c"
+    assert f"{A}, c" in refused.value.detail
     assert refused.value.extra == {"canceling": ["b", "d", "unknown"]}
     assert [goal.status for goal in goals.values()] == [S.EXECUTING, S.CANCELING, S.EXECUTING, S.CANCELING]
     assert [goal.error for goal in goals.values()] == [None, STOPPED, None, STOPPED]
@@ -226,9 +226,7 @@ async def test_a_stop_that_is_not_answered_goes_on(scene: Scene) -> None:
     scene.port.script = [TimeoutError(), CancelAnswer(frozenset({A}), 0)]
     with pytest.raises(ServerTimeout) as refused:
         await scene.canceler.cancel_all()
-    assert refused.value.detail == (
-        "the action server does not answer; it was asked to cancel every goal, and is asked again"
-    )
+    assert "does not answer" in refused.value.detail
     await until(lambda: goal.status is S.CANCELING)
     assert scene.port.asked == [None, A], "a lost goal is canceled when it is seen"
     assert (goal.error, lost.error) == (STOPPED, LOST)
