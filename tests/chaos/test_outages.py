@@ -5,11 +5,16 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from typing import Any
 
 import pytest
 
+from dock_gateway.actions.rejoining import KEEP, PAUSE
 from tests.chaos.report import report
+from tests.chaos.withstand import STOPPED_WITHIN
+from tests.support.gateway import running_gateway, running_hostile_node
+from tests.support.probe import open_files, probing, quantile
 
 ROUNDS = int(os.environ.get("CHAOS_OUTAGES", "0"))
 pytestmark = [
@@ -19,6 +24,8 @@ pytestmark = [
 ]
 
 ROBOTS = 5
+# How long servers that stop answering are watched.
+SECONDS = 90
 
 
 def outages(kind: str, seconds: float, spread: float) -> dict[str, Any]:
@@ -53,3 +60,22 @@ def test_out_of_the_wifi() -> None:
     figures = outages("link", 18.2, 2.5)
     report("Outages: nothing passes for 18 to 21 s", figures)
     assert figures["not canceled"] == 0
+
+
+def test_servers_that_stop_answering_harm_no_other(domain: int) -> None:
+    """They send feedback, so each may be one whose answers get lost. That must not cost other robots anything."""
+    with running_gateway(domain) as gateway:
+        files = open_files(gateway.process.pid)
+        with running_hostile_node(domain, "silent_servers", "--count", "20", "--rate", "0.5"):
+            gateway.process.wait_for("another DDS participant is tried", timeout=60)
+            with probing(gateway) as findings:
+                time.sleep(SECONDS)
+            more_files = open_files(gateway.process.pid) - files
+        tries = gateway.process.output.count("another DDS participant is tried")
+    figures = {"tries": tries, "files opened": more_files, **findings.figures()}
+    report("Outages: 20 servers that send feedback and answer nothing", figures)
+    assert findings.errors == []
+    assert tries <= 20 * (2 + SECONDS / (KEEP + 2 * PAUSE))
+    assert quantile(findings.stop, 0.99) < STOPPED_WITHIN
+    assert max(findings.gaps) < 2 * STOPPED_WITHIN
+    assert more_files < 200

@@ -14,6 +14,7 @@ from typing import Any
 
 import rclpy
 from action_msgs.msg import GoalStatus, GoalStatusArray
+from action_msgs.srv import CancelGoal
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import Twist
 from rclpy.context import Context
@@ -28,6 +29,8 @@ from action_tutorials_interfaces.action import ConnectToChargingDock, Fibonacci
 
 FeedbackMessage = ConnectToChargingDock.Impl.FeedbackMessage
 RELIABLE = QoSProfile(depth=10)
+# Seconds for which silent servers are not silent yet.
+ANSWERING_FOR = 10.0
 
 Mode = Callable[[Node, argparse.Namespace], Callable[[], None]]
 
@@ -128,6 +131,30 @@ def actions(node: Node, options: argparse.Namespace) -> Callable[[], None]:
     return lambda: None
 
 
+def silent_servers(node: Node, options: argparse.Namespace) -> Callable[[], None]:
+    """Action servers that answer for some seconds, and from then on only send feedback."""
+    impl, floods = ConnectToChargingDock.Impl, []
+    silent_from = time.monotonic() + ANSWERING_FOR
+
+    def serve(_: Any, response: Any) -> Any:
+        if time.monotonic() > silent_from:
+            threading.Event().wait()
+        return response
+
+    for number in range(options.count):
+        options.action = f"/silent{number}/connect_to_charging_dock"
+        floods.append(feedback(node, options))
+        services = {"send_goal": impl.SendGoalService, "get_result": impl.GetResultService, "cancel_goal": CancelGoal}
+        for name, kind in services.items():
+            node.create_service(kind, f"{options.action}/_action/{name}", serve)
+
+    def flood() -> None:
+        for send in floods:
+            send()
+
+    return flood
+
+
 def robots(node: Node, options: argparse.Namespace) -> Callable[[], None]:
     """Hundreds of batteries at once."""
     for number in range(options.count):
@@ -159,6 +186,7 @@ MODES: dict[str, Mode] = {
         velocity,
         diagnostics,
         actions,
+        silent_servers,
         robots,
         odd_actions,
     )
