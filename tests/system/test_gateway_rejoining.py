@@ -10,6 +10,7 @@ import orjson
 import pytest
 
 from dock_gateway.actions import rejoining
+from dock_gateway.actions import results as results_module
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Subscriber
@@ -27,6 +28,7 @@ def settings(domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> It
     monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
     monkeypatch.setattr(rejoining, "UNANSWERED_FOR", 0.5)
     monkeypatch.setattr(rejoining, "HOME_AFTER", 1.0)
+    monkeypatch.setattr(results_module, "RESULT_WAIT", 30.0)  # on a busy machine, another participant may take longer
     with running_program(domain, "fibonacci_action_server", "-p", "step_period:=0.3"):
         yield Settings(
             database_url="memory:", spool_path=tmp_path / "spool", stop_path=tmp_path / "stops.json", server_wait=30

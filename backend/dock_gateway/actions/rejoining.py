@@ -18,13 +18,12 @@ log = logging.getLogger(__name__)
 
 # Seconds without an answer after which another participant is tried: it should be there before the outage ends.
 UNANSWERED_FOR = 5.0
-# Seconds without an answer after which nobody waits for a server that is not heard: its robot is switched off.
-GIVE_UP_AFTER = 600.0
+# Seconds of silence after which a server is no longer tried, because its robot is switched off; and the same for one
+# that has no goal and has left the graph.
+GIVE_UP_AFTER, GIVE_UP_IDLE_AFTER = 600.0, 60.0
 # Seconds for which another participant is tried, and seconds before it is tried again: twice as many after each try
 # without an answer.
 KEEP, PAUSE, LONGEST_PAUSE = 60.0, 10.0, 600.0
-# Seconds after a message within which the server is heard.
-HEARD_WITHIN = 3.0
 # Seconds until an action that is reached through a participant of its own is tried through the common one again.
 HOME_AFTER = 20.0
 INTERVAL = 0.5
@@ -37,18 +36,18 @@ class RejoinSchedule:
     _ended: float = float("-inf")
     _pause: float = PAUSE
 
-    def due(self, now: float, *, unanswered_since: float | None, last_heard: float, goals: bool) -> bool:
+    def due(self, now: float, *, unanswered_since: float | None, last_heard: float, wanted: bool) -> bool:
         """Return whether to try.
 
         Args:
             now: The current time.
             unanswered_since: When the server began not to answer; None if it answers.
-            last_heard: When the server last sent a message.
-            goals: Whether it may have a goal.
+            last_heard: When the server last gave a sign of life.
+            wanted: Whether it may have a goal, or is on the graph.
         """
         if unanswered_since is None or now - unanswered_since < UNANSWERED_FOR or now - self._ended < self._pause:
             return False
-        return now - last_heard < (GIVE_UP_AFTER if goals else HEARD_WITHIN)
+        return now - last_heard < (GIVE_UP_AFTER if wanted else GIVE_UP_IDLE_AFTER)
 
     def ended(self, now: float, *, answered: bool) -> None:
         """Note that a try has ended, and whether the server answered, through whichever participant."""
@@ -94,7 +93,7 @@ class Rejoiner:
             time.monotonic(),
             unanswered_since=self._port.unanswered_since,
             last_heard=self._tracker.last_heard,
-            goals=bool(self._tracker.live),
+            wanted=bool(self._tracker.live) or self._watch.state.available,
         )
 
     async def _rejoin(self) -> None:

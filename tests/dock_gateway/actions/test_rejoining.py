@@ -2,24 +2,32 @@
 
 from itertools import pairwise
 
-from dock_gateway.actions.rejoining import GIVE_UP_AFTER, KEEP, LONGEST_PAUSE, PAUSE, UNANSWERED_FOR, RejoinSchedule
+from dock_gateway.actions.rejoining import (
+    GIVE_UP_AFTER,
+    GIVE_UP_IDLE_AFTER,
+    KEEP,
+    LONGEST_PAUSE,
+    PAUSE,
+    UNANSWERED_FOR,
+    RejoinSchedule,
+)
 
 
 def test_a_server_that_answers_is_left_alone() -> None:
     schedule = RejoinSchedule()
-    assert not schedule.due(100, unanswered_since=None, last_heard=100, goals=True)
-    assert not schedule.due(100, unanswered_since=100 - UNANSWERED_FOR + 1, last_heard=100, goals=True)
+    assert not schedule.due(100, unanswered_since=None, last_heard=100, wanted=True)
+    assert not schedule.due(100, unanswered_since=100 - UNANSWERED_FOR + 1, last_heard=100, wanted=True)
 
 
 def test_a_server_that_is_heard_but_does_not_answer_is_tried_another_way() -> None:
-    assert RejoinSchedule().due(100, unanswered_since=90, last_heard=99, goals=False)
+    assert RejoinSchedule().due(100, unanswered_since=90, last_heard=99, wanted=False)
 
 
-def test_a_silent_server_is_tried_another_way_while_it_may_have_a_goal() -> None:
+def test_a_silent_server_is_tried_another_way_for_a_while() -> None:
     schedule = RejoinSchedule()
-    assert schedule.due(100, unanswered_since=90, last_heard=90, goals=True)
-    assert not schedule.due(100, unanswered_since=90, last_heard=90, goals=False)
-    assert not schedule.due(100 + GIVE_UP_AFTER, unanswered_since=90, last_heard=90, goals=True)
+    for wanted, seconds in ((True, GIVE_UP_AFTER), (False, GIVE_UP_IDLE_AFTER)):
+        assert schedule.due(99 + seconds, unanswered_since=100, last_heard=100, wanted=wanted)
+        assert not schedule.due(101 + seconds, unanswered_since=100, last_heard=100, wanted=wanted)
 
 
 def test_a_server_that_never_answers_is_tried_ever_more_rarely() -> None:
@@ -28,7 +36,7 @@ def test_a_server_that_never_answers_is_tried_ever_more_rarely() -> None:
     tries = []
     now = 0.0
     while now < 24 * 3600:
-        if schedule.due(now, unanswered_since=-10, last_heard=now, goals=True):
+        if schedule.due(now, unanswered_since=-10, last_heard=now, wanted=True):
             tries.append(now)
             now += KEEP
             schedule.ended(now, answered=False)
@@ -44,15 +52,15 @@ def test_a_server_that_answered_is_tried_again_soon() -> None:
     schedule = RejoinSchedule()
     for number in range(5):
         now = 100.0 * number
-        assert schedule.due(now, unanswered_since=now - 10, last_heard=now - 10, goals=True)
+        assert schedule.due(now, unanswered_since=now - 10, last_heard=now - 10, wanted=True)
         schedule.ended(now + 20, answered=True)
-        assert not schedule.due(now + 20 + PAUSE - 1, unanswered_since=now, last_heard=now, goals=True)
+        assert not schedule.due(now + 20 + PAUSE - 1, unanswered_since=now, last_heard=now, wanted=True)
 
 
 def test_an_answer_after_many_tries_makes_up_for_them() -> None:
     schedule = RejoinSchedule()
     for now in range(10):
         schedule.ended(now, answered=False)
-    assert not schedule.due(9 + LONGEST_PAUSE - 1, unanswered_since=0, last_heard=9 + LONGEST_PAUSE, goals=True)
+    assert not schedule.due(9 + LONGEST_PAUSE - 1, unanswered_since=0, last_heard=9 + LONGEST_PAUSE, wanted=True)
     schedule.ended(20, answered=True)
-    assert schedule.due(20 + PAUSE, unanswered_since=0, last_heard=20, goals=True)
+    assert schedule.due(20 + PAUSE, unanswered_since=0, last_heard=20, wanted=True)
