@@ -49,16 +49,18 @@ class FakeTopic:
 
 
 class FakeGoals:
-    """The goals of an action; its server answers once `answers` is set."""
+    """The goals of an action; its server answers once `answers` is set, or fails with `error`."""
 
     def __init__(self) -> None:
         self.cancels = 0
+        self.stops = 0  # of goals that have not been sent yet
+        self.error: Exception | None = None
         self.running: list[str] = []
         self.answers = asyncio.Event()
         self.answers.set()
 
     def stop(self) -> None:
-        pass
+        self.stops += 1
 
     @property
     def uncanceled(self) -> bool:
@@ -67,6 +69,8 @@ class FakeGoals:
     async def cancel_all(self) -> list[str]:
         self.cancels += 1
         await self.answers.wait()
+        if self.error is not None:
+            raise self.error
         canceled, self.running = self.running, []
         return canceled
 

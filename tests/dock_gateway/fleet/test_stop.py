@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.fleet import stop as stop_module
 from dock_gateway.fleet.stop import StopReport
 from dock_gateway.latch import interlock as interlock_module
@@ -183,3 +183,67 @@ async def test_a_stop_is_stored_as_soon_as_the_disk_takes_it(fleet: FakeFleet) -
     await until(lambda: fleet.stopper.state()["persisted"])
     assert fleet.file.read("/")["/"].by == "Ada"
     assert (await fleet.stopper.stop()).problem is None
+
+
+async def test_why_an_action_server_did_not_cancel_is_reported_and_what_the_others_cancel(fleet: FakeFleet) -> None:
+    fleet.goals["/"].running = ["a"]
+    fleet.goals["/robot1"].error = Conflict("it refuses b", code="cancel_rejected", canceling=["c"])
+    fleet.goals["/robot2"].error = RuntimeError("a bug")
+    report = await fleet.stopper.stop()
+    assert report.canceling == ["a", "c"]
+    assert report.failed == [
+        {"action_name": "/robot1/dock", "robot": None, "code": "cancel_rejected", "detail": "it refuses b"},
+        {
+            "action_name": "/robot2/dock",
+            "robot": None,
+            "code": "internal_error",
+            "detail": "the gateway's log has the details",
+        },
+    ]
+
+
+async def test_why_a_robot_could_not_be_reached_is_reported(fleet: FakeFleet) -> None:
+    fleet.robots["/robot1"].velocity.failures = 1
+    (failure,) = (await fleet.stopper.stop()).failed
+    assert failure == {
+        "action_name": None,
+        "robot": "/robot1",
+        "code": "publish_failed",
+        "detail": "zero velocity could not be published to /robot1: RuntimeError('ROS does not take it')",
+    }
+
+
+async def test_goals_that_have_not_been_sent_yet_are_stopped_by_each_request(fleet: FakeFleet) -> None:
+    fleet.goals["/robot1"].answers.clear()
+    await fleet.stopper.stop(latch=False)
+    assert [goals.stops for goals in fleet.goals.values()] == [1, 1, 1]
+    await fleet.stopper.stop(latch=False)
+    assert [goals.stops for goals in fleet.goals.values()] == [2, 2, 2]
+
+
+async def test_a_stop_is_repeated_once_more_for_those_who_joined(
+    fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stop_module, "REST", 0)
+    monkeypatch.setattr(stop_module, "REPEAT_AFTER", 0.5)
+    await fleet.stopper.stop(latch=False)
+    await fleet.stopper.stop(latch=False)
+    assert fleet.zeros() == [2, 2, 2]
+    await until(lambda: fleet.zeros() == [4, 4, 4])
+
+
+async def test_one_robot_is_asked_about_and_released_by_itself(fleet: FakeFleet) -> None:
+    await fleet.stopper.stop("/robot1")
+    assert [fleet.stopper.state(name)["latched"] for name in NAMES] == [False, True, False]
+    await fleet.stopper.stop("/robot2")
+    assert (await fleet.stopper.release("/robot1"))["latched"] is False
+    assert [fleet.stopper.state(name)["latched"] for name in NAMES] == [False, False, True]
+    with pytest.raises(NotFound):
+        await fleet.stopper.stop("/robot9")
+
+
+async def test_a_stop_that_is_not_to_be_latched_is_not_told_and_does_not_wait_for_the_disk(fleet: FakeFleet) -> None:
+    fleet.file.path.mkdir()  # is no place for a file
+    report = await fleet.stopper.stop(latch=False)
+    assert (report.stop["latched"], report.problem) == (False, None)
+    assert fleet.said() == [[]] * 3
