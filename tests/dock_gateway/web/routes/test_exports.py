@@ -107,4 +107,4 @@ async def test_an_export_that_cannot_go_on_is_broken_off(caplog: pytest.LogCaptu
     await answer({"type": "http", "asgi": {"spec_version": "2.4"}}, receive, send)
     assert [message.get("body") for message in sent] == [None, b"1", b"2"]
     assert all(message.get("more_body", True) for message in sent), "nobody may take it for the whole"
-    assert "is broken off" in caplog.text
+    assert "was aborted" in caplog.text
