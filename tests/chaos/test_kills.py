@@ -13,11 +13,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Self
 
-import httpx2
 import pytest
 
 from tests.chaos.load import FINAL, Load
 from tests.chaos.report import report
+from tests.support.clients import HttpClient
 from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.postgresql import binaries, running_postgresql
 from tests.support.processes import Process, ros_environment
@@ -179,7 +179,7 @@ def check(load: Load, fleet: Fleet, executed: Path, kills: int, title: str, *, s
 
 def wait_for_action(fleet: Fleet) -> None:
     deadline = time.monotonic() + 30
-    with httpx2.Client(trust_env=False) as http:
+    with HttpClient() as http:
         while http.get(f"{fleet.url()}/actions/fibonacci").status_code != 200:
             assert time.monotonic() < deadline, "the action is not found"
 

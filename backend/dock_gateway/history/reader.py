@@ -16,7 +16,7 @@ READ_PAUSE = 1.0
 MUCH_TIMEOUT = 8.0  # seconds, for large reads
 
 AWAY = "the history database does not answer"
-TOO_MUCH = f"the history database needs more than {MUCH_TIMEOUT:g} s for so much; ask for less"
+TOO_MUCH = f"the history query takes more than {MUCH_TIMEOUT:g} s; request less data"
 
 
 class Reader:

@@ -77,7 +77,7 @@ class Retention:
                 try:
                     await self.enforce()
                 except DATABASE_ERRORS as error:
-                    log.warning("what is too old could not be deleted, and will be later: %s", error)
+                    log.warning("old entries could not be deleted; retrying later: %s", error)
 
     async def enforce(self) -> int:
         """Delete everything beyond the limits; return the number of deleted events."""

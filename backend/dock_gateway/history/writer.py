@@ -106,7 +106,7 @@ class Writer:
             self._waiting.forget_goal(goal.goal_id)
             if goal.goal_id in self._in_flight and await self._is_written(goal.goal_id):
                 return
-            log.error("a goal can be kept neither in the database (%s) nor in the spool (%s)", self.last_error, error)
+            log.error("a goal can be stored neither in the database (%s) nor in the spool (%s)", self.last_error, error)
             raise Unavailable("the goal cannot be stored, so it must not run", code="history_unavailable") from error
         self._waiting.saved(entries)
         self._wake.set()
@@ -220,7 +220,7 @@ class Writer:
         if self._waiting.must_keep and not evicted:
             return  # a new entry arrived meanwhile; it may be only in one of these files
         await self._spool.remove(paths)
-        log.info("the spool is in the database")
+        log.info("all spooled entries are in the database")
 
     def _say_reachable(self) -> None:
         if not self.reachable:
@@ -286,7 +286,7 @@ class Writer:
         except OSError as error:
             log.error("the spool cannot be read: %s", error)
         if self._spool.count:
-            log.info("%d entries of the spool wait for the database", self._spool.count)
+            log.info("%d spooled entries wait for the database", self._spool.count)
         self._wake.set()
         self._urgent.set()
 

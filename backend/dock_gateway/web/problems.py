@@ -15,6 +15,7 @@ from dock_gateway.core.goal import encode
 from dock_gateway.web.methods import AllowedMethods
 
 MEDIA_TYPE = "application/problem+json"
+INTERNAL = GatewayError("internal error; the gateway's log has the details")
 CODES = {404: "not_found", 405: "method_not_allowed"}
 
 
@@ -62,7 +63,7 @@ def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> 
 
     @app.exception_handler(Exception)
     async def bug(_: Request, __: Exception) -> Response:  # uvicorn logs the traceback
-        return problem_response(GatewayError("internal error; the gateway's log has the details"))
+        return problem_response(INTERNAL)
 
 
 async def _gateway_error(connection: Request | WebSocket, error: Exception) -> Response | None:

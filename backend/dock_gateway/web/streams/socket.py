@@ -28,6 +28,7 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
+from dock_gateway.web.problems import INTERNAL
 from dock_gateway.web.queries import read_after, read_event_filter, read_max_rate
 from dock_gateway.web.requests import TheGateway, known_query
 from dock_gateway.web.streams.commands import COMMANDS, STOP, Fields, check_fields, read_command
@@ -42,7 +43,6 @@ MAX_SUBSCRIPTIONS = 32
 MAX_COMMANDS = 64
 # Stops in addition to MAX_COMMANDS. They are never refused: beyond this, the socket is not read until one is answered.
 MAX_STOPS = 64
-INTERNAL = GatewayError("internal error; the gateway's log has the details")
 SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
 
