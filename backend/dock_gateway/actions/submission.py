@@ -141,7 +141,7 @@ class Delivery:
         self._canceler.seen_again(goal)
 
     async def _reject(self, goal: Goal) -> None:
-        busy_with = self._busy_with(goal)
+        busy_with = self._busy_with()
         reason = await self._reasons.of(goal.goal_id)
         if reason is not None:
             code = reason.code if reason.code in KNOWN_REJECTIONS else "goal_rejected"
@@ -154,15 +154,9 @@ class Delivery:
             return  # it runs: the server refused the same id sent again
         self._tracker.end(goal, GoalStatus.REJECTED, error=error)
 
-    def _busy_with(self, goal: Goal) -> str | None:
-        return next(
-            (
-                other.goal_id
-                for other in self._tracker.running()
-                if other is not goal and other.status is not GoalStatus.PENDING
-            ),
-            None,
-        )
+    def _busy_with(self) -> str | None:
+        running = (goal for goal in self._tracker.running() if goal.status is not GoalStatus.PENDING)
+        return next((goal.goal_id for goal in running), None)
 
     def _give_up(self, goal: Goal, call: PendingCall) -> None:
         if goal.status.final:  # other messages reported the end

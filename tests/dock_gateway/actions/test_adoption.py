@@ -149,6 +149,40 @@ def test_those_that_run_are_seen_though_thousands_have_ended(caplog: pytest.LogC
     assert "some are ignored" in caplog.text
 
 
+def test_only_a_running_goal_takes_the_place_of_one_that_has_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(adoption_module, "MAX_NEWCOMERS", 2)
+    newcomers = Newcomers()
+
+    def hear(goal_id: str, *, running: bool) -> list[str]:
+        newcomers.hear(goal_id, lambda *_: None, created_ns=1, running=running, now=0.0)
+        return list(newcomers)
+
+    assert hear("ended-1", running=False) == ["ended-1"]
+    assert hear("ended-2", running=False) == ["ended-1", "ended-2"]
+    assert hear("ended-3", running=False) == ["ended-1", "ended-2"]
+    assert hear("running-1", running=True) == ["running-1", "ended-1"]
+    assert hear("ended-1", running=True) == ["ended-1", "running-1"], "it runs after all"
+    assert hear("running-2", running=True) == ["ended-1", "running-1"]
+
+
+def test_what_to_adopt_and_when_to_ask_again() -> None:
+    """Those that have ended come at once, running ones after some patience if the history does not answer."""
+    newcomers = Newcomers()
+    for number, running in enumerate((True, False)):
+        newcomers.hear(f"{number}", lambda *_: None, created_ns=1, running=running, now=10.0)
+    patient = 10.0 + adoption_module.PATIENCE
+    assert newcomers.ready(["0", "1"], None, patient) == ([], adoption_module.RETRY_INTERVAL)
+    assert newcomers.ready(["gone", "1", "0"], None, patient + 0.1) == (["0"], adoption_module.RETRY_INTERVAL)
+    ended = replace_id(goal_of_before(status=S.SUCCEEDED), "1")
+    assert newcomers.ready(["0", "1"], {"1": ended}, 10.0) == (["1", "0"], 0.0)
+    lost = replace_id(goal_of_before(status=S.LOST), "1")
+    assert newcomers.ready(["0", "1"], {"1": lost}, 10.0) == (["0", "1"], 0.0)
+    many = [f"{number}" for number in range(adoption_module.BATCH + 1)]
+    assert newcomers.ready(many[1:], {}, 10.0) == (many[1:], 0.0)
+    assert newcomers.ready(many, {"1": ended}, 10.0) == (["1", "0", *many[2:]], 0.0)
+    assert newcomers.ready(many, {}, 10.0) == (many[:-1], BATCH_INTERVAL)
+
+
 async def test_made_up_goals_are_taken_up_at_a_rate_that_harms_nobody(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -376,10 +376,14 @@ async def test_an_answer_that_never_comes_leaves_the_goal_lost(hasty: Scene, fai
 
 async def test_nothing_is_awaited_of_a_goal_that_was_given_up_and_has_ended(hasty: Scene) -> None:
     goal = await hasty.given_up()
+    problems: list[Any] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, problem: problems.append(problem))
     assert hasty.delivery._unanswered.keys() == {goal.goal_id}
     hasty.tracker.end(goal, S.SUCCEEDED, result=b"{}")
     assert hasty.delivery._unanswered == {}
     assert hasty.port.sent[goal.goal_id][1].response.cancelled()
+    await asyncio.sleep(0)
+    assert problems == []
 
 
 async def test_a_goal_that_ended_before_it_was_answered(scene: Scene) -> None:
