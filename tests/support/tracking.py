@@ -12,11 +12,10 @@ from dock_gateway.actions import results as results_module
 from dock_gateway.actions.goal_machine import News
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import MemoryHistory
-from dock_gateway.ros.action_port import ResultAnswer
 from dock_gateway.ros.status import StatusReport
 from tests.support.calls import FakeCall
 

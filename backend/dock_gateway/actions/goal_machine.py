@@ -12,7 +12,7 @@ from functools import partial
 
 from dock_gateway.actions.adoption import Message, Newcomer, Newcomers
 from dock_gateway.core.event import Event, Now, feedback_event, moment, nanoseconds, status_event
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, ResultAnswer
 
 log = logging.getLogger(__name__)
 
@@ -135,21 +135,13 @@ class GoalMachine:
             self._publish(status_event, goal, stamp_ns)
             self.outputs.append(Store(goal))
 
-    def answered(
-        self,
-        now: Now,
-        goal: Goal,
-        status: GoalStatus | None,
-        *,
-        result: Json | None = None,
-        error: GoalError | None = None,
-        stamp_ns: int | None = None,
-    ) -> None:
-        """Handle the answer to a request for a goal's result; `status` is None if the server does not know the goal."""
+    def answered(self, now: Now, goal: Goal, answer: ResultAnswer, stamp_ns: int | None) -> None:
+        """Handle the answer to a request for a goal's result; `stamp_ns` is when the server reported the goal's end."""
+        status = answer.status
         if status is None:
             self.lose(now, goal, GoalError("action_server_lost", "the action server does not know the goal"))
         elif status.terminal:
-            self.end(now, goal, status, result=result, error=error, stamp_ns=stamp_ns)
+            self.end(now, goal, status, result=answer.result, error=answer.error, stamp_ns=stamp_ns)
         else:
             log.warning(
                 "goal %s: ignored a result with the status %s, which does not end a goal", goal.goal_id, status.value

@@ -10,9 +10,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.goal import NO_RESULT, Goal, GoalError, GoalStatus
+from dock_gateway.core.goal import NO_RESULT, Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts, Tasks
-from dock_gateway.ros.action_port import ActionPort, ResultAnswer
+from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.bridge import PendingCall
 
 # Seconds that an ended goal (by the status topic) waits for its result, and seconds between two requests for it.

@@ -19,7 +19,7 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json
 from dock_gateway.core.hub import Hold, Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.history import History
-from dock_gateway.ros.action_port import ActionPort, ResultAnswer
+from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.status import StatusReport
 
 log = logging.getLogger(__name__)
@@ -68,7 +68,7 @@ class GoalTracker:
         self.last_heard = time.monotonic()
         self.port = port
         self.tasks = Tasks("tracking goals")
-        self._results = Results(port, reasons, self.heard, self._settle)
+        self._results = Results(port, reasons, self.heard, self._answered)
         self.on: defaultdict[News, list[Callable[[Goal], None]]] = defaultdict(list)
         self.on[News.LOST].append(self._release)
         self.on[News.RETIRED].append(self._results.retire)
@@ -102,9 +102,6 @@ class GoalTracker:
         """Handle a message of `_action/feedback`."""
         self.heard()
         self._feedback(goal_id, feedback, stamp_ns)
-
-    def _settle(self, goal: Goal, answer: ResultAnswer, stamp_ns: int | None) -> None:
-        self._answered(goal, answer.status, result=answer.result, error=answer.error, stamp_ns=stamp_ns)
 
     def ask_again(self, goal: Goal) -> None:
         """Request a goal's result again: the server may have restarted and lost the first request."""

@@ -65,6 +65,15 @@ class GoalError:
     detail: str
 
 
+@dataclass(frozen=True)
+class ResultAnswer:
+    """The response to a result request; `status` is None if the server does not know the goal."""
+
+    status: GoalStatus | None = None
+    result: Json | None = None
+    error: GoalError | None = None
+
+
 # The code of a goal that ended without its result.
 NO_RESULT = "result_unavailable"
 

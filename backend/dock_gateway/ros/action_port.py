@@ -18,7 +18,7 @@ from rclpy.serialization import serialize_message
 from unique_identifier_msgs.msg import UUID
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.core.goal import FROM_ROS, GoalError, GoalStatus, Json
+from dock_gateway.core.goal import FROM_ROS, GoalError, Json, ResultAnswer
 from dock_gateway.ros.action_link import ActionLink, ServerPresence
 from dock_gateway.ros.bridge import Bridge, PendingCall, guard
 from dock_gateway.ros.listener import Unread
@@ -44,15 +44,6 @@ class CancelAnswer:
 
     goal_ids: frozenset[str]
     return_code: int
-
-
-@dataclass(frozen=True)
-class ResultAnswer:
-    """The response to a result request; `status` is None if the server does not know the goal."""
-
-    status: GoalStatus | None = None
-    result: Json | None = None
-    error: GoalError | None = None
 
 
 class ActionKind:

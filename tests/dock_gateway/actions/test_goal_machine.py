@@ -9,7 +9,7 @@ import pytest
 from dock_gateway.actions import goal_machine
 from dock_gateway.actions.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
 from dock_gateway.core.event import Now, moment
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from tests.support.tracking import A, B, S
 
 WHY = GoalError("why", "because")
@@ -133,7 +133,7 @@ def test_progress(bench: Bench) -> None:
 
 def test_a_server_that_does_not_know_a_goal_has_lost_it(bench: Bench) -> None:
     goal = bench.goal(S.EXECUTING)
-    bench.machine.answered(NOW, goal, None)
+    bench.machine.answered(NOW, goal, ResultAnswer(), None)
     assert bench.done() == [("status", "lost", NOW.ns), Store(goal), Notify(News.LOST, goal)]
     assert (goal.error, goal.finished_at) == (
         GoalError("action_server_lost", "the action server does not know the goal"),
@@ -141,7 +141,7 @@ def test_a_server_that_does_not_know_a_goal_has_lost_it(bench: Bench) -> None:
     )
     assert bench.machine.live == {A: goal}
     assert bench.machine.running() == []
-    bench.machine.answered(NOW, goal, None)
+    bench.machine.answered(NOW, goal, ResultAnswer(), None)
     bench.machine.lose(NOW, goal, WHY)
     assert bench.done() == []
     assert goal.error != WHY
@@ -152,7 +152,7 @@ def test_an_answer_ends_a_goal_with_all_that_it_says(bench: Bench) -> None:
     bench.machine.taken_up.add(A)
     bench.machine.report(NOW, A, S.EXECUTING, 1, 1)
     bench.done()
-    bench.machine.answered(NOW, goal, S.ABORTED, result=b"{}", error=WHY, stamp_ns=4_000_000_000)
+    bench.machine.answered(NOW, goal, ResultAnswer(S.ABORTED, b"{}", WHY), 4_000_000_000)
     assert bench.done() == [Store(goal), PublishEnd(goal, 4_000_000_000), Notify(News.RETIRED, goal)]
     assert (goal.status, goal.result, goal.error, goal.finished_at) == (S.ABORTED, b"{}", WHY, moment(NOW.ns))
     assert (bench.machine.live, bench.machine.taken_up, bench.machine.heard_at(goal)) == ({}, set(), None)
@@ -164,7 +164,7 @@ def test_an_answer_ends_a_goal_with_all_that_it_says(bench: Bench) -> None:
 
 def test_an_answer_that_is_no_end_is_none(bench: Bench, caplog: pytest.LogCaptureFixture) -> None:
     goal = bench.goal(S.EXECUTING)
-    bench.machine.answered(NOW, goal, S.ACCEPTED, result=b"{}")
+    bench.machine.answered(NOW, goal, ResultAnswer(S.ACCEPTED, b"{}"), None)
     assert (bench.done(), goal.status, goal.result) == ([], S.EXECUTING, None)
     assert A in caplog.text
 

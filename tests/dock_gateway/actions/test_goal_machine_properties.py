@@ -12,7 +12,7 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from dock_gateway.actions.adoption import PATIENCE
 from dock_gateway.actions.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
 from dock_gateway.core.event import Event, Now, moment, result_event, status_event
-from dock_gateway.core.goal import FROM_ROS, Goal, GoalError, GoalStatus
+from dock_gateway.core.goal import FROM_ROS, Goal, GoalError, GoalStatus, ResultAnswer
 from tests.support.tracking import S
 
 OURS, ELSEWHERE, EXTERNAL = "ours", "sent at another gateway", "another client's"
@@ -146,7 +146,7 @@ class World(RuleBasedStateMachine):
         if goal_id not in self.requested:
             return
         goal = self.goals[goal_id]
-        self.machine.answered(self.now, goal, status, result=result)
+        self.machine.answered(self.now, goal, ResultAnswer(status, result), None)
         self.carry_out()
         assert goal.status.terminal or (status is not None and not status.terminal)
 
@@ -270,7 +270,7 @@ class World(RuleBasedStateMachine):
         """When the server answers at last, each goal has ended once."""
         self.look_up(answers=True)
         for goal in list(self.machine.live.values()):
-            self.machine.answered(self.now, goal, S.SUCCEEDED, result=b"{}")
+            self.machine.answered(self.now, goal, ResultAnswer(S.SUCCEEDED, b"{}"), None)
             self.carry_out()
         assert all(self.ends[goal_id] == 1 for goal_id in self.told.keys() - self.doubtful), "each goal ends once"
 

@@ -16,7 +16,7 @@ from dock_gateway.actions.registry import Action
 from dock_gateway.core import tasks
 from dock_gateway.core.errors import GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import sql
@@ -24,7 +24,7 @@ from dock_gateway.history.sql import SqlHistory
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.ros.action_link import ServerPresence
-from dock_gateway.ros.action_port import CancelAnswer, ResultAnswer
+from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
 from tests.support.calls import FakeCall

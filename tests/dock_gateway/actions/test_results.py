@@ -5,6 +5,7 @@ from datetime import UTC, datetime
 
 import pytest
 
+from dock_gateway.actions import results as results_module
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import time_id
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
@@ -57,6 +58,8 @@ async def test_a_result_before_the_status_is_not_asked_for_again(
     scene: Scene, status: GoalStatus, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scene.tracker._results._end_stamps, "_wait", 5.0)
+    monkeypatch.setattr(scene.reasons, "_wait", 5.0)
+    monkeypatch.setattr(results_module, "ASK_AGAIN_AFTER", 5.0)
     goal = scene.send()
     scene.status((A, S.EXECUTING))
     await asyncio.sleep(0)
@@ -84,15 +87,15 @@ async def test_an_aborted_goal_says_why(scene: Scene) -> None:
     assert goal.error == GoalError("battery_lost", "no battery for 60 s")
 
 
-async def test_a_reason_that_comes_a_moment_later(scene: Scene) -> None:
+async def test_a_reason_that_comes_a_moment_later(scene: Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(scene.reasons, "_wait", 5.0)
     goal = scene.send()
     scene.tracker.accept(goal, 1)
     await asyncio.sleep(0)
     scene.port.answer(A, S.ABORTED, b"{}")
     await asyncio.sleep(0.05)
     scene.reasons.put(A, GoalError("timeout", "took too long"))
-    await asyncio.sleep(0.05)
-    await asyncio.sleep(0.05)
+    await until(lambda: goal.status is S.ABORTED)
     assert goal.error == GoalError("timeout", "took too long")
 
 
