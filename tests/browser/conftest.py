@@ -6,8 +6,9 @@ from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Page, WebSocket, sync_playwright
 
+from tests.support import shapes
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
 
@@ -87,6 +88,11 @@ def page(browser: Browser, gateway: RunningGateway, request: pytest.FixtureReque
         if message.type == "error":
             errors.append(f"{message.text} ({message.location.get('url')})")
 
+    def check(socket: WebSocket) -> None:
+        path = socket.url.removeprefix(gateway.url.replace("http", "ws"))
+        socket.on("framereceived", lambda message: shapes.check_event(path, message))
+
+    page.on("websocket", check)
     page.on("console", hear)
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.set_default_timeout(15_000)
