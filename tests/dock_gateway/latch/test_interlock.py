@@ -1,6 +1,7 @@
 """Who is told of a latched stop, and what two gateways make of it. The topic is a fake; tests/system has a real one."""
 
 import asyncio
+import threading
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -10,6 +11,7 @@ import orjson
 import pytest
 
 from dock_gateway.core.errors import Conflict
+from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Hub
 from dock_gateway.latch import interlock as interlock_module
@@ -260,3 +262,87 @@ async def test_hundreds_of_robots_are_shown_as_fast_as_a_few(tmp_path: Path) -> 
     gateway.interlock._show()
     assert time.monotonic() - began < 1.0
     await gateway.interlock.close()
+
+
+async def test_a_stop_of_nobody_in_particular_names_nobody(pair: tuple[Gateway, Gateway]) -> None:
+    interlock = pair[0].interlock
+    interlock.latch("/")
+    with pytest.raises(
+        Conflict, match=r"^/ was stopped: goals are refused until the stop is released \(DELETE /stop\)$"
+    ):
+        interlock.require_released("/dock")
+
+
+async def test_a_robot_is_released_by_itself_though_another_is_held(pair: tuple[Gateway, Gateway]) -> None:
+    interlock = pair[0].interlock
+    topics = {name: FakeTopic() for name in ("/robot1", "/robot2")}
+    for name, topic in topics.items():
+        interlock.join(name, topic)
+        interlock.latch(name)
+    interlock.tell("/robot1")
+    assert [topic.said for topic in topics.values()] == [[True], []], "the other one is not told"
+    interlock.tell("/robot2")
+    await interlock.release("/robot1")
+    assert [interlock.holds(name) for name in topics] == [False, True]
+    assert [topic.said for topic in topics.values()] == [[True, False], [True]]
+
+
+async def test_a_release_waits_for_the_disk_only_for_a_while(
+    pair: tuple[Gateway, Gateway], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    interlock, gate = pair[0].interlock, threading.Event()
+    interlock.latch("/")
+    assert await interlock.stored(10.0) is None
+    monkeypatch.setattr(interlock._writer._file, "write", lambda _: gate.wait(20))
+    async with asyncio.timeout(10):
+        await interlock.release("/")
+    assert interlock.document("/")["persisted"] is False
+    gate.set()
+
+
+async def test_a_stop_of_another_gateway_has_a_time_and_says_the_same_after_a_restart(
+    pair: tuple[Gateway, Gateway], tmp_path: Path
+) -> None:
+    interlock = pair[0].interlock
+    hear(interlock, latched=True)
+    document = interlock.document("/")
+    assert abs((document["since"] - utc_now()).total_seconds()) < 60
+    assert await interlock.stored(10.0) is None
+    assert LatchFile(tmp_path / "first.json").read("/")["/"].since == document["since"]
+
+
+async def test_after_a_release_the_next_release_of_another_gateway_is_heard(pair: tuple[Gateway, Gateway]) -> None:
+    first, _ = pair
+    first.interlock.latch("/")
+    first.interlock.tell("/")
+    told = time.monotonic()
+    await first.interlock.release("/")
+    hear(first.interlock, latched=True)  # a stop of the other one, which it releases in turn
+    hear(first.interlock, latched=False, received=told - 60.0)
+    assert not first.interlock.holds("/"), "our own stop is over: what was said before it counts again"
+
+
+async def test_nothing_is_heard_while_it_closes(pair: tuple[Gateway, Gateway]) -> None:
+    interlock = pair[0].interlock
+    await interlock.close()
+    hear(interlock, latched=True)
+    assert not interlock.holds("/")
+
+
+async def test_a_stop_that_comes_while_a_release_is_withdrawn_is_said(
+    pair: tuple[Gateway, Gateway], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    interlock, topic = pair[0].interlock, pair[0].topic
+    topic.others = []
+    hear(interlock, latched=True)
+    await settle()
+    withdraw = topic.withdraw
+
+    async def stopped_meanwhile() -> None:
+        await withdraw()
+        interlock.latch("/")
+
+    monkeypatch.setattr(topic, "withdraw", stopped_meanwhile)
+    hear(interlock, latched=False)
+    await settle()
+    assert topic.said == [True, None, True]
