@@ -141,7 +141,7 @@ async def test_what_takes_too_long_does_not_stop_the_rest(
             await asyncio.sleep(0.02)
         for error in await asking:
             assert isinstance(error, Unavailable)
-            assert "ask for less" in error.detail
+            assert "request less data" in error.detail
         assert history.stats().database_reachable
 
 
