@@ -102,8 +102,9 @@ async def highest_rate(results: Results, systems: Sequence[System], options: Opt
             if reading.lost:
                 high = middle
                 continue
-            best, low = min(rate, reading.achieved_hz), middle + 1
+            best, low = rate, middle + 1
             if reading.achieved_hz < 0.95 * rate:  # the action server is the limit
+                best = reading.achieved_hz
                 break
         if not best:
             raise Impossible(f"it lost {reading.lost} of {reading.expected} messages at {rate} Hz")
