@@ -17,6 +17,7 @@ from dock_gateway.web.schemas.common import Problem
 from dock_gateway.web.schemas.events import EVENTS
 from dock_gateway.web.schemas.goals import ACTION_EVENTS
 from dock_gateway.web.schemas.graph import ECHO_EVENTS
+from dock_gateway.web.schemas.robots import StopProblem
 
 REF = "#/components/schemas/{model}"
 
@@ -52,7 +53,7 @@ def _build(app: FastAPI) -> dict[str, Any]:
         tags=app.openapi_tags,
     )
     schemas = document.setdefault("components", {}).setdefault("schemas", {})
-    models: list[type[BaseModel]] = [*EVENTS, *ACTION_EVENTS, *ECHO_EVENTS, *ANSWERS, Problem]
+    models: list[type[BaseModel]] = [*EVENTS, *ACTION_EVENTS, *ECHO_EVENTS, *ANSWERS, Problem, StopProblem]
     _, ours = models_json_schema([(model, "serialization") for model in models], ref_template=REF)
     schemas.update(ours["$defs"])
     schemas["Event"] = _one_of(schemas, EVENTS, "A message of an event stream.")

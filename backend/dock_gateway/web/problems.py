@@ -29,9 +29,9 @@ def problem_response(error: GatewayError) -> Response:
     return Response(encode(error.problem()), error.status, headers, MEDIA_TYPE)
 
 
-def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+def problems(*statuses: int, schema: str = "Problem") -> dict[int | str, dict[str, Any]]:
     """Return the `responses=` of a route that can fail with these statuses."""
-    content = {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}
+    content = {MEDIA_TYPE: {"schema": {"$ref": f"#/components/schemas/{schema}"}}}
     return {status: {"description": HTTPStatus(status).phrase, "content": content} for status in statuses}
 
 

@@ -1399,7 +1399,7 @@ export interface components {
         };
         /**
          * CommandError
-         * @description A command was refused or failed.
+         * @description A command was refused or failed. `canceling`, `failed`, `unconfirmed` and `stop` belong to `stop`.
          */
         CommandError: {
             /** Type */
@@ -1422,6 +1422,23 @@ export interface components {
              * @default null
              */
             goal_id: string | null;
+            /**
+             * Canceling
+             * @default null
+             */
+            canceling: string[] | null;
+            /**
+             * Failed
+             * @default null
+             */
+            failed: components["schemas"]["StopFailure"][] | null;
+            /**
+             * Unconfirmed
+             * @default null
+             */
+            unconfirmed: string[] | null;
+            /** @default null */
+            stop: components["schemas"]["StopState"] | null;
             /**
              * Op
              * @constant
@@ -2480,6 +2497,49 @@ export interface components {
             detail: string;
         };
         /**
+         * StopProblem
+         * @description Zero velocity could not be published to any robot. The other members say what was done nevertheless.
+         */
+        StopProblem: {
+            /** Type */
+            type: string;
+            /** Title */
+            title: string;
+            /** Status */
+            status: number;
+            /** Code */
+            code: string;
+            /** Detail */
+            detail: string;
+            /**
+             * Errors
+             * @default null
+             */
+            errors: components["schemas"]["FieldProblem"][] | null;
+            /**
+             * Goal Id
+             * @default null
+             */
+            goal_id: string | null;
+            /**
+             * Canceling
+             * @default null
+             */
+            canceling: string[] | null;
+            /**
+             * Failed
+             * @default null
+             */
+            failed: components["schemas"]["StopFailure"][] | null;
+            /**
+             * Unconfirmed
+             * @default null
+             */
+            unconfirmed: string[] | null;
+            /** @default null */
+            stop: components["schemas"]["StopState"] | null;
+        };
+        /**
          * StopReport
          * @description The result of a stop.
          *
@@ -3321,7 +3381,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["Problem"];
+                    "application/problem+json": components["schemas"]["StopProblem"];
                 };
             };
         };

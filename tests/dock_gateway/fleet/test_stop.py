@@ -10,11 +10,13 @@ from typing import Any
 import pytest
 
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
+from dock_gateway.core.goal import encode
 from dock_gateway.fleet import stop as stop_module
 from dock_gateway.fleet.stop import StopReport
 from dock_gateway.latch import interlock as interlock_module
 from dock_gateway.latch import latch_file
 from tests.support.history import until
+from tests.support.shapes import check_answer, check_event
 from tests.support.stopping import FakeFleet, fake_fleet
 
 NAMES = ("/", "/robot1", "/robot2")
@@ -71,6 +73,9 @@ async def test_a_stop_that_reaches_no_robot_says_so_and_does_all_else(fleet: Fak
     problem = refused.value.problem()
     assert (problem["code"], problem["canceling"], problem["stop"]["latched"]) == ("ros_unavailable", ["a"], True)
     assert [failure["robot"] for failure in problem["failed"]] == list(NAMES)
+    assert "emergency stop" in problem["detail"]
+    check_answer("POST", "/stop", 503, "application/problem+json", encode(problem))
+    check_event("/ws", encode({"op": "error", "id": "1", **problem}))
 
 
 async def test_stops_that_come_together_are_one_with_the_first_name_and_the_latch_of_any(fleet: FakeFleet) -> None:
@@ -247,3 +252,12 @@ async def test_a_stop_that_is_not_to_be_latched_is_not_told_and_does_not_wait_fo
     report = await fleet.stopper.stop(latch=False)
     assert (report.stop["latched"], report.problem) == (False, None)
     assert fleet.said() == [[]] * 3
+    assert (await fleet.stopper.stop()).problem is not None
+    assert (await fleet.stopper.stop(latch=False)).problem is None
+
+
+async def test_who_waits_for_an_action_server_does_not_wait_longer(fleet: FakeFleet) -> None:
+    fleet.goals["/robot1"].answers.clear()
+    async with asyncio.timeout(10):
+        report = await fleet.stopper.stop(wait=0.3)
+    assert report.unconfirmed == ["/robot1/dock"]

@@ -140,7 +140,7 @@ def _read_robot(query: QueryParams, value: object, wrong: list[GatewayError]) ->
 @router.post(
     "/stop",
     response_model=StopReport,
-    responses=problems(404, 422, 503),
+    responses=problems(404, 422) | problems(503, schema="StopProblem"),
     openapi_extra={**body(STOP_REQUEST, required=False), "parameters": PREFER},
 )
 async def stop(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:

@@ -5,9 +5,9 @@ from typing import Literal
 
 from pydantic import BaseModel
 
-from dock_gateway.web.schemas.common import Problem, Schema
+from dock_gateway.web.schemas.common import Schema
 from dock_gateway.web.schemas.goals import ActionGoal, BatteryState
-from dock_gateway.web.schemas.robots import Publisher, StopReport, StopState
+from dock_gateway.web.schemas.robots import Publisher, StopProblem, StopReport, StopState
 
 
 class Ack(Schema):
@@ -57,8 +57,8 @@ class PingAck(Ack):
     time: datetime
 
 
-class CommandError(Problem):
-    """A command was refused or failed."""
+class CommandError(StopProblem):
+    """A command was refused or failed. `canceling`, `failed`, `unconfirmed` and `stop` belong to `stop`."""
 
     op: Literal["error"]
     id: str | None

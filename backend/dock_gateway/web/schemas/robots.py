@@ -46,6 +46,15 @@ class StopReport(Schema):
     warning: "Problem | None"
 
 
+class StopProblem(Problem):
+    """Zero velocity could not be published to any robot. The other members say what was done nevertheless."""
+
+    canceling: list[str] | None = None
+    failed: list[StopFailure] | None = None
+    unconfirmed: list[str] | None = None
+    stop: StopState | None = None
+
+
 class Battery(Schema):
     """The latest battery state and its age."""
 
