@@ -224,6 +224,7 @@ async def test_the_events_held_back_for_an_end_that_is_known_are_let_go(
     scene: Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scene.history, "shared", True)
+    monkeypatch.setattr(tracker_module, "RESERVE_FOR", 60.0)
     ended = Goal(B, "/dock", "pkg/action/Dock", datetime(2026, 1, 1, tzinfo=UTC), status=S.SUCCEEDED)
     scene.history.record(ended)
     for _ in range(2):
