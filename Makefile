@@ -45,7 +45,7 @@ check: setup ## the fast part of `make test`: everything but the tests
 mutation: setup ## change the safety-critical modules in small ways: do their unit tests notice? (AREAS='latch stop')
 	@$(BIN)/python scripts/mutation.py $(AREAS)
 
-chaos: setup ## kill, flood and starve the gateway for half an hour; writes the figures to docs/reliability.md
+chaos: setup ## kill, flood and starve the gateway for an hour; writes the figures to docs/reliability.md
 	@scripts/chaos $(PYTEST_ARGS)
 
 bench: setup $(BENCH)/installed ## measure (BENCH_ARGS='--short --cases ab'); see docs/performance.md
