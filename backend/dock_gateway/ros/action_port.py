@@ -96,7 +96,8 @@ class ActionPort:
         self._goal_request = self._impl.SendGoalService.Request()
         self._canceling: set[PendingCall] = set()
         self._newest_stamp = 0
-        self._link = ActionLink(bridge, action_name, self._impl)
+        # It is kept while another link is used: creating and destroying it may block while robots are unreachable.
+        self._home = self._link = ActionLink(bridge, action_name, self._impl)
 
     def listen(self, on_status: OnStatus, on_feedback: OnFeedback, on_loss: OnLoss) -> None:
         """Start listening to all goals.
@@ -134,17 +135,16 @@ class ActionPort:
 
     def close(self) -> None:
         """Leave the action."""
+        self._home.leave()
         if self.away:
             self._bridge.to_loop(self._leave, self._link)
-        else:
-            self._link.leave()
 
     # ------------------------------------------------------------------ another participant
 
     @property
     def away(self) -> bool:
         """Whether the action is reached through a DDS participant of its own."""
-        return self._link.bridge is not self._bridge
+        return self._link is not self._home
 
     async def rejoin(self, keep: float) -> bool:
         """Reach the server through another DDS participant if it answers there and not here; return whether it is.
@@ -157,29 +157,34 @@ class ActionPort:
         Raises:
             Unavailable: The ROS thread is down or too slow.
         """
+        if self.away:
+            return await self._try(self._home, keep, unless_answered=True)
         since = time.monotonic() if self.unanswered_since is None else self.unanswered_since
-        other = self._bridge if self.away else await self._bridge.branch(since)
-        return await self._replace(other, keep, unless_answered=True)
-
-    async def go_home(self) -> bool:
-        """Reach the server through the common DDS participant again if it answers there; return whether it is."""
-        return await self._replace(self._bridge, HOME_WITHIN, unless_answered=False)
-
-    async def _replace(self, bridge: Bridge, keep: float, *, unless_answered: bool) -> bool:
-        """Replace the link by one on another participant if the server answers there within `keep` seconds."""
+        bridge = await self._bridge.branch(since)
         try:
-            unused = await bridge.call(
+            link = await bridge.call(
                 lambda: ActionLink(bridge, self.action_name, self._impl, self._listen), undo=ActionLink.leave
             )
         except BaseException:
             self._bridge.release(bridge)
             raise
         try:
-            if not await self._wait_for(unused, time.monotonic() + keep, unless_answered=unless_answered):
-                return False
-            self._link, unused = unused, self._link
+            return await self._try(link, keep, unless_answered=True)
         finally:
-            self._leave(unused)
+            if link is not self._link:
+                self._leave(link)
+
+    async def go_home(self) -> bool:
+        """Reach the server through the common DDS participant again if it answers there; return whether it is."""
+        return await self._try(self._home, HOME_WITHIN, unless_answered=False)
+
+    async def _try(self, link: ActionLink, keep: float, *, unless_answered: bool) -> bool:
+        """Use another link from now on if the server answers there within `keep` seconds."""
+        if not await self._wait_for(link, time.monotonic() + keep, unless_answered=unless_answered):
+            return False
+        old, self._link = self._link, link
+        if old is not self._home:
+            self._leave(old)
         self._answered()
         for pending in list(self._canceling):  # they are sent again
             pending.fail(LeftError())
