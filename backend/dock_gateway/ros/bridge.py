@@ -33,6 +33,9 @@ T = TypeVar("T")
 
 # The maximum number of branches, each with about ten threads.
 MAX_BRANCHES = 4
+# Seconds for which a new branch gets further users. Later, it may know robots that have become unreachable since, and
+# creating a client may then block all threads while DDS waits to send to them.
+SHARED_FOR = 3.0
 
 
 class PendingCall:
@@ -168,7 +171,8 @@ class Bridge:
         """
         async with self._joining:
             newest = self.branches[-1] if self.branches else None
-            if newest is None or (newest.joined_at <= after and len(self.branches) < MAX_BRANCHES):
+            since = max(after, time.monotonic() - SHARED_FOR)
+            if newest is None or (newest.joined_at <= since and len(self.branches) < MAX_BRANCHES):
                 newest = await self._make_branch()
             newest.users += 1
             return newest
