@@ -25,7 +25,7 @@ from tests.support.processes import Process, ros_environment
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(3600)]
 
 UUID = r"[0-9a-f]{8}-[0-9a-f-]{27}"
-ROUNDS = int(os.environ.get("CHAOS_ROUNDS", "4"))
+ROUNDS = int(os.environ.get("CHAOS_ROUNDS", "2"))
 
 
 def free_port() -> int:

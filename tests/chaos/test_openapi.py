@@ -14,7 +14,7 @@ from tests.support.processes import BIN
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(3600)]
 
 # Requests for each operation, besides those that are derived from the document.
-EXAMPLES = os.environ.get("CHAOS_EXAMPLES", "3")
+EXAMPLES = os.environ.get("CHAOS_EXAMPLES", "1")
 SEED = os.environ.get("CHAOS_SEED", "1")
 
 

@@ -169,7 +169,7 @@ def test_dock_pose_docks_and_undocks(domain: int, observer: Observer, start: Pos
 @pytest.mark.timeout(240)
 def test_infrared_docks(domain: int, observer: Observer) -> None:
     with site(domain, observer, controller="infrared") as here:
-        here.place(Pose(-0.9, 0.05, 0.1))
+        here.place(Pose(-0.7, 0.03, 0.1))
         goal = send_dock_goal(observer)
         assert goal.result(180.0).status == SUCCEEDED
         assert_docked(here.pose)
