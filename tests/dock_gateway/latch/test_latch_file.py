@@ -108,7 +108,7 @@ async def test_the_newest_is_stored_whatever_comes_between(tmp_path: Path, monke
 
 
 async def test_it_tries_again_and_tells_when_that_changes_something(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(module, "RETRY_AFTER", 0.01)
     path = tmp_path / "folder" / "stops.json"
@@ -124,4 +124,46 @@ async def test_it_tries_again_and_tells_when_that_changes_something(
     assert await writer.wait(10.0)
     assert problems[1:] == [None]
     assert set(LatchFile(path).read("/")) == {"/", "/robot1"}
+    assert [record.levelname for record in caplog.records] == ["ERROR", "WARNING"]
+    assert "would lose the latest stop" in caplog.messages[0]
+    assert "on the disk again" in caplog.messages[1]
     await writer.close()
+
+
+async def test_a_slow_disk_is_a_problem_until_it_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    file, gate = LatchFile(tmp_path / "stops.json"), threading.Event()
+    monkeypatch.setattr(file, "write", lambda _: gate.wait(10))
+    problems: list[str | None] = []
+    writer = LatchWriter(file, lambda: problems.append(writer.problem))
+    assert await writer.wait(0.0)  # nothing to store yet
+    writer.put({"/": ADA})
+    assert not await writer.wait(0.01)
+    assert not await writer.wait(0.01)
+    assert problems == [module.NOT_YET]
+    gate.set()
+    assert await writer.wait(10.0)
+    await until(lambda: problems == [module.NOT_YET, None])
+    assert [record.levelname for record in caplog.records] == ["WARNING", "WARNING"]
+    await writer.close()
+
+
+async def test_closing_does_not_wait_for_a_disk_that_hangs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "CLOSE_WITHIN", 0.01)
+    file, gate = LatchFile(tmp_path / "stops.json"), threading.Event()
+    monkeypatch.setattr(file, "write", lambda _: gate.wait(10))
+    writer = LatchWriter(file, lambda: None)
+    writer.put({"/": ADA})
+    async with asyncio.timeout(5):
+        await writer.close()
+    assert writer.problem == module.NOT_YET
+    gate.set()
+
+
+async def test_closing_waits_for_what_is_being_stored(tmp_path: Path) -> None:
+    file = LatchFile(tmp_path / "stops.json")
+    writer = LatchWriter(file, lambda: None)
+    writer.put({"/": ADA})
+    await writer.close()
+    assert file.read("/") == {"/": ADA}
