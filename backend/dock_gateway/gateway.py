@@ -268,7 +268,7 @@ async def _take_up_unfinished(actions: ActionRegistry, history: History) -> None
     try:
         if not await _expect(actions, history, began, complete=True):
             await _expect(actions, history, began)
-            while not await _expect(actions, history, began, complete=True):  # noqa: ASYNC110 - nobody says when
+            while not await _expect(actions, history, began, complete=True):  # noqa: ASYNC110 - there is no event for it
                 await asyncio.sleep(SCAN_INTERVAL)
     except Exception:
         log.exception("while restoring earlier goals")

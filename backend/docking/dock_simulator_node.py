@@ -94,7 +94,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
                 topic,
                 qos,
                 qos_overriding_options=QoSOverridingOptions.with_default_policies(),
-                # Each event would be waited for anew at every tick; a subscription that does not match warns by itself.
+                # The executor would check each event at every tick; a subscription that does not match warns by itself.
                 event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
             )
 

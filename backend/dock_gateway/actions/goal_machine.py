@@ -91,7 +91,7 @@ class GoalMachine:
         live: The running goals, and lost ones that may return.
         taken_up: Ids of goals from before a restart.
         newcomers: Unknown goals, which have to be looked up in the history.
-        outputs: What has to be done, oldest first. Whoever does it removes it.
+        outputs: What has to be done, oldest first. The tracker removes each as it does it.
     """
 
     def __init__(self, action_name: str, action_type: str, stamp: Callable[[int], int], started: Now) -> None:

@@ -11,6 +11,7 @@ from dock_gateway.history.migrate import migrate
 from dock_gateway.history.protocol import Incident
 
 CONNECT_TIMEOUT = 2.0  # seconds
+WRITE_TIMEOUT = 10.0  # seconds per transaction of goals and events
 # Connections for writes (batches, new keys, ends of goals) and for reads, so that none blocks another.
 WRITERS, READERS = 3, 3
 

@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 from dock_gateway.core.event import Event
 from dock_gateway.core.goal import Goal
 from dock_gateway.history import queries
-from dock_gateway.history.database import DATABASE_ERRORS, Database, brief
+from dock_gateway.history.database import DATABASE_ERRORS, WRITE_TIMEOUT, Database, brief
 from dock_gateway.history.rows import Batch
 
 log = logging.getLogger(__name__)
 
 SEAL_TIMEOUT = 1.0  # Seconds that the end of a goal, and all later messages, wait for the database.
-WRITE_TIMEOUT = 10.0  # Seconds per transaction.
 
 
 @dataclass(frozen=True)

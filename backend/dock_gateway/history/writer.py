@@ -12,7 +12,7 @@ import sqlalchemy.exc as sa_errors
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal
 from dock_gateway.history import queries
-from dock_gateway.history.database import DATABASE_ERRORS, Database, brief, is_about_data
+from dock_gateway.history.database import DATABASE_ERRORS, WRITE_TIMEOUT, Database, brief, is_about_data
 from dock_gateway.history.rows import Batch, Key
 from dock_gateway.history.spool import Entry, Spool
 from dock_gateway.history.waiting import Waiting
@@ -21,7 +21,6 @@ log = logging.getLogger(__name__)
 
 ANSWER_TIMEOUT = 0.1  # Seconds that a new goal waits for the database before it goes to the spool.
 REFUSE_AFTER = 2.0  # Seconds to wait for the running write if the spool fails too.
-WRITE_TIMEOUT = 10.0  # Seconds per transaction.
 BATCH_INTERVAL = 0.2  # Seconds to collect a batch before it is written.
 BATCH_PATIENCE = 0.3  # Seconds that new goals, which are written first, may delay the rest.
 # Seconds until entries that must be kept, and are not in the database yet, go to the spool.

@@ -22,9 +22,9 @@ UNSURE = 0.5
 COMMITTED = 0.06
 """Where it is judged whether the robot comes straight enough, in m before the docked pose."""
 LATERAL_ERROR = 0.02
-"""How far aside it may be there, in m."""
+"""The largest lateral error there, in m."""
 HEADING_ERROR = math.radians(5.0)
-"""How far it may be turned there, in rad."""
+"""The largest heading error there, in rad."""
 BEYOND = 0.015
 """How far beyond the docked pose to push, in m, before contact is taken for granted."""
 NEAR = 0.05

@@ -3,7 +3,7 @@
 import asyncio
 import signal
 import time
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import Iterator
 
 import pytest
 
@@ -26,15 +26,6 @@ def server(domain: int) -> Iterator[Process]:
     """Takes 18 s for a goal, with feedback every 0.4 s."""
     with running_program(domain, "fibonacci_action_server", "-p", "step_period:=0.4") as server:
         yield server
-
-
-@pytest.fixture
-async def bridge(domain: int, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Bridge]:
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    bridge = Bridge("tested", "", 1_000_000)
-    bridge.start()
-    yield bridge
-    await asyncio.to_thread(bridge.close)
 
 
 class Heard:

@@ -2,7 +2,7 @@
 
 import asyncio
 import threading
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
 
@@ -20,15 +20,6 @@ from tests.support.observer import Observer
 pytestmark = pytest.mark.ros
 
 DOCK_TYPE = "action_tutorials_interfaces/action/ConnectToChargingDock"
-
-
-@pytest.fixture
-async def bridge(domain: int, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Bridge]:
-    monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
-    bridge = Bridge("tested", "", 1_000_000)
-    bridge.start()
-    yield bridge
-    await asyncio.to_thread(bridge.close)
 
 
 @contextmanager
