@@ -33,9 +33,9 @@ T = TypeVar("T")
 
 # The maximum number of branches, each with about ten threads.
 MAX_BRANCHES = 4
-# Seconds for which a new branch gets further users. Later, it may know robots that have become unreachable since, and
-# creating a client may then block all threads while DDS waits to send to them.
-SHARED_FOR = 3.0
+# Fast DDS drops a message that it cannot send at once. If it waited, as it does otherwise, it would block every thread
+# for seconds while robots are unreachable. Reliable messages are sent again. Not needed, and not used, with LOCALHOST.
+os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "DEFAULT?non_blocking=true")
 
 
 class PendingCall:
@@ -171,8 +171,7 @@ class Bridge:
         """
         async with self._joining:
             newest = self.branches[-1] if self.branches else None
-            since = max(after, time.monotonic() - SHARED_FOR)
-            if newest is None or (newest.joined_at <= since and len(self.branches) < MAX_BRANCHES):
+            if newest is None or (newest.joined_at <= after and len(self.branches) < MAX_BRANCHES):
                 newest = await self._make_branch()
             newest.users += 1
             return newest

@@ -1,6 +1,9 @@
 """Calls into the ROS thread: each one runs, or its caller is told that it did not, and then it never runs."""
 
 import asyncio
+import shutil
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,6 +19,7 @@ from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.robot_ports import BatteryPort, VelocityPort
 from tests.support.history import until
 from tests.support.observer import Observer
+from tests.support.processes import ros_environment
 
 pytestmark = pytest.mark.ros
 
@@ -127,3 +131,33 @@ async def test_a_port_that_nobody_waits_for_any_more_is_never_made(bridge: Bridg
     with blocked(bridge), pytest.raises(Unavailable):
         await bridge.call(make, timeout=0.05, undo=ActionPort.close)
     assert await bridge.call(entities) == before
+
+
+# Prints whether sockets wait to send, those from which a participant sends: the others are bound to DDS's known ports.
+SENDERS = """
+import asyncio, os, pathlib
+from dock_gateway.ros.bridge import Bridge
+
+async def main():
+    bridge = Bridge("tested", "", 1000)
+    table = [line.split() for line in pathlib.Path("/proc/net/udp").read_text().splitlines()[1:]]
+    ports = {f"socket:[{row[9]}]": int(row[1].split(":")[1], 16) for row in table}
+    for descriptor in os.listdir("/proc/self/fd"):
+        path = f"/proc/self/fd/{descriptor}"
+        if os.path.islink(path) and ports.get(os.readlink(path), 0) > 32_000:
+            print("waits" if os.get_blocking(int(descriptor)) else "does not wait")
+    bridge.close()
+
+asyncio.run(main())
+"""
+
+
+def test_nothing_waits_to_send_to_a_robot_that_is_unreachable(domain: int) -> None:
+    alone = ("unshare", "--map-root-user", "--net", "sh", "-c")
+    up = "ip link set lo up"
+    if shutil.which("unshare") is None or subprocess.run((*alone, up), check=False, capture_output=True).returncode:
+        pytest.skip("no network of its own can be had")
+    inside = f"{up} && exec {sys.executable} -c '{SENDERS}'"
+    environment = ros_environment(domain, ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET")  # a network that nobody else is in
+    done = subprocess.run((*alone, inside), env=environment, capture_output=True, text=True, check=True, timeout=60)
+    assert set(done.stdout.split("\n")) - {""} == {"does not wait"}
