@@ -7,8 +7,8 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from tests.support.gateway import RunningGateway, running_gateway
-from tests.support.observer import wait_until
 from tests.support.processes import Process
+from tests.support.waiting import wait_until
 
 from benchmarks.dashboard.browser import Cost, Watched, script_kb, watched
 from benchmarks.machine import describe

@@ -9,8 +9,8 @@ from contextlib import ExitStack
 
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway
-from tests.support.observer import wait_until
 from tests.support.processes import Process, ros_environment
+from tests.support.waiting import wait_until
 
 from benchmarks.machine import describe
 

@@ -6,12 +6,15 @@ from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, ConsoleMessage, Page, WebSocket, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Page, WebSocket, expect, sync_playwright
 
 from tests.support import shapes
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
+from tests.support.waiting import PATIENCE
 
+PATIENCE_MS = 1000 * PATIENCE
+expect.set_options(timeout=PATIENCE_MS)
 RESULTS = Path(__file__).parents[2] / "test-results"
 # The first has no window frame to draw, and so needs less processor time.
 NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome")
@@ -39,7 +42,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     """A failure shows what the page said, and what the gateway says."""
     report = yield
     page, gateway = (getattr(item, "funcargs", {}).get(name) for name in ("page", "gateway"))
-    if report.when == "call" and report.failed and isinstance(page, Page):
+    if report.failed and isinstance(page, Page):
         report.sections.append(("the page", page.locator("body").aria_snapshot()))
         if isinstance(gateway, RunningGateway):
             answers = (gateway.http.get(path).text for path in ("/health", "/stop", "/goals?limit=3"))
@@ -95,7 +98,7 @@ def page(browser: Browser, gateway: RunningGateway, request: pytest.FixtureReque
     page.on("websocket", check)
     page.on("console", hear)
     page.on("pageerror", lambda error: errors.append(str(error)))
-    page.set_default_timeout(15_000)
+    page.set_default_timeout(PATIENCE_MS)
     page.goto(gateway.url)
     yield page
     RESULTS.mkdir(exist_ok=True)

@@ -9,7 +9,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.axe import find_violations, load_axe
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_gateway, running_program
-from tests.support.observer import wait_until
+from tests.support.waiting import wait_until
 
 COUNTED = "/robot1/fibonacci"
 DOCK = "/connect_to_charging_dock"
@@ -39,7 +39,7 @@ def press(page: Page, name: str) -> None:
 
 
 def expect_status(page: Page, status: str) -> None:
-    expect(page.get_by_test_id("goal-status")).to_have_text(status, timeout=15_000)
+    expect(page.get_by_test_id("goal-status")).to_have_text(status)
 
 
 def command(page: Page) -> Locator:
@@ -181,7 +181,7 @@ def test_a_server_that_goes_takes_no_form_with_it(page: Page, gateway: RunningGa
     with running_program(domain, "fibonacci_action_server", "-r", "__ns:=/robot2"):
         page.get_by_label("order").fill("17", timeout=20_000)
         expect(page.get_by_role("button", name="Send goal")).to_be_enabled()
-    expect(page.get_by_text("Nobody offers this action now")).to_be_visible(timeout=30_000)
+    expect(page.get_by_text("Nobody offers this action now")).to_be_visible()
     expect(page.get_by_label("order")).to_have_value("17")
     expect(page.get_by_role("button", name="Send goal")).to_be_disabled()
 

@@ -14,7 +14,7 @@ from playwright.sync_api import Browser, Download, Page, expect
 
 from tests.browser.axe import find_violations, load_axe
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway, running_program
-from tests.support.observer import wait_until
+from tests.support.waiting import wait_until
 
 DOCK = "/connect_to_charging_dock"
 

@@ -12,8 +12,8 @@ from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.browser.axe import find_violations, load_axe
 from tests.support.gateway import RunningGateway, running_gateway, running_program
-from tests.support.observer import wait_until
 from tests.support.processes import Process, ros_environment
+from tests.support.waiting import wait_until
 
 SERVER = "/connect_to_charging_dock_action_server"
 ACTION = "/connect_to_charging_dock"
@@ -34,7 +34,7 @@ IN_SIGHT = """([button, frame]) => {
 @contextmanager
 def running_talkers(domain: int, *arguments: str) -> Iterator[Process]:
     with Process(sys.executable, "-m", "tests.support.talker", *arguments, env=ros_environment(domain)) as process:
-        process.wait_for("talking", timeout=60)
+        process.wait_for("talking")
         yield process
 
 
@@ -129,7 +129,7 @@ def test_a_topic_is_read_along_paused_and_copied(page: Page, open_graph: Callabl
     echo = details(page).get_by_role("region", name="Live messages")
     echo.get_by_role("switch", name="Live").check()
     expect(echo.get_by_test_id("message-tree")).to_contain_text("power_supply_status")
-    expect(echo).to_contain_text(re.compile(r"(9\.\d+|1[01](\.\d+)?) Hz"), timeout=20_000)
+    expect(echo).to_contain_text(re.compile(r"(9\.\d+|1[01](\.\d+)?) Hz"))
     assert "echo=true" in page.url
     echo.get_by_role("button", name="Pause").click()
     paused = echo.locator("time").get_attribute("datetime")
@@ -189,9 +189,9 @@ def test_what_comes_shows_up_and_what_stays_stays(page: Page, domain: int, open_
     open_graph()
     before = place(page, "topic:/odom")
     with running_program(domain, "fibonacci_action_server"):
-        expect(thing(page, "action:/fibonacci")).to_have_count(1, timeout=30_000)
+        expect(thing(page, "action:/fibonacci")).to_have_count(1)
         assert place(page, "topic:/odom") == before
-    expect(thing(page, "action:/fibonacci")).to_have_count(0, timeout=30_000)
+    expect(thing(page, "action:/fibonacci")).to_have_count(0)
     assert place(page, "topic:/odom") == before
 
 

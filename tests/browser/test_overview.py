@@ -11,13 +11,13 @@ from playwright.sync_api import Browser, Locator, Page, expect
 
 from tests.browser.axe import find_violations, load_axe
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
-from tests.support.observer import wait_until
+from tests.support.waiting import wait_until
 
 ROBOTS = ("/robot1", "/robot2")
 LOW = {"voltage": 20.1, "percentage": 0.12, "power_supply_status": 2}
 CHARGING = {"voltage": 24.1, "percentage": 0.81, "power_supply_status": 1}
-SOON_MS = 10_000
-IN_A_SECOND_MS = 1_000
+# Less than the page waits for a silent stream.
+AT_ONCE_MS = 4_000
 
 
 @pytest.fixture(scope="module")
@@ -154,12 +154,12 @@ def test_the_keyboard_alone(page: Page) -> None:
 
 
 @pytest.mark.expect_page_errors
-def test_a_lost_network_is_said_within_a_second(page: Page) -> None:
+def test_a_lost_network_is_said_at_once(page: Page) -> None:
     page.context.set_offline(True)
-    expect(page.get_by_text("Reconnecting to the gateway")).to_be_visible(timeout=IN_A_SECOND_MS)
+    expect(page.get_by_text("Reconnecting to the gateway")).to_be_visible(timeout=AT_ONCE_MS)
     expect(row(page, "/robot1")).to_contain_text("Not live")
     page.context.set_offline(False)
-    expect(page.get_by_test_id("connection")).to_have_text("live", timeout=SOON_MS)
+    expect(page.get_by_test_id("connection")).to_have_text("live")
     expect(row(page, "/robot1")).to_contain_text("Connected")
 
 
@@ -168,11 +168,11 @@ def test_a_frozen_gateway_is_said_within_seconds(page: Page, gateway: RunningGat
     gateway.process.send_signal(signal.SIGSTOP)
     try:
         begun = time.monotonic()
-        expect(page.get_by_text("Reconnecting to the gateway")).to_be_visible(timeout=SOON_MS)
-        assert time.monotonic() - begun < 9
+        expect(page.get_by_text("Reconnecting to the gateway")).to_be_visible()
+        assert time.monotonic() - begun < 15
     finally:
         gateway.process.send_signal(signal.SIGCONT)
-    expect(page.get_by_test_id("connection")).to_have_text("live", timeout=30_000)
+    expect(page.get_by_test_id("connection")).to_have_text("live")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -12,10 +12,10 @@ from sensor_msgs.msg import BatteryState
 from tests.browser.axe import find_violations, load_axe
 from tests.support.docking import battery_state
 from tests.support.gateway import RunningGateway, running_gateway, running_program
-from tests.support.observer import ros_observer, wait_until
+from tests.support.observer import ros_observer
+from tests.support.waiting import wait_until
 
 NEAR = ("-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
-DRIVE_MS = 45_000
 CLOCK = re.compile(r"\d{1,2}:\d\d:\d\d")
 VOLTS = re.compile(r"^\d+\.\d\d V")
 
@@ -164,7 +164,7 @@ def test_who_else_publishes(page: Page, domain: int) -> None:
         expect(warning).to_contain_text("/battery_driver publishes too")
         press(page, "Stop publishing")
         expect(warning).to_contain_text("/battery_driver publishes this battery")
-    expect(warning).to_be_hidden(timeout=30_000)
+    expect(warning).to_be_hidden()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -188,7 +188,7 @@ def test_a_goal_stage_by_stage(page: Page, gateway: RunningGateway) -> None:
     expect(steps.first).to_have_text(re.compile(r"Perception: done\d+(\.\d)? s$"))
     page.get_by_text("Feedback as it comes").click()
     expect(page.get_by_test_id("feedback-log").get_by_role("listitem").first).to_contain_text("discharging")
-    expect(page.get_by_test_id("goal-status")).to_have_text("succeeded", timeout=DRIVE_MS)
+    expect(page.get_by_test_id("goal-status")).to_have_text("succeeded")
     expect(steps.filter(has_text=re.compile(r"Controlling: done\d+(\.\d)? s$"))).to_be_visible()
     expect(page.get_by_test_id("stage-bar")).to_be_visible()
     page.get_by_role("link", name="Goal details").click()

@@ -10,12 +10,11 @@ from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.axe import SETTLED, find_violations, load_axe
 from tests.support.gateway import RunningGateway, running_gateway, running_program
-from tests.support.observer import wait_until
+from tests.support.waiting import wait_until
 
 # A start that is near the dock, and no patience: nobody wants to watch for minutes.
 NEAR = ("-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
 IMPATIENT = ("-p", "controller:=dock_pose", "-p", "max_retries:=1", "-p", "wait_charge_timeout:=1.5")
-DRIVE_MS = 45_000
 MINUS = "\N{MINUS SIGN}"
 WORDS = re.compile(rf"x ({MINUS}?[\d.]+) m, y ({MINUS}?[\d.]+) m, heading ({MINUS}?\d+)°")
 FIND_ROBOT = """(canvas) => {
@@ -71,8 +70,8 @@ def pose_in_words(page: Page) -> Pose:
     return Pose(*(float(number.replace(MINUS, "-")) for number in match.groups()))
 
 
-def expect_status(page: Page, status: str, timeout: float = 10_000) -> None:
-    expect(page.get_by_test_id("goal-status")).to_have_text(status, timeout=timeout)
+def expect_status(page: Page, status: str) -> None:
+    expect(page.get_by_test_id("goal-status")).to_have_text(status)
 
 
 def top(locator: Locator) -> float:
@@ -90,13 +89,13 @@ def start_docking(page: Page) -> None:
 def test_dock_and_undock(page: Page, gateway: RunningGateway) -> None:
     start_docking(page)
     expect(page.get_by_text("Dock and Undock: a goal is running")).to_be_visible()
-    expect_status(page, "succeeded", timeout=DRIVE_MS)
+    expect_status(page, "succeeded")
     expect(page.get_by_test_id("scene-words")).to_contain_text("Docked.")
     expect(page.get_by_test_id("battery-status")).to_have_text("Charging")
     assert gateway.http.get("/simulator").json()["docked"] is True
     press(page, "Undock")
     expect(page.get_by_text("Running goal: undock")).to_be_visible()
-    expect_status(page, "succeeded", timeout=DRIVE_MS)
+    expect_status(page, "succeeded")
     expect(page.get_by_test_id("scene-words")).to_contain_text("Not docked")
     expect(page.get_by_test_id("battery-status")).not_to_have_text("Charging")
     expect(page.get_by_role("row").filter(has_text="Off the dock")).to_be_visible()
@@ -178,8 +177,8 @@ def test_a_fault_ends_the_goal_with_its_code(page: Page) -> None:
     fault.press("Space")
     expect(fault).to_be_checked()
     start_docking(page)
-    expect(page.get_by_test_id("retries")).to_have_text("1 retry", timeout=DRIVE_MS)
-    expect_status(page, "aborted", timeout=DRIVE_MS)
+    expect(page.get_by_test_id("retries")).to_have_text("1 retry")
+    expect_status(page, "aborted")
     alert = page.get_by_role("alert").filter(has_text="failed_to_charge")
     expect(alert).to_contain_text("look at the dock's power")
     expect(page.get_by_test_id("stages").get_by_role("listitem").last).to_contain_text("did not work")

@@ -26,9 +26,9 @@ from tests.chaos.load import FINAL, Load
 from tests.chaos.report import report
 from tests.chaos.test_kills import Fleet, executed, wait_for_action
 from tests.support.gateway import RunningGateway
-from tests.support.observer import wait_until
 from tests.support.probe import Findings, probing, quantile
 from tests.support.processes import Process
+from tests.support.waiting import wait_until
 
 __all__ = ["executed"]
 
@@ -108,7 +108,7 @@ class Trial:
     def wait_for_new_goals(self) -> None:
         before, answers = len(self.load.accepted), self.answers()
         try:
-            wait_until(lambda: len(self.load.accepted) > before + 2 or self.broken(), "new goals", timeout=60)
+            wait_until(lambda: len(self.load.accepted) > before + 2 or self.broken(), "new goals")
         except AssertionError:
             raise AssertionError(f"no new goals, but {self.answers() - answers}; {self.history}") from None
         assert not self.broken(), self.broken()
@@ -236,7 +236,7 @@ def withstand(trial: Trial, name: str, fault: Callable[[Trial], Any]) -> None:
             time.sleep(KEPT)
             if takes_nothing(name):  # not at once where the gateway has just been started and looks for the action
                 wait_until(lambda: trial.answers()["history_unavailable"] > before["history_unavailable"], "a refusal")
-            wait_until(lambda: tells(trial.history, name), f"/readyz tells of: {name}", timeout=30)
+            wait_until(lambda: tells(trial.history, name), f"/readyz tells of: {name}")
             state = trial.history
             alerts = {alert["kind"] for alert in trial.gateway.http.get("/alerts").json()["alerts"]}
             refused = (trial.answers() - before)["history_unavailable"]
@@ -244,7 +244,7 @@ def withstand(trial: Trial, name: str, fault: Callable[[Trial], Any]) -> None:
         trial.gateway.http.delete("/stop").raise_for_status()
         meanwhile = len(trial.load.accepted) - accepted
     began = time.monotonic()
-    wait_until(lambda: healthy(trial), f"the gateway recovers from: {name}", timeout=60)
+    wait_until(lambda: healthy(trial), f"the gateway recovers from: {name}")
     recovered = time.monotonic() - began
     trial.wait_for_new_goals()
     trial.figures[name] = (
@@ -308,9 +308,9 @@ def check_goals(trial: Trial, title: str) -> None:
     trial.load.stop_sending()
     expected = {n: goal_id for n, goal_id in trial.load.accepted.items() if goal_id not in trial.gone}
     for goal_id in expected.values():
-        wait_until(lambda goal_id=goal_id: status(trial, goal_id) in FINAL, f"goal {goal_id} ends", timeout=60)
+        wait_until(lambda goal_id=goal_id: status(trial, goal_id) in FINAL, f"goal {goal_id} ends")
     trial.restart(lambda: None)
-    wait_until(lambda: healthy(trial), "the history is there after a restart", timeout=60)
+    wait_until(lambda: healthy(trial), "the history is there after a restart")
     missing = [goal_id for goal_id in expected.values() if status(trial, goal_id) not in FINAL]
     twice = [number for number, count in trial.began.items() if count > 1 and number not in trial.unsure]
     report(

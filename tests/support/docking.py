@@ -22,7 +22,8 @@ from docking.ros.goal_server import GoalServer
 from docking.ros.helm import Helm
 from docking.ros.process import Spinner
 from docking.undock_server_node import UndockServer
-from tests.support.observer import GoalOfTest, Observer, ros_nodes, wait_until
+from tests.support.observer import GoalOfTest, Observer, ros_nodes
+from tests.support.waiting import PATIENCE, wait_until
 
 ACTION = "connect_to_charging_dock"
 UNDOCK_ACTION = "disconnect_from_charging_dock"
@@ -141,7 +142,7 @@ class Reports:
         """The key values of each report, and its level, name and message."""
         return [_read(status) for message in self._recording.messages for status in message.status]
 
-    def wait_for(self, timeout: float = 15.0, **expected: str | int) -> dict[str, Any]:
+    def wait_for(self, timeout: float = PATIENCE, **expected: str | int) -> dict[str, Any]:
         """Wait for a report with these values."""
 
         def found() -> dict[str, Any] | None:

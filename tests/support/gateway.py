@@ -13,6 +13,7 @@ from websockets.sync.client import ClientConnection
 
 from tests.support.clients import HttpClient, connect
 from tests.support.processes import BIN, Process, ros_environment
+from tests.support.waiting import PATIENCE
 
 LOW = {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}
 CHARGING = {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 1}
@@ -26,12 +27,12 @@ class Stream:
         self.connection = connection
         self.seen: list[dict[str, Any]] = []
 
-    def next(self, timeout: float = 10.0) -> dict[str, Any]:
+    def next(self, timeout: float = PATIENCE) -> dict[str, Any]:
         event: dict[str, Any] = orjson.loads(self.connection.recv(timeout))
         self.seen.append(event)
         return event
 
-    def until(self, matches: Callable[[dict[str, Any]], bool], timeout: float = 20.0) -> dict[str, Any]:
+    def until(self, matches: Callable[[dict[str, Any]], bool], timeout: float = PATIENCE) -> dict[str, Any]:
         """Read on to the first event that matches."""
         deadline = time.monotonic() + timeout
         while (left := deadline - time.monotonic()) > 0:
@@ -43,10 +44,10 @@ class Stream:
                 return event
         raise AssertionError(f"no such event; the last ones were {self.seen[-5:]}")
 
-    def until_type(self, kind: str, timeout: float = 20.0) -> dict[str, Any]:
+    def until_type(self, kind: str, timeout: float = PATIENCE) -> dict[str, Any]:
         return self.until(lambda event: event["type"] == kind, timeout)
 
-    def until_status(self, status: str, timeout: float = 20.0) -> dict[str, Any]:
+    def until_status(self, status: str, timeout: float = PATIENCE) -> dict[str, Any]:
         return self.until(lambda event: event["type"] == "status" and event["status"] == status, timeout)
 
 
@@ -74,9 +75,9 @@ class RunningGateway:
 
     def wait_until_stored(self) -> None:
         """Wait until the database has been opened and has taken over what is in the spool."""
-        self._wait(lambda state: state["history"]["database_reachable"] and not state["history"]["spooled"], 20.0)
+        self._wait(lambda state: state["history"]["database_reachable"] and not state["history"]["spooled"])
 
-    def wait_for_goal(self, goal_id: str, *statuses: str, timeout: float = 20.0) -> dict[str, Any]:
+    def wait_for_goal(self, goal_id: str, *statuses: str, timeout: float = PATIENCE) -> dict[str, Any]:
         """Poll a goal until it has one of these states."""
         deadline = time.monotonic() + timeout
         while (goal := self.goal(goal_id))["status"] not in statuses:
@@ -84,10 +85,10 @@ class RunningGateway:
             time.sleep(0.05)
         return goal
 
-    def wait_until_ready(self, timeout: float = 15.0) -> None:
+    def wait_until_ready(self, timeout: float = PATIENCE) -> None:
         self._wait(lambda state: state["ready"], timeout)
 
-    def _wait(self, holds: Callable[[dict[str, Any]], bool], timeout: float) -> None:
+    def _wait(self, holds: Callable[[dict[str, Any]], bool], timeout: float = PATIENCE) -> None:
         """Poll /readyz until something holds of it."""
         deadline = time.monotonic() + timeout
         while not holds(state := self.http.get("/readyz").json()):

@@ -16,6 +16,7 @@ from dock_gateway.history import GoalFilter, History, MemoryHistory
 from dock_gateway.history.retention import Limits
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.sql import SqlHistory
+from tests.support.waiting import PATIENCE
 
 NOW = datetime(2026, 11, 21, tzinfo=UTC)
 EVERYTHING = frozenset({"goals", "battery", "cmd_vel"})
@@ -87,7 +88,7 @@ async def settled(history: History) -> None:
         await written(history)
 
 
-async def until(holds: Callable[[], bool], timeout: float = 15.0) -> None:
+async def until(holds: Callable[[], bool], timeout: float = PATIENCE) -> None:
     """Wait until something holds."""
     deadline = time.monotonic() + timeout
     while not holds():
@@ -95,7 +96,7 @@ async def until(holds: Callable[[], bool], timeout: float = 15.0) -> None:
         await asyncio.sleep(0.02)
 
 
-async def written(history: SqlHistory, timeout: float = 15.0) -> None:
+async def written(history: SqlHistory, timeout: float = PATIENCE) -> None:
     """Wait until all is in the database."""
     await until(lambda: not history.stats().waiting and not history.stats().spooled, timeout)
 

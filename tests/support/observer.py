@@ -12,22 +12,11 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from docking.ros.action_server import goal_id_text
 from docking.ros.process import Spinner, ros_context
+from tests.support.waiting import PATIENCE, wait_until
 
 T = TypeVar("T")
 
 EVERYTHING = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE)
-
-
-def wait_until(condition: Callable[[], T], what: str, timeout: float = 15.0) -> T:
-    """Poll until the condition holds (is true) and return its value; fail after `timeout` seconds."""
-    deadline = time.monotonic() + timeout
-    while True:
-        value = condition()
-        if value:
-            return value
-        if time.monotonic() > deadline:
-            raise AssertionError(f"not seen within {timeout:g} s: {what}")
-        time.sleep(0.02)
 
 
 class Recording:
@@ -38,7 +27,7 @@ class Recording:
         self._observer = observer
         self._topic = topic
 
-    def wait_for(self, predicate: Callable[[Any], bool], since: int = 0, timeout: float = 15.0) -> Any:
+    def wait_for(self, predicate: Callable[[Any], bool], since: int = 0, timeout: float = PATIENCE) -> Any:
         """The first message from index `since` on that fulfils the predicate."""
         found = wait_until(
             lambda: [message for message in self.messages[since:] if predicate(message)],
@@ -47,7 +36,7 @@ class Recording:
         )
         return found[0]
 
-    def wait_for_publisher(self, timeout: float = 15.0) -> None:
+    def wait_for_publisher(self, timeout: float = PATIENCE) -> None:
         """Wait until someone publishes on the topic, so that nothing of what follows is missed."""
         node = self._observer.node
         wait_until(lambda: node.count_publishers(self._topic), f"a publisher of {self._topic}", timeout)
@@ -68,12 +57,12 @@ class GoalOfTest:
     def _receive_feedback(self, message: Any) -> None:
         self.feedback.append(message.feedback)
 
-    def result(self, timeout: float = 15.0) -> Any:
+    def result(self, timeout: float = PATIENCE) -> Any:
         """Wait for the end: the response with `status` (action_msgs/GoalStatus) and `result`."""
         assert self._result is not None, "the goal was rejected"
         return self._observer.result_of(self._result, "the result", timeout)
 
-    def cancel(self, timeout: float = 15.0) -> bool:
+    def cancel(self, timeout: float = PATIENCE) -> bool:
         """Ask for a cancel; whether the server goes along."""
         response = self._observer.call(self.handle.cancel_goal_async)
         return bool(self._observer.result_of(response, "the answer to the cancel", timeout).goals_canceling)
@@ -93,11 +82,11 @@ class Observer:
         self._publishers: dict[str, Any] = {}
         self._clients: dict[str, ActionClient] = {}
 
-    def call(self, function: Callable[[], T], timeout: float = 10.0) -> T:
+    def call(self, function: Callable[[], T], timeout: float = PATIENCE) -> T:
         """Run a function in the thread that spins the node, and return what it returns."""
         return self._spinner.call(function).result(timeout)
 
-    def result_of(self, future: Any, what: str, timeout: float = 15.0) -> Any:
+    def result_of(self, future: Any, what: str, timeout: float = PATIENCE) -> Any:
         """Wait for an rclpy future."""
         wait_until(future.done, what, timeout)
         return future.result()
@@ -132,7 +121,7 @@ class Observer:
         finally:
             self.call(lambda: self.node.destroy_timer(timer))
 
-    def send_goal(self, action_type: type, action_name: str, goal: Any, timeout: float = 15.0) -> GoalOfTest:
+    def send_goal(self, action_type: type, action_name: str, goal: Any, timeout: float = PATIENCE) -> GoalOfTest:
         """Send a goal, once a server is there, and wait until it is accepted or rejected."""
         if action_name not in self._clients:
             self._clients[action_name] = self.call(lambda: ActionClient(self.node, action_type, action_name))

@@ -9,6 +9,8 @@ import time
 from pathlib import Path
 from typing import Self
 
+from tests.support.waiting import PATIENCE, wait_until
+
 BIN = Path(sys.executable).parent
 
 
@@ -23,6 +25,12 @@ def ros_environment(domain: int, **more: str) -> dict[str, str]:
         "PYTHONUNBUFFERED": "1",
         **more,
     }
+
+
+def _stopped(pid: int) -> bool:
+    """Whether none of a process's threads runs."""
+    stats = [task.joinpath("stat").read_text() for task in Path(f"/proc/{pid}/task").iterdir()]
+    return all(stat.rpartition(")")[2].split()[0] in "TZ" for stat in stats)
 
 
 class Process:
@@ -62,7 +70,7 @@ class Process:
         with self._changed:
             return "\n".join(self._lines)
 
-    def wait_for(self, text: str, timeout: float = 60.0) -> str:
+    def wait_for(self, text: str, timeout: float = PATIENCE) -> str:
         """Wait for a line that holds `text` and return it; fail with the whole output otherwise."""
         deadline = time.monotonic() + timeout
         seen = 0
@@ -78,10 +86,12 @@ class Process:
                 self._changed.wait(min(left, 0.2))
 
     def send_signal(self, number: signal.Signals) -> None:
-        """Send a signal to the process."""
+        """Send a signal to the process; after SIGSTOP, wait until none of its threads runs."""
         self._process.send_signal(number)
+        if number == signal.SIGSTOP:
+            wait_until(lambda: _stopped(self.pid), f"process {self.pid} stands still")
 
-    def wait(self, timeout: float = 10.0) -> int:
+    def wait(self, timeout: float = PATIENCE) -> int:
         """Wait for the end and return the exit code."""
         code = self._process.wait(timeout)
         self._reader.join(2)

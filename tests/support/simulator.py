@@ -16,7 +16,8 @@ from docking.dock_simulator_node import DockSimulator
 from docking.geometry import Pose, yaw_of
 from docking.ros.geometry import pose_message
 from docking.ros.process import Spinner
-from tests.support.observer import Observer, Recording, ros_nodes, wait_until
+from tests.support.observer import Observer, Recording, ros_nodes
+from tests.support.waiting import wait_until
 
 # Where a robot starts by default.
 START = Pose(-1.5, 0.4, -0.3)

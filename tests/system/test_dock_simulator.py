@@ -13,7 +13,7 @@ from std_msgs.msg import Bool
 from docking.dock_simulator_node import LATCHED
 from docking.geometry import Pose
 from tests.support.docking import LOW
-from tests.support.observer import Observer, wait_until
+from tests.support.observer import Observer
 from tests.support.processes import Process, ros_environment
 from tests.support.simulator import (
     START,
@@ -25,6 +25,7 @@ from tests.support.simulator import (
     velocity,
     wait_for_new,
 )
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

@@ -10,7 +10,7 @@ from sensor_msgs.msg import BatteryState
 from docking.geometry import Pose
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
-from tests.support.observer import Observer, Recording, wait_until
+from tests.support.observer import Observer, Recording
 from tests.support.simulator import (
     START,
     SimulatorControls,
@@ -21,6 +21,7 @@ from tests.support.simulator import (
     velocity,
     wait_for_new,
 )
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

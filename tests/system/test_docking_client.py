@@ -9,8 +9,9 @@ import pytest
 from action_msgs.srv import CancelGoal
 
 from tests.support.docking import CHARGING, LOW, dock_server, send_dock_goal
-from tests.support.observer import Observer, wait_until
+from tests.support.observer import Observer
 from tests.support.processes import Process, ros_environment
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -30,8 +31,8 @@ def test_the_tutorials_session(domain: int, observer: Observer) -> None:
                 client.wait_for(line)
             for line in ("Executing goal...", "NOT CHARGING..."):
                 server.wait_for(line)
-            names = observer.node.get_node_names()
-            assert {"battery_state_subscriber", "connect_to_charging_dock_action_server"} <= set(names)
+            nodes = {"battery_state_subscriber", "connect_to_charging_dock_action_server"}
+            wait_until(lambda: nodes <= set(observer.node.get_node_names()), "the nodes of the tutorial")
         observer.publish(CHARGING, "battery_status")
         client.wait_for("Result (1 = CHARGING, 3 = NOT CHARGING): 1")
         assert client.wait() == 0
@@ -93,7 +94,7 @@ def test_a_server_that_dies_is_noticed(domain: int, server_process: Process) -> 
     with Process(CLIENT, env=ros_environment(domain)) as client:
         client.wait_for("Received feedback")
         server_process.send_signal(signal.SIGKILL)
-        client.wait_for("No response from the action server", timeout=30)
+        client.wait_for("No response from the action server")
         assert client.wait() == 6
 
 

@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from tests.support.docking import ABORTED, LOW, SUCCEEDED, Reports, battery_state, send_dock_goal, watch_wheels
-from tests.support.observer import Observer, wait_until
+from tests.support.observer import Observer
 from tests.support.processes import Process, ros_environment
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

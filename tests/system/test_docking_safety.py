@@ -11,7 +11,8 @@ from docking.controllers.plan import Solo
 from docking.observation import Observation, Velocity
 from docking.ros.qos import LATCHED
 from tests.support.docking import ABORTED, LOW, Reports, dock_server, send_dock_goal, watch_wheels
-from tests.support.observer import Observer, wait_until
+from tests.support.observer import Observer
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

@@ -16,8 +16,9 @@ from docking.failures import FailedToDetectDock
 from docking.geometry import Pose
 from docking.observation import Observation, Velocity
 from tests.support.docking import ABORTED, LOW, Reports, dock_server, send_dock_goal
-from tests.support.observer import Observer, wait_until
+from tests.support.observer import Observer
 from tests.support.sensors import detection, infrared, odometry
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

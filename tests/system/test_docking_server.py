@@ -25,7 +25,8 @@ from tests.support.docking import (
     send_dock_goal,
     watch_wheels,
 )
-from tests.support.observer import Observer, wait_until
+from tests.support.observer import Observer
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

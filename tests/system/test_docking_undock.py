@@ -22,9 +22,10 @@ from tests.support.docking import (
     send_undock_goal,
     watch_wheels,
 )
-from tests.support.observer import Observer, wait_until
+from tests.support.observer import Observer
 from tests.support.processes import Process, ros_environment
 from tests.support.sensors import odometry
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

@@ -28,9 +28,10 @@ from tests.support.docking import (
     send_undock_goal,
     watch_wheels,
 )
-from tests.support.observer import GoalOfTest, Observer, Recording, wait_until
+from tests.support.observer import GoalOfTest, Observer, Recording
 from tests.support.processes import Process, ros_environment
 from tests.support.simulator import SimulatorControls, dock_simulator
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

@@ -63,7 +63,7 @@ def test_an_action_appears_is_used_and_goes(gateway: RunningGateway, shared_doma
 
         wrong = gateway.http.post("/actions/fibonacci/goals", json={"order": "ten", "sequence": []})
         assert [error["path"] for error in wrong.json()["errors"]] == ["order", "sequence"]
-    wait_for_action(gateway, "/fibonacci", there=False, timeout=30)
+    wait_for_action(gateway, "/fibonacci", there=False)
     assert gateway.http.get("/actions/fibonacci").status_code == 404
 
 

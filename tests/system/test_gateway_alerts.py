@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from tests.support.gateway import CHARGING, LOW, RunningGateway, Stream, running_dock_server, running_gateway
-from tests.support.observer import wait_until
+from tests.support.waiting import wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
 
@@ -114,11 +114,11 @@ def test_a_robot_that_is_docked_and_not_charged_then_one_that_is_lost(
             goal = gateway.http.post("/dock", headers={"Prefer": "wait=10"}).raise_for_status().json()
             assert goal["status"] == "succeeded"
             gateway.publish(FULL_ENOUGH)
-            (alert,) = until_alerts(stream, "discharging_on_dock", timeout=30)
+            (alert,) = until_alerts(stream, "discharging_on_dock")
             assert alert["severity"] == "critical"
             gateway.publish(LOW)
             goal_id = gateway.http.post("/dock").raise_for_status().json()["goal_id"]
             assert until_alerts(stream) == []  # somebody sees to it
             server.send_signal(signal.SIGKILL)
-        (lost,) = until_alerts(stream, "goal_lost", timeout=30)
+        (lost,) = until_alerts(stream, "goal_lost")
         assert (lost["goal_id"], lost["robot"]) == (goal_id, "/")

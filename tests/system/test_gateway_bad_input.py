@@ -13,7 +13,7 @@ from websockets.exceptions import InvalidStatus
 
 from tests.support.clients import connect
 from tests.support.gateway import RunningGateway, running_gateway
-from tests.support.observer import wait_until
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
-from tests.support.observer import wait_until
 from tests.support.processes import BIN, Process, ros_environment
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from tests.support.gateway import RunningGateway, Stream, running_gateway, running_program
-from tests.support.observer import wait_until
+from tests.support.waiting import wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(400)]
 

@@ -8,7 +8,8 @@ import pytest
 
 from action_tutorials_interfaces.action import ConnectToChargingDock
 from tests.support.gateway import ACTION, LOW, RunningGateway, running_dock_server, running_gateway
-from tests.support.observer import Observer, wait_until
+from tests.support.observer import Observer
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

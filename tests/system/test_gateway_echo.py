@@ -18,7 +18,7 @@ from tests.support.gateway import (
     running_program,
     running_talker,
 )
-from tests.support.observer import wait_until
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

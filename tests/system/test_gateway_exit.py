@@ -15,8 +15,8 @@ from websockets.exceptions import ConnectionClosed
 
 from tests.support.clients import HttpClient
 from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
-from tests.support.observer import wait_until
 from tests.support.processes import BIN, Process, ros_environment
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -155,7 +155,7 @@ def wait_for_subscribers(gateway: RunningGateway, number: int, timeout: float = 
 def up(domain: int, port: int, *arguments: str) -> Iterator[tuple[Process, RunningGateway]]:
     command = (str(BIN / "dock-gateway"), "up", "--port", str(port), *arguments)
     with Process(*command, env=ros_environment(domain)) as process:
-        process.wait_for("dock-gateway is ready", timeout=30)
+        process.wait_for("dock-gateway is ready")
         url = f"http://127.0.0.1:{port}"
         with HttpClient(url) as http:
             yield process, RunningGateway(process, url, http)
@@ -232,7 +232,7 @@ def test_up_with_a_simulated_robot_stays_on_this_machine(domain: int) -> None:
     environment = ros_environment(domain, ROS_AUTOMATIC_DISCOVERY_RANGE="SUBNET")
     port = free_port()
     with Process(str(BIN / "dock-gateway"), "up", "--port", str(port), env=environment) as process:
-        process.wait_for("dock-gateway is ready", timeout=30)
+        process.wait_for("dock-gateway is ready")
         with HttpClient(f"http://127.0.0.1:{port}") as http:
             health = http.get("/healthz").json()
         assert health["ros"]["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "LOCALHOST"

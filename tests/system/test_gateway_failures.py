@@ -93,7 +93,7 @@ def test_a_server_that_sends_feedback_and_answers_nothing_is_tried_once(gateway:
         goal_id = gateway.http.post("/dock").json()["goal_id"]
         stream.until_type("feedback")
         assert gateway.http.post(f"/dock/{goal_id}/cancel", timeout=10).json()["code"] == "action_server_timeout"
-        assert stream.until_type("result", timeout=40)["status"] == "succeeded"
+        assert stream.until_type("result")["status"] == "succeeded"
         assert "another DDS participant is tried" in gateway.process.output
         assert gateway.process.output.count("another DDS participant") == 1
         sent = [event["feedback"] for event in stream.seen if event["type"] == "feedback"]
@@ -109,7 +109,7 @@ def test_a_killed_server(gateway: RunningGateway, domain: int) -> None:
         stream.until_type("feedback")
         server.send_signal(signal.SIGKILL)
         server.wait()
-        lost = stream.until_status("lost", timeout=15)
+        lost = stream.until_status("lost")
         assert lost["goal_id"] == goal_id
         assert lost["error"]["code"] == "action_server_lost"
         assert any(event.get("stalled") for event in stream.seen)
@@ -131,7 +131,7 @@ def test_a_frozen_server_and_its_return(gateway: RunningGateway, domain: int) ->
         goal_id = gateway.http.post("/dock").json()["goal_id"]
         stream.until_type("feedback")
         server.send_signal(signal.SIGSTOP)
-        stream.until_status("lost", timeout=15)
+        stream.until_status("lost")
         assert gateway.http.get("/readyz").json()["action_server"]["answering"] is False
         status, code, took = post_timed(gateway)
         assert (status, code) == (504, "action_server_timeout")
@@ -140,7 +140,7 @@ def test_a_frozen_server_and_its_return(gateway: RunningGateway, domain: int) ->
         assert stop["failed"][0]["code"] == "action_server_timeout"
         server.send_signal(signal.SIGCONT)
         # The stop was waiting for it: the goal is left as canceled, and the robot does not go on.
-        assert stream.until_type("result", timeout=15)["status"] == "canceled"
+        assert stream.until_type("result")["status"] == "canceled"
         assert gateway.goal(goal_id)["status"] == "canceled"
         gateway.wait_until_ready()
         assert gateway.http.post("/dock").status_code == 202
@@ -153,9 +153,9 @@ def test_a_lost_goal_goes_on_when_its_server_thaws(gateway: RunningGateway, doma
         goal_id = gateway.http.post("/dock").json()["goal_id"]
         stream.until_type("feedback")
         server.send_signal(signal.SIGSTOP)
-        stream.until_status("lost", timeout=15)
+        stream.until_status("lost")
         server.send_signal(signal.SIGCONT)
-        stream.until_status("executing", timeout=15)
+        stream.until_status("executing")
         stream.until_type("feedback")
         gateway.publish(LOW | {"power_supply_status": 1})
         assert stream.until_type("result")["status"] == "succeeded"
@@ -179,7 +179,7 @@ def test_a_goal_accepted_too_late_is_canceled(domain: int) -> None:
         assert (status, code) == (504, "action_server_timeout")
         assert took < 6
         server.send_signal(signal.SIGCONT)
-        result = stream.until_type("result", timeout=15)
+        result = stream.until_type("result")
         assert result["status"] == "canceled"
         assert "canceled" in result["error"]["detail"]
 
@@ -208,7 +208,7 @@ def test_a_restarted_server_does_not_know_the_goal(gateway: RunningGateway, doma
             server.send_signal(signal.SIGKILL)
             server.wait()
         with running_dock_server(domain):
-            lost = stream.until_status("lost", timeout=20)
+            lost = stream.until_status("lost")
             assert lost["error"]["code"] == "action_server_lost"
 
 

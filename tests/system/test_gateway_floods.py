@@ -18,14 +18,14 @@ from tests.support.gateway import (
     running_gateway,
     running_hostile_node,
 )
-from tests.support.observer import wait_until
 from tests.support.processes import Process, ros_environment
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
 LIMIT = 20_000
 # Seconds that a stop may take on a busy machine.
-QUICK = 2.0
+QUICK = 5.0
 
 
 @pytest.fixture(scope="module")

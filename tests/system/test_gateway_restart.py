@@ -17,8 +17,9 @@ from dock_gateway.ros.messages.codec import codec
 from dock_gateway.settings import Settings
 from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.history import open_at
-from tests.support.observer import Observer, ros_observer, wait_until
+from tests.support.observer import Observer, ros_observer
 from tests.support.processes import BIN, Process, ros_environment
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -157,7 +158,7 @@ def test_goals_whose_server_has_gone_are_lost_not_forgotten(domain: int, kept: d
         server.wait()
     with running_gateway(domain, **kept) as second:
         assert second.goal(goal_id)["origin"] == "gateway"
-        goal = second.wait_for_goal(goal_id, "lost", timeout=30)
+        goal = second.wait_for_goal(goal_id, "lost")
         assert goal["error"]["code"] == "action_server_lost"
         with running_dock_server(domain):
             second.wait_until_ready()
@@ -199,7 +200,7 @@ def test_goals_are_taken_up_when_the_database_is_back(
                 other.execute("ROLLBACK")
                 wait_until(reachable, "the database")
                 wait_until(lambda: origin() == "gateway", "the goal, as the database tells of it")
-                second.wait_for_goal(goal_id, "executing" if served else "lost", timeout=30)
+                second.wait_for_goal(goal_id, "executing" if served else "lost")
 
 
 def test_a_goal_that_was_never_sent_does_not_use_up_its_key(domain: int, kept: dict[str, str]) -> None:

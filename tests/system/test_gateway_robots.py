@@ -11,7 +11,7 @@ import pytest
 from tests.support.clients import connect
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program
-from tests.support.observer import wait_until
+from tests.support.waiting import wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(150)]
 

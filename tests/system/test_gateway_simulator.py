@@ -9,7 +9,8 @@ from nav_msgs.msg import Odometry
 
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program
-from tests.support.observer import ros_observer, wait_until
+from tests.support.observer import ros_observer
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 

@@ -15,13 +15,14 @@ from std_msgs.msg import Bool
 
 from action_tutorials_interfaces.action import Fibonacci
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway, running_program
-from tests.support.observer import Observer, ros_observer, wait_until
+from tests.support.observer import Observer, ros_observer
 from tests.support.processes import Process, ros_environment
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
-# The promise is 100 ms; a machine that is shared gets five times that.
-ANSWERED_WITHIN = 0.5
+# Far less than the 5 s that a cancel may wait; `make chaos` and the benchmark hold the promise of 100 ms.
+ANSWERED_WITHIN = 2.0
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
@@ -79,7 +80,7 @@ def test_a_frozen_server_does_not_hold_up_the_answer(domain: int) -> None:
         assert took < ANSWERED_WITHIN
         assert report["unconfirmed"] == ["/connect_to_charging_dock"]
         server.send_signal(signal.SIGCONT)
-        assert stream.until_type("result", timeout=20)["goal_id"] == goal_id
+        assert stream.until_type("result")["goal_id"] == goal_id
         assert refused(gateway.http.post("/dock"))
 
 

@@ -11,7 +11,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
 from tests.support.gateway import CHARGING, RunningGateway, running_dock_server, running_gateway
-from tests.support.observer import wait_until
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
