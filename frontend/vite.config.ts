@@ -39,6 +39,7 @@ export default defineConfig({
     include: ["tests/**/*.test.{ts,tsx}"],
     setupFiles: ["tests/setup.ts"],
     testTimeout: 90_000,
+    maxWorkers: "100%",
     restoreMocks: true,
   },
 });

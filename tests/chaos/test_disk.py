@@ -136,6 +136,7 @@ def full(trial: Trial) -> Iterator[None]:
 @contextmanager
 def really_full(trial: Trial) -> Iterator[None]:
     """No block is left: ENOSPC."""
+    wait_until(lambda: log_emptied(trial.disk.file), "the log of the database is empty: its blocks would be used again")
     filler = trial.disk.seen / "filler"
     with filler.open("wb", buffering=0) as file:
         for size in (65_536, 4096, 1):
@@ -149,6 +150,13 @@ def really_full(trial: Trial) -> Iterator[None]:
         yield
     finally:
         filler.unlink()
+
+
+def log_emptied(path: Path) -> bool:
+    """Move the database's log into the database and cut it off; return False if somebody reads it."""
+    with closing(sqlite3.connect(path, timeout=10)) as connection:
+        busy, _, _ = connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
+    return not busy
 
 
 @contextmanager
