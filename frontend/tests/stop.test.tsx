@@ -4,7 +4,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import { DoubleEscape, TWICE_WITHIN_MS } from "../src/stop/keys";
 import { ownName, setOwnName } from "../src/stop/who";
-import { at, latched, released, robot, stopReport } from "./events";
+import { at, latched, released, robot, snapshot, stopReport } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
@@ -154,11 +154,51 @@ describe("the stops of several robots", () => {
     const robots = [robot("/", { stop: held }), one, two];
     const gateway = fakeGateway();
     const { user } = renderPage(gateway, { stop: held, robots }, "/ui/robot");
-    expect(banner()?.textContent).toMatch(/^Stopped by Ada.*\/robot1, \/robot2: /);
+    expect(banner()?.textContent).toMatch(/^Stopped by Ada.*at [^/]*\/, \/robot1, \/robot2: /);
     await user.click(button("Release …"));
     await user.click(await screen.findByRole("button", { name: "Release" }));
     await waitFor(() => expect(banner()).toBeNull());
     expect(gateway.release).toHaveBeenCalledTimes(1);
+  });
+
+  it("do not name a configured robot that does not exist", () => {
+    const held = { ...latched("Ada"), robots: ["/", "/robot1"] };
+    const none = robot("/", {
+      stop: held,
+      battery: { ...one.battery, state: null, received_at: null },
+      dock: null,
+      undock: null,
+    });
+    renderPage(fakeGateway(), { stop: held, robots: [none, one] }, "/ui/robot");
+    expect(banner()?.textContent).toMatch(/\/robot1: Zero/);
+    expect(banner()?.textContent).not.toMatch(/\/, /);
+  });
+});
+
+describe("a Stop that was not delivered", () => {
+  const failing = () =>
+    fakeGateway({ stop: vi.fn().mockRejectedValue(new CommandError("offline", "No answer", "down")) });
+
+  it("is said until the gateway answers again, and then what is stopped", async () => {
+    const { store, user } = renderPage(failing());
+    act(() => store.onConnection({ kind: "closed" }));
+    await user.click(button("Stop"));
+    expect(await screen.findByText("Stop was NOT delivered")).toBeDefined();
+    act(() => store.onEvent(snapshot({ time: new Date().toISOString() })));
+    act(() => store.onConnection({ kind: "snapshot" }));
+    expect(await screen.findByText(/No robot is stopped\. Press Stop again/)).toBeDefined();
+    expect(screen.queryByText("Stop was NOT delivered")).toBeNull();
+  });
+
+  it("is said no more where somebody else's stop holds", async () => {
+    const { store, user } = renderPage(failing());
+    await user.click(button("Stop"));
+    expect(await screen.findByText("Stop was NOT delivered")).toBeDefined();
+    act(() =>
+      store.onEvent({ type: "stop", time: new Date().toISOString(), robot: "/", stop: latched("Grace") }),
+    );
+    expect(await screen.findByText("Stopped: /.")).toBeDefined();
+    expect(screen.queryByText("Stop was NOT delivered")).toBeNull();
   });
 });
 
@@ -196,13 +236,10 @@ describe("Stop", () => {
     expect(await screen.findByText(/Not answered yet: \/dock/)).toBeDefined();
   });
 
-  it("works by Escape twice, from anywhere but a text field, and in a dialog", async () => {
+  it("works by Escape twice, from anywhere: in a number field and in a dialog, too", async () => {
     const gateway = fakeGateway();
     const { user } = renderPage(gateway);
     await user.click(screen.getByLabelText("Voltage (V)"));
-    await user.keyboard("{Escape}{Escape}");
-    expect(gateway.stop).not.toHaveBeenCalled();
-    act(() => (document.activeElement as HTMLElement).blur());
     await user.keyboard("{Escape}{Escape}");
     expect(gateway.stop).toHaveBeenCalledTimes(1);
     await user.click(button("Keyboard and name"));
@@ -257,5 +294,8 @@ describe("Escape twice", () => {
     press(other, 100, { key: "a" });
     expect(press(other, 200)).toBe(false);
     expect(press(other, 300, { shiftKey: true })).toBe(false);
+    const composing = new DoubleEscape();
+    press(composing, 0, { isComposing: true });
+    expect(press(composing, 100, { isComposing: true })).toBe(false);
   });
 });

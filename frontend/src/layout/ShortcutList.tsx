@@ -14,7 +14,7 @@ interface Shortcut {
 const EVERYWHERE: readonly Shortcut[] = [
   {
     keys: ["Esc", "Esc"],
-    what: `Stop every robot: Escape twice within ${TWICE_WITHIN_MS / 1000} s, anywhere but in a text field`,
+    what: `Stop every robot: Escape twice within ${TWICE_WITHIN_MS / 1000} s`,
   },
   { keys: ["Ctrl", "Shift", "X"], what: "Stop every robot, also while you type" },
   { keys: ["Tab", "Enter"], what: "To the next control; press it" },

@@ -31,7 +31,7 @@ export function StopBanner() {
     >
       {held.length === 1 ? (
         <Held stop={only} title={<Title stop={only} several={robots.size > 1} />} large>
-          {only.below.length > 0 && `${listed(only.below)}: `}
+          {only.holds.join() !== only.robot && `${listed(only.holds)}: `}
           Zero velocity was sent, goals are canceled, and none is sent until the stop is released.
         </Held>
       ) : (
@@ -123,7 +123,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
     }
   });
   const all = held.length > 1;
-  const names = held.flatMap(({ robot, below }) => [robot, ...below]).filter((name) => name !== "/");
+  const names = held.flatMap(({ holds }) => holds);
   return (
     <>
       <Button
@@ -131,7 +131,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
         size={small ? "compact-md" : "sm"}
         disabled={!live || release.isPending}
         title={live ? undefined : "The gateway is not connected."}
-        aria-label={small ? `Release ${names[0] ?? ""} …` : undefined}
+        aria-label={small ? `Release ${held[0]?.robot ?? ""} …` : undefined}
         onClick={ask.open}
       >
         {all ? "Release all …" : "Release …"}
@@ -147,7 +147,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
         title={all ? `Release ${held.length} stops?` : "Release the stop?"}
       >
         <Stack gap="md">
-          {names.length > 0 && <Text fw={600}>{names.join(", ")}</Text>}
+          {names.join() !== "/" && <Text fw={600}>{names.join(", ")}</Text>}
           <Text size="sm">
             Goals can be sent again afterwards, by everybody.{" "}
             {names.length > 1

@@ -1,11 +1,12 @@
 import { Button, Group, Kbd } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { useEffect } from "react";
-import { useFleet } from "../fleet/context";
+import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { useCommand } from "../ui/useCommand";
 import { stopEverywhere } from "./everywhere";
+import { heldStops } from "./held";
 import { CHORD, DoubleEscape } from "./keys";
-import { showFailed, showStopped, showStopping } from "./notices";
+import { showFailed, showRecovered, showStopped, showStopping } from "./notices";
 import classes from "./stop.module.css";
 import { whoStops } from "./who";
 
@@ -15,6 +16,8 @@ import { whoStops } from "./who";
  */
 export function StopButton() {
   const { gateway, gatewayOf, store } = useFleet();
+  const live = useFleetLive();
+  const stop = useFleetTopic("stop");
   const { mutate, isPending } = useCommand(() => {
     showStopping();
     return stopEverywhere(async (robot) => {
@@ -35,6 +38,10 @@ export function StopButton() {
     window.addEventListener("keydown", hear, true);
     return () => window.removeEventListener("keydown", hear, true);
   }, [mutate]);
+
+  useEffect(() => {
+    if (live) showRecovered(heldStops(stop, store.get("robots")).flatMap(({ holds }) => holds));
+  }, [live, stop, store]);
 
   return (
     <Group gap="xs" wrap="nowrap">

@@ -1,5 +1,6 @@
 import type { StopState } from "../api/types";
 import type { Robot } from "../fleet/types";
+import { isThere } from "../fleet/words";
 
 /** A stop that holds, with what it holds besides; released for all of them together. */
 export interface HeldStop {
@@ -10,6 +11,8 @@ export interface HeldStop {
   by: string | null;
   /** The robots in namespaces below, by name. */
   below: string[];
+  /** All robots that it holds, without a configured one that does not exist. */
+  holds: string[];
   /** False where a restart of the gateway would lose it. */
   persisted: boolean;
 }
@@ -28,16 +31,15 @@ export function heldStops(stop: StopState, robots: ReadonlyMap<string, Robot>): 
   const names = [...latched.keys()].sort(byName);
   return [...latched]
     .filter(([held]) => !names.some((other) => other !== held && isUnder(held, other)))
-    .map(([held, { since, by, robots: under, persisted }]) => ({
-      robot: held,
-      configured: held === name,
-      since,
-      by,
-      persisted,
-      below: [...new Set([...names, ...under])]
+    .map(([held, { since, by, robots: under, persisted }]) => {
+      const below = [...new Set([...names, ...under])]
         .filter((other) => other !== held && isUnder(other, held))
-        .sort(byName),
-    }))
+        .sort(byName);
+      const robot = robots.get(held);
+      const exists = below.length === 0 || robot === undefined || isThere(robot);
+      const holds = exists ? [held, ...below] : below;
+      return { robot: held, configured: held === name, since, by, persisted, below, holds };
+    })
     .sort((a, b) => byName(a.robot, b.robot));
 }
 

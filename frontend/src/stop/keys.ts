@@ -4,14 +4,17 @@ export const TWICE_WITHIN_MS = 700;
 /** Works everywhere, also while somebody types. */
 export const CHORD = "ctrl+shift+X";
 
-/** Knows when Escape is pressed twice: fast to hit in a fright, and not by closing one thing. */
+/**
+ * Recognizes two presses of Escape in quick succession, also in a text field. While an input method composes text, Escape
+ * belongs to the input method.
+ */
 export class DoubleEscape {
   #last = Number.NEGATIVE_INFINITY;
 
   /** Whether this key press is the second of two. */
   press(event: KeyboardEvent): boolean {
     const modified = event.ctrlKey || event.altKey || event.metaKey || event.shiftKey;
-    if (event.key !== "Escape" || modified || isTextField(event.target)) {
+    if (event.key !== "Escape" || modified || event.isComposing) {
       this.#last = Number.NEGATIVE_INFINITY;
       return false;
     }

@@ -1,8 +1,9 @@
-import { notifications } from "@mantine/notifications";
+import { notifications, notificationsStore } from "@mantine/notifications";
 import type { CommandError } from "../api/errors";
 import type { StopReport } from "../api/types";
 
 const NOTICE = "stop";
+const NOT_DELIVERED = "Stop was NOT delivered";
 
 interface Notice {
   color: string;
@@ -64,8 +65,27 @@ export function showStopped({ canceling, failed, unconfirmed, warning }: StopRep
 export function showFailed(error: CommandError): void {
   show({
     color: "red",
-    title: "Stop was NOT delivered",
+    title: NOT_DELIVERED,
     message: `Use the robot's own emergency stop if it moves. ${error.title} (${error.code}): ${error.detail}`,
     autoClose: false,
+  });
+}
+
+/**
+ * Replaces the notice of a failed Stop once the gateway has said again what is stopped.
+ *
+ * @param stopped The robots that a stop holds.
+ */
+export function showRecovered(stopped: readonly string[]): void {
+  const shown = notificationsStore.getState().notifications.find(({ id }) => id === NOTICE);
+  if (shown?.title !== NOT_DELIVERED) return;
+  show({
+    color: "orange",
+    title: "The gateway answers again",
+    message:
+      stopped.length > 0
+        ? `Stopped: ${stopped.join(", ")}.`
+        : "No robot is stopped. Press Stop again if it is still needed.",
+    autoClose: 8000,
   });
 }
