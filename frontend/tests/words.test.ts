@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
-import { advice, currentGoal, meaning, outcome } from "../src/docking/goalWords";
 import { rate } from "../src/docking/rate";
 import { describeVelocity } from "../src/docking/velocity";
+import { advice, currentGoal, meaning, outcome } from "../src/goal/words";
 import { formatDuration, formatTime } from "../src/ui/time";
 import { at, cmdVel, goal } from "./events";
 

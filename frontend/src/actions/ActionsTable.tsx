@@ -4,7 +4,7 @@ import { Link } from "react-router";
 import { actionPath } from "../api/actions";
 import type { ActionInfo, Goal } from "../api/types";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
-import { GoalStatusBadge } from "../goals/GoalStatusBadge";
+import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { isTerminal, newestFirst } from "../store/goals";
 import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";

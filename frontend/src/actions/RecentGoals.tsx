@@ -3,7 +3,7 @@ import { useEffect, useMemo } from "react";
 import { Link } from "react-router";
 import type { AnyGoal, Goal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
-import { GoalStatusBadge } from "../goals/GoalStatusBadge";
+import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { useGatewayNow } from "../store/clock";
 import { newestFirst } from "../store/goals";
 import { Section } from "../ui/Section";

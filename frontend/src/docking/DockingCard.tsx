@@ -1,11 +1,11 @@
 import { Stack, Text } from "@mantine/core";
+import { currentGoal } from "../goal/words";
 import { useTopic } from "../store/context";
 import { isTerminal } from "../store/goals";
 import { Section } from "../ui/Section";
 import { ActionServerStatus } from "./ActionServerStatus";
 import { DockingControls } from "./DockingControls";
 import { GoalPanel } from "./GoalPanel";
-import { currentGoal } from "./goalWords";
 
 /** What the robot can be asked to do, and the goal that runs. */
 export function DockingCard() {

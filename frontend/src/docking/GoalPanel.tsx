@@ -1,17 +1,17 @@
 import { Anchor, Badge, Group, Stack, Text } from "@mantine/core";
 import { Link } from "react-router";
 import { summarize } from "../battery/words";
+import { GoalDuration } from "../goal/GoalDuration";
+import { GoalExplanation } from "../goal/GoalExplanation";
+import { GoalStatusBadge } from "../goal/GoalStatusBadge";
+import { meaning } from "../goal/words";
 import { FeedbackCount } from "../goals/FeedbackCount";
-import { GoalDuration } from "../goals/GoalDuration";
-import { GoalExplanation } from "../goals/GoalExplanation";
-import { GoalStatusBadge } from "../goals/GoalStatusBadge";
 import { useLive, useTopic, useTopicPart } from "../store/context";
 import { type GoalCourse, isTerminal } from "../store/goals";
 import { useVerbOf } from "../store/verbs";
 import { Fact, FactList } from "../ui/Fact";
 import { Time } from "../ui/Time";
 import { FeedbackLog } from "./FeedbackLog";
-import { meaning } from "./goalWords";
 import { StageTimeline } from "./StageTimeline";
 
 /** The goal that runs, or how the last one ended. */

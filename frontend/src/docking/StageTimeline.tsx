@@ -1,4 +1,6 @@
 import { Text, VisuallyHidden } from "@mantine/core";
+import { spansOf, timeIn } from "../goal/spans";
+import { type StepState, stageLabel, stepsOf } from "../goal/stages";
 import { useAtTime, useGatewayNow } from "../store/clock";
 import { useLive } from "../store/context";
 import { type GoalCourse, isTerminal } from "../store/goals";
@@ -6,8 +8,6 @@ import type { StageVisit } from "../store/stages";
 import { useVerbOf } from "../store/verbs";
 import { formatDuration } from "../ui/time";
 import classes from "./docking.module.css";
-import { type StepState, stageLabel, stepsOf } from "./stages";
-import { spansOf, timeIn } from "./timeline";
 import { useWay } from "./useWay";
 
 /** Durations are renewed so often. */

@@ -1,6 +1,6 @@
 import type { Verb } from "../api/client";
-import { outcome } from "../docking/goalWords";
-import { stageLabel } from "../docking/stages";
+import { stageLabel } from "../goal/stages";
+import { outcome } from "../goal/words";
 import { sentence } from "../ui/sentence";
 import { formatDuration } from "../ui/time";
 import type { GoalSummary, Robot } from "./types";

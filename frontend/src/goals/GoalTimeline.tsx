@@ -1,19 +1,19 @@
 import { Skeleton, Stack, Text } from "@mantine/core";
 import type { Verb } from "../api/client";
 import type { AnyGoal } from "../api/types";
-import { dockingVerb, meaning } from "../docking/goalWords";
-import { stageName, stageWords } from "../docking/stages";
 import { useFleetLive } from "../fleet/context";
+import { GoalStatusBadge } from "../goal/GoalStatusBadge";
+import { stageName, stageWords } from "../goal/stages";
+import { type Entry, timelineOf } from "../goal/timeline";
+import { dockingVerb, meaning } from "../goal/words";
 import { useGatewayNow } from "../store/clock";
 import { isFinal, isTerminal } from "../store/goals";
 import { Section } from "../ui/Section";
 import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
 import { formatDuration } from "../ui/time";
-import { GoalStatusBadge } from "./GoalStatusBadge";
 import classes from "./goalPage.module.css";
 import { Trouble } from "./Trouble";
-import { type Entry, timelineOf } from "./timeline";
 import { useWatched, useWatchTopic } from "./useGoalWatch";
 
 /** What a goal went through: its statuses and stages, when they began and how long they lasted. */

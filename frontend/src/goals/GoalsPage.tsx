@@ -2,8 +2,8 @@ import { Button, Group, Skeleton, Stack, Table, Text, Title } from "@mantine/cor
 import { useMemo } from "react";
 import { useSearchParams } from "react-router";
 import { goalsExportUrl } from "../api/goals";
-import { dockingVerb } from "../docking/goalWords";
 import { useFleet, useFleetLive } from "../fleet/context";
+import { dockingVerb } from "../goal/words";
 import { Command } from "../ui/Command";
 import { usePageTitle } from "../ui/usePageTitle";
 import { Downloads } from "./Downloads";

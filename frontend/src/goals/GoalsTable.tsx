@@ -3,12 +3,12 @@ import { type MouseEvent, memo } from "react";
 import { Link, useNavigate } from "react-router";
 import type { Verb } from "../api/client";
 import type { AnyGoal } from "../api/types";
-import { outcome } from "../docking/goalWords";
+import { GoalDuration } from "../goal/GoalDuration";
+import { GoalStatusBadge } from "../goal/GoalStatusBadge";
+import { outcome } from "../goal/words";
 import { Breakable } from "../ui/Breakable";
 import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
-import { GoalDuration } from "./GoalDuration";
-import { GoalStatusBadge } from "./GoalStatusBadge";
 import classes from "./goals.module.css";
 import { OriginBadge } from "./OriginBadge";
 

@@ -1,6 +1,7 @@
 import { type CommandError, toCommandError } from "../api/errors";
 import type { GoalsApi } from "../api/goals";
 import type { AnyGoal, EventOf, GatewayEvent, Goal, GoalEvent } from "../api/types";
+import type { StatusEvent } from "../goal/timeline";
 import { applyFeedback, applyResult, applyStatus, isFinal, mergeGoals, snapshotGoals } from "../store/goals";
 import { Shown } from "../store/shown";
 import type { GoalsState } from "../store/state";
@@ -12,7 +13,6 @@ import {
 } from "../stream/connection";
 import type { StreamHandlers } from "../stream/stream";
 import { FeedbackLog, type FeedbackRow } from "./feedbackLog";
-import type { StatusEvent } from "./timeline";
 
 /** How far the past of the goal is here. */
 export interface Past {

@@ -1,5 +1,5 @@
 import { Text } from "@mantine/core";
-import { currentGoal } from "../docking/goalWords";
+import { currentGoal } from "../goal/words";
 import { useServices, useTopic } from "../store/context";
 import { useVerbOf } from "../store/verbs";
 import { Command } from "../ui/Command";

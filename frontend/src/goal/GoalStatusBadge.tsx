@@ -1,6 +1,6 @@
 import { Badge } from "@mantine/core";
 import type { GoalStatus } from "../api/types";
-import { STATUS_COLORS } from "../docking/goalWords";
+import { STATUS_COLORS } from "./words";
 
 export function GoalStatusBadge({ status, testId }: { status: GoalStatus; testId?: string }) {
   return (

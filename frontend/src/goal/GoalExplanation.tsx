@@ -1,8 +1,8 @@
 import { Alert, Text } from "@mantine/core";
 import { adviceFor } from "../api/errors";
 import type { AnyGoal } from "../api/types";
-import { advice } from "../docking/goalWords";
 import { sentence } from "../ui/sentence";
+import { advice } from "./words";
 
 interface GoalExplanationProps {
   goal: Pick<AnyGoal, "status" | "stalled" | "error">;

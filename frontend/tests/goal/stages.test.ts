@@ -1,9 +1,9 @@
 import { describe, expect, it } from "vitest";
-import type { Goal } from "../src/api/types";
-import { stageWords, stepsOf } from "../src/docking/stages";
-import { spansOf, timeIn } from "../src/docking/timeline";
-import { type Stages, withPast } from "../src/store/stages";
-import { at, goal, START, undockGoal } from "./events";
+import type { Goal } from "../../src/api/types";
+import { spansOf, timeIn } from "../../src/goal/spans";
+import { stageWords, stepsOf } from "../../src/goal/stages";
+import { type Stages, withPast } from "../../src/store/stages";
+import { at, goal, START, undockGoal } from "../events";
 
 const PERCEPTION = "INITIAL_PERCEPTION";
 const STAGING = "NAV_TO_STAGING_POSE";
