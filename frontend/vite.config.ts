@@ -1,5 +1,6 @@
 import react from "@vitejs/plugin-react";
 import { defineConfig } from "vitest/config";
+import { precompress } from "./precompress.ts";
 
 const gateway = process.env.DOCK_GATEWAY_URL ?? "http://127.0.0.1:8000";
 // Tests write numbers and times in English, whatever the machine speaks. Their time zone is half an hour off UTC, where a
@@ -25,7 +26,7 @@ const apiPaths = [
 ];
 
 export default defineConfig({
-  plugins: [react()],
+  plugins: [react(), precompress()],
   server: {
     // The Host header is passed on as it is, so that the gateway's check of the Origin holds here too.
     proxy: {

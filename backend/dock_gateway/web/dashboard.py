@@ -1,31 +1,24 @@
 """The dashboard's files. API paths never return HTML, and pages never shadow API paths."""
 
-from functools import partial
 from pathlib import Path
 
 from fastapi import FastAPI
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, Response
-from starlette.staticfiles import StaticFiles
+from starlette.responses import HTMLResponse, Response
 
 from dock_gateway.settings import Settings
 from dock_gateway.web.edge.security import CONTENT_SECURITY_POLICY, PAGE_POLICY
+from dock_gateway.web.static import CompressedFiles, is_compressed
 
-PAGE_HEADERS = {"Cache-Control": "no-cache", CONTENT_SECURITY_POLICY: PAGE_POLICY}
+# The names of assets contain a hash of their content, so that caches may keep them indefinitely.
+ASSET_HEADERS = {"Cache-Control": "public, max-age=31536000, immutable"}
+FILE_HEADERS = {"Cache-Control": "no-cache"}
+PAGE_HEADERS = {**FILE_HEADERS, CONTENT_SECURITY_POLICY: PAGE_POLICY}
+_READ = ["GET", "HEAD"]
 NOT_BUILT = """<!doctype html><html lang="en"><meta charset="utf-8"><title>dock-gateway</title>
 <h1>dock-gateway is running; its dashboard has not been built</h1>
 <p>In the checkout, run <code>make run</code>, or <code>make setup</code> and reload this page.
 The API is available: <a href="/docs">/docs</a>.</p></html>"""
-
-
-class Assets(StaticFiles):
-    """Files whose names contain a hash of their content, so that caches may keep them indefinitely."""
-
-    def file_response(self, *args: object, **kwargs: object) -> Response:
-        """Add the `Cache-Control` header."""
-        response = super().file_response(*args, **kwargs)  # type: ignore[arg-type]
-        response.headers["Cache-Control"] = "public, max-age=31536000, immutable"
-        return response
 
 
 def find_dashboard(settings: Settings) -> Path | None:
@@ -38,24 +31,25 @@ def find_dashboard(settings: Settings) -> Path | None:
 def install_dashboard(app: FastAPI, settings: Settings) -> None:
     """Serve the page at `/` and `/ui/…`, and its assets. Must come after every API route."""
     folder = find_dashboard(settings)
-    files = [path for path in folder.iterdir() if "." in path.name and path.is_file()] if folder else []
+    pages = CompressedFiles(folder, PAGE_HEADERS) if folder else None
 
-    def page() -> Response:
-        if folder is None:
-            return HTMLResponse(NOT_BUILT, headers=PAGE_HEADERS)
-        return FileResponse(folder / "index.html", headers=PAGE_HEADERS)
-
-    @app.get("/", include_in_schema=False)
-    @app.get("/ui/{path:path}", include_in_schema=False)
+    @app.api_route("/", methods=_READ, include_in_schema=False)
+    @app.api_route("/ui/{path:path}", methods=_READ, include_in_schema=False)
     async def dashboard(request: Request) -> Response:
-        return page()
+        if pages is None:
+            return HTMLResponse(NOT_BUILT, headers=PAGE_HEADERS)
+        return await pages.get_response("index.html", request.scope)
 
-    if folder is not None and (folder / "assets").is_dir():
-        app.mount("/assets", Assets(directory=folder / "assets"))
+    if folder is None:
+        return
+    if (folder / "assets").is_dir():
+        app.mount("/assets", CompressedFiles(folder / "assets", ASSET_HEADERS))
 
-    for path in files:  # files next to the page, such as its icon
-        app.add_api_route(f"/{path.name}", partial(_file, path), include_in_schema=False)
+    beside = CompressedFiles(folder, FILE_HEADERS)
 
+    async def file(request: Request) -> Response:
+        return await beside.get_response(request.url.path.removeprefix("/"), request.scope)
 
-async def _file(path: Path) -> Response:
-    return FileResponse(path, headers={"Cache-Control": "no-cache"})
+    for path in folder.iterdir():  # files next to the page, such as its icon
+        if "." in path.name and path.is_file() and not is_compressed(path.name):
+            app.add_api_route(f"/{path.name}", file, methods=_READ, include_in_schema=False)

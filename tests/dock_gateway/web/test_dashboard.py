@@ -75,3 +75,29 @@ def test_without_a_build_the_page_says_what_to_run(monkeypatch: pytest.MonkeyPat
 
 def test_the_folder_that_is_set_comes_first(folder: Path) -> None:
     assert find_dashboard(Settings(dashboard_dir=folder)) == folder
+
+
+def test_a_page_can_be_asked_for_with_head(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    http = client(folder, monkeypatch)
+    for path in ("/", "/ui/goals", "/favicon.svg", "/assets/index-abc.js"):
+        response = http.head(path)
+        assert (response.status_code, response.content) == (200, b"")
+        assert response.headers.items() >= {"content-length": http.get(path).headers["content-length"]}.items()
+
+
+def test_a_page_that_has_not_changed_keeps_its_policy(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A cache takes over the headers of a 304 response."""
+    http = client(folder, monkeypatch)
+    page = http.get("/")
+    again = http.get("/", headers={"If-None-Match": page.headers["etag"]})
+    assert (again.status_code, again.content) == (304, b"")
+    for name in ("content-security-policy", "cache-control", "vary", "etag"):
+        assert again.headers[name] == page.headers[name]
+
+
+def test_compressed_files_have_no_address(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (folder / "index.html.br").write_bytes(b"x")
+    (folder / "assets" / "index-abc.js.gz").write_bytes(b"x")
+    http = client(folder, monkeypatch)
+    assert http.get("/index.html.br").status_code == 404
+    assert http.get("/assets/index-abc.js.gz").status_code == 404

@@ -41,7 +41,7 @@ def test_a_method_that_a_path_does_not_have(client: TestClient, path: str) -> No
 
 
 def test_pages_and_what_is_not_there(client: TestClient) -> None:
-    assert read(client.options("/").headers["allow"]) == {"get", "options"}
+    assert read(client.options("/").headers["allow"]) == {"get", "head", "options"}
     assert read(client.put("/docs").headers["allow"]) == {"get", "options"}
     for method in ("OPTIONS", "DELETE"):
         response = client.request(method, "/nothing")
