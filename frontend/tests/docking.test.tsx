@@ -98,7 +98,7 @@ describe("one robot of several", () => {
 
   it("has a Stop of its own", async () => {
     const gateway = fakeGateway();
-    const { store, user } = renderPage(gateway, {}, "/ui/robot?robot=/robot1");
+    const { store, user } = renderPage(gateway, { robots: [robot("/robot1")] }, "/ui/robot?robot=/robot1");
     expect(screen.queryByRole("button", { name: "Stop /robot1" })).toBeNull();
     act(() => store.onEvent(several));
     await user.click(await screen.findByRole("button", { name: "Stop /robot1" }));

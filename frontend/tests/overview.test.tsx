@@ -45,6 +45,14 @@ describe("the overview of several robots", () => {
     expect(row("/robot10").textContent).toMatch(/2.16 V.*stale: .* ago.*Stopped by Ada.*Silent/);
   });
 
+  it("calls a robot unreachable that was switched off, and counts it so", () => {
+    const battery = { ...one.battery, stale: true };
+    renderPage(fakeGateway(), { robots: [one, robot("/dead", { dock: null, undock: null, battery })] });
+    expect(row("/dead").textContent).toMatch(/Unknown.*Unreachable$/);
+    expect(row("/dead").textContent).not.toMatch(/Idle|Battery only/);
+    expect(screen.getByRole("button", { name: "1 Unreachable" })).toBeDefined();
+  });
+
   it("puts those with alerts first, and says so in words", () => {
     const alerts = [
       alert("a", { robot: "/robot10" }),
@@ -142,6 +150,29 @@ describe("the overview of one robot", () => {
   it("is not known before the gateway has told", () => {
     renderPage(fakeGateway(), null);
     expect(screen.getByLabelText("The robots are not known yet")).toBeDefined();
+  });
+});
+
+describe("the page of a robot", () => {
+  it("says that it is unreachable, as the overview does", () => {
+    const battery = { ...one.battery, stale: true };
+    const dead = robot("/dead", { dock: null, undock: null, battery });
+    renderPage(fakeGateway(), { robots: [one, dead] }, "/ui/robot?robot=/dead");
+    expect(screen.getByText("Unreachable")).toBeDefined();
+  });
+
+  it("says that no such robot is known, offers those that are, and waits for it", async () => {
+    const { store } = renderPage(fakeGateway(), { robots: [empty, one] }, "/ui/robot?robot=/nix");
+    expect(screen.getByText("No robot /nix is known")).toBeDefined();
+    expect(screen.getByRole("link", { name: "/robot1" })).toBeDefined();
+    expect(screen.queryByRole("button", { name: "Dock" })).toBeNull();
+    const nix = { type: "robots" as const, time: at(1), robots: [robot("/nix")], gone: [] };
+    act(() => store.onEvent(nix));
+    expect(await screen.findByRole("button", { name: "Dock" })).toBeDefined();
+    expect(screen.queryByText("No robot /nix is known")).toBeNull();
+    act(() => store.onEvent({ ...nix, robots: [], gone: ["/nix"] }));
+    expect(await screen.findByText("/nix has left the ROS graph")).toBeDefined();
+    expect(screen.getByRole("button", { name: "Dock" })).toBeDefined();
   });
 });
 

@@ -22,24 +22,38 @@ export function placeWords(docked: boolean | null): string {
   return docked ? "Docked" : "Not docked";
 }
 
-/** How a robot can be reached: its docking server, if it has one. */
-export type Link = "connected" | "silent" | "duplicate" | "gone" | "battery";
+/**
+ * How a robot can be reached. `unreachable`: nothing of it answers, neither a docking server nor a battery that was heard
+ * before. `gone`: its battery is heard, but its docking servers have left the graph.
+ */
+export type Link = "connected" | "silent" | "duplicate" | "gone" | "battery" | "unreachable";
 
-export function linkOf({ dock, undock }: Pick<Robot, "dock" | "undock">): Link {
+export function linkOf({ dock, undock, battery }: Pick<Robot, "dock" | "undock" | "battery">): Link {
   const servers = [dock, undock].filter((server) => server !== null);
-  if (servers.length === 0) return "battery";
   const available = servers.filter((server) => server.available);
-  if (available.length === 0) return "gone";
   if (available.some((server) => server.duplicate)) return "duplicate";
-  return available.every((server) => server.answering) ? "connected" : "silent";
+  const answering = available.filter((server) => server.answering).length;
+  if (answering > 0) return answering === available.length ? "connected" : "silent";
+  const batteryEverHeard = battery.state !== null;
+  if (batteryEverHeard && battery.stale) return "unreachable";
+  if (available.length > 0) return "silent";
+  if (!batteryEverHeard) return "unreachable";
+  return servers.length > 0 ? "gone" : "battery";
+}
+
+/** Whether no command would reach the robot's docking servers. */
+export function isUnreachable(robot: Robot): boolean {
+  const link = linkOf(robot);
+  return link === "unreachable" || link === "gone" || link === "silent";
 }
 
 export const LINK_WORDS: Record<Link, string> = {
   connected: "Connected",
   silent: "Silent",
   duplicate: "Two servers",
-  gone: "Not there",
+  gone: "No docking server",
   battery: "Battery only",
+  unreachable: "Unreachable",
 };
 
 export const LINK_HINTS: Record<Link, string> = {
@@ -48,6 +62,8 @@ export const LINK_HINTS: Record<Link, string> = {
   duplicate: "More than one action server serves its docking action: shut down all but one.",
   gone: "Nobody offers its docking action: start its docking server.",
   battery: "It has a battery topic and no docking action.",
+  unreachable:
+    "Neither its docking server nor its battery is heard. Check that the robot is switched on and on the network.",
 };
 
 /** What a robot's goal is called: Dock, Undock, or the action's own name. */

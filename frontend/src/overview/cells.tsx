@@ -8,6 +8,7 @@ import {
   LINK_WORDS,
   type Link as LinkState,
   lastWords,
+  linkOf,
   runningWords,
 } from "../fleet/words";
 import { useAtTime } from "../store/clock";
@@ -15,7 +16,7 @@ import { Time } from "../ui/Time";
 import { formatDuration } from "../ui/time";
 import classes from "./overview.module.css";
 
-/** What a robot does now: it is stopped, runs a goal, or nothing. */
+/** What a robot does now: it is stopped, runs a goal, or nothing; unknown where nothing of it is heard. */
 export function NowCell({ robot, live }: { robot: Robot; live: boolean }) {
   const [goal, ...others] = robot.goals;
   const { latched, by } = robot.stop;
@@ -35,7 +36,9 @@ export function NowCell({ robot, live }: { robot: Robot; live: boolean }) {
       {others.length > 0 && (
         <span className={classes.quiet}>and {others.map((each) => goalName(robot, each)).join(", ")}</span>
       )}
-      {goal === undefined && !latched && <span className={classes.empty}>Idle</span>}
+      {goal === undefined && !latched && (
+        <span className={classes.empty}>{linkOf(robot) === "unreachable" ? "Unknown" : "Idle"}</span>
+      )}
     </>
   );
 }

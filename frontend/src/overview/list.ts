@@ -1,6 +1,6 @@
 import type { Attention } from "../alerts/order";
 import type { Robot } from "../fleet/types";
-import { linkOf } from "../fleet/words";
+import { isUnreachable, linkOf } from "../fleet/words";
 import { byName } from "../stop/held";
 
 /** What the list can be narrowed to. */
@@ -71,7 +71,7 @@ export function matches(robot: Robot, show: Show, attentions: Attentions): boole
     case "stopped":
       return robot.stop.latched;
     case "unreachable":
-      return linkOf(robot) === "gone" || linkOf(robot) === "silent";
+      return isUnreachable(robot);
   }
 }
 
@@ -117,4 +117,4 @@ function endOf({ last_goal }: Robot): number {
     : -Date.parse(last_goal.finished_at ?? last_goal.updated_at);
 }
 
-const LINK_RANK = { gone: 0, duplicate: 1, silent: 2, battery: 3, connected: 4 } as const;
+const LINK_RANK = { unreachable: 0, gone: 1, duplicate: 2, silent: 3, battery: 4, connected: 5 } as const;
