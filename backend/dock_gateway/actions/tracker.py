@@ -194,13 +194,13 @@ class GoalTracker:
             place.release()
 
     async def _seal(self, goal: Goal, end: list[Event], place: Hold) -> None:
-        told = end
+        stored = end
         try:
-            told = await self._history.seal(goal, end)
+            stored = await self._history.seal(goal, end)
         finally:
-            place.release(told)
-            if told[-1].id != goal.last_event_id:
-                goal.last_event_id = told[-1].id
+            place.release(stored)
+            if stored[-1].id != goal.last_event_id:
+                goal.last_event_id = stored[-1].id
                 self._history.record(goal)
             self._release(goal)
 

@@ -55,7 +55,7 @@ class Halt:
         latched: Whether one of the requests asked for the stop to be latched.
         joined: Whether a request has joined since the last repetition.
         took: How long it took to publish zero velocity to all robots, in seconds.
-        told_at: When that was last done, on the monotonic clock.
+        published_at: When that was last done, on the monotonic clock.
         confirmed: Set when the action servers have answered or timed out.
     """
 
@@ -64,7 +64,7 @@ class Halt:
         self.cancels: dict[Action, asyncio.Task[list[str]]] = {}
         self.unreached: dict[str, Exception] = {}
         self.latched = self.joined = False
-        self.took = self.told_at = 0.0
+        self.took = self.published_at = 0.0
         self.confirmed = asyncio.Event()
 
     def publish_zero(self) -> None:
@@ -77,8 +77,8 @@ class Halt:
             except Exception as error:
                 log.exception("zero velocity could not be published to %s", robot.namespace)
                 self.unreached[robot.namespace] = error
-        self.told_at = time.monotonic()
-        self.took = self.told_at - began
+        self.published_at = time.monotonic()
+        self.took = self.published_at - began
 
     async def ended(self, timeout: float | None) -> None:
         """Wait until all action servers have answered, at most `timeout` seconds."""
@@ -88,7 +88,7 @@ class Halt:
 
     def report(self) -> StopReport:
         """Return what has been done so far."""
-        report = StopReport(failed=[_not_told(robot, error) for robot, error in self.unreached.items()])
+        report = StopReport(failed=[_not_stopped(robot, error) for robot, error in self.unreached.items()])
         for action, task in self.cancels.items():
             if not task.done():
                 report.unconfirmed.append(action.name)
@@ -191,7 +191,7 @@ class Stopper:
     def _join(self, halt: Halt) -> None:
         """Repeat the stop: a robot may have been driven, or a goal may have started, since it began."""
         halt.joined = True
-        if time.monotonic() - halt.told_at > REST * halt.took:
+        if time.monotonic() - halt.published_at > REST * halt.took:
             halt.publish_zero()
         for action, cancel in list(halt.cancels.items()):
             if cancel.done() and action.canceler.uncanceled:
@@ -232,7 +232,7 @@ class Stopper:
         await self._tasks.close()
 
 
-def _not_told(robot: str, error: Exception) -> dict[str, str | None]:
+def _not_stopped(robot: str, error: Exception) -> dict[str, str | None]:
     detail = f"zero velocity could not be published to {robot}: {error!r:.200}"
     return {"action_name": None, "robot": robot, "code": "publish_failed", "detail": detail}
 

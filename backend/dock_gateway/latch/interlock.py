@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 # the other gateway leaves, late subscribers would get nothing. Also the seconds before a failed publish is retried.
 ECHO_AFTER = 0.5
 # Seconds within which an unchanged, uncontradicted state is not published again.
-SAY_AGAIN_AFTER = 1.0
+PUBLISH_AGAIN_AFTER = 1.0
 # Maximum seconds that a release waits for the disk.
 STORE_WITHIN = 0.08
 
@@ -59,10 +59,10 @@ class Interlock:
         self._writer = LatchWriter(file, self._show_soon)
         self._topics: dict[str, LatchTopic] = {}
         # The state we last published on each topic; None if that failed, so it is unknown what subscribers received.
-        self._said: dict[str, bool | None] = {}
-        self._said_at: dict[str, float] = {}
+        self._published: dict[str, bool | None] = {}
+        self._published_at: dict[str, float] = {}
         # When each stop requested here was published, on the monotonic clock; infinite until then.
-        self._told_at: dict[str, float] = {}
+        self._stop_published_at: dict[str, float] = {}
         self._documents: dict[str, dict[str, Any]] | None = None  # of every robot, until something changes
         self._shown: dict[str, dict[str, Any]] = {}
         self._showing: asyncio.Handle | None = None
@@ -118,7 +118,7 @@ class Interlock:
 
     def leave(self, namespace: str) -> None:
         """Remove a robot that is not held."""
-        for known in (self._topics, self._shown, self._said, self._said_at, self._told_at):
+        for known in (self._topics, self._shown, self._published, self._published_at, self._stop_published_at):
             known.pop(namespace, None)
         self._documents = None
         if (echo := self._echoes.pop(namespace, None)) is not None:
@@ -129,7 +129,7 @@ class Interlock:
         latch = Latch(utc_now(), by)
         new = [name for name in self._below(namespace) if self._latches.latch(name, latch)]
         if new:
-            self._told_at.update(dict.fromkeys(new, math.inf))
+            self._stop_published_at.update(dict.fromkeys(new, math.inf))
             log.warning("a stop of %s is latched%s", namespace, f" by {by}" if by else "")
             self._changed()
 
@@ -159,26 +159,26 @@ class Interlock:
     def tell(self, namespace: str) -> None:
         """Publish the state of a robot and of those below it on their topics. A failed publish is retried.
 
-        An unchanged state is published again on request, but at most once per `SAY_AGAIN_AFTER` seconds.
+        An unchanged state is published again on request, but at most once per `PUBLISH_AGAIN_AFTER` seconds.
         """
         now = time.monotonic()
         for name in self._topics.keys() & self._below(namespace):
-            if self._told_at.get(name) == math.inf:
-                self._told_at[name] = now
-            news = self._said.get(name) is not self.holds(name) or name in self._echoes
-            if (news or now - self._said_at[name] > SAY_AGAIN_AFTER) and not self._say(name):
+            if self._stop_published_at.get(name) == math.inf:
+                self._stop_published_at[name] = now
+            news = self._published.get(name) is not self.holds(name) or name in self._echoes
+            if (news or now - self._published_at[name] > PUBLISH_AGAIN_AFTER) and not self._publish(name):
                 self._echo(name)
 
-    def _say(self, namespace: str) -> bool:
+    def _publish(self, namespace: str) -> bool:
         latched = self.holds(namespace)
-        self._said_at[namespace] = time.monotonic()
+        self._published_at[namespace] = time.monotonic()
         try:
             self._topics[namespace].publish(latched=latched)
         except Exception:
             log.exception("stop_latched of %s could not be published; retrying", namespace)
-            self._said[namespace] = None
+            self._published[namespace] = None
             return False
-        self._said[namespace] = latched
+        self._published[namespace] = latched
         return True
 
     def _below(self, namespace: str) -> list[str]:
@@ -199,7 +199,7 @@ class Interlock:
         """
         if self._closing or latched == (namespace in self._latches.held):
             return
-        if not latched and received <= self._told_at.get(namespace, -math.inf):
+        if not latched and received <= self._stop_published_at.get(namespace, -math.inf):
             return
         log.warning("another gateway %s the stop of %s", "latched" if latched else "released", namespace)
         if latched:
@@ -210,7 +210,7 @@ class Interlock:
         self._echo(namespace)
 
     def _let_go(self, namespace: str) -> bool:
-        self._told_at.pop(namespace, None)
+        self._stop_published_at.pop(namespace, None)
         return self._latches.release(namespace)
 
     def _echo(self, namespace: str) -> None:
@@ -234,21 +234,21 @@ class Interlock:
         Only a stop is repeated, so if the messages of two gateways cross, the stop wins. So does a stop of a namespace
         above, which a gateway that released the robot may not know.
         """
-        over, said = self._latches.over(namespace), self._said.get(namespace, False)
+        over, said = self._latches.over(namespace), self._published.get(namespace, False)
         if over is not None and self._latches.latch(namespace, self._latches.held[over]):
             log.warning("the stop of %s holds for %s, too: publishing it again", over, namespace)
             self._changed()
         elif said is (over is not None):
             return True
         elif said and over is None:
-            self._said[namespace] = None
+            self._published[namespace] = None
             await self._topics[namespace].withdraw()
-            self._said[namespace] = False
+            self._published[namespace] = False
             return False  # a stop may have been latched meanwhile
         if over is not None:
-            for told in self.on_latch:
-                told(namespace)
-        return self._say(namespace)
+            for notify in self.on_latch:
+                notify(namespace)
+        return self._publish(namespace)
 
     # ------------------------------------------------------------------ storing and notifying
 

@@ -125,7 +125,7 @@ class BatteryPublisher:
         self._publisher = Publisher()
         self._task: asyncio.Task[None] | None = None
         self._changing = asyncio.Lock()
-        self._told_at = 0.0
+        self._published_at = 0.0
 
     @property
     def active(self) -> bool:
@@ -158,7 +158,7 @@ class BatteryPublisher:
             state = fragment(await self._port.publish(message, stamp=stamp))
             self._publisher = Publisher(True, state, rate_hz, 1, utc_now())
             self._task = asyncio.create_task(self._run(message, 1 / rate_hz, stamp=stamp))
-            self._tell()
+            self._publish_count()
 
     async def stop(self) -> None:
         """Stop publishing."""
@@ -166,7 +166,7 @@ class BatteryPublisher:
             was_active = self._publisher.active
             await self._cancel()
             if was_active:
-                self._tell()
+                self._publish_count()
 
     async def _cancel(self) -> None:
         task, self._task = self._task, None
@@ -185,11 +185,11 @@ class BatteryPublisher:
                 log.warning("the battery state could not be published: %s", error.detail)
                 continue
             self._publisher.published_count += 1
-            if time.monotonic() - self._told_at >= COUNT_INTERVAL:
-                self._tell()
+            if time.monotonic() - self._published_at >= COUNT_INTERVAL:
+                self._publish_count()
 
-    def _tell(self) -> None:
-        self._told_at = time.monotonic()
+    def _publish_count(self) -> None:
+        self._published_at = time.monotonic()
         self._hub.publish(system_event("battery_publisher", self.document(), utc_now(), robot=self._robot))
 
 

@@ -39,7 +39,7 @@ class StatusReader:
     """
 
     def __init__(self) -> None:
-        self._told: dict[bytes, StatusReport] = {}
+        self._reports: dict[bytes, StatusReport] = {}
 
     def read(self, message: bytes) -> list[StatusReport]:
         """Return the goals to report from a message, in its order.
@@ -47,21 +47,21 @@ class StatusReader:
         Raises:
             ValueError: It is not a status message.
         """
-        told, self._told = self._told, {}
+        before, self._reports = self._reports, {}
         news: list[tuple[int, int, int, bytes, StatusReport]] = []
         for index, (goal_id, accepted_ns, status) in enumerate(_goals(message)):
-            report = told.get(goal_id)
+            report = before.get(goal_id)
             known = report is not None and (report.status, report.accepted_ns) == (status, accepted_ns)
             if report is None or not known:
                 report = StatusReport(text_of(goal_id), status, accepted_ns)
             else:
-                self._told[goal_id] = report
+                self._reports[goal_id] = report
             if not (known and status.terminal):
                 rank = 2 if known else 1 if status.terminal else 0
                 news.append((rank, -accepted_ns, index, goal_id, report))
         if len(news) > MAX_REPORTS:
             news = sorted(heapq.nsmallest(MAX_REPORTS, news), key=itemgetter(2))
-        self._told.update((goal_id, report) for *_, goal_id, report in news)
+        self._reports.update((goal_id, report) for *_, goal_id, report in news)
         return [report for *_, report in news]
 
 

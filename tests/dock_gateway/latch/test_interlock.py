@@ -222,7 +222,7 @@ async def test_it_is_said_again_to_who_asks_again_but_not_many_times_a_second(
     for _ in range(100):
         interlock.tell("/")
     assert topic.said == [True]
-    monkeypatch.setattr(interlock_module, "SAY_AGAIN_AFTER", 0.0)
+    monkeypatch.setattr(interlock_module, "PUBLISH_AGAIN_AFTER", 0.0)
     interlock.tell("/")
     assert topic.said == [True, True]
 
