@@ -65,7 +65,7 @@ class Action:
         self.feedback_dropped = 0
         self._hub = hub
         self.tracker = GoalTracker(port, hub, history, reasons)
-        self.watch = ServerWatch(self.tracker, settings, self._tell, ping_idle=pinned)
+        self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=pinned)
         self.canceler = Canceler(settings, self.tracker, interlock)
         self.delivery = Delivery(
             settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=self.canceler
@@ -75,7 +75,7 @@ class Action:
         self._tasks.spawn(self.watch.run())
         self._tasks.spawn(Rejoiner(self.tracker, self.watch).run())
 
-    def _tell(self, state: ServerState) -> None:
+    def _publish_server(self, state: ServerState) -> None:
         self._hub.publish(system_event("action_server", state, utc_now(), action_name=self.name))
 
     def on_loss(self, goal_id: str, why: Unread, count: int) -> None:

@@ -134,7 +134,7 @@ class AlertBoard:
             robot = alerts[came].robot or "the gateway"
             log.warning("alert: %s of %s. %s", alerts[came].kind, robot, alerts[came].detail)
         self._alerts = alerts
-        self._tell()
+        self._publish()
 
     def documents(self) -> list[dict[str, Any]]:
         """Return the alerts as `GET /alerts` shows them: critical ones first, then oldest first."""
@@ -143,7 +143,7 @@ class AlertBoard:
     def _document(self, alert: Alert) -> dict[str, Any]:
         return alert.document(self._acknowledgements.get(alert.id))
 
-    def _tell(self) -> None:
+    def _publish(self) -> None:
         if not self._hub.watched(TOPIC):
             self._told = None
             return
@@ -175,7 +175,7 @@ class AlertBoard:
         if alert is None:
             raise NotFound(f"there is no alert {alert_id}; it may have cleared", code="alert_not_found")
         self._acknowledgements.put(alert_id, acknowledgement)
-        self._tell()
+        self._publish()
         await self._acknowledgements.save()
         return self._document(alert)
 

@@ -166,7 +166,7 @@ class Stopper:
         await halt.confirmed.wait()
         await halt.ended(began + CONFIRM_WITHIN - time.monotonic())
         if new:
-            self._interlock.tell(name)
+            self._interlock.publish(name)
         problem = await self._interlock.stored(began + STORE_WITHIN - time.monotonic()) if latch else None
         if wait > CONFIRM_WITHIN:
             await halt.ended(began + wait - time.monotonic())
@@ -208,7 +208,7 @@ class Stopper:
             await halt.ended(CONFIRM_WITHIN)
             # Not before the cancels: a server that receives the latch first would abort its goal.
             if halt.latched:
-                self._interlock.tell(name)
+                self._interlock.publish(name)
             log.info("stop of %s: zero velocity, canceling %s", name, halt.report().canceling or "no goal")
             halt.confirmed.set()
             while await self._repeat(halt):

@@ -125,7 +125,7 @@ class Interlock:
             echo.cancel()
 
     def latch(self, namespace: str, by: str | None = None) -> None:
-        """Refuse goals for a robot and those below it from now on. `tell` publishes it."""
+        """Refuse goals for a robot and those below it from now on. `publish` makes it known."""
         latch = Latch(utc_now(), by)
         new = [name for name in self._below(namespace) if self._latches.latch(name, latch)]
         if new:
@@ -146,7 +146,7 @@ class Interlock:
         if held:
             log.warning("the stop of %s is released", namespace)
             self._changed()
-        self.tell(namespace)
+        self.publish(namespace)
         await self._writer.wait(STORE_WITHIN)
 
     async def stored(self, timeout: float) -> Unavailable | None:
@@ -156,7 +156,7 @@ class Interlock:
         detail = f"the robot is stopped, but a restart of the gateway would lose the stop: {self._writer.problem}"
         return Unavailable(f"{detail}; the gateway retries until it is stored", code="stop_not_persisted")
 
-    def tell(self, namespace: str) -> None:
+    def publish(self, namespace: str) -> None:
         """Publish the state of a robot and of those below it on their topics. A failed publish is retried.
 
         An unchanged state is published again on request, but at most once per `PUBLISH_AGAIN_AFTER` seconds.
@@ -166,10 +166,10 @@ class Interlock:
             if self._stop_published_at.get(name) == math.inf:
                 self._stop_published_at[name] = now
             news = self._published.get(name) is not self.holds(name) or name in self._echoes
-            if (news or now - self._published_at[name] > PUBLISH_AGAIN_AFTER) and not self._publish(name):
+            if (news or now - self._published_at[name] > PUBLISH_AGAIN_AFTER) and not self._publish_to(name):
                 self._echo(name)
 
-    def _publish(self, namespace: str) -> bool:
+    def _publish_to(self, namespace: str) -> bool:
         latched = self.holds(namespace)
         self._published_at[namespace] = time.monotonic()
         try:
@@ -248,7 +248,7 @@ class Interlock:
         if over is not None:
             for notify in self.on_latch:
                 notify(namespace)
-        return self._publish(namespace)
+        return self._publish_to(namespace)
 
     # ------------------------------------------------------------------ storing and notifying
 

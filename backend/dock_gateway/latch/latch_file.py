@@ -128,7 +128,7 @@ class LatchWriter:
             async with asyncio.timeout(timeout):
                 await self._stored.wait()
         if not self._stored.is_set() and self.problem is None:
-            self._tell(NOT_YET)
+            self._report(NOT_YET)
         return self._stored.is_set()
 
     async def _write(self) -> None:
@@ -139,13 +139,13 @@ class LatchWriter:
             try:
                 await loop.run_in_executor(self._disk, self._file.write, written)
             except Exception as error:  # noqa: BLE001 - whatever it is, a restart would read something else
-                self._tell(f"{self._file.path} cannot be written: {error}")
+                self._report(f"{self._file.path} cannot be written: {error}")
                 written = None
                 await asyncio.sleep(RETRY_AFTER)
         self._stored.set()
-        self._tell(None)
+        self._report(None)
 
-    def _tell(self, problem: str | None) -> None:
+    def _report(self, problem: str | None) -> None:
         if problem == self.problem:
             return
         if problem is None:

@@ -74,13 +74,13 @@ class Simulators:
             port = SimulatorPort(self._bridge, lambda name: resolve(name, namespace))
             self._simulators[namespace] = Simulator(port, values, time.monotonic())
             log.info("simulator of %s", namespace)
-            self._tell(namespace)
+            self._publish(namespace)
             return
         before = known.document()
         known.values, known.heard_at, known.available = values, time.monotonic(), True
         known.changed.set()
         if known.document() != before:
-            self._tell(namespace)
+            self._publish(namespace)
 
     async def _watch(self) -> None:
         while True:
@@ -89,9 +89,9 @@ class Simulators:
                 if simulator.available and time.monotonic() - simulator.heard_at > GONE_AFTER:
                     log.info("the simulator of %s left the ROS graph", namespace)
                     simulator.available = False
-                    self._tell(namespace)
+                    self._publish(namespace)
 
-    def _tell(self, namespace: str) -> None:
+    def _publish(self, namespace: str) -> None:
         self._hub.publish(system_event("simulator", self.document(namespace), utc_now(), robot=namespace))
 
     # ------------------------------------------------------------------ operations

@@ -34,14 +34,14 @@ class Losses:
         """Count a message of a goal that was not read; thread-safe."""
         with self._lock:
             if not self._counts:
-                self._bridge.to_loop(self._tell_soon)
+                self._bridge.to_loop(self._report_soon)
             if len(self._counts) < MAX_GOALS or (goal_id, why) in self._counts:
                 self._counts[goal_id, why] += 1
 
-    def _tell_soon(self) -> None:
-        asyncio.get_running_loop().call_later(INTERVAL, self._tell)
+    def _report_soon(self) -> None:
+        asyncio.get_running_loop().call_later(INTERVAL, self._report)
 
-    def _tell(self) -> None:
+    def _report(self) -> None:
         with self._lock:
             counts, self._counts = self._counts, Counter()
         for (goal_id, why), count in counts.items():

@@ -99,7 +99,7 @@ async def test_a_robot_that_has_left_is_told_nothing(pair: tuple[Gateway, Gatewa
     hear(interlock, "/robot1", latched=False)
     interlock.leave("/robot1")
     interlock.latch("/")
-    interlock.tell("/")
+    interlock.publish("/")
     await settle()
     assert topic.said == []
     again = FakeTopic()
@@ -140,7 +140,7 @@ async def test_a_robot_is_held_again_that_another_gateway_released_below_a_stop(
     interlock, topic = pair[0].interlock, FakeTopic()
     interlock.join("/robot1", topic)
     interlock.latch("/", "Ada")
-    interlock.tell("/")
+    interlock.publish("/")
     hear(interlock, "/robot1", latched=False)  # by one that knows of this robot alone
     await settle()
     assert topic.said == [True, True]
@@ -155,7 +155,7 @@ async def test_a_robot_is_held_again_that_another_gateway_released_below_a_stop(
 async def test_another_gateway_learns_it_and_says_it_should_the_first_go(pair: tuple[Gateway, Gateway]) -> None:
     first, second = pair
     first.interlock.latch("/", "Ada")
-    first.interlock.tell("/")
+    first.interlock.publish("/")
     await settle()
     assert second.interlock.holds("/dock")
     assert second.interlock.document("/")["by"] is None
@@ -170,7 +170,7 @@ async def test_a_stop_that_crosses_a_release_wins_and_then_there_is_peace(pair: 
     first, second = pair
     for gateway in pair:
         gateway.interlock.latch("/")
-        gateway.interlock.tell("/")
+        gateway.interlock.publish("/")
     await settle()
     await second.interlock.release("/")
     first.interlock.latch("/")
@@ -189,7 +189,7 @@ async def test_a_release_that_came_before_the_stop_was_told_does_not_mean_it(pai
     interlock.latch("/", "Ada")
     hear(interlock, latched=False)  # on its way while the stop was carried out
     assert interlock.holds("/")
-    interlock.tell("/")
+    interlock.publish("/")
     hear(interlock, latched=False, received=before)  # and one that waited for the loop
     assert interlock.document("/")["by"] == "Ada"
     await settle()
@@ -203,11 +203,11 @@ async def test_what_could_not_be_said_is_said_until_it_is(pair: tuple[Gateway, G
     topic.others = []  # who has not heard of the release would say the stop again
     interlock.latch("/")
     if not latched:
-        interlock.tell("/")
+        interlock.publish("/")
     said = len(topic.said)
     topic.failures = 3
     if latched:
-        interlock.tell("/")
+        interlock.publish("/")
     else:
         await interlock.release("/")
     assert len(topic.said) == said
@@ -220,10 +220,10 @@ async def test_it_is_said_again_to_who_asks_again_but_not_many_times_a_second(
     interlock, topic = pair[0].interlock, pair[0].topic
     interlock.latch("/")
     for _ in range(100):
-        interlock.tell("/")
+        interlock.publish("/")
     assert topic.said == [True]
     monkeypatch.setattr(interlock_module, "PUBLISH_AGAIN_AFTER", 0.0)
-    interlock.tell("/")
+    interlock.publish("/")
     assert topic.said == [True, True]
 
 
@@ -279,9 +279,9 @@ async def test_a_robot_is_released_by_itself_though_another_is_held(pair: tuple[
     for name, topic in topics.items():
         interlock.join(name, topic)
         interlock.latch(name)
-    interlock.tell("/robot1")
+    interlock.publish("/robot1")
     assert [topic.said for topic in topics.values()] == [[True], []], "the other one is not told"
-    interlock.tell("/robot2")
+    interlock.publish("/robot2")
     await interlock.release("/robot1")
     assert [interlock.holds(name) for name in topics] == [False, True]
     assert [topic.said for topic in topics.values()] == [[True, False], [True]]
@@ -314,7 +314,7 @@ async def test_a_stop_of_another_gateway_has_a_time_and_says_the_same_after_a_re
 async def test_after_a_release_the_next_release_of_another_gateway_is_heard(pair: tuple[Gateway, Gateway]) -> None:
     first, _ = pair
     first.interlock.latch("/")
-    first.interlock.tell("/")
+    first.interlock.publish("/")
     told = time.monotonic()
     await first.interlock.release("/")
     hear(first.interlock, latched=True)  # a stop of the other one, which it releases in turn
