@@ -184,7 +184,7 @@ describe("docking", () => {
     });
     expect(screen.getByText(/not responding: a goal may time out/)).toBeDefined();
     expect(screen.getByText(/it left/i, { selector: "[role=alert] *" })).toBeDefined();
-    expect(screen.getByText(/Look at the robot/)).toBeDefined();
+    expect(screen.getByText(/Check where the robot is/)).toBeDefined();
   });
 });
 
@@ -337,7 +337,7 @@ describe("recent goals", () => {
     renderPage(fakeGateway(), { goals: [ended] });
     const row = within(screen.getByRole("table")).getAllByRole("row")[1];
     if (!row) throw new Error("no row");
-    expect(row.textContent).toMatch(/aborted.*external.*Battery fell silent/);
+    expect(row.textContent).toMatch(/aborted.*external.*Battery data stopped/);
     expect(within(row).getByRole("link").getAttribute("href")).toBe("/ui/goals/b");
   });
 

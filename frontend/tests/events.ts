@@ -82,7 +82,8 @@ export function stopReport(change: Partial<StopReport> = {}): StopReport {
 }
 
 export function undockGoal(id: string, change: Partial<Goal> = {}): Goal {
-  return goal(id, { action_name: undockServer.action_name, ...change });
+  const action_type = "action_tutorials_interfaces/action/DisconnectFromChargingDock";
+  return goal(id, { action_name: undockServer.action_name, action_type, ...change });
 }
 
 export function robot(name: string, change: Partial<Robot> = {}): Robot {
@@ -128,7 +129,7 @@ export function goal(id: string, change: Partial<Goal> = {}): Goal {
   return {
     goal_id: id,
     action_name: "/dock",
-    action_type: "t",
+    action_type: "action_tutorials_interfaces/action/ConnectToChargingDock",
     status: "executing",
     stalled: false,
     stage: null,

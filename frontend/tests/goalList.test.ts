@@ -84,7 +84,7 @@ describe("the list", () => {
 
   it("keeps what is known of a goal that the stream knows of one event alone", () => {
     const one = created("a", 7, { action_type: "", status: "aborted" });
-    const [shown] = mergeGoalList([page([created("a", 1)])], [one], all);
+    const [shown] = mergeGoalList([page([created("a", 1, { action_type: "t" })])], [one], all);
     expect([shown?.status, shown?.created_at, shown?.action_type]).toEqual(["aborted", at(1), "t"]);
   });
 

@@ -1,33 +1,8 @@
 import { describe, expect, it } from "vitest";
 import { rate } from "../src/docking/rate";
 import { describeVelocity } from "../src/docking/velocity";
-import { advice, currentGoal, meaning, outcome } from "../src/goal/words";
 import { formatDuration, formatTime } from "../src/ui/time";
-import { at, cmdVel, goal } from "./events";
-
-describe("a goal in words", () => {
-  it("shows the newest that runs, else the one that ended last", () => {
-    const ended = goal("new", { status: "rejected" });
-    const running = goal("old");
-    expect(currentGoal([ended, running])).toBe(running);
-    expect(currentGoal([ended])).toBe(ended);
-    const refused = goal("refused", { status: "rejected", finished_at: at(5) });
-    const aborted = goal("aborted", { status: "aborted", finished_at: at(9) });
-    expect(currentGoal([refused, aborted])).toBe(aborted);
-    expect(currentGoal([])).toBeNull();
-  });
-
-  it("explains a stall, a loss and an error", () => {
-    expect(meaning(goal("a", { stalled: true }), "dock")).toMatch(/silent/);
-    expect(advice(goal("a", { stalled: true }))).toMatch(/Stop/);
-    expect(advice(goal("a", { status: "lost" }))).toMatch(/Look at the robot/);
-    const aborted = goal("a", { status: "aborted", error: { code: "battery_lost", detail: "no battery" } });
-    expect(outcome(aborted, "dock")).toBe("Battery fell silent");
-    expect(outcome(goal("a", { error: { code: "else", detail: "so it is" } }), "dock")).toBe("so it is");
-    expect(advice(aborted)).toMatch(/battery driver/);
-    expect(advice(goal("a", { error: { code: "else", detail: "" } }))).toBeNull();
-  });
-});
+import { at, cmdVel } from "./events";
 
 describe("the feedback rate", () => {
   it("is messages a second over the last seconds", () => {

@@ -107,6 +107,8 @@ def test_stop_by_keyboard_and_release(page: Page, gateway: RunningGateway) -> No
     page.keyboard.press("Escape")
     expect(page.get_by_test_id("stop-banner")).to_contain_text("Stopped by the dashboard")
     expect_status(page, "canceled")
+    expect(page.get_by_text("Canceled by a stop. A stop was requested by the dashboard.")).to_be_visible()
+    expect(page.get_by_test_id("stages").get_by_text("did not work")).to_have_count(0)
     assert gateway.http.get("/stop").json()["latched"] is True
     expect(page.get_by_role("button", name="Dock", exact=True)).to_be_disabled()
     expect(page.get_by_text("the robot is stopped; release the stop first")).to_be_visible()

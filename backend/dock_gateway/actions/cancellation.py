@@ -110,7 +110,7 @@ class Canceler:
         """
         goals = [goal for goal in self._tracker.live.values() if not goal.status.final]
         for goal in goals:
-            self.mark_unwanted(goal, STOPPED)
+            self.mark_unwanted(goal, self._stopped(goal))
             self._tracker.explain(goal, self._why_unwanted(goal))
         try:
             answer = await self._tracker.port.cancel(None, STOP_TIMEOUT)
@@ -167,8 +167,12 @@ class Canceler:
 
     def _why_unwanted(self, goal: Goal) -> GoalError | None:
         """Return why a goal must not run, or None if it may."""
-        held = STOPPED if self._interlock.holds(goal.action_name) else None
+        held = self._stopped(goal) if self._interlock.holds(goal.action_name) else None
         return self._unwanted.get(goal.goal_id, held)
+
+    def _stopped(self, goal: Goal) -> GoalError:
+        by = self._interlock.requested_by(goal.action_name)
+        return STOPPED if by is None else GoalError(STOPPED.code, f"{STOPPED.detail} by {by}")
 
     def _insist_on(self, goals: list[Goal]) -> None:
         for goal in goals:

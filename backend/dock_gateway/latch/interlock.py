@@ -80,6 +80,11 @@ class Interlock:
         """Return whether a stop holds for a namespace or an action."""
         return self._latches.over(name) is not None
 
+    def requested_by(self, name: str) -> str | None:
+        """Return who requested the stop that holds for a namespace or an action, if known."""
+        over = self._latches.over(name)
+        return None if over is None else self._latches.held[over].by
+
     def require_released(self, action_name: str) -> None:
         """Check that a goal may be sent.
 
@@ -88,7 +93,7 @@ class Interlock:
         """
         over = self._latches.over(action_name)
         if over is not None:
-            by = self._latches.held[over].by
+            by = self.requested_by(action_name)
             detail = f"{over} was stopped{f' by {by}' if by else ''}: goals are refused until the stop is released"
             raise Conflict(f"{detail} (DELETE /stop)", code="stop_latched")
 

@@ -17,7 +17,7 @@ import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";
 import { MessageView } from "./MessageView";
 import { useGoal } from "./useGoal";
-import { meaning, whyNotCancel } from "./words";
+import { whyNotCancel } from "./words";
 
 /** A goal of the action as it goes: the one that was sent from here, or the newest. */
 export function GoalWatch({ goalId, schemas }: { goalId: string | null; schemas: ActionSchemas }) {
@@ -50,7 +50,7 @@ export function GoalWatch({ goalId, schemas }: { goalId: string | null; schemas:
         </Group>
       }
     >
-      <GoalExplanation goal={goal} meaning={meaning(goal)} />
+      <GoalExplanation goal={goal} />
       <FactList>
         <Fact name="Started">
           <Time value={goal.created_at} />

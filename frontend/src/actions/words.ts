@@ -1,26 +1,5 @@
-import type { ActionInfo, AnyGoal, GoalStatus } from "../api/types";
+import type { ActionInfo, AnyGoal } from "../api/types";
 import { type HeldStop, isUnder } from "../stop/held";
-import { isTerminal } from "../store/goals";
-
-const MEANINGS: Record<GoalStatus, string> = {
-  pending: "Sent; the action server has not answered yet.",
-  accepted: "The action server accepted the goal and will start it.",
-  executing: "The action server is working on the goal.",
-  canceling: "The cancellation was accepted; the action server is ending the goal.",
-  succeeded: "The action server has done what was asked.",
-  canceled: "Canceled as asked.",
-  aborted: "The action server aborted the goal.",
-  rejected: "The action server did not accept the goal.",
-  lost: "The action server went away while the goal ran.",
-};
-
-/** What a goal's status means, in a sentence. */
-export function meaning(goal: AnyGoal): string {
-  if (goal.stalled && !isTerminal(goal.status)) {
-    return "Stalled: the action server is silent and does not answer.";
-  }
-  return MEANINGS[goal.status];
-}
 
 interface Circumstances {
   live: boolean;

@@ -4,7 +4,6 @@ import { summarize } from "../battery/words";
 import { GoalDuration } from "../goal/GoalDuration";
 import { GoalExplanation } from "../goal/GoalExplanation";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
-import { meaning } from "../goal/words";
 import { FeedbackCount } from "../goals/FeedbackCount";
 import { useLive, useTopic, useTopicPart } from "../store/context";
 import { type GoalCourse, isTerminal } from "../store/goals";
@@ -43,7 +42,7 @@ export function GoalPanel({ goal }: { goal: GoalCourse }) {
         {!live && <Badge color="gray.7">Not live</Badge>}
       </Group>
       <StageTimeline goal={goal} />
-      <GoalExplanation goal={goal} meaning={meaning(goal, verb)} />
+      <GoalExplanation goal={goal} />
       <FactList wide>
         <Fact name="Started">
           <Time value={goal.created_at} />

@@ -13,11 +13,12 @@ import { useWay } from "./useWay";
 /** Durations are renewed so often. */
 const TEXT_MS = 400;
 
-const SIGNS: Record<StepState, string> = { done: "✓", current: "", failed: "✕", waiting: "" };
+const SIGNS: Record<StepState, string> = { done: "✓", current: "", failed: "✕", canceled: "–", waiting: "" };
 const SAID: Record<StepState, string> = {
   done: "done",
   current: "now",
   failed: "did not work",
+  canceled: "canceled",
   waiting: "not yet",
 };
 

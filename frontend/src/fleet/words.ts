@@ -87,7 +87,7 @@ export function runningWords(robot: Robot, goal: GoalSummary): string {
 export function lastWords(robot: Robot, goal: GoalSummary): string {
   const verb = verbOf(robot, goal.action_name);
   const told = verb !== null && (goal.error !== null || goal.status === "succeeded");
-  return told ? sentence(outcome(goal, verb)) : `${goalName(robot, goal)} ${goal.status}`;
+  return told ? sentence(outcome(goal)) : `${goalName(robot, goal)} ${goal.status}`;
 }
 
 /** `now`, `12 s ago`, `3 min 05 s ago`; for ages that are looked at once a second. */

@@ -2,7 +2,7 @@ import type { Verb } from "../api/client";
 import { type GoalCourse, isTerminal } from "../store/goals";
 import { sentence } from "../ui/sentence";
 
-export type StepState = "done" | "current" | "failed" | "waiting";
+export type StepState = "done" | "current" | "failed" | "canceled" | "waiting";
 
 export interface Step {
   stage: string;
@@ -53,6 +53,7 @@ export function stepsOf(goal: GoalCourse, seen: readonly string[], verb: Verb): 
 function stateOf(goal: GoalCourse, ahead: number, retrying: boolean): StepState {
   if (goal.status === "succeeded" || ahead < 0) return "done";
   if (ahead > 0) return "waiting";
+  if (goal.status === "canceled") return "canceled";
   return retrying || isTerminal(goal.status) ? "failed" : "current";
 }
 
@@ -64,11 +65,11 @@ export function stageName(stage: string): string {
 const WORDS: Record<string, string> = {
   INITIAL_PERCEPTION: "Looking for the dock.",
   NAV_TO_STAGING_POSE: "Driving to the staging pose in front of the dock.",
-  CONTROLLING: "The controller moves the robot until the battery says that it is charging.",
+  CONTROLLING: "Driving onto the dock until the battery is charging.",
   WAIT_FOR_CHARGE: "On the dock, waiting for the battery to charge.",
   RETRY: "Backing off to try again.",
   UNDOCKING: "Backing out of the dock.",
-  WAIT_FOR_BATTERY: "The battery is silent: the wheels stand still until a battery state comes.",
+  WAIT_FOR_BATTERY: "No battery data: the robot stands still until a battery state arrives.",
 };
 
 /** What a stage means, in a sentence; null where it is none of the way. */

@@ -1,6 +1,8 @@
 import type { Verb } from "../api/client";
+import { adviceFor } from "../api/errors";
 import type { AnyGoal, GoalStatus } from "../api/types";
 import { type GoalCourse, isTerminal } from "../store/goals";
+import { lowerFirst } from "../ui/sentence";
 import { stageName, stageWords } from "./stages";
 
 export const STATUS_COLORS: Record<GoalStatus, string> = {
@@ -15,26 +17,36 @@ export const STATUS_COLORS: Record<GoalStatus, string> = {
   lost: "red",
 };
 
-const MEANINGS: Record<Exclude<GoalStatus, "executing" | "succeeded">, string> = {
+const MEANINGS: Record<Exclude<GoalStatus, "executing" | "succeeded" | "aborted" | "lost">, string> = {
   pending: "Sent; the action server has not answered yet.",
   accepted: "The action server accepted the goal and will start it.",
-  canceling: "The cancellation was accepted; the action server is stopping what it does.",
-  canceled: "Canceled as asked.",
-  aborted: "The action server aborted the goal.",
-  rejected: "The action server did not accept the goal.",
-  lost: "The action server went away while the goal ran.",
+  canceling: "The cancel request was accepted; the action server is ending the goal.",
+  canceled: "Canceled on request.",
+  rejected: "The action server rejected the goal.",
 };
 
 const EXECUTING: Record<Verb | "other", string> = {
   other: "The action server is working on the goal.",
-  dock: "The action server is working on the goal until the battery says that it is charging.",
-  undock: "The action server backs the robot out of the dock.",
+  dock: "Docking until the battery is charging.",
+  undock: "Backing out of the dock.",
 };
 
 const SUCCEEDED: Record<Verb | "other", string> = {
-  other: "The action server did what was asked.",
+  other: "The goal succeeded.",
   dock: "The robot is on the dock.",
   undock: "The robot is off the dock.",
+};
+
+const ABORTED: Record<Verb | "other", string> = {
+  other: "The action server aborted the goal",
+  dock: "Docking failed",
+  undock: "Undocking failed",
+};
+
+const LOST: Record<Verb | "other", string> = {
+  other: "Lost contact with the action server; the outcome is unknown.",
+  dock: "Lost contact during docking; robot state unknown.",
+  undock: "Lost contact during undocking; robot state unknown.",
 };
 
 const VERBS: Record<string, Verb> = {
@@ -47,18 +59,31 @@ export function dockingVerb(goal: Pick<AnyGoal, "action_type">): Verb | null {
   return VERBS[goal.action_type] ?? null;
 }
 
-/** What status and stage mean, in a sentence; `verb` is null for a goal on any other action. */
-export function meaning(goal: Pick<AnyGoal, "status" | "stage" | "stalled">, verb: Verb | null): string {
-  if (goal.stalled && !isTerminal(goal.status)) {
-    return "Stalled: the action server is silent and does not answer.";
+/** What the meaning of a goal is made of. */
+export type Meant = Pick<AnyGoal, "action_type" | "status" | "stage" | "stalled" | "error">;
+
+/** What a goal's status and stage mean, in a sentence. */
+export function meaning(goal: Meant): string {
+  const { status, error } = goal;
+  const verb = dockingVerb(goal) ?? "other";
+  if (goal.stalled && !isTerminal(status)) {
+    return verb === "other" ? "The action server is not responding." : "Docking server not responding.";
   }
-  if (goal.status === "succeeded") return SUCCEEDED[verb ?? "other"];
-  if (goal.status === "executing") return stageWords(goal.stage) ?? EXECUTING[verb ?? "other"];
-  return MEANINGS[goal.status];
+  if (error?.code === "stopped" && isTerminal(status)) return `${outcome(goal)}.`;
+  if (status === "succeeded") return SUCCEEDED[verb];
+  if (status === "executing") return stageWords(goal.stage) ?? EXECUTING[verb];
+  if (status === "lost") return LOST[verb];
+  const why = error === null ? undefined : SHORT[error.code];
+  if (status === "aborted") return because(ABORTED[verb], why);
+  return status === "canceled" && why !== undefined ? because("Canceled", why) : MEANINGS[status];
 }
 
-const LOST =
-  "Look at the robot: where it is now is not known here. Start its action server again; if that still knows the goal, the outcome appears here.";
+function because(what: string, why: string | undefined): string {
+  return why === undefined ? `${what}.` : `${what}: ${lowerFirst(why)}.`;
+}
+
+const FIND_IT =
+  "Check where the robot is. Restart its action server; if it still knows the goal, the result appears here.";
 const STALLED = "If it stays silent, the goal is marked lost in a few seconds. Press Stop to be safe.";
 
 const ADVICE: Record<string, string> = {
@@ -67,36 +92,36 @@ const ADVICE: Record<string, string> = {
   blocked: "Look at the robot: something is in its way, a wheel is stuck, or its motors are off.",
   dock_busy: "Wait for the running goal to end, or cancel it first.",
   failed_to_charge:
-    "The robot touches the dock, but no current comes: look at the dock's power, and clean its contacts.",
+    "The robot touches the dock, but there is no current: look at the dock's power, and clean its contacts.",
   failed_to_control:
-    "Look at what is between robot and dock, then dock again; where it happens again, the controller's log says more.",
-  failed_to_detect_dock:
-    "Bring the robot nearer and turn it to the dock, so that its camera sees the marker.",
-  failed_to_stage: "Clear the way to the staging pose in front of the dock, or bring the robot nearer.",
-  failed_to_undock: "Look at the robot: it may be held by the dock, or something stands behind it.",
+    "Check what is between robot and dock, then dock again; if it fails again, see the controller's log.",
+  failed_to_detect_dock: "Move the robot closer and turn it to the dock, so that its camera sees the marker.",
+  failed_to_stage: "Clear the way to the staging pose in front of the dock, or move the robot closer.",
+  failed_to_undock: "Look at the robot: the dock may hold it, or something stands behind it.",
   infrared_lost:
-    "See that nothing stands before the dock's beacon and the robot's receivers, then dock again.",
-  lost_marker: "See that nothing stands before the marker and that it is well lit, then dock again.",
-  odometry_lost: "Check the robot's base driver: nothing comes on odom.",
-  preempted: "A newer goal took its place: see the list of goals.",
-  pushed_off: "Somebody or something moved the robot off its dock: dock again.",
+    "Check that nothing stands between the dock's beacon and the robot's receivers, then dock again.",
+  lost_marker: "Check that the marker is well lit and nothing stands in front of it, then dock again.",
+  odometry_lost: "Check the robot's base driver: there are no messages on odom.",
+  preempted: "A newer goal replaced it: see the list of goals.",
+  pushed_off: "Something moved the robot off its dock: dock again.",
   shutting_down: "Start the action server again, then dock again.",
   stop_latched: "Release the stop, then send the goal again.",
+  stopped: "If the stop still holds, release it before you send the goal again.",
   timeout: "Check the robot's way to the dock, or raise the server's goal_timeout.",
 };
 
 /** What can be done about a goal that does not go as it should. */
 export function advice(goal: Pick<AnyGoal, "status" | "error" | "stalled">): string | null {
-  if (goal.status === "lost") return LOST;
-  if (goal.error !== null) return ADVICE[goal.error.code] ?? null;
+  if (goal.status === "lost") return FIND_IT;
+  if (goal.error !== null) return ADVICE[goal.error.code] ?? adviceFor(goal.error.code);
   return goal.stalled ? STALLED : null;
 }
 
 const SHORT: Record<string, string> = {
-  action_server_lost: "Action server went away",
+  action_server_lost: "Lost contact with the action server",
   goal_unconfirmed: "Never confirmed by the action server",
   action_server_timeout: "Action server did not answer",
-  battery_lost: "Battery fell silent",
+  battery_lost: "Battery data stopped",
   blocked: "Robot was blocked",
   dock_busy: "Dock was busy",
   failed_to_charge: "No charge on the dock",
@@ -108,8 +133,8 @@ const SHORT: Record<string, string> = {
   result_too_large: "Result too large to show",
   infrared_lost: "Beacon was lost",
   lost_marker: "Marker was lost",
-  odometry_lost: "Odometry fell silent",
-  preempted: "A newer goal took over",
+  odometry_lost: "Odometry data stopped",
+  preempted: "Replaced by a newer goal",
   pushed_off: "Pushed off the dock",
   shutting_down: "Action server shut down",
   stop_latched: "A stop was latched",
@@ -119,14 +144,16 @@ const SHORT: Record<string, string> = {
 const REACHED: Record<Verb, string> = { dock: "On the dock", undock: "Off the dock" };
 
 /** A few words for a table; the goal's page says more. */
-export function outcome(
-  goal: Pick<AnyGoal, "error" | "stalled" | "status" | "stage">,
-  verb: Verb | null,
-): string {
-  if (goal.error !== null) return SHORT[goal.error.code] ?? goal.error.detail;
-  if (goal.status === "succeeded" && verb !== null) return REACHED[verb];
-  if (goal.stalled) return "Server is silent";
-  return goal.stage === null || isTerminal(goal.status) ? "–" : stageName(goal.stage);
+export function outcome(goal: Meant): string {
+  const { error, status } = goal;
+  if (error?.code === "stopped" && isTerminal(status)) {
+    return status === "rejected" ? "Not sent: a stop came first" : "Canceled by a stop";
+  }
+  if (error !== null) return SHORT[error.code] ?? error.detail;
+  const verb = dockingVerb(goal);
+  if (status === "succeeded" && verb !== null) return REACHED[verb];
+  if (goal.stalled) return "Server not responding";
+  return goal.stage === null || isTerminal(status) ? "–" : stageName(goal.stage);
 }
 
 /** The goal to show: the newest that runs, else the one that ended last. */

@@ -4,7 +4,6 @@ import type { AnyGoal } from "../api/types";
 import { GoalDuration } from "../goal/GoalDuration";
 import { GoalExplanation } from "../goal/GoalExplanation";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
-import { dockingVerb, meaning } from "../goal/words";
 import { isTerminal } from "../store/goals";
 import { Breakable } from "../ui/Breakable";
 import { CopyButton } from "../ui/CopyButton";
@@ -37,7 +36,7 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         <Code>{goal.goal_id}</Code>
         <CopyButton value={goal.goal_id} what="the goal id" />
       </div>
-      <GoalExplanation goal={goal} meaning={meaning(goal, dockingVerb(goal))} />
+      <GoalExplanation goal={goal} />
       <GoalCommands goal={goal} />
       <FactList wide>
         <Fact name="Started">

@@ -1,11 +1,10 @@
 import { Skeleton, Stack, Text } from "@mantine/core";
-import type { Verb } from "../api/client";
 import type { AnyGoal } from "../api/types";
 import { useFleetLive } from "../fleet/context";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { stageName, stageWords } from "../goal/stages";
 import { type Entry, timelineOf } from "../goal/timeline";
-import { dockingVerb, meaning } from "../goal/words";
+import { meaning } from "../goal/words";
 import { useGatewayNow } from "../store/clock";
 import { isFinal, isTerminal } from "../store/goals";
 import { Section } from "../ui/Section";
@@ -74,7 +73,7 @@ function TimelineEntry({ entry, goal, last }: TimelineEntryProps) {
         </span>
       </div>
       <Text size="sm" c="dimmed">
-        {wordsOf(change, dockingVerb(goal))}
+        {wordsOf(change, goal)}
       </Text>
     </li>
   );
@@ -96,22 +95,25 @@ function titleOf(change: Exclude<Change, { kind: "status" }>): string {
   return change.stage === "RETRY" ? `Retry ${change.retries || ""}` : stageName(change.stage);
 }
 
-function wordsOf(change: Change, verb: Verb | null): string {
+function wordsOf(change: Change, { action_type }: AnyGoal): string {
   if (change.kind === "silence") {
-    return change.silent
-      ? "The action server is silent and does not answer."
-      : "The action server is heard again.";
+    return change.silent ? "The action server is not responding." : "The action server is responding again.";
   }
   if (change.kind === "stage") return stageWords(change.stage) ?? "";
-  if (change.error !== null) return `${sentence(change.error.detail)} (${change.error.code})`;
-  return meaning({ status: change.status, stalled: false, stage: null }, verb);
+  const { status, error } = change;
+  const meant = meaning({ action_type, status, error, stalled: false, stage: null });
+  if (error === null) return meant;
+  return status === "canceled"
+    ? `${meant} ${sentence(error.detail)}.`
+    : `${sentence(error.detail)} (${error.code})`;
 }
 
 function toneOf(change: Change, goesOn: boolean): string | undefined {
   if (change.kind === "silence") return change.silent ? "warn" : undefined;
   if (change.kind === "stage") return change.stage === "RETRY" ? "warn" : goesOn ? "now" : undefined;
   if (change.status === "succeeded") return "good";
-  if (change.status === "canceled" || change.status === "canceling") return "warn";
+  if (change.status === "canceled") return undefined;
+  if (change.status === "canceling") return "warn";
   if (isTerminal(change.status)) return "bad";
   return goesOn ? "now" : undefined;
 }

@@ -90,7 +90,7 @@ const GoalRow = memo(function GoalRow({ goal, verb, oneRobot }: GoalRowProps) {
       </Table.Td>
       <Table.Td {...(oneRobot ? {} : { visibleFrom: "sm" })}>
         <Text size="sm" lineClamp={2} title={goal.error?.detail}>
-          {sentence(outcome(goal, verb))}
+          {sentence(outcome(goal))}
         </Text>
       </Table.Td>
     </Table.Tr>

@@ -1,6 +1,7 @@
 import { Alert } from "@mantine/core";
 import type { CommandError } from "../api/errors";
 import { ErrorWords } from "./ErrorWords";
+import { lowerFirst } from "./sentence";
 
 interface CommandErrorAlertProps {
   /** What was tried, as in "Dock did not work". */
@@ -23,8 +24,4 @@ export function CommandErrorAlert({ command, error, onClose }: CommandErrorAlert
       <ErrorWords error={error} />
     </Alert>
   );
-}
-
-function lowerFirst(text: string): string {
-  return text.charAt(0).toLowerCase() + text.slice(1);
 }

@@ -26,6 +26,17 @@ describe("the stages of a docking goal", () => {
     expect(states(aborted, seen, "dock")).toEqual(["done", "done", "done", "failed"]);
   });
 
+  it("are no failure where the goal was canceled", () => {
+    const canceled = goal("a", { status: "canceled" });
+    expect(states(canceled, [PERCEPTION, STAGING], "dock")).toEqual([
+      "done",
+      "canceled",
+      "waiting",
+      "waiting",
+    ]);
+    expect(states(canceled, [PERCEPTION, "RETRY"], "dock")[0]).toBe("canceled");
+  });
+
   it("show what did not work while the robot backs off, and then begin anew", () => {
     const seen = [PERCEPTION, STAGING, "CONTROLLING", "RETRY"];
     expect(states(goal("a"), seen, "dock")).toEqual(["done", "done", "failed", "waiting"]);

@@ -57,7 +57,8 @@ class Scene:
         hub = Hub(queue_limit=10, max_subscribers=10)
         self.tracker = GoalTracker(self.port, hub, MemoryHistory(10), PendingFacts(0.01))  # type: ignore[arg-type]
         self.held = False
-        interlock: Any = SimpleNamespace(holds=lambda _: self.held)
+        self.by: str | None = None
+        interlock: Any = SimpleNamespace(holds=lambda _: self.held, requested_by=lambda _: self.by)
         self.canceler = Canceler(Settings(cancel_timeout=0.7), self.tracker, interlock)
 
     def goal(self, status: GoalStatus, goal_id: str = A) -> Goal:
@@ -286,6 +287,12 @@ async def test_a_goal_that_turns_up_while_a_stop_holds_is_canceled_and_says_why(
     assert goal.error is not None
     assert goal.error.code == "stopped"
     assert scene.port.asked == [A]
+
+
+async def test_a_goal_canceled_by_a_stop_names_who_requested_it(scene: Scene) -> None:
+    goal, scene.by = scene.goal(S.EXECUTING), "Ada"
+    await scene.canceler.cancel_all()
+    assert (goal.status, goal.error) == (S.CANCELING, GoalError("stopped", "a stop was requested by Ada"))
 
 
 async def test_a_goal_of_another_client_is_canceled_as_soon_as_it_is_heard_of(scene: Scene) -> None:
