@@ -234,8 +234,50 @@ describe("battery", () => {
     expect(screen.getByTestId("battery-status").textContent).toBe("Not charging");
     expect(screen.getByText("24 %")).toBeDefined();
     expect(screen.getByText("-1.5 A")).toBeDefined();
-    expect(screen.getByText("Stale")).toBeDefined();
+    expect(screen.getAllByText("Stale").length).toBeGreaterThan(0);
     expect(screen.getByText(/no battery message for more than 4.5 s/)).toBeDefined();
+  });
+
+  it("says of its card and of its plots the same: stale, no data, not live", async () => {
+    const received_at = new Date(Date.now() - 9000).toISOString();
+    const old = { state: battery, age_s: 9, stale: true, stale_after_s: 4.5, received_at };
+    const { store } = renderPage(fakeGateway(), { battery: old }, "/ui/robot");
+    const badge = (card: string) =>
+      within(screen.getByRole("region", { name: card })).queryByText(/^(Live|Stale|No data|Not live)$/)
+        ?.textContent;
+    const badges = () => ["Battery", "Battery over time"].map(badge);
+    await waitFor(() => expect(badges()).toEqual(["Stale", "Stale"]));
+    act(() =>
+      store.onEvent({
+        type: "battery",
+        id: "b",
+        time: new Date().toISOString(),
+        robot: "/",
+        battery,
+      } as never),
+    );
+    await waitFor(() => expect(badges()).toEqual(["Live", "Live"]));
+    act(() => store.onConnection({ kind: "closed" }));
+    await waitFor(() => expect(badges()).toEqual(["Not live", "Not live"]));
+    expect(badge("Map")).toBe("Not live");
+  });
+
+  it("says what is no longer measured", async () => {
+    const measured = { ...battery, current: -1.5 };
+    const received_at = new Date().toISOString();
+    const first = { state: measured, age_s: 0, stale: false, stale_after_s: 5, received_at };
+    const { store } = renderPage(fakeGateway(), { battery: first }, "/ui/robot");
+    expect(screen.getByText("-1.5 A")).toBeDefined();
+    act(() =>
+      store.onEvent({
+        type: "battery",
+        id: "b",
+        time: new Date().toISOString(),
+        robot: "/",
+        battery,
+      } as never),
+    );
+    expect(await screen.findByText("no longer measured")).toBeDefined();
   });
 
   it("is stale when the gateway says so, not before", () => {

@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import type { GraphTopic } from "../src/api/topics";
 import type { BatteryHistory, BatteryState } from "../src/api/types";
 import { PRESETS, sameForm, toMessage } from "../src/battery/form";
-import { fromHistory, gapLimit, join, noPoints } from "../src/battery/points";
+import { describe as describeQuantity, fromHistory, gapLimit, join, noPoints } from "../src/battery/points";
 import { whoPublishes } from "../src/battery/publishers";
 import { formatSpread, formatValue, marks, rangeOf } from "../src/battery/quantities";
 import { BatterySeries, WINDOW_S } from "../src/battery/series";
@@ -207,6 +207,20 @@ describe("the plots' scales", () => {
   it("show a percentage that counts to 100 for what it is", () => {
     expect(rangeOf("percentage", 20, 30)).toEqual([0, 100]);
     expect(rangeOf("percentage", 2400, 2500)).toEqual([0, 2500]);
+  });
+
+  it("say that a quantity is no longer measured", () => {
+    const series = new BatterySeries();
+    const words = (index: number | null = null, until = 10) =>
+      describeQuantity(series.points, "current", index, until);
+    expect(words()).toBe("–");
+    series.push(1000, { ...battery, current: null });
+    expect(words()).toBe("not measured");
+    series.push(2000, { ...battery, current: 1.5 });
+    expect(words()).toBe("1.50 A");
+    series.push(3000, { ...battery, current: null });
+    expect(words()).toBe("no longer measured, last 1.50 A");
+    expect([words(1), words(2), words(null, 2.5)]).toEqual(["1.50 A", "–", "1.50 A"]);
   });
 
   it("have units, and say what was not measured", () => {

@@ -1,5 +1,5 @@
 import { describe, expect, it, vi } from "vitest";
-import { FADE_MS, SCENE_STALE_MS, SceneBuffer } from "../src/scene/buffer";
+import { FADE_MS, SceneBuffer } from "../src/scene/buffer";
 import { between, compose, normalizeAngle, type Pose, toRadians } from "../src/scene/geometry";
 import { pointsOf, shapesOf } from "../src/scene/shapes";
 import { JUMP_M, MAX_POINTS, Trail } from "../src/scene/trail";
@@ -175,20 +175,13 @@ describe("the scene", () => {
     expect(buffer.detectionsAt(1100 + FADE_MS + 50)).toHaveLength(0);
   });
 
-  it("is history when nothing comes any more", () => {
-    const buffer = new SceneBuffer();
-    buffer.push(at(0), 1000);
-    expect(buffer.isFresh(1000 + SCENE_STALE_MS - 1)).toBe(true);
-    expect(buffer.isFresh(1000 + SCENE_STALE_MS)).toBe(false);
-  });
-
-  it("tells nobody when nothing is new, and is fresh all the same", () => {
+  it("tells nobody when nothing is new, and knows when it came all the same", () => {
     const buffer = new SceneBuffer();
     const listener = vi.fn();
     buffer.subscribe(listener);
     for (let now = 1000; now < 5000; now += 50) buffer.push(at(0), now);
     expect(listener).toHaveBeenCalledTimes(1);
-    expect(buffer.isFresh(5500)).toBe(true);
+    expect(buffer.arrivedAt).toBe(4950);
     buffer.push(at(0, { staging: origin }), 5000);
     expect(listener).toHaveBeenCalledTimes(2);
   });

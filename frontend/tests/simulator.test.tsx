@@ -2,7 +2,7 @@ import { act, screen, waitFor } from "@testing-library/react";
 import { afterEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import type { EventOf } from "../src/api/types";
-import { SCENE_STALE_MS } from "../src/scene/buffer";
+import { SCENE_STALE_MS } from "../src/store/freshness";
 import { at, sceneEvent, simulator } from "./events";
 import { fakeGateway, renderPage } from "./page";
 

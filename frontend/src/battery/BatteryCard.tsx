@@ -1,9 +1,12 @@
-import { Badge, Code, Group, Stack, Text, VisuallyHidden } from "@mantine/core";
+import { Code, Group, Stack, Text, VisuallyHidden } from "@mantine/core";
+import { useState } from "react";
 import type { BatteryState } from "../api/types";
 import { useAtTime } from "../store/clock";
-import { useLive, useServices, useTopicPart } from "../store/context";
+import { useServices, useTopicPart } from "../store/context";
+import { useFreshness } from "../store/freshness";
 import { RENDER_INTERVAL_MS } from "../store/shown";
 import { Fact, FactList } from "../ui/Fact";
+import { FreshnessBadge } from "../ui/FreshnessBadge";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { formatDuration } from "../ui/time";
@@ -26,16 +29,15 @@ const RING_STEP = 0.25;
 
 /** The battery as it is now. Messages come often: each text reads for itself what it says. */
 export function BatteryCard() {
-  const live = useLive();
+  const freshness = useFreshness("battery");
   const known = useTopicPart("battery", ({ state }) => state !== null);
-  const stale = useStale();
 
   return (
-    <Section title="Battery" aside={<Freshness live={live} known={known} stale={stale} />}>
+    <Section title="Battery" aside={<FreshnessBadge freshness={freshness} />}>
       {known ? (
         <Stack gap="md">
           <Group gap="md" align="center">
-            <Gauge faded={stale || !live} />
+            <Gauge faded={freshness !== "live"} />
             <Stack gap={4}>
               <Text fw={700} fz="xl" lh={1.2} data-testid="battery-status">
                 <Said read={(state) => statusWords(state.power_supply_status)} />
@@ -48,22 +50,14 @@ export function BatteryCard() {
               </Text>
             </Stack>
           </Group>
-          {stale && live && <StaleWarning />}
+          {freshness === "stale" && <StaleWarning />}
           <Measurements />
         </Stack>
       ) : (
-        <NoBattery live={live} />
+        <NoBattery live={freshness !== "offline"} />
       )}
     </Section>
   );
-}
-
-function useStale(): boolean {
-  const { store } = useServices();
-  return useAtTime((now) => {
-    const { receivedAt, staleAfterS } = store.get("battery");
-    return receivedAt !== null && now - receivedAt > staleAfterS * 1000;
-  }, RENDER_INTERVAL_MS);
 }
 
 /** A text about the battery, rendered anew where it is another. */
@@ -97,12 +91,6 @@ function StaleWarning() {
       robot still until one comes.
     </Text>
   );
-}
-
-function Freshness({ live, known, stale }: { live: boolean; known: boolean; stale: boolean }) {
-  if (!live) return <Badge color="gray.7">Not live</Badge>;
-  if (!known) return <Badge color="gray.7">No data</Badge>;
-  return stale ? <Badge color="orange">Stale</Badge> : <Badge color="green">Live</Badge>;
 }
 
 function NoBattery({ live }: { live: boolean }) {
@@ -182,20 +170,27 @@ function measured(value: number | null, unit: string): string | null {
   return value === null ? null : formatQuantity(value, unit);
 }
 
+/** What is measured, and what was measured since this was opened and is no more. */
 function Measurements() {
   const names = useTopicPart("battery", ({ state }) =>
     Object.entries(MEASUREMENTS)
       .flatMap(([name, words]) => (state !== null && words(state) !== null ? [name] : []))
       .join(","),
   );
-  if (names === "") return null;
+  const [everMeasured, setEverMeasured] = useState<readonly string[]>([]);
+  const added = names.split(",").filter((name) => name !== "" && !everMeasured.includes(name));
+  if (added.length > 0) setEverMeasured([...everMeasured, ...added]);
+  if (everMeasured.length === 0) return null;
   return (
     <FactList>
-      {names.split(",").map((name) => (
-        <Fact key={name} name={name}>
-          <Said read={(state) => MEASUREMENTS[name]?.(state) ?? ""} />
-        </Fact>
-      ))}
+      {Object.entries(MEASUREMENTS).map(
+        ([name, words]) =>
+          everMeasured.includes(name) && (
+            <Fact key={name} name={name}>
+              <Said read={(state) => words(state) ?? "no longer measured"} />
+            </Fact>
+          ),
+      )}
     </FactList>
   );
 }

@@ -1,7 +1,8 @@
 import { Badge, Button, Group, SegmentedControl, Text } from "@mantine/core";
 import type { RefObject } from "react";
 import { useAtTime } from "../store/clock";
-import { useLive } from "../store/context";
+import { useFreshness } from "../store/freshness";
+import { FreshnessBadge } from "../ui/FreshnessBadge";
 import { Tool } from "../ui/Tool";
 import classes from "./BatteryPlots.module.css";
 import { edges, formatMoment, formatSpan, pan, pause, type View } from "./view";
@@ -82,8 +83,8 @@ function rangeWords(view: View, now: number): string {
 }
 
 function Shown({ following, loading }: { following: boolean; loading: boolean }) {
-  const live = useLive();
-  if (!live) return <Badge color="gray.7">Not live</Badge>;
+  const freshness = useFreshness("battery");
+  if (freshness === "offline") return <FreshnessBadge freshness={freshness} />;
   if (loading) return <Badge color="gray.7">Reading …</Badge>;
-  return following ? <Badge color="green">Live</Badge> : <Badge color="blue">Paused</Badge>;
+  return following ? <FreshnessBadge freshness={freshness} /> : <Badge color="blue">Paused</Badge>;
 }

@@ -2,8 +2,8 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { plotOptions } from "./plotOptions";
 import type { Points } from "./points";
-import { noPoints } from "./points";
-import { formatSpread, formatValue, QUANTITIES, type Quantity } from "./quantities";
+import { describe, noPoints } from "./points";
+import { formatValue, QUANTITIES, type Quantity } from "./quantities";
 
 export const PLOT_HEIGHT = 160;
 /** Narrower drags are clicks. */
@@ -121,21 +121,10 @@ export class PlotGroup {
   }
 
   #write(quantity: Quantity, index: number | null): void {
-    const { times, bands } = this.#points;
-    const at = index ?? lastMeasured(bands[quantity].mean);
-    const { mean, min, max } = bands[quantity];
-    const value = at === null ? null : mean[at];
-    const [least, most] = at === null ? [null, null] : [min[at], max[at]];
-    const spread = formatSpread(quantity, least, most);
-    const text =
-      times.length > 0 && at === null ? "not measured" : `${formatValue(quantity, value)}${spread}`;
+    const { times } = this.#points;
+    const text = describe(this.#points, quantity, index, this.#span[1]);
     const place = this.#places[quantity].value;
     if (place.textContent !== text) place.textContent = text;
     if (quantity === "voltage") this.#onMoment(index === null ? null : (times[index] ?? null));
   }
-}
-
-function lastMeasured(column: readonly (number | null)[]): number | null {
-  const index = column.findLastIndex((value) => value !== null);
-  return index < 0 ? null : index;
 }

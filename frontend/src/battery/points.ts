@@ -1,5 +1,5 @@
 import type { BatteryHistory } from "../api/types";
-import { inUnit, QUANTITIES, type Quantity } from "./quantities";
+import { formatSpread, formatValue, inUnit, QUANTITIES, type Quantity } from "./quantities";
 
 export type Column = (number | null)[];
 
@@ -102,4 +102,20 @@ export function gapLimit(times: readonly number[]): number {
   if (spacings.length < ENOUGH) return GAP_S;
   spacings.sort((a, b) => a - b);
   return Math.max(SHORTEST_GAP_S, 3 * (spacings[spacings.length >> 1] as number));
+}
+
+/**
+ * A quantity in words: its value at a point, without one that of the last message.
+ *
+ * @param until The right edge of what is shown, s since 1970.
+ */
+export function describe(points: Points, quantity: Quantity, index: number | null, until: number): string {
+  const { mean, min, max } = points.bands[quantity];
+  const last = points.times.findLastIndex((time) => time <= until);
+  const at = index ?? last;
+  const value = mean[at] ?? null;
+  if (value !== null) return `${formatValue(quantity, value)}${formatSpread(quantity, min[at], max[at])}`;
+  if (index !== null || last < 0) return formatValue(quantity, null);
+  const before = mean.slice(0, last).findLast((each) => each !== null);
+  return before === undefined ? "not measured" : `no longer measured, last ${formatValue(quantity, before)}`;
 }

@@ -1,13 +1,11 @@
 import { Text } from "@mantine/core";
 import { useAtTime } from "../store/clock";
-import { useLive, useServices } from "../store/context";
+import { useServices } from "../store/context";
+import { type Freshness, useFreshness } from "../store/freshness";
 import { RENDER_INTERVAL_MS } from "../store/shown";
 import type { CmdVel } from "../store/state";
 import { formatDuration } from "../ui/time";
 import { describeVelocity } from "./velocity";
-
-/** Commands older than this are history, not what the robot does. */
-const RECENT_MS = 1000;
 
 /** The velocity command that the robot is given. */
 export function VelocityLine() {
@@ -23,14 +21,13 @@ export function VelocityLine() {
 
 function Words() {
   const { store } = useServices();
-  const live = useLive();
-  const words = useAtTime((now) => velocityWords(store.get("cmdVel"), now), RENDER_INTERVAL_MS);
-  return live ? words : "not live";
+  const freshness = useFreshness("velocity");
+  return useAtTime((now) => velocityWords(store.get("cmdVel"), freshness, now), RENDER_INTERVAL_MS);
 }
 
-function velocityWords({ twist, receivedAt }: CmdVel, now: number): string {
+function velocityWords({ twist, receivedAt }: CmdVel, freshness: Freshness, now: number): string {
+  if (freshness === "offline") return "not live";
   if (twist === null || receivedAt === null) return "none so far";
-  const age = now - receivedAt;
   const words = describeVelocity(twist);
-  return age <= RECENT_MS ? words : `none for ${formatDuration(age)} (last: ${words})`;
+  return freshness === "live" ? words : `none for ${formatDuration(now - receivedAt)} (last: ${words})`;
 }

@@ -1,9 +1,11 @@
 import { VisuallyHidden } from "@mantine/core";
 import { memo } from "react";
 import { CHARGING, FULL, formatQuantity, statusWords } from "../battery/words";
+import { useFleetLive } from "../fleet/context";
 import type { Robot } from "../fleet/types";
 import { ageWords } from "../fleet/words";
 import { useAtTime } from "../store/clock";
+import { freshnessOf } from "../store/freshness";
 import classes from "./overview.module.css";
 
 /** Below this a battery that is not charging is drawn as low. */
@@ -74,7 +76,8 @@ function Bolt() {
 
 function Age({ receivedAt, staleAfterMs }: { receivedAt: number; staleAfterMs: number }) {
   const words = useAtTime((now) => ageWords(now - receivedAt));
-  const stale = useAtTime((now) => now - receivedAt > staleAfterMs);
+  const live = useFleetLive();
+  const stale = useAtTime((now) => freshnessOf(live, now - receivedAt, staleAfterMs) === "stale");
   return (
     <span className={classes.age} data-stale={stale || undefined}>
       {stale ? `stale: ${words}` : words}

@@ -1,6 +1,7 @@
 import { useEffect } from "react";
 import { useScene } from "../scene/useScene";
-import { useLive, useServices } from "../store/context";
+import { useServices } from "../store/context";
+import { useFreshness } from "../store/freshness";
 
 /**
  * Asks, whenever the page is connected anew, for what the snapshot does not hold; events tell of what changes later.
@@ -8,8 +9,8 @@ import { useLive, useServices } from "../store/context";
  */
 export function Answers() {
   const { gateway, store } = useServices();
-  const live = useLive();
-  const simulated = useScene(({ scene, fresh }) => fresh && scene?.frame === "world");
+  const live = useFreshness("scene") === "live";
+  const simulated = useScene((scene) => scene?.frame === "world");
 
   useEffect(() => {
     if (live && simulated) return ask(gateway.simulator(), store.setSimulator);

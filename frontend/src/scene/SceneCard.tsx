@@ -1,9 +1,11 @@
-import { Badge, Code, Stack, Text, useComputedColorScheme } from "@mantine/core";
+import { Code, Stack, Text, useComputedColorScheme } from "@mantine/core";
 import { useId, useState } from "react";
 import type { Scene } from "../api/types";
 import { VelocityLine } from "../docking/VelocityLine";
-import { useLive, useServices, useTopicPart } from "../store/context";
+import { useServices, useTopicPart } from "../store/context";
+import { useFreshness } from "../store/freshness";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { FreshnessBadge } from "../ui/FreshnessBadge";
 import { Section } from "../ui/Section";
 import { useCommand } from "../ui/useCommand";
 import { SCENE_COLORS } from "./colors";
@@ -16,19 +18,18 @@ import { describePose, describeScene } from "./words";
 /** The robot and its dock from above, in a picture and in words. */
 export function SceneCard() {
   const { gateway } = useServices();
-  const live = useLive();
+  const freshness = useFreshness("scene");
   const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
-  const known = useScene(({ scene }) => scene !== null);
-  const fresh = useScene((seen) => seen.fresh);
+  const known = useScene((scene) => scene !== null);
   const [ghost, setGhost] = useState<Pose | null>(null);
   const wordsId = useId();
   const place = useCommand((pose: Pose) => gateway.placeRobot(pose));
-  const placeable = live && fresh && simulated;
+  const placeable = freshness === "live" && simulated;
 
   return (
-    <Section title="Map" aside={<Freshness live={live} known={known} fresh={fresh} />}>
+    <Section title="Map" aside={<FreshnessBadge freshness={freshness} />}>
       {!known ? (
-        <NoScene live={live} simulated={simulated} />
+        <NoScene live={freshness !== "offline"} simulated={simulated} />
       ) : (
         <Stack gap="xs">
           <SceneCanvas
@@ -42,7 +43,7 @@ export function SceneCard() {
             }}
           />
           <Text size="sm" id={wordsId} data-testid="scene-words" className="tabular">
-            {!fresh && "This is how it was last seen. "}
+            {freshness !== "live" && "This is how it was last seen. "}
             <Words />
           </Text>
           <Legend />
@@ -60,7 +61,7 @@ export function SceneCard() {
 /** Of the picture. */
 function Words() {
   const docked = useTopicPart("simulator", (simulator) => simulator?.docked ?? null);
-  return useScene(({ scene }) => (scene === null ? "" : describeScene(scene, docked)));
+  return useScene((scene) => (scene === null ? "" : describeScene(scene, docked)));
 }
 
 /** @param ghost Where the keyboard is about to place the robot. */
@@ -68,12 +69,6 @@ function hint(ghost: Pose | null): string {
   return ghost === null
     ? "Drag the robot to another place, or by the knob before it to turn it."
     : `To be placed at ${describePose(ghost)}: Enter does it, Escape leaves it.`;
-}
-
-function Freshness({ live, known, fresh }: { live: boolean; known: boolean; fresh: boolean }) {
-  if (!live) return <Badge color="gray.7">Not live</Badge>;
-  if (!known) return <Badge color="gray.7">No data</Badge>;
-  return fresh ? <Badge color="green">Live</Badge> : <Badge color="orange">Stale</Badge>;
 }
 
 function NoScene({ live, simulated }: { live: boolean; simulated: boolean }) {
@@ -108,7 +103,7 @@ const SHOWN: Record<string, (scene: Scene) => boolean> = {
 /** What the colours mean of what is there. */
 function Legend() {
   const colors = SCENE_COLORS[useComputedColorScheme("light")];
-  const names = useScene(({ scene }) =>
+  const names = useScene((scene) =>
     Object.entries(SHOWN)
       .flatMap(([name, isShown]) => (scene !== null && isShown(scene) ? [name] : []))
       .join(","),

@@ -7,8 +7,6 @@ export const FADE_MS = 1500;
 const MAX_DETECTIONS = 48;
 /** The way between two events takes as long as they were apart, but no longer than this. */
 const MAX_GLIDE_MS = 200;
-/** Without an event for this long the scene is history. */
-export const SCENE_STALE_MS = 2000;
 
 export interface Detection {
   pose: Pose;
@@ -76,11 +74,6 @@ export class SceneBuffer {
     if (now - this.arrivedAt > this.#glideMs || this.#from === null) return false;
     const target = this.latest?.robot ?? null;
     return target !== null && !samePose(this.#from, target);
-  }
-
-  /** Whether what is known is what is there now. */
-  isFresh(now: number): boolean {
-    return now - this.arrivedAt < SCENE_STALE_MS;
   }
 
   /** Calls `listener` for every event that says something new, until the returned function is called. */
