@@ -65,6 +65,7 @@ describe("axe finds nothing", () => {
         age_s: 0,
         stale: false,
         stale_after_s: 2,
+        low_below: 0.2,
         received_at,
       },
       battery_publisher: {

@@ -228,6 +228,7 @@ describe("battery", () => {
         age_s: 9,
         stale: true,
         stale_after_s: 4.5,
+        low_below: 0.2,
         received_at,
       },
     });
@@ -240,7 +241,7 @@ describe("battery", () => {
 
   it("says of its card and of its plots the same: stale, no data, not live", async () => {
     const received_at = new Date(Date.now() - 9000).toISOString();
-    const old = { state: battery, age_s: 9, stale: true, stale_after_s: 4.5, received_at };
+    const old = { state: battery, age_s: 9, stale: true, stale_after_s: 4.5, low_below: 0.2, received_at };
     const { store } = renderPage(fakeGateway(), { battery: old }, "/ui/robot");
     const badge = (card: string) =>
       within(screen.getByRole("region", { name: card })).queryByText(/^(Live|Stale|No data|Not live)$/)
@@ -265,7 +266,7 @@ describe("battery", () => {
   it("says what is no longer measured", async () => {
     const measured = { ...battery, current: -1.5 };
     const received_at = new Date().toISOString();
-    const first = { state: measured, age_s: 0, stale: false, stale_after_s: 5, received_at };
+    const first = { state: measured, age_s: 0, stale: false, stale_after_s: 5, low_below: 0.2, received_at };
     const { store } = renderPage(fakeGateway(), { battery: first }, "/ui/robot");
     expect(screen.getByText("-1.5 A")).toBeDefined();
     act(() =>
@@ -283,7 +284,7 @@ describe("battery", () => {
   it("is stale when the gateway says so, not before", () => {
     const received_at = new Date(Date.now() - 9000).toISOString();
     renderPage(fakeGateway(), {
-      battery: { state: battery, age_s: 9, stale: false, stale_after_s: 30, received_at },
+      battery: { state: battery, age_s: 9, stale: false, stale_after_s: 30, low_below: 0.2, received_at },
     });
     expect(screen.queryByText("Stale")).toBeNull();
   });

@@ -6,7 +6,14 @@ import { describe as describeQuantity, fromHistory, gapLimit, join, noPoints } f
 import { whoPublishes } from "../src/battery/publishers";
 import { formatSpread, formatValue, marks, rangeOf } from "../src/battery/quantities";
 import { BatterySeries, WINDOW_S } from "../src/battery/series";
-import { formatCells, formatPercentage, formatQuantity, statusWords, summarize } from "../src/battery/words";
+import {
+  formatCells,
+  formatPercentage,
+  formatQuantity,
+  isLow,
+  statusWords,
+  summarize,
+} from "../src/battery/words";
 import { at, battery } from "./events";
 
 const [low, charging] = PRESETS;
@@ -207,6 +214,19 @@ describe("the plots' scales", () => {
   it("show a percentage that counts to 100 for what it is", () => {
     expect(rangeOf("percentage", 20, 30)).toEqual([0, 100]);
     expect(rangeOf("percentage", 2400, 2500)).toEqual([0, 2500]);
+  });
+
+  it("are low below the gateway's limit, unless it charges", () => {
+    const low = (percentage: number | null, power_supply_status: number, lowBelow = 0.3) =>
+      isLow({ percentage, power_supply_status }, lowBelow);
+    expect([low(0.29, 2), low(0.3, 2), low(0.1, 1), low(0.1, 4), low(null, 2), low(0, 2, 0)]).toEqual([
+      true,
+      false,
+      false,
+      false,
+      false,
+      false,
+    ]);
   });
 
   it("say that a quantity is no longer measured", () => {

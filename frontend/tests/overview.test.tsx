@@ -18,12 +18,18 @@ const two = robot("/robot2", {
 const ten = robot("/robot10", {
   stop: latched("Ada"),
   dock: { action_name: "/robot10/dock", available: true, answering: false, duplicate: false },
-  battery: { state: { ...battery, percentage: null }, received_at: at(-60), stale: true, stale_after_s: 2 },
+  battery: {
+    state: { ...battery, percentage: null },
+    received_at: at(-60),
+    stale: true,
+    stale_after_s: 2,
+    low_below: 0.2,
+  },
 });
 const empty = robot("/", {
   dock: { action_name: "/dock", available: false, answering: false, duplicate: false },
   undock: null,
-  battery: { state: null, received_at: null, stale: false, stale_after_s: 2 },
+  battery: { state: null, received_at: null, stale: false, stale_after_s: 2, low_below: 0.2 },
 });
 const robots = [empty, one, two, ten];
 
@@ -43,6 +49,19 @@ describe("the overview of several robots", () => {
     );
     expect(row("/robot2").textContent).toMatch(/Not docked.*81 %.*charging.*Dock: Controlling.*No goals yet/);
     expect(row("/robot10").textContent).toMatch(/2.16 V.*stale: .* ago.*Stopped by Ada.*Silent/);
+  });
+
+  it("calls a battery low below the gateway's limit, unless it charges", () => {
+    const at35 = (name: string, low_below: number, power_supply_status = 2) => {
+      const state = { ...battery, percentage: 0.35, power_supply_status };
+      return robot(name, { battery: { ...one.battery, state, low_below } });
+    };
+    renderPage(fakeGateway(), { robots: [at35("/a", 0.4), at35("/b", 0.3), at35("/c", 0.4, 1)] });
+    expect(["/a", "/b", "/c"].map((name) => /low/.test(row(name).textContent ?? ""))).toEqual([
+      true,
+      false,
+      false,
+    ]);
   });
 
   it("calls a robot unreachable that was switched off, and counts it so", () => {

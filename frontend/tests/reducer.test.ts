@@ -39,12 +39,24 @@ describe("snapshot", () => {
     const state = stateAfter([
       snapshot({
         goals: [goal("a")],
-        battery: { state: battery, age_s: 1, stale: false, stale_after_s: 5, received_at: at(-1) },
+        battery: {
+          state: battery,
+          age_s: 1,
+          stale: false,
+          stale_after_s: 5,
+          low_below: 0.2,
+          received_at: at(-1),
+        },
         battery_publisher: { ...idlePublisher, active: true, rate_hz: 1, state: battery },
       }),
     ]);
     expect(state.goals.get("a")?.status).toBe("executing");
-    expect(state.battery).toEqual({ state: battery, receivedAt: START - 1000, staleAfterS: 5 });
+    expect(state.battery).toEqual({
+      state: battery,
+      receivedAt: START - 1000,
+      staleAfterS: 5,
+      lowBelow: 0.2,
+    });
     expect(state.publisher?.active).toBe(true);
     expect(state.actionServer).toEqual(server);
   });

@@ -59,11 +59,13 @@ class Battery:
         hub: Receives battery events.
         stale_after: Age in seconds above which the state is stale.
         robot: The namespace.
+        low_below: Charge (0 to 1) below which it is low; 0 means never.
     """
 
-    def __init__(self, hub: Hub, stale_after: float, robot: str) -> None:
+    def __init__(self, hub: Hub, stale_after: float, robot: str, *, low_below: float) -> None:
         self._robot = robot
         self._hub = hub
+        self._low_below = low_below
         self._stale_after = stale_after
         self._state: Json | None = None
         self._reading: Reading | None = Reading()
@@ -100,13 +102,14 @@ class Battery:
         return self._reading
 
     def lasting(self) -> dict[str, Any]:
-        """Return the state and whether it is stale, without the age, ready for `orjson`."""
+        """Return the state, whether it is stale and the limits, without the age, ready for `orjson`."""
         age = self.age
         return {
             "state": fragment(self._state),
             "received_at": self._received_at,
             "stale": age is None or age > self._stale_after,
             "stale_after_s": self._stale_after,
+            "low_below": self._low_below,
         }
 
     def document(self) -> dict[str, Any]:

@@ -56,7 +56,7 @@ class RobotRegistry:
     async def open(self, namespace: str) -> Robot:
         """Join the topics of a robot."""
         settings, hub = self._settings, self._hub
-        battery = Battery(hub, settings.battery_stale_after, namespace)
+        battery = Battery(hub, settings.battery_stale_after, namespace, low_below=settings.low_battery)
 
         def hear_latch(latched: bool, received: float) -> None:
             self._interlock.heard(namespace, latched=latched, received=received)

@@ -1168,7 +1168,7 @@ export interface components {
         Answer: components["schemas"]["GoalAck"] | components["schemas"]["PublisherAck"] | components["schemas"]["PublishedAck"] | components["schemas"]["StopAck"] | components["schemas"]["ReleaseAck"] | components["schemas"]["SubscriptionAck"] | components["schemas"]["PingAck"] | components["schemas"]["CommandError"];
         /**
          * Battery
-         * @description The latest battery state and its age.
+         * @description The latest battery state and its age. A charge below `low_below` (0 to 1) is low.
          */
         Battery: {
             state: components["schemas"]["BatteryState"] | null;
@@ -1178,6 +1178,8 @@ export interface components {
             stale: boolean;
             /** Stale After S */
             stale_after_s: number;
+            /** Low Below */
+            low_below: number;
             /** Received At */
             received_at: string | null;
         };
@@ -2231,7 +2233,7 @@ export interface components {
         };
         /**
          * RobotBattery
-         * @description The latest battery state, with the time of reception instead of its age.
+         * @description The latest battery state, with the time of reception instead of its age. A charge below `low_below` is low.
          */
         RobotBattery: {
             state: components["schemas"]["BatteryState"] | null;
@@ -2241,6 +2243,8 @@ export interface components {
             stale: boolean;
             /** Stale After S */
             stale_after_s: number;
+            /** Low Below */
+            low_below: number;
         };
         /**
          * RobotList

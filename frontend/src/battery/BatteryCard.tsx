@@ -18,6 +18,7 @@ import {
   formatPercentage,
   formatQuantity,
   HEALTH_WORDS,
+  isLow,
   statusWords,
   TECHNOLOGY_WORDS,
 } from "./words";
@@ -116,7 +117,7 @@ function NoBattery({ live }: { live: boolean }) {
 
 function Gauge({ faded }: { faded: boolean }) {
   const value = useTopicPart("battery", ({ state }) => filled(state?.percentage ?? null));
-  const color = useTopicPart("battery", ({ state }) => gaugeColor(state, value ?? 0, faded));
+  const color = useTopicPart("battery", ({ state, lowBelow }) => gaugeColor(state, lowBelow, faded));
   const measured = value !== null;
   return (
     <div>
@@ -143,11 +144,11 @@ function filled(percentage: number | null): number | null {
   return Math.round(value / RING_STEP) * RING_STEP;
 }
 
-function gaugeColor(state: BatteryState | null, value: number, faded: boolean): string {
+function gaugeColor(state: BatteryState | null, lowBelow: number, faded: boolean): string {
   if (faded) return "gray-5";
   const status = state?.power_supply_status;
   if (status === CHARGING || status === FULL) return "green-filled";
-  return value < 25 ? "orange-filled" : "blue-filled";
+  return state !== null && isLow(state, lowBelow) ? "orange-filled" : "blue-filled";
 }
 
 /** The fields that a battery may leave out, and what they say where it does not. */

@@ -31,6 +31,14 @@ export const TECHNOLOGY_WORDS = [
   "VRLA (lead-acid)",
 ] as const;
 
+/** Whether it is low and not charging. */
+export function isLow(
+  { percentage, power_supply_status: status }: Pick<BatteryState, "percentage" | "power_supply_status">,
+  lowBelow: number,
+): boolean {
+  return percentage !== null && percentage < lowBelow && status !== CHARGING && status !== FULL;
+}
+
 export function statusWords(status: number): string {
   return STATUS_WORDS[status] ?? `Status ${status}`;
 }

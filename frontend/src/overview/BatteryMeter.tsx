@@ -1,6 +1,6 @@
 import { VisuallyHidden } from "@mantine/core";
 import { memo } from "react";
-import { CHARGING, FULL, formatQuantity, statusWords } from "../battery/words";
+import { CHARGING, FULL, formatQuantity, isLow, statusWords } from "../battery/words";
 import { useFleetLive } from "../fleet/context";
 import type { Robot } from "../fleet/types";
 import { ageWords } from "../fleet/words";
@@ -8,12 +8,9 @@ import { useAtTime } from "../store/clock";
 import { freshnessOf } from "../store/freshness";
 import classes from "./overview.module.css";
 
-/** Below this a battery that is not charging is drawn as low. */
-const LOW = 0.2;
-
 /** A robot's battery: how full, whether it charges, and how old that is. */
 export function BatteryMeter({ battery }: { battery: Robot["battery"] }) {
-  const { state, received_at, stale_after_s } = battery;
+  const { state, received_at, stale_after_s, low_below } = battery;
   if (state === null || received_at === null) return <span className={classes.empty}>No data</span>;
   const { percentage, voltage, power_supply_status: status } = state;
   const filled = percentage === null ? null : Math.round(percentage * 100);
@@ -22,7 +19,7 @@ export function BatteryMeter({ battery }: { battery: Robot["battery"] }) {
       <Level
         text={filled === null ? formatQuantity(voltage, "V") : `${filled} %`}
         filled={filled === null ? null : Math.min(100, Math.max(0, filled))}
-        low={percentage !== null && percentage < LOW}
+        low={isLow(state, low_below)}
         status={status}
       />
       <Age receivedAt={Date.parse(received_at)} staleAfterMs={stale_after_s * 1000} />
@@ -52,7 +49,7 @@ const Level = memo(function Level({ text, filled, low, status }: LevelProps) {
       <span className={classes.status}>
         {status === FULL && "full"}
         <VisuallyHidden>{status === FULL ? "" : statusWords(status).toLowerCase()}</VisuallyHidden>
-        {low && !charging && "low"}
+        {low && "low"}
       </span>
     </div>
   );

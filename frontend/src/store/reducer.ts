@@ -68,7 +68,7 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
 }
 
 function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): State {
-  const { state: battery, received_at, stale_after_s } = event.battery;
+  const { state: battery, received_at, stale_after_s, low_below } = event.battery;
   const servers = { actionServer: event.action_server, undockServer: event.undock_server };
   return snapshotGoals(
     {
@@ -77,6 +77,7 @@ function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): S
         state: battery,
         receivedAt: received_at === null ? null : Date.parse(received_at),
         staleAfterS: stale_after_s,
+        lowBelow: low_below,
       },
       cmdVel: { twist: null, receivedAt: null },
       publisher: event.battery_publisher,

@@ -29,6 +29,8 @@ export interface Battery {
   receivedAt: number | null;
   /** After this silence (s) it is stale: what the gateway says of it, and what makes a docking server stop the wheels. */
   staleAfterS: number;
+  /** A charge (0 to 1) below this is low, as the gateway's alerts have it. */
+  lowBelow: number;
 }
 
 export interface CmdVel {
@@ -77,7 +79,7 @@ export const initialState: State = {
   goals: new Map(),
   arrivals: new Map(),
   stages: new Map(),
-  battery: { state: null, receivedAt: null, staleAfterS: Number.POSITIVE_INFINITY },
+  battery: { state: null, receivedAt: null, staleAfterS: Number.POSITIVE_INFINITY, lowBelow: 0 },
   cmdVel: { twist: null, receivedAt: null },
   feedback: [],
   publisher: null,

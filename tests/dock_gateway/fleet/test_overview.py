@@ -39,7 +39,7 @@ class Parts:
 
     def robot(self, name: str) -> Any:
         publisher = SimpleNamespace(document=lambda: {"active": False, "rate_hz": None, "published_count": 9})
-        return SimpleNamespace(namespace=name, battery=Battery(self.hub, 2.0, name), publisher=publisher)
+        return SimpleNamespace(namespace=name, battery=Battery(self.hub, 2.0, name, low_below=0.3), publisher=publisher)
 
     # the registry of robots
     def all(self) -> list[Any]:
@@ -124,7 +124,7 @@ async def test_a_robot_at_a_glance() -> None:
         "default": False,
         "docked": None,
         "simulated": False,
-        "battery": {"state": None, "received_at": None, "stale": True, "stale_after_s": 2.0},
+        "battery": {"state": None, "received_at": None, "stale": True, "stale_after_s": 2.0, "low_below": 0.3},
         "battery_topic": "/robot1/battery_status",
         "battery_publisher": {"active": False, "rate_hz": None},
         "stop": RELEASED,

@@ -56,12 +56,13 @@ class StopProblem(Problem):
 
 
 class Battery(Schema):
-    """The latest battery state and its age."""
+    """The latest battery state and its age. A charge below `low_below` (0 to 1) is low."""
 
     state: BatteryState | None
     age_s: float | None
     stale: bool
     stale_after_s: float
+    low_below: float
     received_at: datetime | None
 
 
@@ -82,12 +83,13 @@ class Publisher(Schema):
 
 
 class RobotBattery(Schema):
-    """The latest battery state, with the time of reception instead of its age."""
+    """The latest battery state, with the time of reception instead of its age. A charge below `low_below` is low."""
 
     state: BatteryState | None
     received_at: datetime | None
     stale: bool
     stale_after_s: float
+    low_below: float
 
 
 class RobotPublisher(Schema):
