@@ -190,33 +190,37 @@ describe("the timeline", () => {
   it("tells each status and stage with its time and how long it lasted", () => {
     const goalNow = goal("a", { status: "aborted", stage: "ABORTED", retries: 1, finished_at: at(9) });
     const error = { code: "failed_to_charge", detail: "no current" };
-    const entries = timelineOf(goalNow, [
+    const events = [
       status("a", { status: "accepted" }, 1),
       status("a", { status: "executing", stage: "CONTROLLING", retries: 0 }, 2),
       status("a", { status: "executing", stage: "CONTROLLING", retries: 0 }, 3),
       status("a", { status: "executing", stage: "CONTROLLING", retries: 0, stalled: true }, 4),
       status("a", { status: "executing", stage: "RETRY", retries: 1 }, 5),
       status("a", { status: "aborted", stage: "ABORTED", retries: 1, error }, 9),
-    ]);
-    expect(entries.map(({ change, time, lasted }) => [change, (time - START) / 1000, lasted])).toEqual([
-      [{ kind: "status", status: "accepted", error: null }, 1, 1000],
-      [{ kind: "status", status: "executing", error: null }, 2, 0],
-      [{ kind: "stage", stage: "CONTROLLING", retries: 0 }, 2, 2000],
-      [{ kind: "silence", silent: true }, 4, 1000],
-      [{ kind: "silence", silent: false }, 5, 0],
-      [{ kind: "stage", stage: "RETRY", retries: 1 }, 5, 4000],
-      [{ kind: "status", status: "aborted", error }, 9, null],
-    ]);
+    ];
+    const entries = timelineOf(goalNow, events, true);
+    expect(entries.map(({ change, time, lasted }) => [change, ((time ?? 0) - START) / 1000, lasted])).toEqual(
+      [
+        [{ kind: "status", status: "accepted", error: null }, 1, 1000],
+        [{ kind: "status", status: "executing", error: null }, 2, 0],
+        [{ kind: "stage", stage: "CONTROLLING", retries: 0 }, 2, 2000],
+        [{ kind: "silence", silent: true }, 4, 1000],
+        [{ kind: "silence", silent: false }, 5, 0],
+        [{ kind: "stage", stage: "RETRY", retries: 1 }, 5, 4000],
+        [{ kind: "status", status: "aborted", error }, 9, null],
+      ],
+    );
     expect(new Set(entries.map(({ key }) => key)).size).toBe(entries.length);
   });
 
   it("takes what is told late for no step back: stamps are of two clocks", () => {
-    const entries = timelineOf(goal("a", { status: "executing", stage: "CONTROLLING" }), [
+    const events = [
       status("a", { status: "pending" }, 1),
       status("a", { status: "executing" }, 2),
       status("a", { status: "pending", stage: "INITIAL_PERCEPTION" }, 3),
       status("a", { status: "executing", stage: "CONTROLLING" }, 4),
-    ]);
+    ];
+    const entries = timelineOf(goal("a", { status: "executing", stage: "CONTROLLING" }), events, true);
     const told = entries.map(({ change }) =>
       "status" in change ? change.status : "stage" in change && change.stage,
     );
@@ -224,7 +228,22 @@ describe("the timeline", () => {
   });
 
   it("takes what the goal itself tells where events are missing", () => {
-    const [only] = timelineOf(goal("a", { status: "succeeded", finished_at: at(4) }), []);
+    const [only] = timelineOf(goal("a", { status: "succeeded", finished_at: at(4) }), [], false);
     expect(only).toMatchObject({ time: START + 4000, change: { status: "succeeded" }, lasted: null });
+  });
+
+  it("invents no time where the events before are missing: a goal's last update is not when its stage began", () => {
+    const running = goal("a", { stage: "CONTROLLING", updated_at: at(60) });
+    expect(timelineOf(running, [], false).map(({ time, lasted }) => [time, lasted])).toEqual([
+      [null, null],
+      [null, null],
+    ]);
+    const events = [status("a", { stage: "CONTROLLING" }, 50), status("a", { stage: "WAIT_FOR_CHARGE" }, 55)];
+    const late = timelineOf(goal("a", { stage: "WAIT_FOR_CHARGE" }), events, false);
+    expect(late.map(({ time, lasted }) => [time, lasted])).toEqual([
+      [null, null],
+      [null, null],
+      [START + 55_000, null],
+    ]);
   });
 });

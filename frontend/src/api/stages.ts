@@ -7,10 +7,17 @@ type StatusEvent = Extract<Schemas["GoalHistory"]["events"][number], { type: "st
 /** A goal has a status event for each stage; more than this many pages of them is a server that runs wild. */
 const MAX_PAGES = 5;
 
-/** Every status that a goal was in, with its stage, oldest first. */
-export async function statusesOf(http: Http, goalId: string): Promise<StatusEvent[]> {
+/** The statuses of a goal with its stages, oldest first. */
+export interface Statuses {
+  events: StatusEvent[];
+  /** False where the history does not reach back to the goal's beginning. */
+  complete: boolean;
+}
+
+/** Every status that a goal was in, as far as the history goes back. */
+export async function statusesOf(http: Http, goalId: string): Promise<Statuses> {
   const events: StatusEvent[] = [];
-  let after: string | null = null;
+  let [complete, after] = [true, null as string | null];
   for (let page = 0; page < MAX_PAGES; page += 1) {
     const query = { type: ["status" as const], limit: 1000, ...(after === null ? {} : { after }) };
     const answer: Schemas["GoalHistory"] = await settle(
@@ -20,8 +27,9 @@ export async function statusesOf(http: Http, goalId: string): Promise<StatusEven
       }),
     );
     for (const event of answer.events) if (event.type === "status") events.push(event);
+    complete &&= answer.complete;
     after = answer.next_after;
     if (after === null) break;
   }
-  return events;
+  return { events, complete };
 }

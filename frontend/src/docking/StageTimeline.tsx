@@ -80,7 +80,8 @@ interface Way {
 function TimeIn({ stage, goal, visits }: Way & { stage: string }) {
   return useAtTime((now) => {
     const ms = timeIn(stage, spansOf(goal, visits, now));
-    return ms === null ? "" : formatDuration(ms);
+    if (ms !== null) return formatDuration(ms);
+    return visits.some((visit) => visit.stage === stage) ? "time unknown" : "";
   }, TEXT_MS);
 }
 

@@ -6,13 +6,13 @@ export type StatusEvent = Extract<GoalEvent, { type: "status" }>;
 /** Something that changed in the life of a goal. */
 export interface Entry {
   key: string;
-  /** In the gateway's time (ms). */
-  time: number;
+  /** In the gateway's time (ms); null where it is not known when that began. */
+  time: number | null;
   change:
     | { kind: "status"; status: GoalStatus; error: GoalError | null }
     | { kind: "stage"; stage: string; retries: number }
     | { kind: "silence"; silent: boolean };
-  /** Until the next change, or the end of it (ms); null for the last one of a goal that goes on, and for an end. */
+  /** Until the next change, or the end of it (ms); null for the last one of a goal that goes on, for an end, and where it is not known. */
   lasted: number | null;
 }
 
@@ -32,12 +32,13 @@ function laterOf(before: GoalStatus | null, now: GoalStatus): GoalStatus {
  *
  * @param events Its status events in the order of their ids; where they do not reach back to its beginning (they were
  *   kept no longer, or are on their way), what the goal itself tells stands in.
+ * @param complete Whether they do: the first of them tells when the goal came to be as it says.
  */
-export function timelineOf(goal: AnyGoal, events: readonly StatusEvent[]): Entry[] {
+export function timelineOf(goal: AnyGoal, events: readonly StatusEvent[], complete: boolean): Entry[] {
   const entries: Omit<Entry, "lasted">[] = [];
   let [status, stage, retries, silent] = [null as GoalStatus | null, null as string | null, 0, false];
 
-  const tell = (state: StatusEvent | AnyGoal, time: number, key: string) => {
+  const tell = (state: StatusEvent | AnyGoal, time: number | null, key: string) => {
     const now = laterOf(status, state.status);
     const add = (change: Entry["change"]) => entries.push({ key: `${key} ${change.kind}`, time, change });
     if (state.stalled !== silent && !isTerminal(state.status))
@@ -50,8 +51,10 @@ export function timelineOf(goal: AnyGoal, events: readonly StatusEvent[]): Entry
     [status, stage, retries, silent] = [now, state.stage, count, state.stalled];
   };
 
-  for (const event of events) tell(event, Date.parse(event.time), event.id);
-  tell(goal, Date.parse(goal.finished_at ?? goal.updated_at), "now");
+  for (const [index, event] of events.entries())
+    tell(event, index === 0 && !complete ? null : Date.parse(event.time), event.id);
+  // When a goal that goes on came to be as it is, it does not tell: each feedback message is an update.
+  tell(goal, goal.finished_at === null ? null : Date.parse(goal.finished_at), "now");
   return entries.map((entry, index) => ({ ...entry, lasted: lastedOf(entry, entries[index + 1]) }));
 }
 
@@ -60,7 +63,9 @@ function lastedOf(
   next: Omit<Entry, "lasted"> | undefined,
 ): number | null {
   if (
+    time === null ||
     next === undefined ||
+    next.time === null ||
     (change.kind === "status" && isTerminal(change.status) && change.status !== "lost")
   ) {
     return null;

@@ -21,7 +21,7 @@ export function GoalTimeline({ goal }: { goal: AnyGoal }) {
   const statuses = useWatchTopic("statuses");
   const past = useWatchTopic("past");
   const waiting = past.loading && past.complete === null;
-  const entries = timelineOf(goal, statuses);
+  const entries = timelineOf(goal, statuses, past.complete === true);
   return (
     <Section title="Timeline">
       <Trouble
@@ -31,7 +31,7 @@ export function GoalTimeline({ goal }: { goal: AnyGoal }) {
       />
       {past.complete === false && (
         <Text size="sm" c="dimmed">
-          The history keeps no longer all of what happened to this goal.
+          The history no longer reaches back to the beginning of this goal.
         </Text>
       )}
       {waiting ? (
@@ -67,9 +67,9 @@ function TimelineEntry({ entry, goal, last }: TimelineEntryProps) {
           {change.kind === "status" ? <GoalStatusBadge status={change.status} /> : titleOf(change)}
         </Text>
         <span className={classes.when}>
-          <Time value={time} />
+          {time === null ? "since an unknown time" : <Time value={time} />}
           {lasted !== null && `, for ${lastedWords(lasted)}`}
-          {goesOn && <SoFar since={time} />}
+          {goesOn && time !== null && <SoFar since={time} />}
         </span>
       </div>
       <Text size="sm" c="dimmed">

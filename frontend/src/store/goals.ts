@@ -1,5 +1,5 @@
 import type { AnyGoal, EventOf, Goal, GoalStatus } from "../api/types";
-import { withStage } from "./stages";
+import { withGap, withStage } from "./stages";
 import { type GoalsState, MAX_ARRIVALS, MAX_GOALS } from "./state";
 
 const FINAL: ReadonlySet<GoalStatus> = new Set(["succeeded", "canceled", "aborted", "rejected"]);
@@ -126,7 +126,9 @@ export function snapshotGoals<S extends GoalsState>(
   );
   const map = new Map(ours.map((goal) => [goal.goal_id, goal]));
   const next = prune({ ...state, goals: map, arrivals: new Map() });
-  return { ...next, stages: ours.reduce((stages, goal) => withStage(stages, goal, null), next.stages) };
+  const changed = ours.filter((goal) => !isFinal(state.goals.get(goal.goal_id)?.status ?? "pending"));
+  const stages = changed.reduce((known, { goal_id }) => withGap(known, goal_id), next.stages);
+  return { ...next, stages: ours.reduce((known, goal) => withStage(known, goal, null), stages) };
 }
 
 function withGoal<S extends GoalsState>(state: S, goal: Goal): S {

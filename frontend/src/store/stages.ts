@@ -36,17 +36,29 @@ function visit(
   return [...visits, { stage, since }].slice(-MAX_VISITS);
 }
 
-/** Takes up what a goal's history tells of its way, and keeps what was seen after that. */
-export function withPast(
-  stages: Stages,
-  goalId: string,
-  events: readonly { time: string; stage: string | null }[],
-): Stages {
+/** A goal that may have changed while nobody listened: when its last stage ended is not known any more. */
+export function withGap(stages: Stages, goalId: string): Stages {
+  const known = stages.get(goalId);
+  const last = known?.at(-1);
+  if (known === undefined || last === undefined) return stages;
+  return new Map(stages).set(goalId, [...known.slice(0, -1), { ...last, since: null }]);
+}
+
+/** The status events of a goal's history, oldest first; `complete` where they reach back to its beginning. */
+export interface PastOfWay {
+  events: readonly { time: string; stage: string | null }[];
+  complete: boolean;
+}
+
+/** Takes up what a goal's history tells of its way, and keeps what was seen that is not in it yet. */
+export function withPast(stages: Stages, goalId: string, { events, complete }: PastOfWay): Stages {
   let visits: readonly StageVisit[] = [];
-  for (const { time, stage } of events) visits = visit(visits, stage, Date.parse(time));
+  for (const [index, { time, stage }] of events.entries())
+    visits = visit(visits, stage, index === 0 && !complete ? null : Date.parse(time));
   if (visits.length === 0) return stages;
   const last = visits.at(-1)?.since ?? Number.NEGATIVE_INFINITY;
+  const told = new Set(visits.map(({ stage }) => stage));
   for (const { stage, since } of stages.get(goalId) ?? [])
-    if (since !== null && since > last) visits = visit(visits, stage, since);
+    if (since === null ? !told.has(stage) : since > last) visits = visit(visits, stage, since);
   return new Map(stages).set(goalId, visits);
 }

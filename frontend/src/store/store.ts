@@ -2,7 +2,7 @@ import type { EventOf, GatewayEvent, Simulator, StopState } from "../api/types";
 import type { Connection } from "../stream/connection";
 import { courseLister, type GoalCourse } from "./goals";
 import { reduce } from "./reducer";
-import { withPast } from "./stages";
+import { type PastOfWay, withPast } from "./stages";
 import { initialState, type State } from "./state";
 import { StreamStore } from "./streamStore";
 
@@ -41,8 +41,8 @@ export class Store extends StreamStore<State, Topics> {
   };
 
   /** Takes up what a goal's history tells of its way. */
-  setWay(goalId: string, statuses: readonly { time: string; stage: string | null }[]): void {
-    this.state = { ...this.state, stages: withPast(this.state.stages, goalId, statuses) };
+  setWay(goalId: string, past: PastOfWay): void {
+    this.state = { ...this.state, stages: withPast(this.state.stages, goalId, past) };
     this.shown.schedule();
   }
 

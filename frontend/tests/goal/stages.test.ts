@@ -2,11 +2,15 @@ import { describe, expect, it } from "vitest";
 import type { Goal } from "../../src/api/types";
 import { spansOf, timeIn } from "../../src/goal/spans";
 import { stageWords, stepsOf } from "../../src/goal/stages";
+import { reduce } from "../../src/store/reducer";
 import { type Stages, withPast } from "../../src/store/stages";
-import { at, goal, START, undockGoal } from "../events";
+import { initialState } from "../../src/store/state";
+import { at, goal, START, snapshot, status, undockGoal } from "../events";
 
 const PERCEPTION = "INITIAL_PERCEPTION";
 const STAGING = "NAV_TO_STAGING_POSE";
+
+const whole = (events: { time: string; stage: string | null }[]) => ({ events, complete: true });
 
 function states(...parameters: Parameters<typeof stepsOf>): string[] {
   return stepsOf(...parameters).map((step) => step.state);
@@ -97,12 +101,33 @@ describe("the way of a goal", () => {
       { time: at(3), stage: "CONTROLLING" },
       { time: at(4), stage: "CONTROLLING" },
     ];
-    expect(withPast(met, "a", past).get("a")).toEqual([
+    expect(withPast(met, "a", whole(past)).get("a")).toEqual([
       { stage: PERCEPTION, since: START + 1000 },
       { stage: "CONTROLLING", since: START + 3000 },
       { stage: "WAIT_FOR_CHARGE", since: START + 9000 },
     ]);
-    expect(withPast(met, "a", [])).toBe(met);
+    expect(withPast(met, "a", whole([]))).toBe(met);
+  });
+
+  it("has a gap where the history lags behind what was met, or reaches not back to the beginning", () => {
+    const met: Stages = new Map([["a", [{ stage: "CONTROLLING", since: null }]]]);
+    const lagging = [{ time: at(1), stage: PERCEPTION }];
+    expect(withPast(met, "a", whole(lagging)).get("a")).toEqual([
+      { stage: PERCEPTION, since: START + 1000 },
+      { stage: "CONTROLLING", since: null },
+    ]);
+    const late = { events: [{ time: at(50), stage: "CONTROLLING" }], complete: false };
+    expect(withPast(met, "a", late).get("a")).toEqual([{ stage: "CONTROLLING", since: null }]);
+  });
+
+  it("has a gap where the page was away, until the history tells", () => {
+    const begun = [snapshot(), status("a", { stage: "CONTROLLING" }, 1)];
+    const later = goal("a", { stage: "CONTROLLING", retries: 1 });
+    const state = [...begun, snapshot({ goals: [later] })].reduce(
+      (now, event) => reduce(now, event, 0),
+      initialState,
+    );
+    expect(state.stages.get("a")).toEqual([{ stage: "CONTROLLING", since: null }]);
   });
 });
 
