@@ -10,11 +10,13 @@ from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.processes import Process
 from tests.support.waiting import wait_until
 
-from benchmarks.dashboard.browser import Cost, Watched, script_kb, watched
+from benchmarks.dashboard.browser import Cost, Watched, opened_browser, watched
+from benchmarks.dashboard.loading import first_visit
 from benchmarks.machine import describe
 from benchmarks.site import PRODUCT, ROOT, Goal, site
 
 ENOUGH = 7200  # seconds that a goal's feedback goes on
+WIDTHS = (1440, 768)  # of a desk and of a tablet
 ROW = "| {:<44} | {:>8} | {:>8} | {:>10} | {:>10} |"
 HEAD = ROW.format("page", "CPU %", "heap MB", "long tasks", "longest ms")
 RULE = "|".join("-" * len(cell) for cell in HEAD.split("|"))
@@ -74,9 +76,13 @@ def main() -> None:
 
     machine = describe()
     with running(0, 50.0) as url:
-        at_once, total = script_kb(url)
         say(f"{machine['cores']} cores, {machine['cpu']}.")
-        say(f"Scripts of a first visit, gzip: {at_once:.0f} kB at once, {total:.0f} kB in all.\n")
+        with opened_browser() as browser:
+            for width in WIDTHS:
+                visit = first_visit(browser, url, width)
+                kb, scripts = visit.transferred / 1000, visit.scripts / 1000
+                say(f"First visit, {width} wide: {kb:.0f} kB, {scripts:.0f} of them scripts; shift {visit.shift:.4f}.")
+        say("")
         say(HEAD)
         say(RULE)
         with watched(url) as page:

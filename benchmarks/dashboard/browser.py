@@ -1,15 +1,13 @@
 """What a page costs: processor time of the whole browser, memory of the page, frames and long tasks."""
 
-import gzip
 import os
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.parse import urlsplit
 
-from playwright.sync_api import CDPSession, Page, Response, sync_playwright
+from playwright.sync_api import Browser, CDPSession, Page, sync_playwright
 from tests.browser.conftest import ARGUMENTS, CHROMIUM, MISSING
 
 from benchmarks.machine import Cpu
@@ -73,39 +71,26 @@ class Watched:
 
 
 @contextmanager
-def watched(url: str, *, width: int = 1440, height: int = 1200) -> Iterator[Watched]:
-    """Open a page in a browser of its own."""
+def opened_browser() -> Iterator[Browser]:
+    """A browser with nothing in its cache."""
     if CHROMIUM is None:
         raise SystemExit(MISSING)
     with (
         sync_playwright() as playwright,
         playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS) as browser,
     ):
+        yield browser
+
+
+@contextmanager
+def watched(url: str, *, width: int = 1440, height: int = 1200) -> Iterator[Watched]:
+    """Open a page in a browser of its own."""
+    with opened_browser() as browser:
         page = browser.new_page(viewport={"width": width, "height": height})
         page.goto(url)
         page.get_by_test_id("connection").get_by_text("live").wait_for()
         time.sleep(1.0)
         yield Watched(page)
-
-
-def script_kb(url: str) -> tuple[float, float]:
-    """Scripts of a first visit in kB, as gzip packs them: those that the page asks for at once, and all of them."""
-    sizes: dict[str, float] = {}
-
-    def hear(response: Response) -> None:
-        if response.request.resource_type == "script":
-            sizes[urlsplit(response.url).path] = len(gzip.compress(response.body(), 9)) / 1000
-
-    with (
-        sync_playwright() as playwright,
-        playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS) as browser,
-    ):
-        page = browser.new_page()
-        page.on("response", hear)
-        document = page.goto(url)
-        page.wait_for_timeout(3000)
-        text = "" if document is None else document.text()
-    return sum(size for path, size in sizes.items() if path in text), sum(sizes.values())
 
 
 def _processes_of(parent: int) -> list[int]:

@@ -63,7 +63,7 @@ describe("connection", () => {
 describe("Stop", () => {
   it("works by click, again while one is under way, and by keyboard from a text field", async () => {
     const gateway = fakeGateway({ stop: vi.fn(() => new Promise<never>(() => {})) });
-    const { user } = renderPage(gateway, null, "/ui/robot");
+    const { user } = renderPage(gateway, undefined, "/ui/robot");
     await user.click(button("Stop"));
     await user.click(button("Stop"));
     await user.click(screen.getByLabelText("Voltage (V)"));

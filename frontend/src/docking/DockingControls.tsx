@@ -84,28 +84,26 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
         </Button>
         {alone !== null && <RobotStopButton robot={alone} />}
       </Group>
-      <Group gap="sm">
-        <Group gap="xs">
-          <Text size="sm" id={targetId}>
-            Dock until the battery is
-          </Text>
-          <SegmentedControl
-            aria-labelledby={targetId}
-            value={target}
-            onChange={setTarget}
-            data={[
-              { label: "Charging", value: String(CHARGING) },
-              { label: "Full", value: String(FULL) },
-            ]}
-          />
-        </Group>
-        <Switch
-          label={asking.simulated ? "Confirm before moving (off in simulation)" : "Confirm before moving"}
-          checked={asking.asks}
-          disabled={asking.simulated}
-          onChange={(event) => asking.change(event.currentTarget.checked)}
+      <Group gap="xs">
+        <Text size="sm" id={targetId}>
+          Dock until the battery is
+        </Text>
+        <SegmentedControl
+          aria-labelledby={targetId}
+          value={target}
+          onChange={setTarget}
+          data={[
+            { label: "Charging", value: String(CHARGING) },
+            { label: "Full", value: String(FULL) },
+          ]}
         />
       </Group>
+      <Switch
+        label={asking.simulated ? "Confirm before moving (off in simulation)" : "Confirm before moving"}
+        checked={asking.asks}
+        disabled={asking.simulated}
+        onChange={(event) => asking.change(event.currentTarget.checked)}
+      />
       <Text size="sm" c="dimmed" id={reasonId} role="status">
         {[...new Set(reasons)].join(" ")}{" "}
         {silent && <strong>The docking server is not responding: a goal may time out.</strong>}

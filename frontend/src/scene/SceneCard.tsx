@@ -73,7 +73,7 @@ function hint(ghost: Pose | null): string {
 
 function NoScene({ live, simulated }: { live: boolean; simulated: boolean }) {
   return (
-    <Stack gap={4} data-testid="scene-words">
+    <Stack gap={4} data-testid="scene-words" className={classes.empty}>
       <Text fw={600}>Nothing to draw yet</Text>
       <Text size="sm" c="dimmed">
         {!live && "Nothing is known before the gateway is connected."}
