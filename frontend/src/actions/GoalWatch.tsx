@@ -55,7 +55,7 @@ export function GoalWatch({ goalId, schemas }: { goalId: string | null; schemas:
         <Fact name="Started">
           <Time value={goal.created_at} />
         </Fact>
-        <Fact name={goal.finished_at === null ? "Elapsed" : "Took"}>
+        <Fact name="Duration">
           <GoalDuration goal={goal} />
         </Fact>
         <Fact name="Feedback">

@@ -3,12 +3,11 @@ import { useEffect, useMemo } from "react";
 import { Link } from "react-router";
 import type { AnyGoal, Goal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
+import { GoalDuration } from "../goal/GoalDuration";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
-import { useGatewayNow } from "../store/clock";
 import { newestFirst } from "../store/goals";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
-import { formatDuration } from "../ui/time";
 import classes from "./actions.module.css";
 import { spaced, withoutDefaults } from "./form/draft";
 import type { Json } from "./form/schema";
@@ -106,7 +105,7 @@ function GoalRow({ goal, form }: { goal: AnyGoal; form: RecentGoalsProps["form"]
         </Badge>
       </Table.Td>
       <Table.Td visibleFrom="sm" className="tabular">
-        <Duration goal={goal} />
+        <GoalDuration goal={goal} />
       </Table.Td>
       <Table.Td visibleFrom="xs" className={classes.message}>
         {asked === null ? (
@@ -126,12 +125,4 @@ function GoalRow({ goal, form }: { goal: AnyGoal; form: RecentGoalsProps["form"]
       </Table.Td>
     </Table.Tr>
   );
-}
-
-function Duration({ goal }: { goal: AnyGoal }) {
-  const now = useGatewayNow();
-  const live = useFleetLive();
-  const start = Date.parse(goal.created_at);
-  if (goal.finished_at !== null) return formatDuration(Date.parse(goal.finished_at) - start);
-  return live ? formatDuration(now - start) : "not live";
 }

@@ -47,7 +47,7 @@ export function GoalPanel({ goal }: { goal: GoalCourse }) {
         <Fact name="Started">
           <Time value={goal.created_at} />
         </Fact>
-        <Fact name={goal.finished_at === null ? "Elapsed" : "Took"}>
+        <Fact name="Duration">
           <GoalDuration goal={goal} />
         </Fact>
         <Fact name="Feedback">

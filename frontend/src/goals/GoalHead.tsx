@@ -42,7 +42,7 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         <Fact name="Started">
           <Time value={goal.created_at} />
         </Fact>
-        <Fact name={goal.finished_at === null ? "Elapsed" : "Took"}>
+        <Fact name="Duration">
           <GoalDuration goal={goal} />
         </Fact>
         {goal.finished_at !== null && (
