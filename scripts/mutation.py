@@ -41,7 +41,7 @@ AREAS = {
 }
 # Lines that are not mutated, and why.
 UNMUTATED = {
-    r"\blog\.|\bTasks\(": "text for people",
+    r"\blog\.|\bTasks\(|thread_name_prefix": "text for people",
     r"\bchange\(self|method\.__doc__": "runs while the module is imported, before mutmut can switch a mutant on",
 }
 # Mutants that behave like the original: the line as mutated, and why nothing can notice it.

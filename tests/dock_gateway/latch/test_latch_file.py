@@ -19,13 +19,14 @@ GOOD = b'"/robot2": {"since": "2026-11-21T04:00:00Z", "by": "Bob"}'
 
 
 def test_the_file_gives_back_what_was_written(tmp_path: Path) -> None:
-    file = LatchFile(tmp_path / "data" / "stops.json")
+    file = LatchFile(tmp_path / "robots" / "data" / "stops.json")
     assert file.read("/") == {}
     file.write({"/": ADA, "/robot1": Latch(BOB.since)})
     assert LatchFile(file.path).read("/") == {"/": ADA, "/robot1": Latch(BOB.since)}
     file.write({})
     assert file.read("/") == {}
     assert [path.name for path in file.path.parent.iterdir()] == ["stops.json"]
+    assert file.path.parent.stat().st_mode & 0o777 == 0o700
 
 
 @pytest.mark.parametrize(
@@ -40,6 +41,7 @@ def test_the_file_gives_back_what_was_written(tmp_path: Path) -> None:
         (b'{"/robot1": {"since": 1, "by": null}}', {"/fleet", "/robot1"}),
         (b'{"/robot1": {"since": "2026-11-21T04:00:00", "by": null}}', {"/fleet", "/robot1"}),
         (b'{"/robot1": null}', {"/fleet", "/robot1"}),
+        (b'{"/XAVIER/X/": null}', {"/fleet", "/XAVIER/X"}),
         (b"{" + GOOD + b"}", {"/robot2"}),
     ],
 )
@@ -52,6 +54,22 @@ def test_what_cannot_be_read_counts_as_a_stop_of_the_robots_of_the_gateway(
     assert set(read) == held
     assert all(latch.since.tzinfo is not None for latch in read.values())
     assert read.get("/robot2", BOB) == BOB
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (b'["robot1"]', "no object: ['robot1']"),
+        (b'{"/a": {"since": "2026-11-21T04:00:00", "by": 1}}', "no stop: {'since'"),
+    ],
+)
+def test_the_log_says_what_cannot_be_read(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, content: bytes, why: str
+) -> None:
+    path = tmp_path / "stops.json"
+    path.write_bytes(content)
+    LatchFile(path).read("/")
+    assert why in caplog.text
 
 
 def test_a_file_that_is_a_folder_counts_as_a_stop(tmp_path: Path) -> None:
