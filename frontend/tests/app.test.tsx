@@ -234,7 +234,7 @@ describe("battery", () => {
     });
     expect(screen.getByTestId("battery-status").textContent).toBe("Not charging");
     expect(screen.getByText("24 %")).toBeDefined();
-    expect(screen.getByText("-1.5 A")).toBeDefined();
+    expect(screen.getByText("−1.50 A")).toBeDefined();
     expect(screen.getAllByText("Stale").length).toBeGreaterThan(0);
     expect(screen.getByText(/no battery message for more than 4.5 s/)).toBeDefined();
   });
@@ -268,7 +268,7 @@ describe("battery", () => {
     const received_at = new Date().toISOString();
     const first = { state: measured, age_s: 0, stale: false, stale_after_s: 5, low_below: 0.2, received_at };
     const { store } = renderPage(fakeGateway(), { battery: first }, "/ui/robot");
-    expect(screen.getByText("-1.5 A")).toBeDefined();
+    expect(screen.getByText("−1.50 A")).toBeDefined();
     act(() =>
       store.onEvent({
         type: "battery",

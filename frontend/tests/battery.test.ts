@@ -179,9 +179,9 @@ describe("the past and what is heard live", () => {
 
 describe("words", () => {
   it("say each cell, and alike ones once", () => {
-    expect(formatCells([3.9, null, 4.0012], "V")).toBe("3.9, –, 4 V");
-    expect(formatCells([25.001, 25.002, 25.003], "°C")).toBe("3 × 25 °C");
-    expect(formatCells([1, 1], "V")).toBe("1, 1 V");
+    expect(formatCells([3.9, null, 4.0012], "V")).toBe("3.90, –, 4.00 V");
+    expect(formatCells([25.001, 25.002, 25.003], "°C")).toBe("3 × 25.0 °C");
+    expect(formatCells([1, 1], "V")).toBe("1.00, 1.00 V");
   });
 
   it("say what the numbers mean", () => {
@@ -190,6 +190,13 @@ describe("words", () => {
     expect(formatPercentage(0.24)).toBe("24 %");
     expect(formatPercentage(null)).toBe("not measured");
     expect(formatQuantity(null, "V")).toBe("not measured");
+    expect([9, 8.98, -1.5, -0.001].map((value) => formatQuantity(value, "V"))).toEqual([
+      "9.00 V",
+      "8.98 V",
+      "−1.50 V",
+      "0.00 V",
+    ]);
+    expect(formatValue("current", -1.5)).toBe("−1.50 A");
     expect(summarize({ percentage: 0.24, voltage: 2.16, power_supply_status: 1 })).toBe(
       "24 %, 2.16 V, charging",
     );

@@ -1,4 +1,5 @@
 import type uPlot from "uplot";
+import { fixed } from "../ui/numbers";
 import { plotAxis } from "../ui/plotLook";
 import { marks, type Quantity, rangeOf, SHAPES } from "./quantities";
 import { formatMark } from "./view";
@@ -54,7 +55,7 @@ export function plotOptions(
         ...axis,
         size: 52,
         splits: (_plot, _axis, min, max) => marks(min, max),
-        values: (_plot, splits) => splits.map((split) => split.toFixed(decimals)),
+        values: (_plot, splits) => splits.map((split) => fixed(split, decimals)),
       },
     ],
     series: [

@@ -1,4 +1,5 @@
 import type { BatteryState } from "../api/types";
+import { fixed } from "../ui/numbers";
 
 /** What of a battery is plotted, in this order. */
 export const QUANTITIES = ["voltage", "percentage", "current", "temperature"] as const;
@@ -82,7 +83,7 @@ export function formatSpread(
 }
 
 function digits(quantity: Quantity, value: number): string {
-  return value.toFixed(Math.max(SHAPES[quantity].decimals, 1));
+  return fixed(value, Math.max(SHAPES[quantity].decimals, 1));
 }
 
 const ROWS = 4;

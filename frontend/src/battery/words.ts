@@ -1,4 +1,5 @@
 import type { BatteryState } from "../api/types";
+import { fixed } from "../ui/numbers";
 
 /** sensor_msgs/BatteryState POWER_SUPPLY_STATUS_… */
 export const CHARGING = 1;
@@ -45,18 +46,18 @@ export function statusWords(status: number): string {
 
 const NOT_MEASURED = "not measured";
 
-const number = new Intl.NumberFormat(undefined, { maximumFractionDigits: 2 });
-const percent = new Intl.NumberFormat(undefined, { maximumFractionDigits: 1 });
+/** Of a temperature one, else two: what a battery measures is no more exact. */
+function digits(value: number, unit: string): string {
+  return fixed(value, unit === "°C" ? 1 : 2);
+}
 
 export function formatQuantity(value: number | null | undefined, unit: string): string {
-  return value === null || value === undefined ? NOT_MEASURED : `${number.format(value)} ${unit}`;
+  return value === null || value === undefined ? NOT_MEASURED : `${digits(value, unit)} ${unit}`;
 }
 
 /** `percentage` is 0 to 1. */
 export function formatPercentage(percentage: number | null | undefined): string {
-  return percentage === null || percentage === undefined
-    ? NOT_MEASURED
-    : `${percent.format(percentage * 100)} %`;
+  return percentage === null || percentage === undefined ? NOT_MEASURED : `${fixed(percentage * 100, 0)} %`;
 }
 
 /** `24 %, 2.16 V, not charging` */
@@ -69,9 +70,9 @@ export function summarize(
   return parts.join(", ");
 }
 
-/** Of each cell: `3.9, –, 4 V`, and `7 × 25 °C` where they are all alike. */
+/** Of each cell: `3.90, –, 4.00 V`, and `7 × 25.0 °C` where they are all alike. */
 export function formatCells(values: readonly (number | null)[], unit: string): string {
-  const texts = values.map((value) => (value === null ? "–" : number.format(value)));
+  const texts = values.map((value) => (value === null ? "–" : digits(value, unit)));
   const [first] = texts;
   const alike = texts.length > 2 && texts.every((text) => text === first);
   return `${alike ? `${texts.length} × ${first}` : texts.join(", ")} ${unit}`;

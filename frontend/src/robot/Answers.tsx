@@ -4,17 +4,17 @@ import { useServices } from "../store/context";
 import { useFreshness } from "../store/freshness";
 
 /**
- * Asks, whenever the page is connected anew, for what the snapshot does not hold; events tell of what changes later.
- * Shows nothing. The simulator is asked for where there is a true pose, which nobody else tells.
+ * Asks, whenever the page is connected anew or the scene stops or goes on, for what the snapshot does not hold; events
+ * tell of what changes later. Shows nothing. The simulator is asked for where there is a true pose, which nobody else tells.
  */
 export function Answers() {
   const { gateway, store } = useServices();
-  const live = useFreshness("scene") === "live";
+  const freshness = useFreshness("scene");
   const simulated = useScene((scene) => scene?.frame === "world");
 
   useEffect(() => {
-    if (live && simulated) return ask(gateway.simulator(), store.setSimulator);
-  }, [gateway, store, live, simulated]);
+    if (simulated && freshness !== "offline") return ask(gateway.simulator(), store.setSimulator);
+  }, [gateway, store, freshness, simulated]);
 
   return null;
 }

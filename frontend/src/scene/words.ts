@@ -1,20 +1,13 @@
 import type { Scene } from "../api/types";
+import { fixed } from "../ui/numbers";
 import { distance, normalizeAngle, type Pose, toDegrees } from "./geometry";
 import { CONTACT_RADIUS_M, shapesOf } from "./shapes";
 
 const CONTACT_ANGLE_RAD = (5 * Math.PI) / 180;
 
-const metres = new Intl.NumberFormat(undefined, { minimumFractionDigits: 2, maximumFractionDigits: 2 });
-const degrees = new Intl.NumberFormat(undefined, { maximumFractionDigits: 0 });
-
 /** `x −1.50 m, y 0.40 m, heading 17°`. */
 export function describePose({ x, y, theta }: Pose): string {
-  return `x ${signed(metres.format(x))} m, y ${signed(metres.format(y))} m, heading ${signed(degrees.format(toDegrees(theta)))}°`;
-}
-
-/** No negative zero, and a minus sign that is as wide as a digit. */
-function signed(number: string): string {
-  return /[1-9]/.test(number) ? number.replace("-", "−") : number.replace("-", "");
+  return `x ${fixed(x, 2)} m, y ${fixed(y, 2)} m, heading ${fixed(toDegrees(theta), 0)}°`;
 }
 
 /**
@@ -36,5 +29,5 @@ function describeDocking(scene: Scene, robot: Pose, told: boolean | null): strin
   const away = distance(robot, goal);
   const turned = Math.abs(normalizeAngle(robot.theta - goal.theta));
   const docked = told ?? (away <= CONTACT_RADIUS_M && turned <= CONTACT_ANGLE_RAD);
-  return docked ? "Docked." : `Not docked: ${metres.format(away)} m to go.`;
+  return docked ? "Docked." : `Not docked: ${fixed(away, 2)} m to go.`;
 }
