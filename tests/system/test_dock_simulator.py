@@ -184,8 +184,8 @@ def test_stamps_that_stand_still_do_not_make_others_its_own(domain: int, observe
         observer.record(BatteryState, "battery_status").wait_for(lambda state: state.location == "dock_simulator")
         time.sleep(0.5)
         controls.wait_for_status(battery_publisher="self")
-        observer.publish(LOW, "battery_status")
-        controls.wait_for_status(battery_publisher="other")
+        with observer.publishing(LOW, "battery_status"):
+            controls.wait_for_status(battery_publisher="other")
 
 
 def test_time_can_pass_faster(domain: int, observer: Observer) -> None:

@@ -67,6 +67,9 @@ class FakeInterlock:
     def holds(self, action_name: str) -> bool:
         return action_name in self.latched
 
+    def requested_by(self, _: str) -> None:
+        return None
+
 
 class FakeWatch:
     missing: GatewayError | None = None
