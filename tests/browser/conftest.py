@@ -45,7 +45,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     if report.failed and isinstance(page, Page):
         report.sections.append(("the page", page.locator("body").aria_snapshot()))
         if isinstance(gateway, RunningGateway):
-            answers = (gateway.http.get(path).text for path in ("/health", "/stop", "/goals?limit=3"))
+            answers = (gateway.http.get(path).text for path in ("/readyz", "/stop", "/goals?limit=3"))
             report.sections.append(("the gateway", "\n".join(answers)))
     return report
 

@@ -130,8 +130,9 @@ def test_a_topic_is_read_along_paused_and_copied(page: Page, open_graph: Callabl
     echo.get_by_role("switch", name="Live").check()
     expect(echo.get_by_test_id("message-tree")).to_contain_text("power_supply_status")
     expect(echo).to_contain_text(re.compile(r"(9\.\d+|1[01](\.\d+)?) Hz"))
-    assert "echo=true" in page.url
+    expect(page).to_have_url(re.compile("echo=true"))
     echo.get_by_role("button", name="Pause").click()
+    expect(echo.get_by_role("button", name="Go on")).to_be_visible()
     paused = echo.locator("time").get_attribute("datetime")
     messages = messages_of(echo)
     wait_until(lambda: messages_of(echo) > messages, "more messages")
