@@ -214,6 +214,11 @@ describe("goals of other actions", () => {
   });
 });
 
+function hearBattery(store: ReturnType<typeof renderPage>["store"]) {
+  const time = new Date().toISOString();
+  act(() => store.onEvent({ type: "battery", id: "b", time, robot: "/", battery } as never));
+}
+
 describe("battery", () => {
   it("teaches what to do where there is no state", () => {
     renderPage(fakeGateway());
@@ -248,15 +253,7 @@ describe("battery", () => {
         ?.textContent;
     const badges = () => ["Battery", "Battery over time"].map(badge);
     await waitFor(() => expect(badges()).toEqual(["Stale", "Stale"]));
-    act(() =>
-      store.onEvent({
-        type: "battery",
-        id: "b",
-        time: new Date().toISOString(),
-        robot: "/",
-        battery,
-      } as never),
-    );
+    hearBattery(store);
     await waitFor(() => expect(badges()).toEqual(["Live", "Live"]));
     act(() => store.onConnection({ kind: "closed" }));
     await waitFor(() => expect(badges()).toEqual(["Not live", "Not live"]));
@@ -269,15 +266,7 @@ describe("battery", () => {
     const first = { state: measured, age_s: 0, stale: false, stale_after_s: 5, low_below: 0.2, received_at };
     const { store } = renderPage(fakeGateway(), { battery: first }, "/ui/robot");
     expect(screen.getByText("−1.50 A")).toBeDefined();
-    act(() =>
-      store.onEvent({
-        type: "battery",
-        id: "b",
-        time: new Date().toISOString(),
-        robot: "/",
-        battery,
-      } as never),
-    );
+    hearBattery(store);
     expect(await screen.findByText("no longer measured")).toBeDefined();
   });
 

@@ -27,5 +27,5 @@ export function whyNotCancel(live: boolean, goal: AnyGoal, canceling: boolean): 
 
 /** Whether one of these stops holds an action. */
 export function isHeld(action: string, stops: readonly HeldStop[]): boolean {
-  return stops.some(({ robot, below }) => [robot, ...below].some((held) => isUnder(action, held)));
+  return stops.some(({ robot, holds }) => [robot, ...holds].some((held) => isUnder(action, held)));
 }

@@ -12,7 +12,11 @@ export type Lifetime = Pick<AnyGoal, "created_at" | "finished_at">;
  */
 export function durationWords({ created_at, finished_at }: Lifetime, now: number): string {
   const start = Date.parse(created_at);
-  if (finished_at !== null) return formatDuration(Date.parse(finished_at) - start);
+  return finished_at === null ? soFarWords(start, now) : formatDuration(Date.parse(finished_at) - start);
+}
+
+/** For how long a goal has been running, in whole seconds. */
+export function soFarWords(start: number, now: number): string {
   const seconds = Math.max(0, Math.floor((now - start) / 1000));
   return seconds < 10 ? `${seconds} s` : formatDuration(seconds * 1000);
 }

@@ -11,9 +11,9 @@ import {
   linkOf,
   runningWords,
 } from "../fleet/words";
+import { soFarWords } from "../goal/duration";
 import { useAtTime } from "../store/clock";
 import { Time } from "../ui/Time";
-import { formatDuration } from "../ui/time";
 import classes from "./overview.module.css";
 
 /** What a robot does now: it is stopped, runs a goal, or nothing; unknown where nothing of it is heard. */
@@ -66,8 +66,7 @@ const Running = memo(function Running({ goalId, words, since, retries, stalled, 
 });
 
 function Elapsed({ since }: { since: number }) {
-  const words = useAtTime((now) => formatDuration(Math.floor(Math.max(0, now - since) / 1000) * 1000));
-  return <span className={classes.quiet}>{words.replace(".0", "")}</span>;
+  return <span className={classes.quiet}>{useAtTime((now) => soFarWords(since, now))}</span>;
 }
 
 /** How the last docking or undocking ended, and when. */

@@ -58,13 +58,16 @@ function Several({ held }: { held: readonly HeldStop[] }) {
         <Release held={held} />
       </Group>
       <ul className={classes.held}>
-        {held.map((stop) => (
-          <li key={stop.robot}>
-            <Held stop={stop} title={<Title stop={stop} several />}>
-              {stop.below.length > 0 && `Holds ${listed(stop.below)}, too.`}
-            </Held>
-          </li>
-        ))}
+        {held.map((stop) => {
+          const others = stop.holds.filter((name) => name !== stop.robot);
+          return (
+            <li key={stop.robot}>
+              <Held stop={stop} title={<Title stop={stop} several />}>
+                {others.length > 0 && `Holds ${listed(others)}, too.`}
+              </Held>
+            </li>
+          );
+        })}
       </ul>
     </Stack>
   );

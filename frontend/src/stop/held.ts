@@ -9,9 +9,7 @@ export interface HeldStop {
   configured: boolean;
   since: string | null;
   by: string | null;
-  /** The robots in namespaces below, by name. */
-  below: string[];
-  /** All robots that it holds, without a configured one that does not exist. */
+  /** All robots that it holds, itself first, then by name; without a configured one that does not exist. */
   holds: string[];
   /** False where a restart of the gateway would lose it. */
   persisted: boolean;
@@ -38,7 +36,7 @@ export function heldStops(stop: StopState, robots: ReadonlyMap<string, Robot>): 
       const robot = robots.get(held);
       const exists = below.length === 0 || robot === undefined || isThere(robot);
       const holds = exists ? [held, ...below] : below;
-      return { robot: held, configured: held === name, since, by, persisted, below, holds };
+      return { robot: held, configured: held === name, since, by, persisted, holds };
     })
     .sort((a, b) => byName(a.robot, b.robot));
 }
