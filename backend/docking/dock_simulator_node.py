@@ -213,7 +213,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
     def _others_publish_battery(self, now: float) -> bool:
         return self._courtesy.others_publish(now, self._settings.battery_resume_after)
 
-    # What is told of it.
+    # Its status.
 
     def _now(self) -> Any:
         return self.get_clock().now().to_msg()

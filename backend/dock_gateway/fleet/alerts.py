@@ -110,7 +110,7 @@ class AlertBoard:
         self._rules = AlertRules(low_battery)
         self._incident = incident
         self._alerts: dict[str, Alert] = {}
-        self._told: bytes | None = None
+        self._published: bytes | None = None
         self._task = asyncio.create_task(self._sync())
 
     def look(
@@ -145,11 +145,11 @@ class AlertBoard:
 
     def _publish(self) -> None:
         if not self._hub.watched(TOPIC):
-            self._told = None
+            self._published = None
             return
         now = encode(documents := self.documents())
-        if now != self._told:
-            self._told = now
+        if now != self._published:
+            self._published = now
             self._hub.publish(fleet_event("alerts", utc_now(), alerts=documents))
 
     # ------------------------------------------------------------------ acknowledgements

@@ -61,7 +61,7 @@ class Fleet:
         self._simulators = simulators
         self._last_goals = last_goals
         self._alerts = alerts
-        self._told: dict[str, bytes] = {}
+        self._published: dict[str, bytes] = {}
         self._task = asyncio.create_task(self._run())
 
     # ------------------------------------------------------------------ state
@@ -142,12 +142,12 @@ class Fleet:
         states, strays = self._see()
         self._alerts.look(states, strays, self._duplicates())
         if not self._hub.watched(TOPIC):
-            self._told = {}
+            self._published = {}
             return
         now = {state.name: encode(state.document()) for state in states}
-        changed = [orjson.Fragment(document) for name, document in now.items() if self._told.get(name) != document]
-        gone = sorted(self._told.keys() - now.keys())
-        self._told = now
+        changed = [orjson.Fragment(document) for name, document in now.items() if self._published.get(name) != document]
+        gone = sorted(self._published.keys() - now.keys())
+        self._published = now
         if changed or gone:
             self._hub.publish(fleet_event("robots", utc_now(), robots=changed, gone=gone))
 

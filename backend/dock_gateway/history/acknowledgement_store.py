@@ -12,7 +12,7 @@ from dock_gateway.history.reader import AWAY, Reader
 from dock_gateway.history.tables import acknowledgements
 from dock_gateway.history.writer import Writer
 
-ANSWER_TIMEOUT = 1.0  # seconds
+ACKNOWLEDGE_TIMEOUT = 1.0  # seconds
 
 
 class SqlAcknowledgements:
@@ -40,7 +40,7 @@ class SqlAcknowledgements:
         if not self._database.prepared:
             raise Unavailable(AWAY, code="history_unavailable")
         try:
-            async with asyncio.timeout(ANSWER_TIMEOUT):
+            async with asyncio.timeout(ACKNOWLEDGE_TIMEOUT):
                 await self._database.write(_write, alert_id, acknowledgement)
         except DATABASE_ERRORS as error:
             self._writer.doubt(error)

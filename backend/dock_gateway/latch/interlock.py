@@ -93,7 +93,7 @@ class Interlock:
         """
         over = self._latches.over(action_name)
         if over is not None:
-            by = self.requested_by(action_name)
+            by = self._latches.held[over].by
             detail = f"{over} was stopped{f' by {by}' if by else ''}: goals are refused until the stop is released"
             raise Conflict(f"{detail} (DELETE /stop)", code="stop_latched")
 
@@ -239,13 +239,13 @@ class Interlock:
         Only a stop is repeated, so if the messages of two gateways cross, the stop wins. So does a stop of a namespace
         above, which a gateway that released the robot may not know.
         """
-        over, said = self._latches.over(namespace), self._published.get(namespace, False)
+        over, published = self._latches.over(namespace), self._published.get(namespace, False)
         if over is not None and self._latches.latch(namespace, self._latches.held[over]):
             log.warning("the stop of %s holds for %s, too: publishing it again", over, namespace)
             self._changed()
-        elif said is (over is not None):
+        elif published is (over is not None):
             return True
-        elif said and over is None:
+        elif published and over is None:
             self._published[namespace] = None
             await self._topics[namespace].withdraw()
             self._published[namespace] = False

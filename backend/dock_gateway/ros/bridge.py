@@ -35,7 +35,7 @@ T = TypeVar("T")
 MAX_BRANCHES = 4
 # Fast DDS drops a message that it cannot send at once. If it waited, as it does otherwise, it would block every thread
 # for seconds while robots are unreachable. Reliable messages are sent again. Not needed, and not used, with LOCALHOST.
-os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", "DEFAULT?non_blocking=true")
+TRANSPORTS = "DEFAULT?non_blocking=true"
 
 
 class PendingCall:
@@ -116,6 +116,7 @@ class Bridge:
         self._joining = asyncio.Lock()
         self._closing = threading.Lock()
         self._closed = False
+        os.environ.setdefault("FASTDDS_BUILTIN_TRANSPORTS", TRANSPORTS)
         self._context = Context()
         rclpy.init(args=None, context=self._context, signal_handler_options=SignalHandlerOptions.NO)
         self._messages = MessageListener("ros-messages", self._context, max_message_bytes)

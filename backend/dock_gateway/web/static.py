@@ -5,6 +5,7 @@ import os
 import re
 from collections.abc import Iterable
 from functools import lru_cache
+from mimetypes import guess_type
 from pathlib import Path
 
 from starlette.datastructures import Headers
@@ -65,7 +66,7 @@ class CompressedFiles(StaticFiles):
         headers = {**self._headers, "Vary": "Accept-Encoding", "ETag": _tag(path, found_stat.st_mtime_ns)}
         if coding != "identity":
             headers["Content-Encoding"] = coding
-        media_type = FileResponse(full_path).media_type
+        media_type = guess_type(full_path)[0] or "text/plain"
         response = FileResponse(path, status_code, headers, media_type=media_type, stat_result=found_stat)
         if not self.is_not_modified(response.headers, request):
             return response
