@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+from tests.browser.loading import first_visit
 from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.processes import Process
 from tests.support.waiting import wait_until
 
 from benchmarks.dashboard.browser import Cost, Watched, opened_browser, watched
-from benchmarks.dashboard.loading import first_visit
 from benchmarks.machine import describe
 from benchmarks.site import PRODUCT, ROOT, Goal, site
 

@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 import pytest
-from benchmarks.dashboard.loading import first_visit
 from playwright.sync_api import Browser
 
+from tests.browser.loading import first_visit
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 
 MAX_BYTES = 300_000

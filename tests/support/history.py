@@ -4,7 +4,7 @@ import asyncio
 import sqlite3
 import sys
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -16,7 +16,7 @@ from dock_gateway.history import GoalFilter, History, MemoryHistory
 from dock_gateway.history.retention import Limits
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.sql import SqlHistory
-from tests.support.waiting import PATIENCE
+from tests.support.waiting import PATIENCE, until
 
 NOW = datetime(2026, 11, 21, tzinfo=UTC)
 EVERYTHING = frozenset({"goals", "battery", "cmd_vel"})
@@ -86,14 +86,6 @@ async def settled(history: History) -> None:
     """Wait until all is where it is kept."""
     if isinstance(history, SqlHistory):
         await written(history)
-
-
-async def until(holds: Callable[[], bool], timeout: float = PATIENCE) -> None:
-    """Wait until something holds."""
-    deadline = time.monotonic() + timeout
-    while not holds():
-        assert time.monotonic() < deadline, "it never came to be"
-        await asyncio.sleep(0.02)
 
 
 async def written(history: SqlHistory, timeout: float = PATIENCE) -> None:

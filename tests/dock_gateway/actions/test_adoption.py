@@ -15,8 +15,9 @@ from dock_gateway.actions.goal_machine import News
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Now
 from dock_gateway.core.goal import Goal, GoalError, encode
-from tests.support.history import make_goal, until
+from tests.support.history import make_goal
 from tests.support.tracking import A, B, S, Scene, scene
+from tests.support.waiting import until
 
 __all__ = ["scene"]
 

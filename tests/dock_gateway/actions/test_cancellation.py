@@ -19,7 +19,7 @@ from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import MemoryHistory
 from dock_gateway.ros.action_port import CancelAnswer, StatusReport
 from dock_gateway.settings import Settings
-from tests.support.history import until
+from tests.support.waiting import until
 
 A = "aaaaaaaa-0000-4000-8000-000000000000"
 S = GoalStatus

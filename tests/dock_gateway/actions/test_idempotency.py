@@ -22,7 +22,7 @@ from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.settings import Settings
 from tests.support.calls import FakeCall
-from tests.support.history import until
+from tests.support.waiting import until
 
 ACCEPTED = SimpleNamespace(accepted=True, stamp=SimpleNamespace(sec=1, nanosec=0))
 REJECTED = SimpleNamespace(accepted=False)

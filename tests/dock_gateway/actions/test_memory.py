@@ -28,8 +28,9 @@ from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
 from tests.support.calls import FakeCall
-from tests.support.history import EVERYTHING, locked, make_event, make_goal, open_at, until, written
+from tests.support.history import EVERYTHING, locked, make_event, make_goal, open_at, written
 from tests.support.sizes import sizes
+from tests.support.waiting import until
 
 ROUND = 40
 ACCEPTED = SimpleNamespace(accepted=True, stamp=SimpleNamespace(sec=1, nanosec=0))

@@ -9,8 +9,8 @@ from dock_gateway.actions import results as results_module
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import time_id
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from tests.support.history import until
 from tests.support.tracking import A, B, S, Scene, scene
+from tests.support.waiting import until
 
 __all__ = ["scene"]
 

@@ -20,8 +20,8 @@ from dock_gateway.history import GoalFilter, MemoryHistory
 from dock_gateway.ros.action_port import CancelAnswer
 from dock_gateway.settings import Settings
 from tests.support.calls import FakeCall
-from tests.support.history import until
 from tests.support.tracking import A, B, S
+from tests.support.waiting import until
 
 ACCEPTED = SimpleNamespace(accepted=True, stamp=SimpleNamespace(sec=3, nanosec=5))
 REJECTED = SimpleNamespace(accepted=False)

@@ -13,8 +13,9 @@ from dock_gateway.core import tasks as later_module
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, message_event, status_event
 from dock_gateway.core.goal import Goal, GoalError
-from tests.support.history import make_goal, until
+from tests.support.history import make_goal
 from tests.support.tracking import A, B, S, Scene, scene
+from tests.support.waiting import until
 
 __all__ = ["scene"]
 

@@ -8,7 +8,8 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.fleet.alerts import Acknowledgements
 from dock_gateway.history import Acknowledgement, MemoryHistory
 from dock_gateway.history.memory import MemoryAcknowledgements
-from tests.support.history import open_at, until
+from tests.support.history import open_at
+from tests.support.waiting import until
 
 NOON = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
 ADA, BOB = Acknowledgement("Ada", NOON), Acknowledgement("Bo\u0308b", NOON)

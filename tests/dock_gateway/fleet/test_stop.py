@@ -15,9 +15,9 @@ from dock_gateway.fleet import stop as stop_module
 from dock_gateway.fleet.stop import StopReport
 from dock_gateway.latch import interlock as interlock_module
 from dock_gateway.latch import latch_file
-from tests.support.history import until
 from tests.support.shapes import check_answer, check_event
 from tests.support.stopping import FakeFleet, fake_fleet
+from tests.support.waiting import until
 
 NAMES = ("/", "/robot1", "/robot2")
 # The promise is 100 ms; a machine that is shared gets ten times that.

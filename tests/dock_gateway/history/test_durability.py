@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from tests.dock_gateway.history.test_outage import Outage, outage
-from tests.support.history import open_at, until, written
+from tests.support.history import open_at, written
+from tests.support.waiting import until
 
 __all__ = ["outage"]
 

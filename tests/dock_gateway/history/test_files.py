@@ -13,7 +13,8 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.history import files as damage
 from dock_gateway.history.sql import SqlHistory
-from tests.support.history import EVERYTHING, make_event, make_goal, open_at, timed, until, written
+from tests.support.history import EVERYTHING, make_event, make_goal, open_at, timed, written
+from tests.support.waiting import until
 
 QUICK = 1.0
 

@@ -17,8 +17,9 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.history import GoalFilter, queries
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.sqlite import SqliteDatabase
-from tests.support.history import EVERYTHING, history_at, locked, make_event, make_goal, open_at, timed, until, written
+from tests.support.history import EVERYTHING, history_at, locked, make_event, make_goal, open_at, timed, written
 from tests.support.postgresql import PostgreSQL
+from tests.support.waiting import until
 
 # 100 ms for the database, and what a busy machine needs for the file
 QUICK = 1.0

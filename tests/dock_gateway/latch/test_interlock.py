@@ -17,7 +17,7 @@ from dock_gateway.core.hub import Hub
 from dock_gateway.latch import interlock as interlock_module
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
-from tests.support.history import until
+from tests.support.waiting import until
 
 
 def hear(interlock: Interlock, namespace: str = "/", *, latched: bool, received: float | None = None) -> None:

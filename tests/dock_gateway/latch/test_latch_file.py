@@ -11,7 +11,7 @@ import pytest
 from dock_gateway.latch import latch_file as module
 from dock_gateway.latch.latch_file import LatchFile, LatchWriter
 from dock_gateway.latch.latches import Latch
-from tests.support.history import until
+from tests.support.waiting import until
 
 ADA = Latch(datetime(2026, 11, 21, 3, 32, 40, 123456, UTC), "Ada")
 BOB = Latch(datetime(2026, 11, 21, 4, 0, 0, 0, UTC), "Bob")

@@ -12,9 +12,9 @@ from dock_gateway.ros import bridge as bridge_module
 from dock_gateway.ros.action_port import ActionKind, ActionPort
 from dock_gateway.ros.bridge import Bridge
 from tests.support.gateway import running_program
-from tests.support.history import until
 from tests.support.processes import Process
 from tests.support.rejoining import lose_answers
+from tests.support.waiting import until
 
 pytestmark = pytest.mark.ros
 

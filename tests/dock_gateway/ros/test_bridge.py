@@ -17,9 +17,9 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.robot_ports import BatteryPort, VelocityPort
-from tests.support.history import until
 from tests.support.observer import Observer
 from tests.support.processes import ros_environment
+from tests.support.waiting import until
 
 pytestmark = pytest.mark.ros
 

@@ -10,7 +10,7 @@ import pytest
 
 from dock_gateway.ros import inbox as module
 from dock_gateway.ros.inbox import Inbox, Inboxes
-from tests.support.history import until
+from tests.support.waiting import until
 
 
 @pytest.fixture

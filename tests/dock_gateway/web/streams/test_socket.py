@@ -16,9 +16,9 @@ from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.gateway import Gateway
 from dock_gateway.web.streams import socket as socket_module
 from dock_gateway.web.streams.socket import Session
-from tests.support.history import until
 from tests.support.stopping import fake_fleet
 from tests.support.tracking import A
+from tests.support.waiting import until
 
 
 class FakeWebSocket:
