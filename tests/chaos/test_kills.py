@@ -1,102 +1,21 @@
 """Gateways that are killed at random moments under load: no goal is missing, repeated or told twice."""
 
-import contextlib
 import os
 import random
-import re
-import signal
-import socket
-import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Self
 
 import pytest
 
+from tests.chaos.fleet import Fleet, wait_for_action
 from tests.chaos.load import FINAL, Load
 from tests.chaos.report import report
-from tests.support.clients import HttpClient
-from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.postgresql import binaries, running_postgresql
-from tests.support.processes import Process, ros_environment
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(3600)]
 
-UUID = r"[0-9a-f]{8}-[0-9a-f-]{27}"
 ROUNDS = int(os.environ.get("CHAOS_ROUNDS", "2"))
-
-
-def free_port() -> int:
-    with socket.socket() as listener:
-        listener.bind(("127.0.0.1", 0))
-        port: int = listener.getsockname()[1]
-        return port
-
-
-@pytest.fixture
-def executed(domain: int, tmp_path: Path) -> Iterator[Path]:
-    """What the action server notes of each goal that it executes."""
-    notes = tmp_path / "executed"
-    command = (sys.executable, "-m", "tests.support.busy_action_server", "--executed", str(notes))
-    with Process(*command, env=ros_environment(domain)) as process:
-        process.wait_for("serving")
-        yield notes
-
-
-class Fleet:
-    """Gateways that share a database, each on a port of its own, killed and started again; see `running_gateway`."""
-
-    def __init__(self, domain: int, count: int, *prefix: str, **settings: str) -> None:
-        self._domain = domain
-        self._prefix = prefix
-        self._settings = settings
-        self._ports = [free_port() for _ in range(count)]
-        self._stacks = [contextlib.ExitStack() for _ in range(count)]
-        self.running: dict[int, RunningGateway] = {}
-        self.processes: list[Process] = []
-
-    def __enter__(self) -> Self:
-        for number in range(len(self._ports)):
-            self.start(number)
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        for stack in self._stacks:
-            stack.close()
-
-    def url(self) -> str:
-        """A gateway that runs, as far as is known."""
-        ports = [self._ports[number] for number in list(self.running)] or self._ports
-        return f"http://127.0.0.1:{random.choice(ports)}"
-
-    def start(self, number: int) -> None:
-        settings = {**self._settings, "port": str(self._ports[number])}
-        settings["spool_path"] += f"-{number}"
-        gateway = self._stacks[number].enter_context(running_gateway(self._domain, *self._prefix, **settings))
-        self.running[number] = gateway
-        self.processes.append(gateway.process)
-
-    def kill(self, number: int) -> None:
-        gateway = self.running.pop(number)
-        gateway.process.send_signal(signal.SIGKILL)
-        gateway.process.wait()
-        self._stacks[number].close()
-
-    def warnings(self) -> Counter[str]:
-        """What the gateways warned of, whichever goal it was about."""
-        lines = "\n".join(process.output for process in self.processes).splitlines()
-        said = (line.partition("]: ")[2] for line in lines if line.startswith(("[WARNING]", "[ERROR]")))
-        return Counter(re.sub(UUID, "…", text)[:120] for text in said)
-
-    def told_before_stored(self) -> set[str]:
-        """Goals of which a gateway says that the database, or the result, took longer than what is promised."""
-        lines = "\n".join(process.output for process in self.processes).splitlines()
-        return {goal_id for line in lines if "before it" in line for goal_id in re.findall(UUID, line)}
-
-    def any(self) -> RunningGateway:
-        return next(iter(self.running.values()))
 
 
 def check(load: Load, fleet: Fleet, executed: Path, kills: int, title: str, *, slack: float = 0.0) -> None:
@@ -175,13 +94,6 @@ def check(load: Load, fleet: Fleet, executed: Path, kills: int, title: str, *, s
     older = [identity for _, identity in reader.older]
     assert [each for each in (*repeated, *older) if not any(goal_id in each for goal_id in (*late, *odd))] == []
     assert reader.notices["gap"] == 0, "nothing has been deleted"
-
-
-def wait_for_action(fleet: Fleet) -> None:
-    deadline = time.monotonic() + 30
-    with HttpClient() as http:
-        while http.get(f"{fleet.url()}/actions/fibonacci").status_code != 200:
-            assert time.monotonic() < deadline, "the action is not found"
 
 
 def test_a_gateway_that_is_killed_under_load(domain: int, executed: Path, tmp_path: Path) -> None:

@@ -240,7 +240,7 @@ class GoalMachine:
             self._publish(status_event, goal, now.ns)
 
     def explain(self, goal: Goal, error: GoalError | None) -> None:
-        """Set why a goal that has not ended will not succeed; None: it may. It is told with the next change."""
+        """Set why a goal that has not ended will not succeed; None: it may. It is published with the next change."""
         if not goal.status.terminal:
             goal.error = error
 
