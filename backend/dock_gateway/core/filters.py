@@ -92,6 +92,7 @@ class GoalFilter:
         action_names: On one of these actions; empty means any.
         namespace: On actions in this namespace or below.
         statuses: In one of these states; empty means any.
+        error_codes: With one of these error codes; empty means any, also none.
         origin: Sent by a gateway or by another client; None means any.
         since: Created at this time or later; None means any time.
         until: Created before this time; None means any time.
@@ -100,6 +101,7 @@ class GoalFilter:
     action_names: frozenset[str] = frozenset()
     namespace: str = "/"
     statuses: frozenset[GoalStatus] = frozenset()
+    error_codes: frozenset[str] = frozenset()
     origin: Origin | None = None
     since: datetime | None = None
     until: datetime | None = None
@@ -115,6 +117,7 @@ class GoalFilter:
             (not self.action_names or goal.action_name in self.action_names)
             and goal.action_name.startswith(self.prefix)
             and (not self.statuses or goal.status in self.statuses)
+            and (not self.error_codes or (goal.error is not None and goal.error.code in self.error_codes))
             and self.origin in (None, goal.origin)
             and (self.since is None or goal.created_at >= self.since)
             and (self.until is None or goal.created_at < self.until)

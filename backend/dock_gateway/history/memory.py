@@ -22,6 +22,7 @@ from dock_gateway.history.protocol import (
     is_complete,
     selects,
 )
+from dock_gateway.history.statistics import Span, Tallies, tally_goals
 
 
 class MemoryAcknowledgements:
@@ -180,6 +181,11 @@ class MemoryHistory:
         """Return the battery states of a span in buckets, oldest first."""
         covered = [event for event in self._events.values() if span.covers(event)]
         return await asyncio.to_thread(add_events, {}, covered, span.step)
+
+    async def tally(self, wanted: GoalFilter, spans: Sequence[Span], *, by_action: bool) -> list[Tallies]:
+        """Return how the wanted goals ended, for each span of the time when they were created."""
+        found = [copy(goal) for goal in self._goals.values()]
+        return await asyncio.to_thread(tally_goals, found, wanted, spans, by_action=by_action)
 
     def stats(self) -> HistoryStats:
         """Return the state of the history; only `dropped` ever changes."""

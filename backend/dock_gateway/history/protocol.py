@@ -10,6 +10,7 @@ from dock_gateway.core.event import Event, nanoseconds, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, Json
 from dock_gateway.history.battery import BatterySpan, Bucket
+from dock_gateway.history.statistics import Span, Tallies
 
 KEY_LIFETIME = timedelta(hours=24)
 # Sorts after the id of every event.
@@ -180,6 +181,13 @@ class History(Protocol):
 
     async def battery(self, span: BatterySpan) -> list[Bucket]:
         """Return the battery states of a span in buckets, oldest first; empty buckets are left out."""
+
+    async def tally(self, wanted: GoalFilter, spans: Sequence[Span], *, by_action: bool) -> list[Tallies]:
+        """Return how the wanted goals ended, for each span of the time when they were created.
+
+        Goals that are not in the database yet are not counted: an ended goal is written before its end is published, or
+        half a second after it.
+        """
 
     def stats(self) -> HistoryStats:
         """Return the state of the history."""

@@ -123,7 +123,7 @@ def page(
 ) -> list[Goal]:
     """Return goals, newest first; `before` is an exclusive bound of time and id."""
     query = sa.select(goals).order_by(goals.c.created_at.desc(), goals.c.goal_id.desc()).limit(limit)
-    query = query.where(*_conditions(wanted))
+    query = query.where(*conditions(wanted))
     if without:
         query = query.where(goals.c.goal_id.not_in(without))
     if before is not None:
@@ -132,22 +132,24 @@ def page(
     return [goal_of(row) for row in connection.execute(query).mappings()]
 
 
-def _conditions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
+def conditions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
     """Return `GoalFilter.matches` as SQL conditions."""
-    conditions: list[sa.ColumnElement[bool]] = []
+    found: list[sa.ColumnElement[bool]] = []
     if wanted.action_names:
-        conditions.append(goals.c.action_name.in_(sorted(wanted.action_names)))
+        found.append(goals.c.action_name.in_(sorted(wanted.action_names)))
     if wanted.prefix != "/":  # not LIKE, which ignores case in SQLite
-        conditions.append(sa.func.substr(goals.c.action_name, 1, len(wanted.prefix)) == wanted.prefix)
+        found.append(sa.func.substr(goals.c.action_name, 1, len(wanted.prefix)) == wanted.prefix)
     if wanted.statuses:
-        conditions.append(goals.c.status.in_(sorted(status.value for status in wanted.statuses)))
+        found.append(goals.c.status.in_(sorted(status.value for status in wanted.statuses)))
+    if wanted.error_codes:
+        found.append(goals.c.error_code.in_(sorted(wanted.error_codes)))
     if wanted.origin is not None:
-        conditions.append(goals.c.origin == wanted.origin)
+        found.append(goals.c.origin == wanted.origin)
     if wanted.since is not None:
-        conditions.append(goals.c.created_at >= wanted.since)
+        found.append(goals.c.created_at >= wanted.since)
     if wanted.until is not None:
-        conditions.append(goals.c.created_at < wanted.until)
-    return conditions
+        found.append(goals.c.created_at < wanted.until)
+    return found
 
 
 def unfinished(connection: sa.Connection) -> list[Goal]:

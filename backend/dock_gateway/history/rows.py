@@ -16,6 +16,8 @@ Row = dict[str, Any]
 # The maximum number of goals and of events per transaction.
 BATCH_GOALS = 200
 BATCH_EVENTS = 1000
+# Characters of an error code. Action servers may send any text, and the database limits the size of an index entry.
+MAX_CODE = 200
 
 _TIMES = ("created_at", "updated_at", "finished_at")
 # Fields that lines of older versions lack.
@@ -83,7 +85,7 @@ def goal_row(goal: Goal) -> Row:
         "goal": goal.goal,
         "feedback": goal.feedback,
         "result": goal.result,
-        "error_code": error and error.code,
+        "error_code": error and _storable(error.code)[:MAX_CODE],
         "error_detail": error and _storable(error.detail),
         "stage": goal.stage and _storable(goal.stage),
         "retries": goal.retries,

@@ -17,7 +17,7 @@ from dock_gateway.core.event import Event, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import cancel
-from dock_gateway.history import queries
+from dock_gateway.history import queries, statistics
 from dock_gateway.history.acknowledgement_store import SqlAcknowledgements
 from dock_gateway.history.battery import BatterySpan, Bucket
 from dock_gateway.history.database import DATABASE_ERRORS, Database
@@ -29,6 +29,7 @@ from dock_gateway.history.retention import Limits, Retention
 from dock_gateway.history.rows import Key
 from dock_gateway.history.seals import Sealer
 from dock_gateway.history.spool import Spool
+from dock_gateway.history.statistics import Span, Tallies
 from dock_gateway.history.waiting import Waiting
 from dock_gateway.history.writer import Writer
 
@@ -249,6 +250,12 @@ class SqlHistory:
     async def battery(self, span: BatterySpan) -> list[Bucket]:
         """Return the battery states of a span in buckets, oldest first."""
         return await self._events.battery(span)
+
+    async def tally(self, wanted: GoalFilter, spans: Sequence[Span], *, by_action: bool) -> list[Tallies]:
+        """Return how the wanted goals ended, for each span of the time when they were created."""
+        self._reader.require_everything()
+        rows = await self._reader.read_much(statistics.read_rows, wanted, spans, by_action)
+        return await asyncio.to_thread(statistics.tally_rows, rows)
 
     # ------------------------------------------------------------------ the rest
 

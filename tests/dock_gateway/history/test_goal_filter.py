@@ -6,17 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from dock_gateway.core.goal import GoalStatus
+from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.history import GoalFilter, History, MemoryHistory
 from dock_gateway.history.sql import SqlHistory
 from tests.support.history import NOW, make_goal, open_at, page_of, written
 
 GOALS = [
     make_goal(1, GoalStatus.SUCCEEDED, "/dock"),
-    make_goal(2, GoalStatus.ABORTED, "/robot1/dock"),
+    make_goal(2, GoalStatus.ABORTED, "/robot1/dock", error=GoalError("blocked", "by a chair")),
     make_goal(3, GoalStatus.EXECUTING, "/robot1/arm/dock", origin="external"),
     make_goal(4, GoalStatus.SUCCEEDED, "/robot10/dock"),
-    make_goal(5, GoalStatus.CANCELED, "/Robot1/dock", origin="external"),
+    make_goal(5, GoalStatus.CANCELED, "/Robot1/dock", origin="external", error=GoalError("stopped", "by Ada")),
     make_goal(6, GoalStatus.SUCCEEDED, "/robot1/fibonacci"),
 ]
 
@@ -65,6 +65,8 @@ async def numbers(history: History, **wanted: object) -> list[int]:
         ({"action_names": {"/dock", "/robot10/dock"}}, [4, 1]),
         ({"action_names": {"/dock"}, "namespace": "/robot1"}, []),
         ({"statuses": {GoalStatus.ABORTED, GoalStatus.EXECUTING}}, [3, 2]),
+        ({"error_codes": {"blocked", "stopped"}}, [5, 2]),
+        ({"error_codes": {"blocked"}, "statuses": {GoalStatus.CANCELED}}, []),
         ({"origin": "external"}, [5, 3]),
         ({"origin": "gateway", "statuses": {GoalStatus.SUCCEEDED}, "namespace": "/robot1"}, [6]),
         ({"since": NOW + timedelta(seconds=4)}, [6, 5, 4]),
