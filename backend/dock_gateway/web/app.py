@@ -28,6 +28,7 @@ from dock_gateway.web.routes import (
     health,
     interfaces,
     simulator,
+    statistics,
     stop,
 )
 from dock_gateway.web.streams import events, socket, topics
@@ -70,6 +71,7 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
         events,
         exports,  # before goals: `export` is not a goal id
         goals,
+        statistics,
         actions,
         interfaces,
         graph,

@@ -16,7 +16,7 @@ from dock_gateway.history import GoalFilter
 from dock_gateway.robots.registry import NAME_PART, read_namespace
 from dock_gateway.web.requests import ROBOT_PATTERN, StatusQuery, TheGateway, read_goal_id
 
-QUERY = ("robot", "action", "status", "origin", "since", "until")
+QUERY = ("robot", "action", "status", "error", "origin", "since", "until")
 # The range of ROS times, which are 64-bit nanoseconds.
 EARLIEST, LATEST = datetime(1970, 1, 1, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
 RFC_3339 = re.compile(
@@ -44,18 +44,24 @@ SinceQuery = Annotated[
     Time | None, Query(description="At this time or later, RFC 3339", json_schema_extra=TIME_PATTERN)
 ]
 UntilQuery = Annotated[Time | None, Query(description="Before this time, RFC 3339", json_schema_extra=TIME_PATTERN)]
+NamespaceQuery = Annotated[
+    str | None,
+    Query(description="Only goals on actions in this namespace or below", json_schema_extra=ROBOT_PATTERN),
+]
+ActionsQuery = Annotated[list[ActionName] | None, Query(description="Only goals on these actions")]
+OriginQuery = Annotated[Origin | None, Query(description="Only goals of this origin")]
+# Action servers may send any text; databases do not accept NUL.
+ErrorCode = Annotated[str, StringConstraints(min_length=1, max_length=200, pattern=r"^[^\x00]*$")]
 
 
 async def read_goal_filter(
     *,
     gateway: TheGateway,
-    robot: Annotated[
-        str | None,
-        Query(description="Only goals on actions in this namespace or below", json_schema_extra=ROBOT_PATTERN),
-    ] = None,
-    action: Annotated[list[ActionName] | None, Query(description="Only goals on these actions")] = None,
+    robot: NamespaceQuery = None,
+    action: ActionsQuery = None,
     status: StatusQuery = None,
-    origin: Annotated[Origin | None, Query(description="Only goals of this origin")] = None,
+    error: Annotated[list[ErrorCode] | None, Query(description="Only goals with these error codes")] = None,
+    origin: OriginQuery = None,
     since: SinceQuery = None,
     until: UntilQuery = None,
 ) -> GoalFilter:
@@ -67,12 +73,13 @@ async def read_goal_filter(
     namespace = "/" if robot is None else read_namespace(robot)
     under = None if robot is None else namespace
     return GoalFilter(
-        frozenset(gateway.settings.resolve(name, under) for name in action or ()),
-        namespace,
-        frozenset(status or ()),
-        origin,
-        since,
-        until,
+        action_names=frozenset(gateway.settings.resolve(name, under) for name in action or ()),
+        namespace=namespace,
+        statuses=frozenset(status or ()),
+        error_codes=frozenset(error or ()),
+        origin=origin,
+        since=since,
+        until=until,
     )
 
 

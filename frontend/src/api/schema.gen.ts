@@ -376,6 +376,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/statistics": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Statistics
+         * @description Return how the goals ended that were created from `since` up to but not including `until`.
+         *
+         *     `until` defaults to now, and `since` to 30 days before `until`.
+         */
+        get: operations["statistics"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/actions": {
         parameters: {
             query?: never;
@@ -1490,6 +1512,32 @@ export interface components {
         };
         /** @description A message of /ws/topics. */
         EchoEvent: components["schemas"]["TopicEvent"] | components["schemas"]["MessageEvent"] | components["schemas"]["RateEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["ClosingEvent"];
+        /**
+         * EndedStatuses
+         * @description The number of goals that ended in each state.
+         */
+        EndedStatuses: {
+            /** Succeeded */
+            succeeded: number;
+            /** Canceled */
+            canceled: number;
+            /** Aborted */
+            aborted: number;
+            /** Rejected */
+            rejected: number;
+            /** Lost */
+            lost: number;
+        };
+        /**
+         * ErrorCount
+         * @description The number of goals with an error code.
+         */
+        ErrorCount: {
+            /** Code */
+            code: string;
+            /** Count */
+            count: number;
+        };
         /** @description A message of an event stream. */
         Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
@@ -1690,6 +1738,40 @@ export interface components {
             goal: components["schemas"]["ActionGoal"];
         };
         /**
+         * GoalCounts
+         * @description How the goals of a group ended.
+         *
+         *     `success_rate` is the share of succeeded goals among those that were not canceled, `mean_retries` the mean of the
+         *     retries that servers reported; null if there are no such goals. `errors` are the most frequent codes, `other_errors`
+         *     is the number of goals with other codes. `goals_path` lists the goals, with those that have not ended.
+         */
+        GoalCounts: {
+            /** Ended */
+            ended: number;
+            statuses: components["schemas"]["EndedStatuses"];
+            /** Success Rate */
+            success_rate: number | null;
+            duration_s: components["schemas"]["GoalDurations"];
+            /** Mean Retries */
+            mean_retries: number | null;
+            /** Errors */
+            errors: components["schemas"]["ErrorCount"][];
+            /** Other Errors */
+            other_errors: number;
+            /** Goals Path */
+            goals_path: string;
+        };
+        /**
+         * GoalDurations
+         * @description How long the succeeded goals took, from creation to end, in seconds; null if none succeeded.
+         */
+        GoalDurations: {
+            /** Median */
+            median: number | null;
+            /** P90 */
+            p90: number | null;
+        };
+        /**
          * GoalError
          * @description Why a goal did not succeed.
          */
@@ -1698,6 +1780,28 @@ export interface components {
             code: string;
             /** Detail */
             detail: string;
+        };
+        /**
+         * GoalGroup
+         * @description How the goals of a day, a robot or an action ended; `key` is its name.
+         */
+        GoalGroup: {
+            /** Ended */
+            ended: number;
+            statuses: components["schemas"]["EndedStatuses"];
+            /** Success Rate */
+            success_rate: number | null;
+            duration_s: components["schemas"]["GoalDurations"];
+            /** Mean Retries */
+            mean_retries: number | null;
+            /** Errors */
+            errors: components["schemas"]["ErrorCount"][];
+            /** Other Errors */
+            other_errors: number;
+            /** Goals Path */
+            goals_path: string;
+            /** Key */
+            key: string;
         };
         /**
          * GoalHistory
@@ -2391,6 +2495,99 @@ export interface components {
             robots?: components["schemas"]["Robot"][];
             /** Alerts */
             alerts?: components["schemas"]["Alert"][];
+        };
+        /**
+         * Statistics
+         * @description How the goals ended that were created from `since` up to but not including `until`.
+         *
+         *     Days are in order of time, with those that have no goals; robots and actions are sorted by name.
+         * @example {
+         *       "by": "robot",
+         *       "groups": [
+         *         {
+         *           "duration_s": {
+         *             "median": 31.204,
+         *             "p90": 44.871
+         *           },
+         *           "ended": 42,
+         *           "errors": [
+         *             {
+         *               "code": "action_server_lost",
+         *               "count": 1
+         *             },
+         *             {
+         *               "code": "failed_to_charge",
+         *               "count": 1
+         *             }
+         *           ],
+         *           "goals_path": "/goals?action=/robot1/connect_to_charging_dock&since=2026-11-21T00:00:00Z&until=2026-11-22T00:00:00Z",
+         *           "key": "/robot1",
+         *           "mean_retries": 0.1,
+         *           "other_errors": 0,
+         *           "statuses": {
+         *             "aborted": 1,
+         *             "canceled": 2,
+         *             "lost": 1,
+         *             "rejected": 0,
+         *             "succeeded": 38
+         *           },
+         *           "success_rate": 0.95
+         *         }
+         *       ],
+         *       "since": "2026-11-21T00:00:00Z",
+         *       "total": {
+         *         "duration_s": {
+         *           "median": 31.204,
+         *           "p90": 44.871
+         *         },
+         *         "ended": 42,
+         *         "errors": [
+         *           {
+         *             "code": "action_server_lost",
+         *             "count": 1
+         *           },
+         *           {
+         *             "code": "failed_to_charge",
+         *             "count": 1
+         *           }
+         *         ],
+         *         "goals_path": "/goals?since=2026-11-21T00:00:00Z&until=2026-11-22T00:00:00Z",
+         *         "mean_retries": 0.1,
+         *         "other_errors": 0,
+         *         "statuses": {
+         *           "aborted": 1,
+         *           "canceled": 2,
+         *           "lost": 1,
+         *           "rejected": 0,
+         *           "succeeded": 38
+         *         },
+         *         "success_rate": 0.95
+         *       },
+         *       "tz": "UTC",
+         *       "until": "2026-11-22T00:00:00Z"
+         *     }
+         */
+        Statistics: {
+            /**
+             * Since
+             * Format: date-time
+             */
+            since: string;
+            /**
+             * Until
+             * Format: date-time
+             */
+            until: string;
+            /**
+             * By
+             * @enum {string}
+             */
+            by: "day" | "robot" | "action";
+            /** Tz */
+            tz: string;
+            total: components["schemas"]["GoalCounts"];
+            /** Groups */
+            groups: components["schemas"]["GoalGroup"][];
         };
         /**
          * StatusEvent
@@ -3685,6 +3882,8 @@ export interface operations {
                 action?: string[] | null;
                 /** @description Only goals in these states */
                 status?: components["schemas"]["GoalStatus"][] | null;
+                /** @description Only goals with these error codes */
+                error?: string[] | null;
                 /** @description Only goals of this origin */
                 origin?: ("gateway" | "external") | null;
                 /** @description At this time or later, RFC 3339 */
@@ -3793,6 +3992,8 @@ export interface operations {
                 action?: string[] | null;
                 /** @description Only goals in these states */
                 status?: components["schemas"]["GoalStatus"][] | null;
+                /** @description Only goals with these error codes */
+                error?: string[] | null;
                 /** @description Only goals of this origin */
                 origin?: ("gateway" | "external") | null;
                 /** @description At this time or later, RFC 3339 */
@@ -3984,6 +4185,59 @@ export interface operations {
                 };
                 content: {
                     "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    statistics: {
+        parameters: {
+            query?: {
+                /** @description What the goals are grouped by */
+                by?: "day" | "robot" | "action";
+                /** @description The time zone of the days, as in the IANA database */
+                tz?: string;
+                /** @description Only goals on actions in this namespace or below */
+                robot?: string | null;
+                /** @description Only goals on these actions */
+                action?: string[] | null;
+                /** @description Only goals of this origin */
+                origin?: ("gateway" | "external") | null;
+                /** @description At this time or later, RFC 3339 */
+                since?: string | null;
+                /** @description Before this time, RFC 3339 */
+                until?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Statistics"];
                 };
             };
             /** @description Unprocessable Entity */

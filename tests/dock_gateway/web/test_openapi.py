@@ -58,6 +58,7 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("post", "/simulator/place"),
         ("put", "/simulator/faults/{fault}"),
         ("get", "/goals"),
+        ("get", "/statistics"),
         ("get", "/goals/{goal_id}"),
         ("post", "/goals/{goal_id}/cancel"),
         ("get", "/goals/{goal_id}/events"),

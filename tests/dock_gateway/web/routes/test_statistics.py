@@ -1,0 +1,234 @@
+"""How goals ended, over HTTP: groups, days of a time zone, links to the goals, and what is refused."""
+
+import asyncio
+import itertools
+from collections import Counter
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from types import SimpleNamespace
+from typing import Any, Self, cast
+from zoneinfo import ZoneInfo
+
+import pytest
+from starlette.testclient import TestClient
+
+from dock_gateway.core.goal import GoalError, GoalStatus
+from dock_gateway.gateway import Gateway
+from dock_gateway.history import GoalFilter, MemoryHistory
+from dock_gateway.history.statistics import Tally
+from dock_gateway.settings import Settings
+from dock_gateway.web.app import create_app
+from dock_gateway.web.routes.statistics import MAX_DAYS, MAX_ERRORS, describe, divide, read_zone
+from tests.support.history import make_goal
+from tests.support.shapes import check_answer
+
+BERLIN = ZoneInfo("Europe/Berlin")
+DAY = timedelta(days=1)
+S = GoalStatus
+
+
+class Client:
+    """`/statistics` and `/goals` of a gateway whose history is in memory, with one robot: `/robot1`."""
+
+    def __init__(self) -> None:
+        settings = Settings(database_url="memory:")
+        self.history = MemoryHistory(1000)
+
+        async def page(wanted: GoalFilter, limit: int, before: str | None) -> tuple[list[Any], None]:
+            return await self.history.page(wanted, limit=limit, before=before), None
+
+        robot = SimpleNamespace(namespace="/robot1")
+        robots = SimpleNamespace(owner=lambda name: robot if name.startswith("/robot1/") else None)
+        gateway = SimpleNamespace(settings=settings, history=self.history, robots=robots, page=page)
+        self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
+
+    def __enter__(self) -> Self:
+        self._http.__enter__()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._http.__exit__()
+
+    def record(self, at: str, status: GoalStatus = S.SUCCEEDED, took: float = 10.0, **more: Any) -> None:
+        number = len(asyncio.run(self.history.page(GoalFilter(), limit=1000)))
+        goal = make_goal(number, status, **more)
+        goal.created_at = datetime.fromisoformat(at)
+        goal.finished_at = goal.created_at + timedelta(seconds=took) if status.terminal else None
+        self.history.record(goal)
+
+    def get(self, path: str, status: int = 200) -> Any:
+        answer = self._http.get(path)
+        assert answer.status_code == status, answer.text
+        kind = answer.headers["content-type"]
+        check_answer("GET", path.partition("?")[0], answer.status_code, kind, answer.content)
+        return answer.json()
+
+    def problem(self, query: str) -> str:
+        problem = self.get(f"/statistics?{query}", 422)
+        assert problem["code"] == "invalid_field"
+        return str(problem["errors"][0]["path"])
+
+
+@pytest.fixture
+def client() -> Iterator[Client]:
+    with Client() as client:
+        yield client
+
+
+@pytest.fixture
+def busy(client: Client) -> Client:
+    blocked, lost = GoalError("blocked", ""), GoalError("action_server_lost", "")
+    client.record("2026-11-20T12:00:00Z", took=30.0, action="/robot1/dock", retries=2)
+    client.record("2026-11-20T13:00:00Z", S.ABORTED, action="/robot1/dock", retries=1, error=blocked)
+    client.record("2026-11-20T23:30:00Z", S.CANCELED, action="/robot1/arm/pick", retries=None)
+    client.record("2026-11-22T08:00:00Z", took=10.0, action="/robot2/dock", origin="external")
+    client.record("2026-11-22T09:00:00Z", S.LOST, action="/robot2/undock", error=lost)
+    client.record("2026-11-22T10:00:00Z", S.EXECUTING, action="/robot2/undock")
+    return client
+
+
+RANGE = "since=2026-11-20T00:00:00Z&until=2026-11-23T00:00:00Z"
+
+
+def test_days(busy: Client) -> None:
+    found = busy.get(f"/statistics?{RANGE}")
+    assert (found["by"], found["tz"], found["since"]) == ("day", "UTC", "2026-11-20T00:00:00Z")
+    assert [(group["key"], group["ended"]) for group in found["groups"]] == [
+        ("2026-11-20", 3),
+        ("2026-11-21", 0),
+        ("2026-11-22", 2),
+    ]
+    first, empty, _ = found["groups"]
+    assert first["statuses"] == {"succeeded": 1, "canceled": 1, "aborted": 1, "rejected": 0, "lost": 0}
+    assert first["success_rate"] == 0.5
+    assert first["duration_s"] == {"median": 30.0, "p90": 30.0}
+    assert first["mean_retries"] == 1.5
+    assert (first["errors"], first["other_errors"]) == ([{"code": "blocked", "count": 1}], 0)
+    assert (empty["success_rate"], empty["duration_s"]["median"], empty["mean_retries"]) == (None, None, None)
+    assert found["total"]["ended"] == 5
+    assert found["total"]["duration_s"] == {"median": 20.0, "p90": 28.0}
+
+
+def test_the_days_are_those_of_the_time_zone(busy: Client) -> None:
+    found = busy.get(f"/statistics?{RANGE}&tz=Europe/Berlin")
+    assert [(group["key"], group["ended"]) for group in found["groups"]] == [
+        ("2026-11-20", 2),
+        ("2026-11-21", 1),
+        ("2026-11-22", 2),
+        ("2026-11-23", 0),
+    ]
+
+
+def test_robots_and_actions(busy: Client) -> None:
+    """An action in a namespace without a robot belongs to that namespace."""
+    robots = busy.get(f"/statistics?{RANGE}&by=robot")["groups"]
+    assert [(group["key"], group["ended"]) for group in robots] == [("/robot1", 3), ("/robot2", 2)]
+    actions = busy.get(f"/statistics?{RANGE}&by=action&robot=/robot2&origin=external")
+    assert [(group["key"], group["ended"]) for group in actions["groups"]] == [("/robot2/dock", 1)]
+    assert actions["total"]["ended"] == 1
+    assert busy.get(f"/statistics?{RANGE}&action=/robot1/dock")["total"]["ended"] == 2
+
+
+@pytest.mark.parametrize("by", ["day", "robot", "action"])
+@pytest.mark.parametrize("more", ["", "&robot=/robot1", "&action=/robot1/dock&tz=Asia/Tokyo", "&origin=external"])
+def test_each_number_leads_to_its_goals(busy: Client, by: str, more: str) -> None:
+    found = busy.get(f"/statistics?{RANGE}&by={by}{more}")
+    for group in (found["total"], *found["groups"]):
+        for status, count in group["statuses"].items():
+            assert len(busy.get(f"{group['goals_path']}&status={status}")["goals"]) == count
+        for error in group["errors"]:
+            assert len(busy.get(f"{group['goals_path']}&error={error['code']}")["goals"]) == error["count"]
+
+
+def test_an_empty_history(client: Client) -> None:
+    """By default, the last 30 days; the first and the last are cut off where the range begins and ends."""
+    found = client.get("/statistics")
+    assert len(found["groups"]) == 31
+    assert {group["ended"] for group in (found["total"], *found["groups"])} == {0}
+    assert datetime.fromisoformat(found["until"]) - datetime.fromisoformat(found["since"]) == 30 * DAY
+    assert found["total"]["success_rate"] is None
+    assert client.get("/statistics?by=robot")["groups"] == []
+
+
+@pytest.mark.parametrize(
+    ("query", "field"),
+    [
+        ("since=2026-11-22T00:00:00Z&until=2026-11-21T00:00:00Z", "query.since"),
+        ("since=2026-11-22T00:00:00Z&until=2026-11-22T00:00:00Z", "query.since"),
+        ("since=2300-01-01T00:00:00Z", "query.since"),
+        ("since=yesterday", "query.since"),
+        ("since=2020-01-01T00:00:00Z&until=2026-11-22T00:00:00Z", "query.since"),
+        ("by=dock", "query.by"),
+        ("tz=Europe/Atlantis", "query.tz"),
+        ("tz=Europe", "query.tz"),
+        ("tz=../../etc/passwd", "query.tz"),
+        ("tz=", "query.tz"),
+        ("tz=%00", "query.tz"),
+        (f"tz={'A' * 65}", "query.tz"),
+        ("robot=robot%201", "query.robot"),
+        ("status=lost", "query.status"),
+        ("limit=3", "query.limit"),
+    ],
+)
+def test_bad_parameters(client: Client, query: str, field: str) -> None:
+    assert client.problem(query) == field
+
+
+def test_a_long_time_can_be_had_by_robot(client: Client) -> None:
+    assert client.get("/statistics?by=robot&since=1970-01-01T00:00:00Z")["groups"] == []
+    assert client.problem("until=1970-01-01T00:00:00Z") == "query.since"
+
+
+def test_goals_by_error_code(busy: Client) -> None:
+    assert len(busy.get("/goals?error=blocked&error=action_server_lost")["goals"]) == 2
+    assert busy.get("/goals?error=never")["goals"] == []
+    for code in ("", "%00", "x" * 201):
+        assert busy.get(f"/goals?error={code}", 422)["errors"][0]["path"].startswith("query.error")
+
+
+# ---------------------------------------------------------------------- days
+
+
+def lengths(since: datetime, until: datetime, zone: ZoneInfo) -> list[tuple[str, float]]:
+    days = divide(since, until, zone)
+    assert next(iter(days.values()))[0] == since
+    assert [*days.values()][-1][1] == until
+    spans = [*days.values()]
+    assert all(left[1] == right[0] for left, right in itertools.pairwise(spans)), "without a gap"
+    return [(day, (end - begin) / timedelta(hours=1)) for day, (begin, end) in days.items()]
+
+
+def test_days_of_daylight_saving() -> None:
+    autumn = datetime(2026, 10, 24, 22, tzinfo=UTC)
+    assert lengths(autumn, autumn + timedelta(hours=49), BERLIN) == [("2026-10-25", 25.0), ("2026-10-26", 24.0)]
+    spring = datetime(2026, 3, 28, 12, tzinfo=UTC)
+    assert lengths(spring, spring + 2 * DAY, BERLIN) == [
+        ("2026-03-28", 11.0),
+        ("2026-03-29", 23.0),
+        ("2026-03-30", 14.0),
+    ]
+
+
+def test_a_day_without_midnight() -> None:
+    """In Cairo the clock goes from 0:00 to 1:00."""
+    since = datetime(2024, 4, 25, 10, tzinfo=UTC)
+    assert lengths(since, since + DAY, ZoneInfo("Africa/Cairo")) == [("2024-04-25", 12.0), ("2024-04-26", 12.0)]
+
+
+def test_a_day_that_was_left_out() -> None:
+    """Samoa crossed the date line: there was no 30 December 2011."""
+    since = datetime(2011, 12, 29, 20, tzinfo=UTC)
+    assert [day for day, _ in lengths(since, since + DAY, ZoneInfo("Pacific/Apia"))] == ["2011-12-29", "2011-12-31"]
+
+
+def test_there_may_be_so_many_days() -> None:
+    since = datetime(2026, 1, 1, tzinfo=UTC)
+    assert len(divide(since, since + MAX_DAYS * DAY, read_zone("UTC"))) == MAX_DAYS
+
+
+def test_rare_error_codes_are_counted_together() -> None:
+    errors = Counter({f"code{number}": number for number in range(1, MAX_ERRORS + 3)})
+    wanted = GoalFilter(since=datetime(2026, 1, 1, tzinfo=UTC), until=datetime(2026, 1, 2, tzinfo=UTC))
+    total = describe(wanted, [("", wanted, Tally(errors=errors))])["total"]
+    assert total["errors"][0] == {"code": "code22", "count": 22}
+    assert (len(total["errors"]), total["other_errors"]) == (MAX_ERRORS, 3)
