@@ -3,7 +3,7 @@ import axe from "axe-core";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { AnyGoal, GatewayEvent } from "../src/api/types";
 import type { StreamHandlers } from "../src/stream/stream";
-import { battery, feedback, goal, latched, result, snapshot, status } from "./events";
+import { battery, feedback, goal, latched, result, START, snapshot, status } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const streams = vi.hoisted(() => [] as { url: string; handlers: StreamHandlers }[]);
@@ -263,5 +263,34 @@ describe("the page of a goal", () => {
     expect(screen.getByRole("heading", { name: /^Message at/ })).toBeDefined();
     await user.click(button("Show the latest"));
     expect(screen.getByRole("heading", { name: "Latest message" })).toBeDefined();
+  });
+
+  it("has a table of numbers that stand below each other, of the rows that changed where asked for", async () => {
+    const voltages = [9, 9, 9, 8.95, 8.95, 9];
+    const events = voltages.map((voltage, index) => ({
+      ...feedback("a", index + 0.1234),
+      feedback: { current_battery_state: { ...battery, voltage } },
+    }));
+    answering({
+      "GET /goals/a/history": () => ({ events, next_after: null, complete: true }),
+      "GET /goals/a": () => ended("a", 0, { created_at: new Date(START).toISOString(), feedback_count: 6 }),
+    });
+    const { user } = renderPage(fakeGateway(), {}, "/ui/goals/a?changed=true");
+    const table = await screen.findByTestId("feedback-table");
+    const cells = () =>
+      within(table)
+        .getAllByRole("row")
+        .slice(1)
+        .map((row) => [0, 2].map((index) => row.querySelectorAll("td")[index]?.textContent));
+    expect(cells()).toEqual([
+      ["5.123 s", "9.00"],
+      ["3.123 s", "8.95"],
+      ["0.123 s", "9.00"],
+    ]);
+    expect(table.querySelector("tbody time")?.textContent).toMatch(/:45\.123/);
+    expect(screen.getByTestId("changed-count").textContent).toBe("3 of 6");
+    await user.click(screen.getByRole("switch", { name: "Only rows that changed" }));
+    expect(cells()).toHaveLength(6);
+    expect(await violations()).toEqual([]);
   });
 });

@@ -3,6 +3,7 @@ import { CommandError } from "../src/api/errors";
 import type { GoalsApi } from "../src/api/goals";
 import type { AnyGoal, GatewayEvent, GoalEvent, GoalHistory } from "../src/api/types";
 import { timelineOf } from "../src/goal/timeline";
+import { ChangedRows } from "../src/goals/changes";
 import { FeedbackLog } from "../src/goals/feedbackLog";
 import { FieldsFound, mostTelling, numberAt } from "../src/goals/fields";
 import { GoalWatch } from "../src/goals/watch";
@@ -143,6 +144,31 @@ describe("the log of feedback", () => {
     log.add([row(8)]);
     expect(log.rows.map(({ time }) => time)).toEqual([0, 2, 4, 5, 6, 7, 8]);
     expect([log.thinned, log.generation]).toEqual([true, 1]);
+  });
+});
+
+describe("rows that changed", () => {
+  const row = (index: number, message: Record<string, unknown>) => ({
+    id: `e${index}`,
+    time: index,
+    message,
+  });
+  const stamped = (sec: number, value: unknown) => ({
+    header: { stamp: { sec, nanosec: 0 } },
+    cells: [value],
+  });
+
+  it("say something else than the row before, whatever their stamps", () => {
+    const log = new FeedbackLog();
+    const changes = new ChangedRows(log);
+    const times = () => changes.read().map(({ time }) => time);
+    log.add([row(1, stamped(1, 9)), row(2, stamped(2, 9)), row(4, stamped(4, null))]);
+    expect(times()).toEqual([1, 4]);
+    log.add([row(5, stamped(5, null)), row(6, stamped(6, 9))]);
+    expect(times()).toEqual([1, 4, 6]);
+    // What comes late may change what is after it.
+    log.add([row(3, stamped(3, null))]);
+    expect(times()).toEqual([1, 3, 6]);
   });
 });
 

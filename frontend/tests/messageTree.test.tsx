@@ -92,10 +92,58 @@ describe("a message without a schema", () => {
   });
 
   it("has the first items of what is long", () => {
-    tree({ numbers: Array(100).fill(7), points: Array(100).fill({ x: 1 }) });
+    tree({ numbers: Array.from({ length: 100 }, (_, index) => index), points: Array(100).fill({ x: 1 }) });
     expect(line("numbers")).toMatch(/… and 40 more$/);
     expect(screen.getAllByText("x")).toHaveLength(60);
     expect(screen.getByText("… and 40 more", { selector: "li" })).toBeDefined();
+  });
+});
+
+describe("a message that changes", () => {
+  const message = (value: unknown) => (
+    <MantineProvider env="test">
+      <MessageTree value={value} label="Feedback" />
+    </MantineProvider>
+  );
+
+  it("keeps the decimals of its numbers: they do not jitter", () => {
+    const { rerender } = render(message({ voltage: 9, cells: [3, 3.25] }));
+    expect([line("voltage"), line("cells")]).toEqual(["voltage 9", "cells 3.00, 3.25"]);
+    rerender(message({ voltage: -8.95, cells: [3.5, 3] }));
+    rerender(message({ voltage: 9, cells: [3, 3] }));
+    expect([line("voltage"), line("cells")]).toEqual(["voltage 9.00", "cells 3.00, 3.00"]);
+  });
+
+  it("keeps what is folded, whatever comes", () => {
+    const { rerender } = render(message({ pose: { points: [{ x: 1 }] } }));
+    rerender(message({ pose: { points: Array(20).fill({ x: 1 }) } }));
+    expect(screen.getByText("points").closest("details")?.open).toBe(true);
+  });
+});
+
+describe("what is unfolded", () => {
+  const opened = (name: string) => screen.getByText(name).closest("details")?.open;
+  const vector = { x: 0.5, y: 0, z: 0 };
+
+  it("is what is short, in any level, but for headers", () => {
+    const pose = { position: vector, orientation: { ...vector, w: 1 } };
+    const long = Object.fromEntries(Array.from({ length: 9 }, (_, index) => [`n${index}`, index]));
+    const header = { stamp: { sec: 0, nanosec: 0 }, frame_id: "odom" };
+    tree({ outer: { header, pose: { pose, covariance: Array(36).fill(0) }, long } });
+    expect(["outer", "header", "position", "orientation", "long"].map(opened)).toEqual([
+      true,
+      false,
+      true,
+      true,
+      false,
+    ]);
+  });
+
+  it("is not a row of equal values: they are counted", () => {
+    tree({ covariance: Array(36).fill(0), diagonal: [0.1, 0, 0, 0, 0, 0, 0.1], none: Array(5).fill(null) });
+    expect(line("covariance")).toBe("covariance 36 × 0");
+    expect(line("diagonal")).toBe("diagonal 0.1, 5 × 0.0, 0.1");
+    expect(line("none")).toBe("none 5 × not measured");
   });
 });
 

@@ -17,6 +17,16 @@ from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_se
 from tests.support.waiting import wait_until
 
 DOCK = "/connect_to_charging_dock"
+# Texts that are drawn on a canvas, each with how far it sticks out of it.
+RECORD_LABELS = """window.labels = [];
+const draw = CanvasRenderingContext2D.prototype.fillText;
+CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...rest) {
+    const {width} = this.measureText(text);
+    const at = this.getTransform().transformPoint({x, y});
+    const left = at.x - (this.textAlign === "right" ? width : this.textAlign === "center" ? width / 2 : 0);
+    window.labels.push([text, Math.max(-left, left + width - this.canvas.width)]);
+    return draw.call(this, text, x, y, ...rest);
+};"""
 
 
 @pytest.fixture(scope="module")
@@ -139,6 +149,23 @@ def test_a_goal_is_read_and_its_files_are_had(page: Page, gateway: RunningGatewa
     rows = list(csv.DictReader(io.StringIO(export(page, "CSV"))))
     assert [row["partial_sequence.2"] for row in rows][-1] == "1"
     assert len(rows) == whole["feedback_count"]
+
+
+@pytest.mark.parametrize("width", [320, 1440])
+def test_the_labels_of_a_plot_are_whole(page: Page, gateway: RunningGateway, width: int) -> None:
+    """Numbers with ten digits are not clipped at the left, nor times at the right."""
+    goal_id = count_of(3, gateway)
+    history = gateway.http.get(f"/goals/{goal_id}/history").json()
+    for event in history["events"]:
+        if event["type"] == "feedback":
+            event["feedback"] = {"large": 1e9 * len(event["feedback"]["partial_sequence"])}
+    page.route(f"**/goals/{goal_id}/history*", lambda route: route.fulfill(json=history))
+    page.set_viewport_size({"width": width, "height": 1000})
+    page.add_init_script(RECORD_LABELS)
+    open_goal(page, gateway, goal_id)
+    for label in ("00000000$", " s$"):
+        page.wait_for_function("label => labels.some(([text]) => new RegExp(label).test(text))", arg=label)
+    assert [label for label in page.evaluate("labels") if label[1] > 0] == []
 
 
 def test_send_again(page: Page, gateway: RunningGateway) -> None:

@@ -13,12 +13,20 @@ import { useWay } from "./useWay";
 /** Durations are renewed so often. */
 const TEXT_MS = 400;
 
-const SIGNS: Record<StepState, string> = { done: "✓", current: "", failed: "✕", canceled: "–", waiting: "" };
+const SIGNS: Record<StepState, string> = {
+  done: "✓",
+  current: "",
+  failed: "✕",
+  canceled: "–",
+  unknown: "?",
+  waiting: "",
+};
 const SAID: Record<StepState, string> = {
   done: "done",
   current: "now",
   failed: "did not work",
   canceled: "canceled",
+  unknown: "outcome unknown",
   waiting: "not yet",
 };
 

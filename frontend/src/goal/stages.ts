@@ -2,7 +2,7 @@ import type { Verb } from "../api/client";
 import { type GoalCourse, isTerminal } from "../store/goals";
 import { sentence } from "../ui/sentence";
 
-export type StepState = "done" | "current" | "failed" | "canceled" | "waiting";
+export type StepState = "done" | "current" | "failed" | "canceled" | "unknown" | "waiting";
 
 export interface Step {
   stage: string;
@@ -54,6 +54,7 @@ function stateOf(goal: GoalCourse, ahead: number, retrying: boolean): StepState 
   if (goal.status === "succeeded" || ahead < 0) return "done";
   if (ahead > 0) return "waiting";
   if (goal.status === "canceled") return "canceled";
+  if (goal.status === "lost") return "unknown";
   return retrying || isTerminal(goal.status) ? "failed" : "current";
 }
 

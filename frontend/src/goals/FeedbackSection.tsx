@@ -5,6 +5,7 @@ import { useSchemas } from "../actions/useActions";
 import type { AnyGoal } from "../api/types";
 import { isFinal } from "../store/goals";
 import { constantName, type JsonSchema, unitOf } from "../ui/jsonSchema";
+import { alike } from "../ui/numbers";
 import { Section } from "../ui/Section";
 import { formatElapsed } from "../ui/time";
 import { FeedbackRows } from "./FeedbackRows";
@@ -107,7 +108,7 @@ function PlottedField({ start, schema }: PlottedFieldProps) {
 
 function FieldPlot({ field, start, schema }: PlottedFieldProps & { field: FoundField }) {
   const { log } = useWatched().watch;
-  const { name } = field;
+  const { name, digits } = field;
   const source = useMemo(() => {
     const found = log.fields.all.find((each) => each.name === name);
     return new FeedbackPlotSource(log, found ?? { name, path: [] }, start);
@@ -116,8 +117,8 @@ function FieldPlot({ field, start, schema }: PlottedFieldProps & { field: FoundF
     const node = nodeOf(schema, source.field);
     const words = (value: number) => `${constantName(node, value) ?? ""} (${value})`;
     const named = node?.schema["x-constants"] === undefined ? {} : { words };
-    return [{ label: name, unit: unitOf(node), ...named }];
-  }, [schema, source, name]);
+    return [{ label: name, unit: unitOf(node), digits, ...named }];
+  }, [schema, source, name, digits]);
   const unit = lines[0]?.unit ?? "";
   return (
     <Suspense fallback={<Skeleton height={HEIGHT + 34} />}>
@@ -126,7 +127,7 @@ function FieldPlot({ field, start, schema }: PlottedFieldProps & { field: FoundF
         lines={lines}
         xLabel="Since the start"
         formatX={formatElapsed}
-        label={`${name} over time, between ${field.min} and ${field.max} ${unit}`}
+        label={`${name} over time, between ${alike(field.min, digits)} and ${alike(field.max, digits)} ${unit}`}
         height={HEIGHT}
       />
     </Suspense>

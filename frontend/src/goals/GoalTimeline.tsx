@@ -113,6 +113,7 @@ function toneOf(change: Change, goesOn: boolean): string | undefined {
   if (change.kind === "stage") return change.stage === "RETRY" ? "warn" : goesOn ? "now" : undefined;
   if (change.status === "succeeded") return "good";
   if (change.status === "canceled") return undefined;
+  if (change.status === "lost") return "unknown";
   if (change.status === "canceling") return "warn";
   if (isTerminal(change.status)) return "bad";
   return goesOn ? "now" : undefined;

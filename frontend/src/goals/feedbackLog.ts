@@ -49,19 +49,8 @@ export class FeedbackLog {
     if (this.#rows.length > this.#limit) this.#thin();
   }
 
-  /** Where a row is, or the first after it. */
-  indexOf(id: string): number {
-    let [low, high] = [0, this.#rows.length];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if ((this.#rows[middle]?.id ?? "") < id) low = middle + 1;
-      else high = middle;
-    }
-    return low;
-  }
-
   #has(id: string): boolean {
-    return this.#rows[this.indexOf(id)]?.id === id;
+    return this.#rows[indexOf(this.#rows, id)]?.id === id;
   }
 
   #thin(): void {
@@ -70,4 +59,15 @@ export class FeedbackLog {
     this.generation += 1;
     this.thinned = true;
   }
+}
+
+/** Where a row is among rows in the order of their ids, or the first after it. */
+export function indexOf(rows: readonly FeedbackRow[], id: string): number {
+  let [low, high] = [0, rows.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((rows[middle]?.id ?? "") < id) low = middle + 1;
+    else high = middle;
+  }
+  return low;
 }

@@ -1,5 +1,6 @@
 import { fieldNode, itemNode, type JsonSchema, rootNode, type SchemaNode } from "../ui/jsonSchema";
 import { isMessage, type Message } from "../ui/messageWords";
+import { type Digits, NO_DIGITS, withNumber } from "../ui/numbers";
 
 /** A number within messages of one type: where it is, and how an array becomes one number. */
 export interface NumericField {
@@ -13,6 +14,8 @@ export interface NumericField {
 export interface FoundField extends NumericField {
   min: number;
   max: number;
+  /** How its numbers are written. */
+  digits: Digits;
 }
 
 /** Items of an array that are fields of their own. */
@@ -25,10 +28,8 @@ const MAX_FIELDS = 200;
 export class FieldsFound {
   readonly #found = new Map<string, FoundField>();
 
-  /** How many there are; they only become more. */
-  get size(): number {
-    return this.#found.size;
-  }
+  /** Changes where there is one more, and where one has other digits. */
+  version = 0;
 
   /** In the order of the message's fields. */
   get all(): readonly FoundField[] {
@@ -42,8 +43,17 @@ export class FieldsFound {
       if (known !== undefined) {
         if (value < known.min) known.min = value;
         if (value > known.max) known.max = value;
+        const digits = withNumber(known.digits, value);
+        if (digits !== known.digits) this.version += 1;
+        known.digits = digits;
       } else if (this.#found.size < MAX_FIELDS) {
-        this.#found.set(field.name, { ...field, min: value, max: value });
+        this.version += 1;
+        this.#found.set(field.name, {
+          ...field,
+          min: value,
+          max: value,
+          digits: withNumber(NO_DIGITS, value),
+        });
       }
     });
   }

@@ -5,13 +5,18 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { onBeat } from "./beat";
 import classes from "./LinePlot.module.css";
-import { lineWords, type PlotLine, type PlotSource, plotNumber, roomyRange } from "./plotData";
-import { plotAxis } from "./plotLook";
+import { decimalsOf } from "./numbers";
+import { axisNumbers, lineWords, type PlotLine, type PlotSource, roomyRange } from "./plotData";
+import { axisWidth, LABEL_OVERHANG, plotAxis } from "./plotLook";
 import { watchSight } from "./sight";
 
 /** A plot with its legend is this much higher than what it draws in. */
 export const LEGEND_HEIGHT = 34;
 
+/** Of an x value in the legend. */
+const X_DECIMALS = 3;
+/** From one x label to the next, at least (CSS pixels). */
+const X_SPACE = 80;
 const REDRAW_MS = 200;
 const SLOW_REDRAW_MS = 1000;
 const COLORS = {
@@ -24,9 +29,9 @@ interface LinePlotProps {
   source: PlotSource;
   /** At most four; the same array while they are the same. */
   lines: readonly PlotLine[];
-  /** What an x value says in the legend, and beside the axis; functions that stay the same. */
+  /** What an x value says in the legend, and below the axis; a function that stays the same. */
   xLabel: string;
-  formatX: (x: number) => string;
+  formatX: (x: number, decimals: number) => string;
   /** What is drawn, to a screen reader. */
   label: string;
   height?: number;
@@ -112,7 +117,7 @@ interface Look {
   height: number;
   lines: readonly PlotLine[];
   xLabel: string;
-  formatX: (x: number) => string;
+  formatX: (x: number, decimals: number) => string;
   scheme: "light" | "dark";
   zoom: (yes: boolean) => void;
 }
@@ -120,8 +125,6 @@ interface Look {
 function plotOptions({ width, height, lines, xLabel, formatX, scheme, zoom }: Look): uPlot.Options {
   const axis = plotAxis(scheme);
   const colors = COLORS[scheme];
-  const [first] = lines;
-  const unit = first?.unit == null ? "" : ` ${first.unit}`;
   return {
     width,
     height,
@@ -136,13 +139,23 @@ function plotOptions({ width, height, lines, xLabel, formatX, scheme, zoom }: Lo
       },
     },
     hooks: { setSelect: [(plot) => plot.select.width > 0 && zoom(true)], setCursor: [tellLatest] },
+    padding: [8, LABEL_OVERHANG, 0, 0],
     scales: { x: { time: false }, y: { range: (_plot, min, max) => roomyRange(min, max) } },
     axes: [
-      { ...axis, values: (_plot, splits) => splits.map(formatX) },
-      { ...axis, size: 74, values: (_plot, splits) => splits.map((split) => `${plotNumber(split)}${unit}`) },
+      {
+        ...axis,
+        space: X_SPACE,
+        values: (_plot, splits, _axis, _space, step) =>
+          splits.map((split) => formatX(split, decimalsOf(step))),
+      },
+      {
+        ...axis,
+        size: (_plot, labels) => axisWidth(labels),
+        values: (_plot, splits, _axis, _space, step) => axisNumbers(splits, step),
+      },
     ],
     series: [
-      { label: xLabel, value: (_plot, value) => (value === null ? "–" : formatX(value)) },
+      { label: xLabel, value: (_plot, value) => (value === null ? "–" : formatX(value, X_DECIMALS)) },
       ...lines.map((line, index) => ({
         label: line.label,
         stroke: colors[index % colors.length] ?? colors[0],

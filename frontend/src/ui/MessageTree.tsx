@@ -1,3 +1,4 @@
+import { useState } from "react";
 import { Breakable } from "./Breakable";
 import {
   descriptionOf,
@@ -9,7 +10,17 @@ import {
   typeOf,
 } from "./jsonSchema";
 import classes from "./MessageTree.module.css";
-import { hasParts, isAbsent, isMessage, MAX_ITEMS, momentOf, valueWords } from "./messageWords";
+import {
+  hasParts,
+  isAbsent,
+  isMessage,
+  isShort,
+  MAX_ITEMS,
+  momentOf,
+  valueWords,
+  withDigits,
+} from "./messageWords";
+import { NO_DIGITS } from "./numbers";
 import { Time } from "./Time";
 
 interface MessageTreeProps {
@@ -19,7 +30,7 @@ interface MessageTreeProps {
   schema?: JsonSchema | undefined;
   /** What it is, to a screen reader. */
   label: string;
-  /** So many levels of messages are unfolded at first. */
+  /** So many levels of messages are unfolded at first, and short messages in any level. */
   open?: number;
 }
 
@@ -31,7 +42,7 @@ export function MessageTree({ value, schema, label, open = 1 }: MessageTreeProps
       {hasParts(value) ? (
         <Parts value={value} node={node} open={open} label={label} />
       ) : (
-        <span className={classes.value}>{valueWords(value, node)}</span>
+        <Value value={value} node={node} />
       )}
     </div>
   );
@@ -69,44 +80,55 @@ function Parts({ value, node, open, label }: PartsProps) {
   );
 }
 
-function Part({
-  name,
-  value,
-  node,
-  open,
-}: {
+interface PartProps {
   name: string;
   value: unknown;
   node: SchemaNode | undefined;
   open: number;
-}) {
+}
+
+function Part({ name, value, node, open }: PartProps) {
   const moment = isMessage(value) ? momentOf(value, node) : null;
-  if (moment === null && hasParts(value)) {
-    return (
-      <li>
-        <details open={open > 0} className={classes.message}>
-          <summary>
-            <Name name={name} node={node} />
-            <span className={classes.type}>{kindWords(value, node)}</span>
-          </summary>
-          <Parts value={value} node={node} open={open - 1} />
-        </details>
-      </li>
-    );
-  }
+  if (moment === null && hasParts(value)) return <Fold name={name} value={value} node={node} open={open} />;
   return (
     <li className={classes.field}>
       <Name name={name} node={node} />{" "}
-      <span className={classes.value} data-absent={isAbsent(value) || undefined}>
-        {moment === null ? (
-          valueWords(value, node)
-        ) : moment.kind === "words" ? (
-          moment.words
-        ) : (
-          <Time value={moment.ms} />
-        )}
-      </span>
+      {moment === null ? (
+        <Value value={value} node={node} />
+      ) : (
+        <span className={classes.value}>
+          {moment.kind === "words" ? moment.words : <Time value={moment.ms} />}
+        </span>
+      )}
     </li>
+  );
+}
+
+function Fold({ name, value, node, open }: PartProps & PartsProps) {
+  // Of the message that came first: what somebody folds stays so, whatever comes.
+  const [unfolded] = useState(() => open > 0 || isShort(value));
+  return (
+    <li>
+      <details open={unfolded} className={classes.message}>
+        <summary>
+          <Name name={name} node={node} />
+          <span className={classes.type}>{kindWords(value, node)}</span>
+        </summary>
+        <Parts value={value} node={node} open={open - 1} />
+      </details>
+    </li>
+  );
+}
+
+/** A value without parts, with as many decimals as it has had so far: a number that changes does not jitter. */
+function Value({ value, node }: Pick<PartProps, "value" | "node">) {
+  const [known, setKnown] = useState(() => withDigits(NO_DIGITS, value));
+  const digits = withDigits(known, value);
+  if (digits !== known) setKnown(digits);
+  return (
+    <span className={classes.value} data-absent={isAbsent(value) || undefined}>
+      {valueWords(value, node, digits)}
+    </span>
   );
 }
 

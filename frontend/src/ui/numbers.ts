@@ -10,6 +10,45 @@ export function fixed(value: number, decimals: number): string {
     });
     formats.set(decimals, format);
   }
-  const text = format.format(value);
-  return text.replace("-", /[1-9]/.test(text) ? "−" : "");
+  return minusSign(format.format(value));
+}
+
+/** A minus sign as wide as a digit, and none before a zero. */
+function minusSign(text: string): string {
+  return text.replace(/^-/, /[1-9]/.test(text) ? "−" : "");
+}
+
+/** What numbers that are read together (a column, a plot, a field that changes) have in common. */
+export interface Digits {
+  /** The most that any of them has. */
+  decimals: number;
+  /** The power of ten of the largest: 1 for 12.5. */
+  magnitude: number;
+}
+
+export const NO_DIGITS: Digits = { decimals: 0, magnitude: Number.NEGATIVE_INFINITY };
+
+/** A float32 in its shortest text has no more. */
+const SIGNIFICANT = 9;
+
+/** What they have in common with one number more; the same object where it changes nothing. */
+export function withNumber(digits: Digits, value: number): Digits {
+  const decimals = Math.max(digits.decimals, decimalsOf(value));
+  const magnitude = Math.max(digits.magnitude, Math.floor(Math.log10(Math.abs(value))));
+  return decimals === digits.decimals && magnitude === digits.magnitude ? digits : { decimals, magnitude };
+}
+
+/** How many decimals the shortest text of a number has: 2 for 8.95, 0 for 9. */
+export function decimalsOf(value: number): number {
+  if (Number.isInteger(value)) return 0;
+  const [mantissa = "", exponent = "0"] = String(value).split("e");
+  const point = mantissa.indexOf(".");
+  return Math.max(0, (point < 0 ? 0 : mantissa.length - point - 1) - Number(exponent));
+}
+
+/** A number of a message like those that are read with it: `9.00` beside `8.95`. As ROS tools write it: a point, no groups. */
+export function alike(value: number, { decimals, magnitude }: Digits): string {
+  if (magnitude < -4 && value !== 0) return minusSign(value.toExponential(3)).replace("e-", "e−");
+  const whole = Math.max(0, magnitude) + 1;
+  return minusSign(value.toFixed(Math.max(0, Math.min(decimals, SIGNIFICANT - whole))));
 }

@@ -1,3 +1,5 @@
+import { alike, type Digits, decimalsOf, NO_DIGITS, withNumber } from "./numbers";
+
 /** What a plot draws, kept outside of React: it looks whether the version has changed before it draws anew. */
 export interface PlotSource {
   readonly version: number;
@@ -8,6 +10,8 @@ export interface PlotSource {
 export interface PlotLine {
   label: string;
   unit: string | null;
+  /** How its values are written. */
+  digits: Digits;
   /** A value in words, where they are not its number and unit. */
   words?: (value: number) => string;
 }
@@ -19,13 +23,14 @@ export function roomyRange(min: number | null, max: number | null): [number, num
   return [min - room, max + room];
 }
 
-/** A number as short as it can be told apart within its neighbours. */
-export function plotNumber(value: number): string {
-  if (value !== 0 && (Math.abs(value) >= 1e7 || Math.abs(value) < 1e-4)) return value.toExponential(3);
-  return String(Number(value.toPrecision(7)));
+/** The numbers beside an axis, with as many decimals as the step from one to the next has. */
+export function axisNumbers(splits: readonly number[], step: number): string[] {
+  const { magnitude } = splits.reduce(withNumber, NO_DIGITS);
+  return splits.map((split) => alike(split, { decimals: decimalsOf(step), magnitude }));
 }
 
-export function lineWords({ unit, words }: PlotLine, value: number): string {
+/** A value with its unit, as long as all values of its line. */
+export function lineWords({ digits, unit, words }: PlotLine, value: number): string {
   if (words !== undefined) return words(value);
-  return unit === null ? plotNumber(value) : `${plotNumber(value)} ${unit}`;
+  return unit === null ? alike(value, digits) : `${alike(value, digits)} ${unit}`;
 }

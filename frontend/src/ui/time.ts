@@ -6,6 +6,18 @@ const dayAndClock = new Intl.DateTimeFormat(undefined, {
   minute: "2-digit",
   second: "2-digit",
 });
+const millisecond = {
+  hour: "2-digit",
+  minute: "2-digit",
+  second: "2-digit",
+  fractionalSecondDigits: 3,
+} as const;
+const preciseClock = new Intl.DateTimeFormat(undefined, millisecond);
+const dayAndPreciseClock = new Intl.DateTimeFormat(undefined, {
+  day: "numeric",
+  month: "short",
+  ...millisecond,
+});
 const exact = new Intl.DateTimeFormat(undefined, {
   dateStyle: "full",
   timeStyle: "long",
@@ -13,8 +25,16 @@ const exact = new Intl.DateTimeFormat(undefined, {
 
 /** A time in the reader's zone: the clock alone for today, with the day for any other. */
 export function formatTime(ms: number, now: number = Date.now()): string {
-  const sameDay = new Date(ms).toDateString() === new Date(now).toDateString();
-  return (sameDay ? clock : dayAndClock).format(ms);
+  return (isSameDay(ms, now) ? clock : dayAndClock).format(ms);
+}
+
+/** The same with milliseconds. */
+export function formatPreciseTime(ms: number, now: number = Date.now()): string {
+  return (isSameDay(ms, now) ? preciseClock : dayAndPreciseClock).format(ms);
+}
+
+function isSameDay(ms: number, now: number): boolean {
+  return new Date(ms).toDateString() === new Date(now).toDateString();
 }
 
 /** A time to the millisecond with its day and zone. */
@@ -34,14 +54,18 @@ export function formatDuration(ms: number): string {
   return `${Math.floor(whole / 86_400)} d ${Math.floor((whole % 86_400) / 3600)} h`;
 }
 
-/** Since the beginning of something: `0.25 s`, `1:05`, `1:02:05`. */
-export function formatElapsed(seconds: number): string {
-  if (Math.abs(seconds) < 60) return `${Number(seconds.toFixed(2))} s`;
-  const whole = Math.round(seconds);
+/** Since the beginning of something: `0.25 s`, `1:05.00`, `1:02:05`. */
+export function formatElapsed(seconds: number, decimals: number): string {
+  const text = Math.abs(seconds).toFixed(decimals);
+  const sign = seconds < 0 && Number(text) > 0 ? "−" : "";
+  const whole = Math.floor(Number(text));
+  if (whole < 60) return `${sign}${text} s`;
   const two = (value: number) => String(value).padStart(2, "0");
+  const [, fraction] = text.split(".");
+  const rest = `${two(whole % 60)}${fraction === undefined ? "" : `.${fraction}`}`;
   const minutes = Math.floor(whole / 60);
-  if (minutes < 60) return `${minutes}:${two(whole % 60)}`;
-  return `${Math.floor(minutes / 60)}:${two(minutes % 60)}:${two(whole % 60)}`;
+  if (minutes < 60) return `${sign}${minutes}:${rest}`;
+  return `${sign}${Math.floor(minutes / 60)}:${two(minutes % 60)}:${rest}`;
 }
 
 /** A time for an `<input type="datetime-local">`, in the reader's zone. */

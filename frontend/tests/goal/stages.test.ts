@@ -41,6 +41,12 @@ describe("the stages of a docking goal", () => {
     expect(states(canceled, [PERCEPTION, "RETRY"], "dock")[0]).toBe("canceled");
   });
 
+  it("are unknown, and no failure, where contact was lost", () => {
+    const lost = goal("a", { status: "lost" });
+    expect(states(lost, [PERCEPTION, STAGING], "dock")).toEqual(["done", "unknown", "waiting", "waiting"]);
+    expect(states(lost, [PERCEPTION, "RETRY"], "dock")[0]).toBe("unknown");
+  });
+
   it("show what did not work while the robot backs off, and then begin anew", () => {
     const seen = [PERCEPTION, STAGING, "CONTROLLING", "RETRY"];
     expect(states(goal("a"), seen, "dock")).toEqual(["done", "done", "failed", "waiting"]);
