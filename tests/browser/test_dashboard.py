@@ -1,5 +1,6 @@
 """The dashboard by clicking, as its users do."""
 
+import re
 import signal
 
 import pytest
@@ -93,3 +94,31 @@ def test_the_api_pages_need_no_internet(page: Page, gateway: RunningGateway) -> 
     health.locator(".opblock-summary").click()
     health.get_by_role("button", name="Execute").click()
     expect(health.locator(".live-responses-table")).to_contain_text('"status": "ok"')
+
+
+@pytest.mark.expect_page_errors
+def test_a_part_of_the_page_that_cannot_be_loaded_is_loaded_later(page: Page, gateway: RunningGateway) -> None:
+    page.route("**/assets/GoalsPage-*", lambda route: route.abort())
+    page.route("**/healthz", lambda route: route.abort())
+    page.get_by_role("link", name=re.compile("^Goals")).click()
+    expect(page).to_have_url(re.compile("/ui/goals"))
+    page.get_by_role("button", name="Stop", exact=True).click()
+    expect(page.get_by_test_id("stop-banner")).to_be_visible()
+    page.unroute_all()
+    expect(page.get_by_role("heading", level=1, name="Goals")).to_be_visible()
+
+
+@pytest.mark.expect_page_errors
+def test_a_page_of_another_version_is_loaded_anew(page: Page, gateway: RunningGateway) -> None:
+    """After an update of the gateway, an open page asks for files that are no longer there."""
+    page.route("**/assets/GoalsPage-*", lambda route: route.fulfill(status=404))
+    page.get_by_role("link", name=re.compile("^Goals")).click()
+    expect(page.get_by_role("alert")).to_contain_text("This page cannot be shown")
+    page.get_by_role("button", name="Stop", exact=True).click()
+    expect(page.get_by_test_id("stop-banner")).to_be_visible()
+    page.get_by_role("link", name=re.compile("^Overview")).click()
+    expect(page.get_by_role("button", name="Dock", exact=True)).to_be_visible()
+    page.get_by_role("link", name=re.compile("^Goals")).click()
+    page.unroute_all()
+    page.get_by_role("button", name="Load it again").click()
+    expect(page.get_by_role("heading", level=1, name="Goals")).to_be_visible()

@@ -1,10 +1,11 @@
 import { Skeleton } from "@mantine/core";
-import { lazy, Suspense } from "react";
+import { Suspense } from "react";
+import { lazyPart } from "../ui/lazyPart";
 import { Section } from "../ui/Section";
 import classes from "./BatteryPlots.module.css";
 
 /** What draws them comes after the page, which is of use without. */
-const BatteryPlots = lazy(() => import("./BatteryPlots"));
+const BatteryPlots = lazyPart(() => import("./BatteryPlots"));
 
 export function BatteryPlotsCard() {
   return (

@@ -1,8 +1,9 @@
 import { Button, Group, NumberInput, SimpleGrid, Skeleton, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
-import { lazy, Suspense, useId, useState } from "react";
+import { Suspense, useId, useState } from "react";
 import { useLive, useServices, useTopicPart } from "../store/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { lazyPart } from "../ui/lazyPart";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";
@@ -12,7 +13,7 @@ import { PublisherStatus } from "./PublisherStatus";
 import { summarize } from "./words";
 
 /** Comes when it is asked for. */
-const MoreFields = lazy(() => import("./MoreFields"));
+const MoreFields = lazyPart(() => import("./MoreFields"));
 
 const MIN_RATE_HZ = 0.1;
 const MAX_RATE_HZ = 100;

@@ -1,10 +1,11 @@
 import { Group, NativeSelect, Skeleton, Stack, Text } from "@mantine/core";
-import { lazy, Suspense, useMemo } from "react";
+import { Suspense, useMemo } from "react";
 import { useSearchParams } from "react-router";
 import { useSchemas } from "../actions/useActions";
 import type { AnyGoal } from "../api/types";
 import { isFinal } from "../store/goals";
 import { constantName, type JsonSchema, unitOf } from "../ui/jsonSchema";
+import { lazyPart } from "../ui/lazyPart";
 import { alike } from "../ui/numbers";
 import { Section } from "../ui/Section";
 import { formatElapsed } from "../ui/time";
@@ -13,7 +14,7 @@ import { FeedbackPlotSource } from "./feedbackPlot";
 import { type FoundField, mostTelling, nodeOf } from "./fields";
 import { useWatched, useWatchTopic } from "./useGoalWatch";
 
-const LinePlot = lazy(() => import("../ui/LinePlot"));
+const LinePlot = lazyPart(() => import("../ui/LinePlot"));
 
 const HEIGHT = 240;
 

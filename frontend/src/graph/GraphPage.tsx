@@ -1,7 +1,8 @@
 import { Group, SegmentedControl, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
-import { lazy, Suspense, useDeferredValue, useMemo } from "react";
+import { Suspense, useDeferredValue, useMemo } from "react";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { lazyPart } from "../ui/lazyPart";
 import { usePageTitle } from "../ui/usePageTitle";
 import { DetailsPane } from "./DetailsPane";
 import { EmptyGraph } from "./EmptyGraph";
@@ -16,7 +17,7 @@ import { type ChangeView, useView } from "./useView";
 import type { Form, GraphView } from "./view";
 import { describeShown } from "./words";
 
-const GraphPicture = lazy(() => import("./GraphPicture"));
+const GraphPicture = lazyPart(() => import("./GraphPicture"));
 
 const FORMS: { value: Form; label: string }[] = [
   { value: "picture", label: "Picture" },

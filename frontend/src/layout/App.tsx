@@ -1,15 +1,15 @@
-import { lazy } from "react";
 import { Route, Routes } from "react-router";
 import OverviewPage from "../overview/OverviewPage";
 import RobotPage from "../robot/RobotPage";
+import { lazyPart } from "../ui/lazyPart";
 import { NotFoundPage } from "./NotFoundPage";
 import { Shell } from "./Shell";
 
-const GoalsPage = lazy(() => import("../goals/GoalsPage"));
-const GoalPage = lazy(() => import("../goals/GoalPage"));
-const ActionsPage = lazy(() => import("../actions/ActionsPage"));
-const ActionPage = lazy(() => import("../actions/ActionPage"));
-const GraphPage = lazy(() => import("../graph/GraphPage"));
+const GoalsPage = lazyPart(() => import("../goals/GoalsPage"));
+const GoalPage = lazyPart(() => import("../goals/GoalPage"));
+const ActionsPage = lazyPart(() => import("../actions/ActionsPage"));
+const ActionPage = lazyPart(() => import("../actions/ActionPage"));
+const GraphPage = lazyPart(() => import("../graph/GraphPage"));
 
 /** The pages, in what they have in common. */
 export function App() {

@@ -4,6 +4,7 @@ import { Outlet, useLocation } from "react-router";
 import { openAlerts } from "../alerts/order";
 import { useFleetTopic } from "../fleet/context";
 import { StopBanner } from "../stop/StopBanner";
+import { Guarded } from "../ui/Guarded";
 import { TitlePrefixProvider } from "../ui/usePageTitle";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { Header } from "./Header";
@@ -12,7 +13,8 @@ import classes from "./layout.module.css";
 /** What all pages have: the header with Stop, and what has to be known everywhere. */
 export function Shell() {
   const main = useRef<HTMLDivElement>(null);
-  useFocusOnNavigation(main);
+  const { pathname } = useLocation();
+  useFocusOnNavigation(main, pathname);
   const alerts = openAlerts(useFleetTopic("alerts")).length;
   return (
     <TitlePrefixProvider value={alerts === 0 ? "" : `(${alerts}) `}>
@@ -32,9 +34,11 @@ export function Shell() {
         <Stack gap="md">
           <ConnectionBanner />
           <StopBanner />
-          <Suspense fallback={<PageSkeleton />}>
-            <Outlet />
-          </Suspense>
+          <Guarded of={pathname}>
+            <Suspense fallback={<PageSkeleton />}>
+              <Outlet />
+            </Suspense>
+          </Guarded>
         </Stack>
       </Container>
     </TitlePrefixProvider>
@@ -42,8 +46,7 @@ export function Shell() {
 }
 
 /** A new page begins at its top, for the eyes and for the keyboard. */
-function useFocusOnNavigation(main: RefObject<HTMLDivElement | null>): void {
-  const { pathname } = useLocation();
+function useFocusOnNavigation(main: RefObject<HTMLDivElement | null>, pathname: string): void {
   const shown = useRef(pathname);
   useEffect(() => {
     if (shown.current === pathname) return;

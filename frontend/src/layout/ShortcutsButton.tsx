@@ -1,10 +1,12 @@
 import { ActionIcon } from "@mantine/core";
-import { lazy, Suspense, useEffect, useState } from "react";
+import { Suspense, useEffect, useState } from "react";
 import { useLocation, useNavigate } from "react-router";
 import { Dialog } from "../ui/Dialog";
+import { Guarded } from "../ui/Guarded";
+import { lazyPart } from "../ui/lazyPart";
 import { Letters, lettersOn } from "./letters";
 
-const ShortcutList = lazy(() => import("./ShortcutList"));
+const ShortcutList = lazyPart(() => import("./ShortcutList"));
 
 /** What the keyboard does, in a list that ? opens, and the name that others read when this page stops a robot. */
 export function ShortcutsButton() {
@@ -28,9 +30,11 @@ export function ShortcutsButton() {
         </svg>
       </ActionIcon>
       <Dialog opened={opened} onClose={() => setOpened(false)} title="Keyboard and name">
-        <Suspense fallback={null}>
-          <ShortcutList />
-        </Suspense>
+        <Guarded of={pathname}>
+          <Suspense fallback={null}>
+            <ShortcutList />
+          </Suspense>
+        </Guarded>
       </Dialog>
     </>
   );

@@ -1,0 +1,31 @@
+import { Alert, Button, Stack, Text } from "@mantine/core";
+import type { ReactNode } from "react";
+import { ErrorBoundary } from "react-error-boundary";
+
+interface GuardedProps {
+  /** What is shown anew when this changes. */
+  of: string;
+  children: ReactNode;
+}
+
+/** A part of the page that takes nothing else with it if it cannot be shown. */
+export function Guarded({ of, children }: GuardedProps) {
+  return (
+    <ErrorBoundary resetKeys={[of]} fallback={<Problem />}>
+      {children}
+    </ErrorBoundary>
+  );
+}
+
+function Problem() {
+  return (
+    <Alert color="orange" title="This page cannot be shown">
+      <Stack gap="sm" align="flex-start">
+        <Text size="sm">The gateway may have been updated since the page was loaded. Stop still works.</Text>
+        <Button variant="default" onClick={() => window.location.reload()}>
+          Load it again
+        </Button>
+      </Stack>
+    </Alert>
+  );
+}

@@ -1,0 +1,223 @@
+"""Whatever fails, every page and the API say the same of a goal, a robot and the connection."""
+
+import re
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
+
+from tests.browser.conftest import PATIENCE_MS
+from tests.support.domain import ros_domain
+from tests.support.gateway import RunningGateway, running_dock_server, running_gateway, running_program
+from tests.support.processes import Process, ros_environment
+from tests.support.waiting import wait_until
+
+ROBOT, OTHER = "/robot1", "/robot2"
+AT = {"robot": ROBOT}
+FAR = ("-r", f"__ns:={ROBOT}", "-p", "start_x:=-3.0")
+IMPATIENT = {"ping_interval": "0.5", "stalled_after": "1.5", "lost_after": "3"}
+# Shifts the browser's clock by so many ms.
+CLOCK = """{
+    const Real = Date;
+    globalThis.Date = class extends Real {
+        constructor(...given) { given.length === 0 ? super(Real.now() + SHIFT) : super(...given); }
+        static now() { return Real.now() + SHIFT; }
+    };
+}"""
+HOUR_MS = 3_600_000
+SLOW = {"offline": False, "latency": 300, "downloadThroughput": 100_000, "uploadThroughput": 50_000}
+
+
+@dataclass
+class Site:
+    """A gateway, a robot that is simulated with its docking server, and another robot."""
+
+    gateway: RunningGateway
+    simulator: Process
+    server: Process
+    domain: int
+    database: str
+
+    def dock(self) -> str:
+        """Send the robot to its dock, far away."""
+        return str(self.gateway.http.post("/dock", params=AT).raise_for_status().json()["goal_id"])
+
+    def robot(self, name: str = ROBOT) -> dict[str, Any]:
+        robots = self.gateway.http.get("/robots").raise_for_status().json()["robots"]
+        return next(robot for robot in robots if robot["name"] == name)
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    """One that nothing happens to."""
+    with running_site(tmp_path_factory.mktemp("site")) as site:
+        yield site
+
+
+@contextmanager
+def running_site(folder: Path) -> Iterator[Site]:
+    with ros_domain() as domain, ExitStack() as stack:
+        simulator = stack.enter_context(running_program(domain, "dock_simulator", *FAR))
+        server = stack.enter_context(running_program(domain, "docking_server", "-r", f"__ns:={ROBOT}"))
+        stack.enter_context(running_dock_server(domain, "-r", f"__ns:={OTHER}"))
+        database = f"sqlite:///{folder}/history.db"
+        gateway = stack.enter_context(running_gateway(domain, database_url=database, **IMPATIENT))
+        for name in (ROBOT, OTHER):
+            wait_until(lambda name=name: gateway.http.get("/dock", params={"robot": name}).status_code == 200, name)
+        wait_until(lambda: gateway.http.get("/simulator", params=AT).status_code == 200, "the simulator")
+        yield Site(gateway, simulator, server, domain, database)
+
+
+@dataclass
+class Views:
+    """The overview, the robot's page, the list of goals and a goal's page, open side by side."""
+
+    site: Site
+    goal_id: str
+    overview: Page
+    robot: Page
+    goals: Page
+    goal: Page
+
+    @property
+    def all(self) -> tuple[Page, ...]:
+        return self.overview, self.robot, self.goals, self.goal
+
+    @property
+    def row(self) -> Locator:
+        return self.overview.get_by_test_id(f"robot {ROBOT}")
+
+    def expect_goal(self, status: str) -> None:
+        """Every page and the API agree on how the goal stands."""
+        row = self.goals.get_by_role("table").locator("tbody tr").first
+        expect(self.goal.get_by_test_id("goal-status")).to_have_text(status, ignore_case=True)
+        expect(self.robot.get_by_test_id("goal-status")).to_have_text(status, ignore_case=True)
+        expect(row).to_contain_text(status, ignore_case=True)
+        assert self.site.gateway.goal(self.goal_id)["status"] == status
+
+    def expect_live(self) -> None:
+        for page in self.all:
+            expect(page.get_by_test_id("connection")).to_have_text("live")
+
+
+@contextmanager
+def views(browser: Browser | BrowserContext, site: Site, goal_id: str) -> Iterator[Views]:
+    with ExitStack() as stack:
+        if isinstance(browser, Browser):
+            browser = stack.enter_context(browser.new_context(reduced_motion="reduce"))
+        pages = []
+        for path in ("", f"ui/robot?robot={ROBOT}", "ui/goals", f"ui/goals/{goal_id}"):
+            page = stack.enter_context(browser.new_page())
+            page.set_default_timeout(PATIENCE_MS)
+            page.goto(f"{site.gateway.url}/{path}")
+            pages.append(page)
+        seen = Views(site, goal_id, *pages)
+        seen.expect_live()
+        yield seen
+
+
+def test_two_browsers_one_of_them_far_away(browser: Browser, site: Site) -> None:
+    with ExitStack() as stack:
+        near = stack.enter_context(views(browser, site, site.dock()))
+        context = stack.enter_context(browser.new_context(reduced_motion="reduce"))
+        far = stack.enter_context(views(context, site, near.goal_id))
+        for page in far.all:
+            context.new_cdp_session(page).send("Network.emulateNetworkConditions", SLOW)
+        far.robot.reload()
+        far.expect_goal("executing")
+        far.robot.get_by_role("button", name="Stop", exact=True).click()
+        for seen in (far, near):
+            seen.expect_goal("canceled")
+            expect(seen.row).to_contain_text("Stopped")
+            for page in seen.all:
+                expect(page.get_by_test_id("stop-banner")).to_contain_text("Stopped by the dashboard")
+        far.robot.get_by_role("button", name="Release …").click()
+        far.robot.get_by_role("dialog").get_by_role("button", name="Release").click()
+        for page in (*far.all, *near.all):
+            expect(page.get_by_test_id("stop-banner")).to_be_hidden()
+
+
+@pytest.mark.parametrize("shift", [-HOUR_MS, HOUR_MS], ids=["behind", "ahead"])
+def test_the_clock_of_the_browser_is_wrong(browser: Browser, site: Site, shift: int) -> None:
+    with browser.new_context(reduced_motion="reduce") as context:
+        context.add_init_script(CLOCK.replace("SHIFT", str(shift)))
+        with views(context, site, site.dock()) as seen:
+            seen.expect_goal("executing")
+            expect(seen.row).to_contain_text(re.compile("%.*now.*Dock: .*Connected"))
+            expect(seen.robot.get_by_role("main")).not_to_contain_text("Stale")
+            expect(seen.goal.get_by_role("main")).to_contain_text(re.compile(r"\b\d s\b"))
+            expect(seen.goal.get_by_role("main")).not_to_contain_text(re.compile(r"59 min|\b1 h"))
+            site.gateway.http.post(f"/dock/{seen.goal_id}/cancel").raise_for_status()
+            seen.expect_goal("canceled")
+            expect(seen.goal.get_by_role("main")).not_to_contain_text(re.compile(r"59 min|\b1 h"))
+            assert not site.robot()["battery"]["stale"]
+
+
+@pytest.fixture
+def docking(browser: Browser, tmp_path: Path) -> Iterator[Views]:
+    """A robot that docks, watched on every page, on a site of its own."""
+    with running_site(tmp_path) as site, views(browser, site, site.dock()) as seen:
+        seen.expect_goal("executing")
+        yield seen
+
+
+def test_the_docking_server_is_killed_and_then_the_robot_is_switched_off(docking: Views) -> None:
+    docking.site.server.send_signal(signal.SIGKILL)
+    docking.expect_goal("lost")
+    expect(docking.row).to_contain_text("No docking server")
+    expect(docking.row).not_to_contain_text("Connected")
+    for page in docking.all:
+        expect(page.get_by_test_id("alert-count")).to_contain_text("1 alert")
+    expect(docking.robot.get_by_role("button", name="Dock", exact=True)).to_be_disabled()
+    robot = docking.site.robot()
+    assert not robot["dock"]["available"]
+    assert robot["last_goal"]["status"] == "lost"
+    docking.site.simulator.send_signal(signal.SIGKILL)
+    expect(docking.row).to_contain_text("Unreachable")
+    expect(docking.row).to_contain_text("ago")
+    expect(docking.robot.get_by_role("main")).to_contain_text("Unreachable")
+    expect(docking.robot.get_by_role("main")).to_contain_text("Stale")
+    expect(docking.overview.get_by_test_id(f"robot {OTHER}")).to_contain_text("Connected")
+    assert docking.site.robot()["battery"]["stale"]
+    docking.expect_goal("lost")
+    docking.expect_live()
+
+
+def test_the_gateway_is_killed_and_comes_back(docking: Views) -> None:
+    site = docking.site
+    site.gateway.process.send_signal(signal.SIGKILL)
+    for page in docking.all:
+        expect(page.get_by_test_id("connection")).not_to_have_text("live")
+    expect(docking.row).to_contain_text("Not live")
+    expect(docking.robot.get_by_role("button", name="Dock", exact=True)).to_be_disabled()
+    port = site.gateway.url.rpartition(":")[2]
+    site.gateway.process.wait()
+    with running_gateway(site.domain, port=port, database_url=site.database, **IMPATIENT) as site.gateway:
+        docking.expect_live()
+        docking.expect_goal("executing")
+        expect(docking.row).to_contain_text("Connected")
+        site.gateway.http.post(f"/dock/{docking.goal_id}/cancel").raise_for_status()
+        docking.expect_goal("canceled")
+
+
+def test_a_hundred_robots(browser: Browser) -> None:
+    crowd = (sys.executable, "-m", "tests.support.robots", "--robots", "100")
+    with ros_domain() as domain, Process(*crowd, env=ros_environment(domain)), running_gateway(domain) as gateway:
+        wait_until(lambda: len(gateway.http.get("/robots").json()["robots"]) == 101, "a hundred robots and our own")
+        with browser.new_page(viewport={"width": 1440, "height": 900}) as page:
+            page.goto(gateway.url)
+            page.set_default_timeout(PATIENCE_MS)
+            expect(page.get_by_test_id("robot /robot100")).to_contain_text(re.compile("50 %.*now"))
+            expect(page.locator("[data-testid^='robot /robot']")).to_have_count(100)
+            gateway.http.post("/stop").raise_for_status()
+            expect(page.get_by_test_id("robot /robot100")).to_contain_text("Stopped")
+            expect(page.get_by_test_id("stop-banner")).to_be_visible()
+            gateway.http.delete("/stop").raise_for_status()
+            expect(page.get_by_test_id("stop-banner")).to_be_hidden()
+            expect(page.get_by_test_id("robot /robot100")).not_to_contain_text("Stopped")
