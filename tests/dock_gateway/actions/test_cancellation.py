@@ -58,7 +58,9 @@ class Scene:
         self.tracker = GoalTracker(self.port, hub, MemoryHistory(10), PendingFacts(0.01))  # type: ignore[arg-type]
         self.held = False
         self.by: str | None = None
-        interlock: Any = SimpleNamespace(holds=lambda _: self.held, requested_by=lambda _: self.by)
+        interlock: Any = SimpleNamespace(
+            holds=lambda _: self.held, requested_by=lambda name: self.by if name == "/dock" else None
+        )
         self.canceler = Canceler(Settings(cancel_timeout=0.7), self.tracker, interlock)
 
     def goal(self, status: GoalStatus, goal_id: str = A) -> Goal:

@@ -5,6 +5,7 @@ import time
 from collections.abc import Collection
 from datetime import UTC, datetime
 
+import orjson
 import pytest
 
 from dock_gateway.actions import adoption, goal_machine
@@ -78,7 +79,9 @@ async def test_a_goal_of_someone_else(scene: Scene) -> None:
     scene.status((B, S.EXECUTING))
     await until(lambda: B in scene.port.calls)
     goal = scene.tracker.live[B]
+    assert (goal.action_name, goal.action_type) == ("/dock", "pkg/action/Dock")
     assert (goal.origin, goal.goal) == ("external", None)
+    assert goal.created_at.year == 1970, "when the server accepted it"
     scene.port.answer(B, S.CANCELED, b'{"n":0}')
     assert await scene.events() == ["status:executing", "status:canceled", "result:canceled"]
     kept = await scene.history.get(B)
@@ -194,7 +197,8 @@ async def test_the_end_that_another_gateway_stored_first_counts(scene: Scene, mo
     later = time.time_ns() + 1_000_000_000
     theirs = status_event(make_goal(1), later), status_event(make_goal(1), later + 1)
 
-    async def seal(*_: object) -> list[Event]:
+    async def seal(ended: Goal, end: list[Event]) -> list[Event]:
+        assert (ended, [orjson.loads(event.data)["type"] for event in end]) == (goal, ["status", "result"])
         return list(theirs)
 
     monkeypatch.setattr(scene.history, "seal", seal)
