@@ -3,6 +3,7 @@
 import signal
 import sys
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -67,6 +68,16 @@ def test_every_way_to_send_a_goal_is_closed_until_the_release(domain: int) -> No
         latch.wait_for(lambda message: not message.data)
         gateway.publish(CHARGING)
         assert gateway.http.post("/dock", headers={"Prefer": "wait=20"}).json()["status"] == "succeeded"
+
+
+def test_a_slow_network_takes_no_name_from_a_stop(domain: int) -> None:
+    def late() -> Iterator[bytes]:
+        time.sleep(0.2)
+        yield b'{"by": "Ada"}'
+
+    with running_gateway(domain) as gateway:
+        report = gateway.http.post("/stop", content=late(), headers={"Content-Type": "application/json"}).json()
+        assert (report["stop"]["latched"], report["stop"]["by"], report["warning"]) == (True, "Ada", None)
 
 
 def test_a_frozen_server_does_not_hold_up_the_answer(domain: int) -> None:

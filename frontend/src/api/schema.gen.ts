@@ -160,6 +160,7 @@ export interface paths {
          *
          *     A malformed request still stops the robot, unless it is unclear which robot is meant. What cannot be read is
          *     ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would lose the stop.
+         *     If the body comes late, the robot is stopped before, and the stop is latched as the body says, or after 2 s.
          */
         post: operations["stop"];
         /**

@@ -4,6 +4,7 @@ A malformed request still stops the robot, unless it is unclear which robot is m
 the response's `warning`.
 """
 
+import asyncio
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -38,8 +39,10 @@ only_robot = Depends(known_query("robot"))
 
 FIELDS = ("latch", "by")
 MAX_NAME = 100
-# Seconds that a stop waits for its body. Most bodies come with the headers, and the answer is due within 0.1 s.
-BODY_WITHIN = 0.03
+# Seconds after which a stop begins without its body. Most bodies come with the headers.
+BEGIN_WITHIN = 0.03
+# Seconds after which it is carried out without its body.
+BODY_WITHIN = 2.0
 STOP_REQUEST = {
     "type": "object",
     "additionalProperties": False,
@@ -153,16 +156,27 @@ async def stop(request: Request, gateway: TheGateway, robot: RobotQuery = None) 
 
     A malformed request still stops the robot, unless it is unclear which robot is meant. What cannot be read is
     ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would lose the stop.
+    If the body comes late, the robot is stopped before, and the stop is latched as the body says, or after 2 s.
     """
     value: Any = {}
     wait = 0.0
     wrong: list[GatewayError] = []
     with _noting(wrong):
-        value = await read_json(request, empty={}, within=BODY_WITHIN)
+        value = await _read_body(request, gateway)
     with _noting(wrong):
         wait = read_wait(request)
     robot = _read_robot(request.query_params, value, wrong)
     return json_response(await stop_robot(gateway, robot, value, wait=wait, wrong=wrong))
+
+
+async def _read_body(request: Request, gateway: Gateway) -> Any:
+    """Return the decoded body. If it is late, stop the robot meanwhile, without latching: the body may name another."""
+    reading = asyncio.create_task(read_json(request, empty={}, within=BODY_WITHIN))
+    await asyncio.wait({reading}, timeout=BEGIN_WITHIN)
+    if not reading.done():
+        with _noting([]):
+            await gateway.stopper.stop(_read_robot(request.query_params, {}, []), latch=False)
+    return await reading
 
 
 @router.get("/stop", response_model=StopState, responses=problems(404, 422), dependencies=[only_robot])

@@ -18,8 +18,10 @@ from dock_gateway.core.errors import InvalidField
 from dock_gateway.fleet import stop as stop_module
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
+from dock_gateway.web.routes import stop as routes_module
 from dock_gateway.web.streams.commands import COMMANDS, read_command
 from tests.support.stopping import FakeFleet, fake_fleet
+from tests.support.waiting import until
 
 APP = create_app(Settings())
 ALL, ONE = ["/robot1", "/robot1/arm"], ["/robot2"]
@@ -36,14 +38,27 @@ def slow_disk(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stop_module, "STORE_WITHIN", 10.0)
 
 
+@pytest.fixture(autouse=True)
+def little_patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bodies that never come."""
+    monkeypatch.setattr(routes_module, "BODY_WITHIN", 0.05)
+
+
 @dataclass(frozen=True)
 class Asked:
-    """A request. `body` are its pieces, `end` is what comes after them: nothing, the end, or that the client left."""
+    """A request.
+
+    Attributes:
+        body: Its pieces.
+        end: What comes after them: the end (`complete`), nothing (`never`), or that the client left (`gone`).
+        late: Whether the body comes only when robots stand still.
+    """
 
     query: bytes = b""
     headers: tuple[tuple[bytes, bytes], ...] = ()
     body: tuple[bytes, ...] = ()
     end: str = "complete"
+    late: bool = False
 
 
 async def ask(fleet: FakeFleet, asked: Asked) -> tuple[int, Any]:
@@ -58,6 +73,8 @@ async def ask(fleet: FakeFleet, asked: Asked) -> tuple[int, Any]:
     async def receive() -> Any:
         if not pieces:
             await asyncio.Event().wait()
+        if asked.late:
+            await until(lambda: any(fleet.zeros()))
         return pieces.pop(0)
 
     async def send(message: Any) -> None:
@@ -206,6 +223,24 @@ def test_all_that_was_wrong_is_one_warning() -> None:
 def test_the_robot_that_is_meant(query: bytes, body: bytes, robots: list[str]) -> None:
     status, _, still, held = stopped(Asked(query, body=(body,)))
     assert (status, still, held) == (200, robots, robots)
+
+
+@pytest.mark.parametrize(
+    ("query", "body", "robots", "by"),
+    [
+        (b"", b'{"by": "Ada"}', (ALL, ALL), "Ada"),
+        (b"robot=/robot2", b'{"by": "Ada"}', (ONE, ONE), "Ada"),
+        (b"robot=/robot2", b'{"latch": false}', (ONE, []), None),
+        (b"", b'{"robot": "/robot2", "by": "Ada"}', ([*NAMES], ONE), "Ada"),
+    ],
+)
+def test_a_stop_does_not_wait_for_its_body_and_obeys_it_when_it_comes(
+    monkeypatch: pytest.MonkeyPatch, query: bytes, body: bytes, robots: tuple[list[str], list[str]], by: str | None
+) -> None:
+    monkeypatch.setattr(routes_module, "BODY_WITHIN", 60.0)
+    status, document, still, held = stopped(Asked(query, (JSON,), (body,), late=True))
+    assert (status, document["warning"], document["stop"]["by"]) == (200, None, by)
+    assert (still, held) == robots
 
 
 @pytest.mark.parametrize(
