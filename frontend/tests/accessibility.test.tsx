@@ -43,9 +43,11 @@ describe("axe finds nothing", () => {
   });
 
   it("on a page with a simulator and a latched stop, nor in its dialogs", async () => {
-    const { store, user } = renderPage(fakeGateway({ simulator: async () => simulator }), {
-      stop: latched("Ada"),
-    });
+    const { store, user } = renderPage(
+      fakeGateway({ simulator: async () => simulator }),
+      { stop: latched("Ada") },
+      "/?tab=developer",
+    );
     store.onEvent(sceneEvent({ staging: { x: -0.9, y: 0, theta: 0 } }));
     await screen.findByRole("region", { name: "Simulator" });
     expect(await violations()).toEqual([]);
@@ -58,7 +60,7 @@ describe("axe finds nothing", () => {
   it("on a page that is full of things", async () => {
     const error = { code: "action_server_lost", detail: "it left" };
     const received_at = new Date().toISOString();
-    const { user } = renderPage(fakeGateway(), {
+    const first = {
       goals: [goal("a", { status: "lost", error }), goal("b", { stalled: true, origin: "external" })],
       battery: {
         state: { ...battery, cell_voltage: [3.9, null] },
@@ -76,9 +78,15 @@ describe("axe finds nothing", () => {
         started_at: received_at,
       },
       action_server: { ...server, answering: false },
-    });
-    await user.click(screen.getByRole("button", { name: "More fields" }));
+      robots: [robot("/"), robot("/robot1")],
+    } satisfies Parameters<typeof renderPage>[1];
+    const { user } = renderPage(fakeGateway(), first, "/ui/robot");
+    await screen.findByRole("combobox", { name: "Switch robot" });
+    await user.click(screen.getByRole("button", { name: "More values" }));
     await user.click(screen.getByRole("button", { name: "Stop" }));
+    expect(await violations()).toEqual([]);
+    await user.click(screen.getByRole("tab", { name: "Developer" }));
+    await user.click(await screen.findByRole("button", { name: "More fields" }));
     expect(await violations()).toEqual([]);
   });
 });

@@ -17,7 +17,7 @@ import {
   stopReport,
   undockServer,
 } from "./events";
-import { fakeGateway, renderPage } from "./page";
+import { descriptionOf, fakeGateway, isDisabled, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
 /** Presses Dock or Undock, and says yes. */
@@ -44,29 +44,31 @@ describe("connection", () => {
   it("lost: commands are disabled and say why, Stop is not", () => {
     const { store } = renderPage(fakeGateway(), { goals: [running] });
     act(() => store.onConnection({ kind: "closed" }));
-    for (const name of [
-      "Dock",
-      "Undock",
-      "Cancel",
-      "Publish once",
-      "Publish repeatedly",
-      "Stop publishing",
-    ]) {
-      expect(button(name).disabled, name).toBe(true);
+    for (const name of ["Dock", "Undock", "Cancel"]) {
+      expect(isDisabled(name), name).toBe(true);
+      expect(descriptionOf(button(name)), name).toBe("The gateway is not connected.");
     }
-    expect(screen.getByText(/Dock, Undock and Cancel need the gateway/)).toBeDefined();
-    expect(screen.getByText(/Publishing needs the gateway/)).toBeDefined();
     expect(button("Stop").disabled).toBe(false);
+  });
+
+  it("lost: what developers do is disabled as well", async () => {
+    const { store } = renderPage(fakeGateway(), { goals: [running] }, "/?tab=developer");
+    await screen.findByRole("button", { name: "Publish once" });
+    act(() => store.onConnection({ kind: "closed" }));
+    for (const name of ["Publish once", "Publish repeatedly", "Stop publishing"]) {
+      expect(isDisabled(name), name).toBe(true);
+      expect(descriptionOf(button(name)), name).toMatch(/Publishing needs the gateway/);
+    }
   });
 });
 
 describe("Stop", () => {
   it("works by click, again while one is under way, and by keyboard from a text field", async () => {
     const gateway = fakeGateway({ stop: vi.fn(() => new Promise<never>(() => {})) });
-    const { user } = renderPage(gateway, undefined, "/ui/robot");
+    const { user } = renderPage(gateway, undefined, "/ui/robot?tab=developer");
     await user.click(button("Stop"));
     await user.click(button("Stop"));
-    await user.click(screen.getByLabelText("Voltage (V)"));
+    await user.click(await screen.findByLabelText("Voltage (V)"));
     await user.keyboard("{Control>}{Shift>}X{/Shift}{/Control}");
     expect(gateway.stop).toHaveBeenCalledTimes(3);
   });
@@ -84,7 +86,7 @@ describe("Stop", () => {
     stop.mockResolvedValueOnce(stopReport({ failed: [failure] }));
     const { user } = renderPage(fakeGateway({ stop }));
     await user.click(button("Stop"));
-    expect(await screen.findByText("Stop was NOT delivered")).toBeDefined();
+    expect(await screen.findByText("Stop was NOT delivered to any robot")).toBeDefined();
     await user.click(button("Stop"));
     expect(await screen.findByText(/not every goal is canceled/)).toBeDefined();
   });
@@ -104,7 +106,7 @@ describe("docking", () => {
   it("sends a goal and shows it", async () => {
     const gateway = fakeGateway();
     const { user } = renderPage(gateway);
-    expect(button("Cancel").disabled).toBe(true);
+    expect(isDisabled("Cancel")).toBe(true);
     await user.click(screen.getByText("Full", { selector: "label *" }));
     await move(user, "Dock");
     expect(gateway.dock).toHaveBeenCalledWith(4);
@@ -114,7 +116,7 @@ describe("docking", () => {
   it("undocks, and cancels that where it runs", async () => {
     const gateway = fakeGateway();
     const { user } = renderPage(gateway);
-    await waitFor(() => expect(button("Undock").disabled).toBe(false));
+    await waitFor(() => expect(isDisabled("Undock")).toBe(false));
     await move(user, "Undock");
     expect(gateway.undock).toHaveBeenCalledTimes(1);
     expect(await screen.findByText("Running goal: undock")).toBeDefined();
@@ -124,11 +126,12 @@ describe("docking", () => {
 
   it("does not undock where nobody offers that, and says so", () => {
     renderPage(fakeGateway(), { undock_server: { ...undockServer, available: false, answering: false } });
-    expect(button("Dock").disabled).toBe(false);
-    expect(button("Undock").disabled).toBe(true);
-    expect(
-      screen.getByText(/Undock: nobody offers the action \/disconnect_from_charging_dock/),
-    ).toBeDefined();
+    expect(isDisabled("Dock")).toBe(false);
+    expect(isDisabled("Undock")).toBe(true);
+    expect(descriptionOf(button("Dock"))).toBe("");
+    expect(descriptionOf(button("Undock"))).toMatch(
+      /^No server offers the action \/disconnect_from_charging_dock/,
+    );
   });
 
   it("shows the stages and the retries of a goal, and what to do about its end", async () => {
@@ -152,8 +155,10 @@ describe("docking", () => {
   it("cancels the goal that runs, and does not dock meanwhile", async () => {
     const gateway = fakeGateway();
     const { user } = renderPage(gateway, { goals: [running] });
-    expect(button("Dock").disabled).toBe(true);
-    expect(screen.getByText(/a goal is running; cancel it first/)).toBeDefined();
+    expect(isDisabled("Dock")).toBe(true);
+    expect(descriptionOf(button("Dock"))).toBe("A goal is running. Cancel it first.");
+    await user.click(button("Dock"));
+    expect(gateway.dock).not.toHaveBeenCalled();
     await user.click(button("Cancel"));
     expect(gateway.cancel).toHaveBeenCalledWith("dock", "a");
   });
@@ -173,8 +178,8 @@ describe("docking", () => {
   it("names the action server that is not there", () => {
     renderPage(fakeGateway(), { action_server: { ...server, available: false, answering: false } });
     expect(screen.getByTestId("action-server").textContent).toBe("action server not there");
-    expect(button("Dock").disabled).toBe(true);
-    expect(screen.getByText(/nobody offers the action \/dock/)).toBeDefined();
+    expect(isDisabled("Dock")).toBe(true);
+    expect(descriptionOf(button("Dock"))).toMatch(/^No server offers the action \/dock/);
   });
 
   it("warns where the action server is silent, and explains a stall and a loss", () => {
@@ -189,10 +194,10 @@ describe("docking", () => {
 });
 
 describe("from a terminal", () => {
-  it("cancels the goal that runs, not a newer one that was rejected", () => {
+  it("cancels the goal that runs, not a newer one that was rejected", async () => {
     const rejected = goal("b", { status: "rejected", created_at: new Date(Date.now() + 1000).toISOString() });
-    renderPage(fakeGateway(), { goals: [running, rejected] });
-    expect(screen.getByText(/^curl .*\/dock\/a\/cancel$/)).toBeDefined();
+    renderPage(fakeGateway(), { goals: [running, rejected] }, "/?tab=developer");
+    expect(await screen.findByText(/^curl .*\/dock\/a\/cancel$/)).toBeDefined();
   });
 });
 
@@ -209,8 +214,8 @@ describe("goals of other actions", () => {
     });
     expect(await screen.findByText("24 %")).toBeDefined();
     expect(screen.getByText("No goal yet")).toBeDefined();
-    expect(button("Dock").disabled).toBe(false);
-    expect(button("Cancel").disabled).toBe(true);
+    expect(isDisabled("Dock")).toBe(false);
+    expect(isDisabled("Cancel")).toBe(true);
   });
 });
 
@@ -282,8 +287,8 @@ describe("battery", () => {
 describe("publishing", () => {
   it("publishes a preset once, and the other one repeatedly", async () => {
     const gateway = fakeGateway();
-    const { user } = renderPage(gateway);
-    await user.click(button("Publish once"));
+    const { user } = renderPage(gateway, {}, "/?tab=developer");
+    await user.click(await screen.findByRole("button", { name: "Publish once" }));
     expect(gateway.publishOnce).toHaveBeenCalledWith({
       voltage: 2.16,
       percentage: 0.24,
@@ -300,10 +305,15 @@ describe("publishing", () => {
 
   it("shows what is published, and stops it", async () => {
     const gateway = fakeGateway();
-    const { user } = renderPage(gateway, {
-      battery_publisher: { active: true, state: battery, rate_hz: 2, published_count: 17, started_at: now() },
-    });
-    expect(screen.getByTestId("publisher-status").textContent).toMatch(
+    const battery_publisher = {
+      active: true,
+      state: battery,
+      rate_hz: 2,
+      published_count: 17,
+      started_at: now(),
+    };
+    const { user } = renderPage(gateway, { battery_publisher }, "/?tab=developer");
+    expect((await screen.findByTestId("publisher-status")).textContent).toMatch(
       /24 %, 2.16 V, not charging at 2 Hz: 17 messages/,
     );
     await user.click(button("Stop publishing"));
@@ -343,8 +353,8 @@ describe("publishing", () => {
 
   it("takes a value for each cell, of which some are not measured, and refuses what is no number", async () => {
     const gateway = fakeGateway();
-    const { user } = renderPage(gateway);
-    await user.click(button("More fields"));
+    const { user } = renderPage(gateway, {}, "/?tab=developer");
+    await user.click(await screen.findByRole("button", { name: "More fields" }));
     const cells = within(await screen.findByRole("group", { name: "Cell voltages (V)" }));
     await user.click(cells.getByRole("button", { name: "Add a cell" }));
     await user.type(cells.getByLabelText("Cell voltages (V), cell 1"), "3.9");
@@ -354,7 +364,8 @@ describe("publishing", () => {
     expect(gateway.publishOnce).toHaveBeenCalledWith(expect.objectContaining({ cell_voltage: [3.9, null] }));
     await user.type(cells.getByLabelText("Cell voltages (V), cell 2"), "-");
     expect(screen.getByText("Not a number")).toBeDefined();
-    expect(button("Publish once").disabled).toBe(true);
+    expect(isDisabled("Publish once")).toBe(true);
+    expect(descriptionOf(button("Publish once"))).toBe("A field is not valid.");
   });
 });
 

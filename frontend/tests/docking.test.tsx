@@ -54,7 +54,7 @@ describe("a robot that is about to move", () => {
     const question = await screen.findByRole("dialog");
     const gone = { ...undockServer, available: false, answering: false };
     act(() => store.onEvent({ type: "action_server", time: at(1), action_server: gone }));
-    await within(question).findByText(/nobody offers the action/);
+    await within(question).findByText(/No server offers the action/);
     expect(within(question).getByRole<HTMLButtonElement>("button", { name: "Undock" }).disabled).toBe(true);
   });
 });

@@ -1,6 +1,7 @@
 import { fireEvent, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { Letters, SECOND_WITHIN_MS } from "../src/layout/letters";
+import { robot } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 beforeEach(() => {
@@ -41,8 +42,10 @@ describe("letters", () => {
 });
 
 describe("the keyboard", () => {
+  const robots = [robot("/robot1"), robot("/robot2")];
+
   it("goes to the pages", async () => {
-    const { user } = renderPage(fakeGateway());
+    const { user } = renderPage(fakeGateway(), { robots });
     await user.keyboard("ga");
     expect(await screen.findByRole("heading", { level: 1, name: "Actions" })).toBeDefined();
     await user.keyboard("go");
@@ -59,7 +62,7 @@ describe("the keyboard", () => {
   });
 
   it("leaves letters to text fields, and to those who switched them off", async () => {
-    const { user } = renderPage(fakeGateway());
+    const { user } = renderPage(fakeGateway(), { robots });
     await user.keyboard("?");
     await user.type(await within(await screen.findByRole("dialog")).findByLabelText("Your name"), "gr?");
     await user.click(screen.getByLabelText(/^Single-key shortcuts/));

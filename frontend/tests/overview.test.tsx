@@ -138,13 +138,16 @@ describe("the overview of several robots", () => {
 });
 
 describe("the overview of one robot", () => {
-  it("is a big card on top of all that there is of it", () => {
-    renderPage(fakeGateway(), { robots: [robot("/", { goals: two.goals })] });
-    expect(screen.getByTestId("robot-card").textContent).toMatch(
-      /^RobotDock statusNot docked.*24 %.*dock: Controlling/,
-    );
+  it("is that robot's page: who it is, whether it is docked, and all that there is of it", () => {
+    renderPage(fakeGateway(), { robots: [robot("/", { docked: false })] });
+    expect(screen.getAllByRole("heading", { level: 1 }).map((heading) => heading.textContent)).toEqual([
+      "Robot",
+    ]);
+    expect(screen.getByTestId("place").textContent).toBe("Not docked");
+    expect(screen.getByRole("tab", { name: "Operate", selected: true })).toBeDefined();
     expect(screen.getByRole("button", { name: "Dock" })).toBeDefined();
     expect(screen.queryByRole("table", { name: /robots/ })).toBeNull();
+    expect(screen.queryByRole("navigation", { name: "Breadcrumb" })).toBeNull();
   });
 
   it("becomes that of all when there are more, but not under somebody's hands", async () => {
@@ -173,6 +176,45 @@ describe("the overview of one robot", () => {
 });
 
 describe("the page of a robot", () => {
+  const tab = (name: string) => screen.getByRole("tab", { name });
+
+  it("has what developers need in a tab, which is in the address, and by keyboard", async () => {
+    const { user } = renderPage(fakeGateway(), { robots }, "/ui/robot?robot=/robot1");
+    expect(tab("Operate").ariaSelected).toBe("true");
+    expect(screen.queryByRole("heading", { name: "From a terminal" })).toBeNull();
+    tab("Operate").focus();
+    await user.keyboard("{ArrowRight}");
+    expect(tab("Developer").ariaSelected).toBe("true");
+    expect(await screen.findByRole("heading", { name: "From a terminal" })).toBeDefined();
+    expect(screen.queryByRole("button", { name: "Dock" })).toBeNull();
+    await user.keyboard("{ArrowLeft}");
+    expect(screen.getByRole("button", { name: "Dock" })).toBeDefined();
+  });
+
+  it("leads back to the overview, and to each of the others on the same tab", async () => {
+    const { user } = renderPage(fakeGateway(), { robots }, "/ui/robot?robot=/robot2&tab=developer");
+    const switcher = await screen.findByRole("combobox", { name: "Switch robot" });
+    await user.click(switcher);
+    const list = within(await screen.findByRole("listbox", { name: "Switch robot" }));
+    expect(list.getAllByRole("option").map(({ textContent }) => textContent)).toEqual([
+      "/robot1",
+      "/robot10",
+    ]);
+    await user.type(switcher, "10{Enter}");
+    expect(await screen.findByRole("heading", { level: 1, name: "/robot10" })).toBeDefined();
+    expect(tab("Developer").ariaSelected).toBe("true");
+    expect(document.activeElement).toBe(switcher);
+    expect(switcher).toHaveProperty("value", "");
+    const breadcrumb = within(screen.getByRole("navigation", { name: "Breadcrumb" }));
+    await user.click(breadcrumb.getByRole("link", { name: "Overview" }));
+    expect(await screen.findByRole("heading", { level: 1, name: "Overview" })).toBeDefined();
+  });
+
+  it("has no switch where there is no other robot", () => {
+    renderPage(fakeGateway(), { robots: [empty, one] }, "/ui/robot?robot=/robot1");
+    expect(screen.queryByRole("combobox", { name: "Switch robot" })).toBeNull();
+  });
+
   it("says that it is unreachable, as the overview does", () => {
     const battery = { ...one.battery, stale: true };
     const dead = robot("/dead", { dock: null, undock: null, battery });

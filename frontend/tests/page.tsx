@@ -1,7 +1,7 @@
 import { MantineProvider } from "@mantine/core";
 import { Notifications } from "@mantine/notifications";
 import { QueryClientProvider } from "@tanstack/react-query";
-import { render } from "@testing-library/react";
+import { render, screen } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import type { ReactNode } from "react";
 import { MemoryRouter } from "react-router";
@@ -78,6 +78,17 @@ export function robotServices(
     store.onConnection({ kind: "snapshot" });
   }
   return { store, services, fleet };
+}
+
+/** Whether a button cannot be used; it can have the focus all the same, so that its reason can be read. */
+export function isDisabled(name: string): boolean {
+  return screen.getByRole("button", { name }).ariaDisabled === "true";
+}
+
+/** What a screen reader says of a button besides its name. */
+export function descriptionOf(button: HTMLElement): string {
+  const ids = button.getAttribute("aria-describedby")?.split(" ") ?? [];
+  return ids.map((id) => document.getElementById(id)?.textContent ?? "").join(" ");
 }
 
 /** Renders something within all that a page has. */

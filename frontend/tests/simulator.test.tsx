@@ -4,7 +4,7 @@ import { CommandError } from "../src/api/errors";
 import type { EventOf } from "../src/api/types";
 import { SCENE_STALE_MS } from "../src/store/freshness";
 import { at, sceneEvent, simulator } from "./events";
-import { fakeGateway, renderPage } from "./page";
+import { fakeGateway, isDisabled, renderPage } from "./page";
 
 const words = () => screen.getByTestId("scene-words").textContent;
 
@@ -12,9 +12,9 @@ function simulatorEvent(change: Partial<typeof simulator> = {}): EventOf<"simula
   return { type: "simulator", time: at(1), robot: "/", simulator: { ...simulator, ...change } };
 }
 
-function simulatedPage(change: Parameters<typeof fakeGateway>[0] = {}) {
+function simulatedPage(change: Parameters<typeof fakeGateway>[0] = {}, path = "/") {
   const gateway = fakeGateway({ simulator: vi.fn(async () => simulator), ...change });
-  const page = renderPage(gateway);
+  const page = renderPage(gateway, {}, path);
   act(() => page.store.onEvent(sceneEvent()));
   return { gateway, ...page };
 }
@@ -76,10 +76,13 @@ describe("the view from above", () => {
 });
 
 describe("the simulator", () => {
+  const developerPage = (change?: Parameters<typeof fakeGateway>[0]) =>
+    simulatedPage(change, "/?tab=developer");
+
   afterEach(() => vi.restoreAllMocks());
 
   it("is asked for when there is a true pose, and shows its state", async () => {
-    simulatedPage();
+    developerPage();
     expect(await screen.findByRole("region", { name: "Simulator" })).toBeDefined();
     const stuck = screen.getByRole<HTMLInputElement>("switch", { name: "Stuck wheel" });
     expect(stuck.checked).toBe(true);
@@ -88,7 +91,7 @@ describe("the simulator", () => {
   });
 
   it("is told by events, and gone when it goes", async () => {
-    const { store } = simulatedPage();
+    const { store } = developerPage();
     await screen.findByRole("region", { name: "Simulator" });
     act(() => store.onEvent(simulatorEvent({ docked: true, contact: true })));
     expect(await screen.findByText("docked")).toBeDefined();
@@ -98,7 +101,7 @@ describe("the simulator", () => {
   });
 
   it("breaks what is switched", async () => {
-    const { gateway, user } = simulatedPage();
+    const { gateway, user } = developerPage();
     await user.click(await screen.findByRole("switch", { name: "Dead charger" }));
     expect(gateway.switchFault).toHaveBeenCalledWith("dead_charger", true);
     await user.click(screen.getByRole("switch", { name: "Stuck wheel" }));
@@ -108,7 +111,7 @@ describe("the simulator", () => {
   it("is reset, and says why where that did not work", async () => {
     const error = new CommandError("simulator_timeout", "The simulator does not answer", "no answer");
     const resetSimulator = vi.fn().mockRejectedValueOnce(error).mockResolvedValueOnce(undefined);
-    const { user } = simulatedPage({ resetSimulator });
+    const { user } = developerPage({ resetSimulator });
     const reset = await screen.findByRole("button", { name: "Reset" });
     await user.click(reset);
     expect(await screen.findByText(/Reset did not work/)).toBeDefined();
@@ -117,10 +120,10 @@ describe("the simulator", () => {
   });
 
   it("places the robot by numbers, and not by half a number", async () => {
-    const { gateway, user } = simulatedPage();
+    const { gateway, user } = developerPage();
     const heading = await screen.findByLabelText("Heading (°)");
     await user.clear(heading);
-    expect(screen.getByRole<HTMLButtonElement>("button", { name: "Place" }).disabled).toBe(true);
+    expect(isDisabled("Place")).toBe(true);
     await user.type(heading, "90");
     await user.click(screen.getByRole("button", { name: "Place" }));
     expect(gateway.placeRobot).toHaveBeenCalledWith({ x: -1.5, y: 0.4, theta: Math.PI / 2 });
@@ -138,10 +141,10 @@ describe("the simulator", () => {
   });
 
   it("is out of reach while the gateway is", async () => {
-    const { store } = simulatedPage();
+    const { store } = developerPage();
     await screen.findByRole("region", { name: "Simulator" });
     act(() => store.onConnection({ kind: "closed" }));
-    expect(screen.getByRole<HTMLButtonElement>("button", { name: "Reset" }).disabled).toBe(true);
+    expect(isDisabled("Reset")).toBe(true);
     expect(screen.getByRole<HTMLInputElement>("switch", { name: "Dead charger" }).disabled).toBe(true);
   });
 });

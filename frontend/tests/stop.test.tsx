@@ -3,9 +3,10 @@ import { act, fireEvent, screen, waitFor, within } from "@testing-library/react"
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import { DoubleEscape, TWICE_WITHIN_MS } from "../src/stop/keys";
+import { showStopped } from "../src/stop/notices";
 import { ownName, setOwnName } from "../src/stop/who";
 import { at, latched, released, robot, snapshot, stopReport } from "./events";
-import { fakeGateway, renderPage } from "./page";
+import { descriptionOf, fakeGateway, isDisabled, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
 const banner = () => screen.queryByTestId("stop-banner");
@@ -21,20 +22,20 @@ describe("a latched stop", () => {
       store.onEvent({ type: "stop", time: new Date().toISOString(), robot: "/", stop: latched("Ada") }),
     );
     return waitFor(() => {
-      expect(banner()?.textContent).toMatch(/Stopped by Ada at \d/);
-      expect([button("Dock").disabled, button("Undock").disabled]).toEqual([true, true]);
-      expect(screen.getByText(/the robot is stopped; release the stop first/)).toBeDefined();
+      expect(banner()?.textContent).toMatch(/^Robot stopped by Ada at \d/);
+      expect([isDisabled("Dock"), isDisabled("Undock")]).toEqual([true, true]);
+      expect(descriptionOf(button("Dock"))).toBe("The robot is stopped. Release the stop first.");
     });
   });
 
   it("is there from the snapshot on, also where nobody knows who it was", () => {
     renderPage(fakeGateway(), { stop: latched(null) });
-    expect(banner()?.textContent).toMatch(/^Stopped at/);
+    expect(banner()?.textContent).toMatch(/^Robot stopped at/);
   });
 
   it("names the robots below that are held", () => {
     renderPage(fakeGateway(), { stop: { ...latched("Ada"), robots: ["/", "/robot1"] } });
-    expect(banner()?.textContent).toMatch(/\/robot1: /);
+    expect(banner()?.textContent).toMatch(/^Robot, \/robot1 stopped by Ada/);
   });
 
   it("is released after a confirmation, and only then", async () => {
@@ -49,7 +50,7 @@ describe("a latched stop", () => {
     expect(gateway.release).toHaveBeenCalledTimes(1);
     await waitFor(() => expect(banner()).toBeNull());
     act(() => store.onEvent({ type: "stop", time: at(9), robot: "/", stop: released }));
-    await waitFor(() => expect(button("Dock").disabled).toBe(false));
+    await waitFor(() => expect(isDisabled("Dock")).toBe(false));
   });
 
   it("stays, and says why, where the release did not work", async () => {
@@ -73,7 +74,7 @@ describe("a latched stop", () => {
     act(() => store.onConnection({ kind: "closed" }));
     await user.click(button("Stop"));
     await waitFor(() => expect(banner()).not.toBeNull());
-    expect(button("Release …").disabled).toBe(true);
+    expect(isDisabled("Release …")).toBe(true);
   });
 });
 
@@ -128,13 +129,13 @@ describe("the stops of several robots", () => {
       gatewayOf,
     );
     expect(banner()?.textContent).toMatch(/2 robots are stopped/);
-    expect(banner()?.textContent).toMatch(/\/robot1: Stopped by Ada.*\/robot2: Stopped by Grace/);
+    expect(banner()?.textContent).toMatch(/\/robot1 stopped by Ada.*\/robot2 stopped by Grace/);
     await user.click(button("Release /robot2 …"));
     const dialog = await screen.findByRole("dialog", { name: "Release the stop?" });
     expect(dialog.textContent).toMatch(/\/robot2/);
     await user.click(button("Release"));
     expect(gatewayOf.mock.calls).toEqual([["/robot2"]]);
-    await waitFor(() => expect(banner()?.textContent).toMatch(/^\/robot1: Stopped by Ada/));
+    await waitFor(() => expect(banner()?.textContent).toMatch(/^\/robot1 stopped by Ada/));
     expect(release).toHaveBeenCalledTimes(1);
   });
 
@@ -154,11 +155,24 @@ describe("the stops of several robots", () => {
     const robots = [robot("/", { stop: held }), one, two];
     const gateway = fakeGateway();
     const { user } = renderPage(gateway, { stop: held, robots }, "/ui/robot");
-    expect(banner()?.textContent).toMatch(/^Stopped by Ada.*at [^/]*\/, \/robot1, \/robot2: /);
+    expect(banner()?.textContent).toMatch(
+      /^All robots stopped by Ada at [^/]*Robot, \/robot1, \/robot2: Zero/,
+    );
     await user.click(button("Release …"));
     await user.click(await screen.findByRole("button", { name: "Release" }));
     await waitFor(() => expect(banner()).toBeNull());
     expect(gateway.release).toHaveBeenCalledTimes(1);
+  });
+
+  it("name all robots where each is held by a stop of its own", () => {
+    renderPage(fakeGateway(), { robots: [one, two] }, "/ui/robot");
+    expect(banner()?.textContent).toMatch(/^All 2 robots are stopped/);
+  });
+
+  it("count the robots that they hold, not the stops", () => {
+    const arm = robot("/robot2/arm", { stop: stoppedBy("Grace", "/robot2/arm") });
+    renderPage(fakeGateway(), { robots: [one, two, arm, robot("/robot3")] }, "/ui/robot");
+    expect(banner()?.textContent).toMatch(/^3 robots are stopped.*\/robot2, \/robot2\/arm stopped by Grace/);
   });
 
   it("do not name a configured robot that does not exist", () => {
@@ -170,8 +184,7 @@ describe("the stops of several robots", () => {
       undock: null,
     });
     renderPage(fakeGateway(), { stop: held, robots: [none, one] }, "/ui/robot");
-    expect(banner()?.textContent).toMatch(/\/robot1: Zero/);
-    expect(banner()?.textContent).not.toMatch(/\/, /);
+    expect(banner()?.textContent).toMatch(/^\/robot1 stopped by Ada at [^/]*Zero/);
   });
 });
 
@@ -183,22 +196,54 @@ describe("a Stop that was not delivered", () => {
     const { store, user } = renderPage(failing());
     act(() => store.onConnection({ kind: "closed" }));
     await user.click(button("Stop"));
-    expect(await screen.findByText("Stop was NOT delivered")).toBeDefined();
+    expect(await screen.findByText("Stop was NOT delivered to any robot")).toBeDefined();
     act(() => store.onEvent(snapshot({ time: new Date().toISOString() })));
     act(() => store.onConnection({ kind: "snapshot" }));
     expect(await screen.findByText(/No robot is stopped\. Press Stop again/)).toBeDefined();
-    expect(screen.queryByText("Stop was NOT delivered")).toBeNull();
+    expect(screen.queryByText("Stop was NOT delivered to any robot")).toBeNull();
   });
 
   it("is said no more where somebody else's stop holds", async () => {
     const { store, user } = renderPage(failing());
     await user.click(button("Stop"));
-    expect(await screen.findByText("Stop was NOT delivered")).toBeDefined();
+    expect(await screen.findByText("Stop was NOT delivered to any robot")).toBeDefined();
     act(() =>
       store.onEvent({ type: "stop", time: new Date().toISOString(), robot: "/", stop: latched("Grace") }),
     );
-    expect(await screen.findByText("Stopped: /.")).toBeDefined();
-    expect(screen.queryByText("Stop was NOT delivered")).toBeNull();
+    expect(await screen.findByText("Stopped: Robot.")).toBeDefined();
+    expect(screen.queryByText("Stop was NOT delivered to any robot")).toBeNull();
+  });
+});
+
+describe("the Stop of one robot of several", () => {
+  const robots = [robot("/a", { default: true }), robot("/b")];
+  const failing = () =>
+    fakeGateway({ stop: vi.fn().mockRejectedValue(new CommandError("offline", "No answer", "down")) });
+  const stopB = async (gateway = failing()) => {
+    const page = renderPage(gateway, { robots }, "/ui/robot?robot=/b", () => fakeGateway());
+    await page.user.click(button("Stop /b"));
+    return page;
+  };
+
+  it("names its robot where it was not delivered", async () => {
+    await stopB();
+    expect(await screen.findByText("Stop was NOT delivered to /b")).toBeDefined();
+  });
+
+  it("names its robot where it was delivered", async () => {
+    await stopB(fakeGateway());
+    expect(await screen.findByText("Stopped /b")).toBeDefined();
+  });
+
+  it("that failed is said until all robots are stopped, also after a Stop of another one", async () => {
+    await stopB();
+    await screen.findByText("Stop was NOT delivered to /b");
+    act(() => showStopped(stopReport(), "/a"));
+    expect(await screen.findByText("Stopped /a")).toBeDefined();
+    expect(screen.getByText("Stop was NOT delivered to /b")).toBeDefined();
+    act(() => showStopped(stopReport()));
+    expect(await screen.findByText("Stopped")).toBeDefined();
+    await waitFor(() => expect(screen.queryByText("Stop was NOT delivered to /b")).toBeNull());
   });
 });
 
@@ -238,8 +283,8 @@ describe("Stop", () => {
 
   it("works by Escape twice, from anywhere: in a number field and in a dialog, too", async () => {
     const gateway = fakeGateway();
-    const { user } = renderPage(gateway);
-    await user.click(screen.getByLabelText("Voltage (V)"));
+    const { user } = renderPage(gateway, {}, "/?tab=developer");
+    await user.click(await screen.findByLabelText("Voltage (V)"));
     await user.keyboard("{Escape}{Escape}");
     expect(gateway.stop).toHaveBeenCalledTimes(1);
     await user.click(button("Keyboard and name"));

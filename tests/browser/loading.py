@@ -47,9 +47,9 @@ def first_visit(browser: Browser, url: str, width: int = 1440, height: int = 100
         )
         devtools.send("Network.enable")
         page.goto(url)
-        for title in ("Map", "Battery", "Simulator", "Battery over time"):
+        for title in ("Docking", "Map", "Battery", "Battery over time"):
             expect(page.get_by_role("region", name=title, exact=True)).to_be_visible()
-        expect(page.locator("main .mantine-Skeleton-root")).to_have_count(0)
+        expect(page.locator("main .mantine-Skeleton-root:visible")).to_have_count(0)
         expect(page.locator("main canvas").first).to_be_visible()
         page.wait_for_load_state("networkidle")
         shifts = page.evaluate("() => window.shifts")

@@ -26,6 +26,12 @@ def test_the_idle_page(page: Page) -> None:
     assert find_violations(page) == []
 
 
+def test_the_developer_tab(page: Page) -> None:
+    page.get_by_role("tab", name="Developer").click()
+    expect(page.get_by_role("heading", name="From a terminal")).to_be_visible()
+    assert find_violations(page) == []
+
+
 def test_a_running_goal(page: Page, gateway: RunningGateway) -> None:
     dock(page, gateway)
     assert find_violations(page) == []

@@ -21,8 +21,11 @@ def dock(page: Page) -> None:
 
 
 def publish(page: Page, preset: str) -> None:
+    """Publish in the Developer tab, and come back."""
+    page.get_by_role("tab", name="Developer").click()
     page.get_by_text(preset, exact=True).first.click()
     press(page, "Publish repeatedly")
+    page.get_by_role("tab", name="Operate").click()
 
 
 def expect_status(page: Page, status: str) -> None:
@@ -38,7 +41,9 @@ def test_the_tutorial_by_clicking(page: Page) -> None:
     expect(page.get_by_text("24 %").first).to_be_visible()
     publish(page, "On the dock, charging")
     expect_status(page, "succeeded")
+    page.get_by_role("tab", name="Developer").click()
     press(page, "Stop publishing")
+    expect(page.get_by_test_id("publisher-status")).to_contain_text("Not publishing")
 
 
 def test_cancel_by_clicking(page: Page, gateway: RunningGateway) -> None:

@@ -114,11 +114,11 @@ def test_each_stop_is_released_by_itself(page: Page, gateway: RunningGateway) ->
     for robot, by in zip(ROBOTS, ("Ada", "Grace"), strict=True):
         gateway.http.post("/stop", params={"robot": robot}, json={"by": by}).raise_for_status()
     banner = page.get_by_test_id("stop-banner")
-    expect(banner).to_contain_text("2 robots are stopped")
+    expect(banner).to_contain_text("All 2 robots are stopped")
     expect(row(page, "/robot2")).to_contain_text("Stopped by Grace")
     banner.get_by_role("button", name="Release /robot2 …").click()
     page.get_by_role("dialog").get_by_role("button", name="Release").click()
-    expect(banner).to_contain_text("/robot1: Stopped by Ada")
+    expect(banner).to_contain_text("/robot1 stopped by Ada")
 
     def latched(robot: str) -> bool:
         return bool(gateway.http.get("/stop", params={"robot": robot}).json()["latched"])
@@ -131,7 +131,7 @@ def test_stop_holds_all_robots_and_their_release_is_one(page: Page, gateway: Run
     page.keyboard.press("Escape")
     page.keyboard.press("Escape")
     banner = page.get_by_test_id("stop-banner")
-    expect(banner).to_contain_text("/robot1, /robot2: ")
+    expect(banner).to_contain_text(re.compile("^All robots stopped by the dashboard at .*/robot1, /robot2: "))
     for robot in ROBOTS:
         assert gateway.http.get("/stop", params={"robot": robot}).json()["latched"] is True
     page.get_by_role("button", name="Release …").click()

@@ -46,6 +46,25 @@ def press(page: Page, name: str) -> None:
     page.get_by_role("button", name=name, exact=True).click()
 
 
+def open_tab(page: Page, name: str) -> None:
+    page.get_by_role("tab", name=name).click()
+    expect(page.get_by_role("tabpanel", name=name)).to_be_visible()
+
+
+def expect_disabled(page: Page, name: str, reason: str) -> None:
+    """A button is disabled, and says why: to a screen reader, and in a tooltip where the keyboard goes to it."""
+    button = page.get_by_role("button", name=name, exact=True)
+    expect(button).to_be_disabled()
+    expect(button).to_have_accessible_description(reason)
+    button.focus()
+    page.keyboard.press("Shift+Tab")
+    page.keyboard.press("Tab")
+    expect(button).to_be_focused()
+    expect(page.get_by_role("tooltip")).to_have_text(reason)
+    button.blur()
+    expect(page.get_by_role("tooltip")).to_be_hidden()
+
+
 def plots(page: Page) -> Locator:
     """The plots, drawn."""
     expect(page.get_by_test_id("value-voltage")).to_have_text(VOLTS)
@@ -56,6 +75,39 @@ def plots(page: Page) -> Locator:
 
 def shown(page: Page) -> str:
     return page.get_by_test_id("plot-range").inner_text()
+
+
+def test_an_operator_sees_map_and_goal_without_scrolling(page: Page) -> None:
+    page.set_viewport_size({"width": 1440, "height": 900})
+    press(page, "Dock")
+    for locator in (
+        page.get_by_test_id("scene"),
+        page.get_by_test_id("stages"),
+        page.get_by_role("link", name="Goal details"),
+        page.get_by_role("region", name="Battery", exact=True),
+    ):
+        expect(locator).to_be_in_viewport(ratio=1)
+    boxes = [page.get_by_role("region", name=name, exact=True).bounding_box() for name in ("Docking", "Map")]
+    docking, scene = boxes
+    assert docking
+    assert scene
+    assert docking["y"] == scene["y"]
+    assert docking["x"] + docking["width"] < scene["x"]
+
+
+def test_the_developer_tab_stays_in_the_address_and_keeps_what_was_typed(page: Page) -> None:
+    page.get_by_role("tab", name="Operate").focus()
+    page.keyboard.press("ArrowRight")
+    expect(page).to_have_url(re.compile(r"\?tab=developer$"))
+    page.get_by_label("Voltage (V)").fill("3.3")
+    open_tab(page, "Operate")
+    expect(page).to_have_url(re.compile("/ui/robot$"))
+    expect(page.get_by_test_id("scene")).to_be_visible()
+    open_tab(page, "Developer")
+    expect(page.get_by_label("Voltage (V)")).to_have_value("3.3")
+    page.reload()
+    expect(page.get_by_role("region", name="Simulator", exact=True)).to_be_visible()
+    expect(page.get_by_role("button", name="Dock", exact=True)).to_be_hidden()
 
 
 def test_the_plots_are_live_and_can_be_paused(page: Page, gateway: RunningGateway) -> None:
@@ -127,6 +179,7 @@ def test_the_past_by_keyboard(page: Page) -> None:
 
 
 def test_publish_every_field_by_hand(page: Page, domain: int) -> None:
+    open_tab(page, "Developer")
     press(page, "More fields")
     cells = page.get_by_role("group", name="Cell voltages (V)")
     for cell, voltage in ((1, "3.9"), (2, "")):
@@ -155,6 +208,7 @@ def test_publish_every_field_by_hand(page: Page, domain: int) -> None:
 
 
 def test_who_else_publishes(page: Page, domain: int) -> None:
+    open_tab(page, "Developer")
     status, warning = page.get_by_test_id("publisher-status"), page.get_by_test_id("other-publishers")
     expect(status).to_contain_text("The simulator (/dock_simulator) publishes its battery.")
     press(page, "Publish repeatedly")
@@ -172,6 +226,11 @@ def test_accessibility(page: Page, scheme: str) -> None:
     load_axe(page, scheme)
     plots(page)
     press(page, "Pause")
+    press(page, "More values")
+    page.get_by_role("button", name="Cancel", exact=True).hover()
+    expect(page.get_by_role("tooltip")).to_have_text("No goal is running.")
+    assert find_violations(page) == []
+    open_tab(page, "Developer")
     press(page, "More fields")
     page.get_by_role("button", name="Add a cell").first.click()
     assert find_violations(page) == []
@@ -206,9 +265,11 @@ def test_one_robot_of_several(page: Page, gateway: RunningGateway, domain: int) 
         page.goto(f"{gateway.url}/ui/robot?robot=/robot1")
         expect(page.get_by_role("heading", name="/robot1", level=1)).to_be_visible()
         expect(page.get_by_test_id("action-server")).to_have_text("action server answering")
-        expect(page.get_by_test_id("publisher-status")).to_contain_text("/robot1/dock_simulator")
         plots(page)
+        open_tab(page, "Developer")
+        expect(page.get_by_test_id("publisher-status")).to_contain_text("/robot1/dock_simulator")
         expect(page.get_by_text(f"curl -sX POST '{gateway.url}/dock?robot=/robot1'", exact=True)).to_be_visible()
+        open_tab(page, "Operate")
         page.get_by_role("switch", name="off in simulation").scroll_into_view_if_needed()
         press(page, "Dock")
         expect(page.get_by_test_id("stages").get_by_role("listitem").filter(has_text="now")).to_be_visible()
@@ -223,7 +284,15 @@ def test_one_robot_of_several(page: Page, gateway: RunningGateway, domain: int) 
             "robots": None,
             "persisted": True,
         }
-        expect(page.get_by_text("Dock and Undock: the robot is stopped")).to_be_visible()
-        expect(page.get_by_test_id("stop-banner")).to_contain_text("/robot1")
+        for verb in ("Dock", "Undock"):
+            expect_disabled(page, verb, "The robot is stopped. Release the stop first.")
+        expect(page.get_by_test_id("stop-banner")).to_contain_text("/robot1 stopped by the dashboard at")
+        page.get_by_role("combobox", name="Switch robot").press_sequentially("Robot")
+        page.keyboard.press("Enter")
+        expect(page.get_by_role("heading", name="Robot", level=1, exact=True)).to_be_visible()
+        expect(page.get_by_role("button", name="Dock", exact=True)).to_be_enabled()
+        page.go_back()
+        expect(page.get_by_role("heading", name="/robot1", level=1)).to_be_visible()
+        expect(page.get_by_role("button", name="Dock", exact=True)).to_be_disabled()
         gateway.http.delete("/stop?robot=/robot1").raise_for_status()
         expect(page.get_by_role("button", name="Dock", exact=True)).to_be_enabled()

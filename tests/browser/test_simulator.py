@@ -74,6 +74,11 @@ def expect_status(page: Page, status: str) -> None:
     expect(page.get_by_test_id("goal-status")).to_have_text(status)
 
 
+def open_tab(page: Page, name: str) -> None:
+    page.get_by_role("tab", name=name).click()
+    expect(page.get_by_role("tabpanel", name=name)).to_be_visible()
+
+
 def top(locator: Locator) -> float:
     """How far below the window's upper edge something begins, in CSS pixels."""
     box = locator.bounding_box()
@@ -88,7 +93,9 @@ def start_docking(page: Page) -> None:
 
 def test_dock_and_undock(page: Page, gateway: RunningGateway) -> None:
     start_docking(page)
-    expect(page.get_by_text("Dock and Undock: a goal is running")).to_be_visible()
+    expect(page.get_by_role("button", name="Undock")).to_have_accessible_description(
+        "A goal is running. Cancel it first."
+    )
     expect_status(page, "succeeded")
     expect(page.get_by_test_id("scene-words")).to_contain_text("Docked.")
     expect(page.get_by_test_id("battery-status")).to_have_text("Charging")
@@ -105,13 +112,14 @@ def test_stop_by_keyboard_and_release(page: Page, gateway: RunningGateway) -> No
     start_docking(page)
     page.keyboard.press("Escape")
     page.keyboard.press("Escape")
-    expect(page.get_by_test_id("stop-banner")).to_contain_text("Stopped by the dashboard")
+    expect(page.get_by_test_id("stop-banner")).to_contain_text("Robot stopped by the dashboard")
     expect_status(page, "canceled")
     expect(page.get_by_text("Canceled by a stop. A stop was requested by the dashboard.")).to_be_visible()
     expect(page.get_by_test_id("stages").get_by_text("did not work")).to_have_count(0)
     assert gateway.http.get("/stop").json()["latched"] is True
-    expect(page.get_by_role("button", name="Dock", exact=True)).to_be_disabled()
-    expect(page.get_by_text("the robot is stopped; release the stop first")).to_be_visible()
+    dock = page.get_by_role("button", name="Dock", exact=True)
+    expect(dock).to_be_disabled()
+    expect(dock).to_have_accessible_description("The robot is stopped. Release the stop first.")
     press(page, "Release …")
     page.get_by_role("dialog", name="Release the stop?").get_by_role("button", name="Release").click()
     expect(page.get_by_test_id("stop-banner")).to_be_hidden()
@@ -121,9 +129,9 @@ def test_stop_by_keyboard_and_release(page: Page, gateway: RunningGateway) -> No
 
 def test_a_stop_of_somebody_else(page: Page, gateway: RunningGateway) -> None:
     gateway.http.post("/stop", json={"by": "Ada"}).raise_for_status()
-    expect(page.get_by_test_id("stop-banner")).to_contain_text("Stopped by Ada at")
+    expect(page.get_by_test_id("stop-banner")).to_contain_text("Robot stopped by Ada at")
     page.reload()
-    expect(page.get_by_test_id("stop-banner")).to_contain_text("Stopped by Ada at")
+    expect(page.get_by_test_id("stop-banner")).to_contain_text("Robot stopped by Ada at")
     gateway.http.delete("/stop").raise_for_status()
     expect(page.get_by_test_id("stop-banner")).to_be_hidden()
 
@@ -165,25 +173,32 @@ def test_place_by_keyboard(page: Page) -> None:
 
 def test_place_by_numbers_and_reset(page: Page) -> None:
     before = pose_in_words(page)
+    open_tab(page, "Developer")
     page.get_by_label("x (m)").fill("-2")
     page.get_by_label("y (m)").fill("-0.5")
     page.get_by_label("Heading (°)").fill("15")
     press(page, "Place")
+    open_tab(page, "Operate")
     expect(page.get_by_test_id("scene-words")).to_contain_text(f"x {MINUS}2.00 m, y {MINUS}0.50 m, heading 15°")
+    open_tab(page, "Developer")
     press(page, "Reset")
+    open_tab(page, "Operate")
     wait_until(lambda: pose_in_words(page) == before, "the robot at its start")
 
 
 def test_a_fault_ends_the_goal_with_its_code(page: Page) -> None:
+    open_tab(page, "Developer")
     fault = page.get_by_role("switch", name="Dead charger")
     fault.press("Space")
     expect(fault).to_be_checked()
+    open_tab(page, "Operate")
     start_docking(page)
     expect(page.get_by_test_id("retries")).to_have_text("1 retry")
     expect_status(page, "aborted")
     alert = page.get_by_role("alert").filter(has_text="failed_to_charge")
     expect(alert).to_contain_text("look at the dock's power")
     expect(page.get_by_test_id("stages").get_by_role("listitem").last).to_contain_text("did not work")
+    open_tab(page, "Developer")
     press(page, "Reset")
     expect(fault).not_to_be_checked()
 
@@ -201,6 +216,9 @@ def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None
     assert find_violations(page) == []
     press(page, "Keep it stopped")
     expect(page.get_by_role("dialog")).to_be_hidden()
+    open_tab(page, "Developer")
+    expect(page.get_by_role("region", name="Simulator", exact=True)).to_be_visible()
+    assert find_violations(page) == []
     press(page, "Keyboard and name")
     expect(page.get_by_role("dialog", name="Keyboard and name")).to_be_visible()
     assert find_violations(page) == []
@@ -221,4 +239,7 @@ def test_a_phone(page: Page) -> None:
     start_docking(page)
     press(page, "Stop")
     expect(page.get_by_test_id("stop-banner")).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth") == 320
+    open_tab(page, "Developer")
+    expect(page.get_by_role("region", name="Simulator", exact=True)).to_be_visible()
     assert page.evaluate("document.documentElement.scrollWidth") == 320

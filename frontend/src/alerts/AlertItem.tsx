@@ -4,6 +4,7 @@ import { Link } from "react-router";
 import { createAlerts } from "../api/alerts";
 import { useFleet, useFleetLive } from "../fleet/context";
 import type { Alert } from "../fleet/types";
+import { displayName } from "../fleet/words";
 import { robotPath } from "../robot/path";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Time } from "../ui/Time";
@@ -15,7 +16,7 @@ import { SeverityMark } from "./SeverityMark";
 /** One alert: what it is, what to do, and who has seen it. */
 export const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
   const { id, robot, severity, title, detail, since, goal_id, acknowledged } = alert;
-  const what = robot === null ? title : `${title}: ${robot}`;
+  const what = robot === null ? title : `${title}: ${displayName(robot)}`;
   return (
     <li
       className={classes.alert}
@@ -30,7 +31,7 @@ export const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
             <>
               {": "}
               <Anchor component={Link} to={robotPath(robot)} inherit underline="always">
-                {robot}
+                {displayName(robot)}
               </Anchor>
             </>
           )}

@@ -1,5 +1,6 @@
-import { Code, Group, Stack, Text, VisuallyHidden } from "@mantine/core";
-import { useState } from "react";
+import { Box, Button, Code, Paper, Text, Title } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
+import { useId, useState } from "react";
 import type { BatteryState } from "../api/types";
 import { useAtTime } from "../store/clock";
 import { useServices, useTopicPart } from "../store/context";
@@ -7,57 +8,98 @@ import { useFreshness } from "../store/freshness";
 import { RENDER_INTERVAL_MS } from "../store/shown";
 import { Fact, FactList } from "../ui/Fact";
 import { FreshnessBadge } from "../ui/FreshnessBadge";
-import { Section } from "../ui/Section";
-import { Time } from "../ui/Time";
 import { formatDuration } from "../ui/time";
-import { Ring } from "./Ring";
+import classes from "./battery.module.css";
+import { ChargeBar, chargeOf } from "./ChargeBar";
 import {
-  CHARGING,
-  FULL,
   formatCells,
   formatPercentage,
   formatQuantity,
   HEALTH_WORDS,
-  isLow,
   statusWords,
   TECHNOLOGY_WORDS,
 } from "./words";
 
 /** A message is as good as now for this long (ms). */
 const JUST_NOW_MS = 1500;
-/** The ring follows in steps of so much (percent), which are a pixel of it. */
-const RING_STEP = 0.25;
+/** The bar follows in steps of this many percent, which are a pixel of it. */
+const BAR_STEP = 2;
 
-/** The battery as it is now. Messages come often: each text reads for itself what it says. */
+/** The battery as it is now, in a row. Messages come often: each text reads for itself what it says. */
 export function BatteryCard() {
   const freshness = useFreshness("battery");
   const known = useTopicPart("battery", ({ state }) => state !== null);
+  const [moreOpen, more] = useDisclosure(false);
+  const moreNames = useMeasured(MORE);
+  const id = useId();
+  const moreId = useId();
 
   return (
-    <Section title="Battery" aside={<FreshnessBadge freshness={freshness} />}>
-      {known ? (
-        <Stack gap="md">
-          <Group gap="md" align="center">
-            <Gauge faded={freshness !== "live"} />
-            <Stack gap={4}>
-              <Text fw={700} fz="xl" lh={1.2} data-testid="battery-status">
-                <Said read={(state) => statusWords(state.power_supply_status)} />
-              </Text>
-              <Text className="tabular">
-                <Said read={(state) => formatQuantity(state.voltage, "V")} />
-              </Text>
-              <Text size="sm" c="dimmed" className="tabular">
-                <Age />
-              </Text>
-            </Stack>
-          </Group>
-          {freshness === "stale" && <StaleWarning />}
-          <Measurements />
-        </Stack>
-      ) : (
-        <NoBattery live={freshness !== "offline"} />
-      )}
-    </Section>
+    <Paper
+      component="section"
+      withBorder
+      radius="md"
+      px={{ base: "md", sm: "lg" }}
+      py="sm"
+      aria-labelledby={id}
+    >
+      <div className={classes.strip}>
+        <div className={classes.title}>
+          <Title order={2} size="h4" id={id}>
+            Battery
+          </Title>
+          <FreshnessBadge freshness={freshness} />
+        </div>
+        {known ? <Values old={freshness !== "live"} /> : <NoBattery live={freshness !== "offline"} />}
+        {moreNames.length > 0 && (
+          <Button
+            variant="default"
+            size="compact-md"
+            aria-expanded={moreOpen}
+            aria-controls={moreId}
+            onClick={more.toggle}
+          >
+            {moreOpen ? "Fewer values" : "More values"}
+          </Button>
+        )}
+      </div>
+      {freshness === "stale" && <StaleWarning />}
+      <div id={moreId} hidden={!moreOpen}>
+        {moreOpen && (
+          <Box mt="sm">
+            <FactList>
+              <Measurements names={moreNames} />
+            </FactList>
+          </Box>
+        )}
+      </div>
+    </Paper>
+  );
+}
+
+/** What is looked at every day. */
+function Values({ old }: { old: boolean }) {
+  return (
+    <dl className={classes.values}>
+      <Fact name="Percentage">
+        <span className={classes.level}>
+          <Gauge old={old} />
+          <Said read={({ percentage }) => formatPercentage(percentage)} />
+        </span>
+      </Fact>
+      <Fact name="Status">
+        <span data-testid="battery-status">
+          <Said read={(state) => statusWords(state.power_supply_status)} />
+        </span>
+      </Fact>
+      <Fact name="Voltage">
+        <Said read={(state) => formatQuantity(state.voltage, "V")} />
+      </Fact>
+      <Measurements names={useMeasured(MAIN)} />
+      <Fact name="Last message">
+        <Age />
+      </Fact>
+    </dl>
   );
 }
 
@@ -68,20 +110,10 @@ function Said({ read }: { read: (state: BatteryState) => string }) {
 
 function Age() {
   const { store } = useServices();
-  const words = useAtTime((now) => {
+  return useAtTime((now) => {
     const age = now - (store.get("battery").receivedAt ?? now);
     return age < JUST_NOW_MS ? "just now" : `${formatDuration(age)} ago`;
   }, RENDER_INTERVAL_MS);
-  const at = useAtTime((now) => {
-    const receivedAt = store.get("battery").receivedAt ?? now;
-    // To the second while messages come: nobody could read more.
-    return now - receivedAt < JUST_NOW_MS ? Math.floor(receivedAt / 1000) * 1000 : receivedAt;
-  }, RENDER_INTERVAL_MS);
-  return (
-    <>
-      {words}, at <Time value={at} />
-    </>
-  );
 }
 
 function StaleWarning() {
@@ -98,63 +130,44 @@ function NoBattery({ live }: { live: boolean }) {
   const { robot } = useServices();
   const topic = `${robot === null || robot === "/" ? "" : robot}/battery_status`;
   return (
-    <Stack gap={4} data-testid="battery-status">
-      <Text fw={600}>No battery state yet</Text>
-      <Text size="sm" c="dimmed">
-        {live
-          ? "Nothing has been published on the battery topic. Start the robot's battery driver, or let this gateway publish: "
-          : "Nothing is known before the gateway is connected."}
-        {live && (
-          <>
-            choose a preset under <em>Publish a battery state</em> and press <em>Publish repeatedly</em>. In a
-            terminal: <Code>ros2 topic pub {topic} sensor_msgs/BatteryState …</Code>
-          </>
-        )}
-      </Text>
-    </Stack>
+    <Text size="sm" data-testid="battery-status" className={classes.none}>
+      <strong>No battery state yet.</strong>{" "}
+      {live ? (
+        <>
+          Nothing has been published on <Code>{topic}</Code>. Start the robot's battery driver, or publish a
+          battery state in the Developer tab.
+        </>
+      ) : (
+        "Nothing is known before the gateway is connected."
+      )}
+    </Text>
   );
 }
 
-function Gauge({ faded }: { faded: boolean }) {
-  const value = useTopicPart("battery", ({ state }) => filled(state?.percentage ?? null));
-  const color = useTopicPart("battery", ({ state, lowBelow }) => gaugeColor(state, lowBelow, faded));
-  const measured = value !== null;
-  return (
-    <div>
-      <VisuallyHidden>Percentage</VisuallyHidden>
-      <Ring value={value} color={`var(--mantine-color-${color})`}>
-        <Text
-          ta="center"
-          fw={700}
-          fz={measured ? "lg" : "sm"}
-          className="tabular"
-          style={measured ? { whiteSpace: "nowrap" } : undefined}
-        >
-          <Said read={({ percentage }) => formatPercentage(percentage)} />
-        </Text>
-      </Ring>
-    </div>
+function Gauge({ old }: { old: boolean }) {
+  const filled = useTopicPart("battery", ({ state }) => inSteps(state?.percentage ?? null));
+  const charge = useTopicPart("battery", ({ state, lowBelow }) =>
+    state === null ? "ok" : chargeOf(state, lowBelow),
   );
+  return <ChargeBar filled={filled} charge={charge} old={old} />;
 }
 
-/** So much of the ring, in percent. */
-function filled(percentage: number | null): number | null {
+/** In percent, in steps. */
+function inSteps(percentage: number | null): number | null {
   if (percentage === null) return null;
   const value = Math.min(100, Math.max(0, percentage * 100));
-  return Math.round(value / RING_STEP) * RING_STEP;
+  return Math.round(value / BAR_STEP) * BAR_STEP;
 }
 
-function gaugeColor(state: BatteryState | null, lowBelow: number, faded: boolean): string {
-  if (faded) return "gray-5";
-  const status = state?.power_supply_status;
-  if (status === CHARGING || status === FULL) return "green-filled";
-  return state !== null && isLow(state, lowBelow) ? "orange-filled" : "blue-filled";
-}
+type Words = (state: BatteryState) => string | null;
 
-/** The fields that a battery may leave out, and what they say where it does not. */
-const MEASUREMENTS: Record<string, (state: BatteryState) => string | null> = {
+/** The fields that a battery may leave out, and what they say where it does not: those that are always in sight. */
+const MAIN: Record<string, Words> = {
   Current: ({ current }) => measured(current, "A"),
   Temperature: ({ temperature }) => measured(temperature, "°C"),
+};
+
+const MORE: Record<string, Words> = {
   Charge: ({ charge }) => measured(charge, "Ah"),
   Capacity: ({ capacity }) => measured(capacity, "Ah"),
   "Design capacity": ({ design_capacity }) => measured(design_capacity, "Ah"),
@@ -171,27 +184,27 @@ function measured(value: number | null, unit: string): string | null {
   return value === null ? null : formatQuantity(value, unit);
 }
 
-/** What is measured, and what was measured since this was opened and is no more. */
-function Measurements() {
+/** Which of the fields are measured, or were since this was opened. */
+function useMeasured(fields: Record<string, Words>): readonly string[] {
   const names = useTopicPart("battery", ({ state }) =>
-    Object.entries(MEASUREMENTS)
+    Object.entries(fields)
       .flatMap(([name, words]) => (state !== null && words(state) !== null ? [name] : []))
       .join(","),
   );
   const [everMeasured, setEverMeasured] = useState<readonly string[]>([]);
   const added = names.split(",").filter((name) => name !== "" && !everMeasured.includes(name));
   if (added.length > 0) setEverMeasured([...everMeasured, ...added]);
-  if (everMeasured.length === 0) return null;
-  return (
-    <FactList>
-      {Object.entries(MEASUREMENTS).map(
-        ([name, words]) =>
-          everMeasured.includes(name) && (
-            <Fact key={name} name={name}>
-              <Said read={(state) => words(state) ?? "no longer measured"} />
-            </Fact>
-          ),
-      )}
-    </FactList>
+  return everMeasured;
+}
+
+/** Fields of a battery, each with its value or that there is none any more. */
+function Measurements({ names }: { names: readonly string[] }) {
+  return Object.entries({ ...MAIN, ...MORE }).map(
+    ([name, words]) =>
+      names.includes(name) && (
+        <Fact key={name} name={name}>
+          <Said read={(state) => words(state) ?? "no longer measured"} />
+        </Fact>
+      ),
   );
 }

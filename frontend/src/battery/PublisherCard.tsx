@@ -4,6 +4,7 @@ import { Suspense, useId, useState } from "react";
 import { useLive, useServices, useTopicPart } from "../store/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { lazyPart } from "../ui/lazyPart";
+import { ReasonButton } from "../ui/ReasonButton";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";
@@ -27,7 +28,6 @@ export function PublisherCard() {
   const [rateInput, setRateInput] = useState<NumberInputValue>(1);
   const [done, setDone] = useState<{ at: number; text: string } | null>(null);
   const [moreOpen, more] = useDisclosure(false);
-  const reasonId = useId();
   const moreId = useId();
 
   const change = (part: Partial<BatteryForm>) => setForm((before) => ({ ...before, ...part }));
@@ -54,15 +54,15 @@ export function PublisherCard() {
 
   const busy = commands.some((command) => command.isPending);
   const rateWrong = rate === null || rate < MIN_RATE_HZ || rate > MAX_RATE_HZ;
-  const reason = !live
+  const why = !live
     ? "Publishing needs the gateway, which is not connected."
-    : message === null
-      ? "A field is not valid."
-      : rateWrong
-        ? `Publish repeatedly: the rate has to be ${MIN_RATE_HZ} to ${MAX_RATE_HZ} Hz.`
-        : active
-          ? "Publish repeatedly replaces what is published now."
-          : "Stop publishing: nothing is being published.";
+    : busy
+      ? "The gateway has not answered yet."
+      : null;
+  const whyNotOnce = why ?? (message === null ? "A field is not valid." : null);
+  const whyNotRepeatedly =
+    whyNotOnce ?? (rateWrong ? `The rate has to be ${MIN_RATE_HZ} to ${MAX_RATE_HZ} Hz.` : null);
+  const whyNotStop = why ?? (active ? null : "Nothing is being published.");
 
   return (
     <Section title="Publish a battery state">
@@ -115,42 +115,36 @@ export function PublisherCard() {
       </div>
       <Stack gap="xs">
         <Group gap="sm">
-          <Button
-            disabled={!live || message === null || rateWrong || busy}
-            aria-describedby={reasonId}
+          <ReasonButton
+            reason={whyNotRepeatedly}
             onClick={() => {
               begin();
               if (message !== null && rate !== null) repeatedly.mutate({ state: message, rate });
             }}
           >
             Publish repeatedly
-          </Button>
-          <Button
+          </ReasonButton>
+          <ReasonButton
             variant="default"
-            disabled={!live || message === null || busy}
-            aria-describedby={reasonId}
+            reason={whyNotOnce}
             onClick={() => {
               begin();
               if (message !== null) once.mutate(message);
             }}
           >
             Publish once
-          </Button>
-          <Button
+          </ReasonButton>
+          <ReasonButton
             variant="default"
-            disabled={!live || !active || busy}
-            aria-describedby={reasonId}
+            reason={whyNotStop}
             onClick={() => {
               begin();
               stop.mutate();
             }}
           >
             Stop publishing
-          </Button>
+          </ReasonButton>
         </Group>
-        <Text size="sm" c="dimmed" id={reasonId}>
-          {reason}
-        </Text>
         <Text size="sm" role="status">
           {done !== null && (
             <>

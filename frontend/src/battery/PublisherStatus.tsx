@@ -15,7 +15,7 @@ export function PublisherStatus() {
   return (
     <>
       <Group gap="xs" data-testid="publisher-status">
-        <Badge color={active ? "green" : "gray.7"}>{active ? "publishing" : "not publishing"}</Badge>
+        {active && <Badge color="blue">publishing</Badge>}
         <Text size="sm" className="tabular">
           {active ? <Active publisher={publisher} /> : "Not publishing."}{" "}
           {publishers !== null && <Simulated publishers={publishers} active={active} />}

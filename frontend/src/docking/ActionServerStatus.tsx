@@ -1,21 +1,27 @@
-import { Badge, Tooltip } from "@mantine/core";
+import { Badge, Tooltip, VisuallyHidden } from "@mantine/core";
 import type { ActionServer } from "../api/types";
 import { useLive, useTopic } from "../store/context";
 
+/** Whether the docking server can be reached; that it answers, as it should, is said to screen readers alone. */
 export function ActionServerStatus() {
   const server = useTopic("actionServer");
   const live = useLive();
-  const { label, color, hint } = describe(live ? server : null);
+  const trouble = describe(live ? server : null);
   return (
-    <Tooltip label={hint} multiline maw={280}>
-      <Badge color={color} data-testid="action-server" role="status">
-        {label}
-      </Badge>
-    </Tooltip>
+    <div role="status" data-testid="action-server">
+      {trouble === null ? (
+        <VisuallyHidden>action server answering</VisuallyHidden>
+      ) : (
+        <Tooltip label={trouble.hint} multiline maw={280}>
+          <Badge color={trouble.color}>{trouble.label}</Badge>
+        </Tooltip>
+      )}
+    </div>
   );
 }
 
-function describe(server: ActionServer | null): { label: string; color: string; hint: string } {
+/** What is wrong with it; null where nothing is. */
+function describe(server: ActionServer | null): { label: string; color: string; hint: string } | null {
   if (server === null) {
     return {
       label: "action server unknown",
@@ -38,7 +44,7 @@ function describe(server: ActionServer | null): { label: string; color: string; 
     };
   }
   return server.answering
-    ? { label: "action server answering", color: "green", hint: `${server.action_name} answers.` }
+    ? null
     : {
         label: "action server silent",
         color: "orange",

@@ -1,4 +1,4 @@
-import { Button, Group, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
+import { Group, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useId, useState } from "react";
 import type { Verb } from "../api/client";
@@ -8,6 +8,7 @@ import { useLive, useServices, useTopic, useTopicPart } from "../store/context";
 import type { GoalCourse } from "../store/goals";
 import { useVerbOf } from "../store/verbs";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/useCommand";
 import { useAsking } from "./asking";
 import classes from "./docking.module.css";
@@ -26,7 +27,6 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
   const [asked, setAsked] = useState<Verb>("dock");
   const [open, question] = useDisclosure(false);
   const [target, setTarget] = useState(String(CHARGING));
-  const reasonId = useId();
   const targetId = useId();
 
   const dock = useCommand(async () => store.addGoals([await gateway.dock(Number(target))]));
@@ -48,40 +48,36 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
   const sending = dock.isPending || undock.isPending;
   const whyNot = (verb: Verb) => whyNotSend(verb, { live, stopped, running, sending, server: servers[verb] });
   const cancelReason = whyNotCancel(live, running, cancel.isPending);
-  const reasons = [whyNot("dock"), whyNot("undock"), cancelReason].filter((reason) => reason !== null);
   const silent = whyNot("dock") === null && servers.dock?.answering === false;
 
   return (
     <Stack gap="sm">
       <Group gap="xs" className={classes.verbs}>
-        <Button
+        <ReasonButton
           size="lg"
-          disabled={whyNot("dock") !== null}
-          aria-describedby={reasonId}
+          reason={whyNot("dock")}
           aria-haspopup={asking.asks ? "dialog" : undefined}
           onClick={() => press("dock")}
         >
           Dock
-        </Button>
-        <Button
+        </ReasonButton>
+        <ReasonButton
           size="lg"
           variant="light"
-          disabled={whyNot("undock") !== null}
-          aria-describedby={reasonId}
+          reason={whyNot("undock")}
           aria-haspopup={asking.asks ? "dialog" : undefined}
           onClick={() => press("undock")}
         >
           Undock
-        </Button>
-        <Button
+        </ReasonButton>
+        <ReasonButton
           size="lg"
           variant="default"
-          disabled={cancelReason !== null}
-          aria-describedby={reasonId}
+          reason={cancelReason}
           onClick={() => running && cancel.mutate(running)}
         >
           Cancel
-        </Button>
+        </ReasonButton>
         {alone !== null && <RobotStopButton robot={alone} />}
       </Group>
       <Group gap="xs">
@@ -104,10 +100,13 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
         disabled={asking.simulated}
         onChange={(event) => asking.change(event.currentTarget.checked)}
       />
-      <Text size="sm" c="dimmed" id={reasonId} role="status">
-        {[...new Set(reasons)].join(" ")}{" "}
-        {silent && <strong>The docking server is not responding: a goal may time out.</strong>}
-      </Text>
+      <div role="status">
+        {silent && (
+          <Text size="sm" fw={700}>
+            The docking server is not responding: a goal may time out.
+          </Text>
+        )}
+      </div>
       <CommandErrorAlert command="Dock" error={dock.error} onClose={dock.reset} />
       <CommandErrorAlert command="Undock" error={undock.error} onClose={undock.reset} />
       <CommandErrorAlert command="Cancel" error={cancel.error} onClose={cancel.reset} />

@@ -3,9 +3,10 @@ import { useFleetTopic } from "../fleet/context";
 import type { ConnectionPhase } from "../stream/connection";
 import classes from "./layout.module.css";
 
-const PHASES: Record<ConnectionPhase, { label: string; color: string; hint: string }> = {
-  connecting: { label: "connecting", color: "gray.7", hint: "Waiting for the gateway's first message." },
-  live: { label: "live", color: "green", hint: "What you see is what the gateway says now." },
+/** Only what is wrong has a colour. */
+const PHASES: Record<ConnectionPhase, { label: string; color?: string; hint: string }> = {
+  connecting: { label: "connecting", hint: "Waiting for the gateway's first message." },
+  live: { label: "live", hint: "What you see is what the gateway says now." },
   reconnecting: {
     label: "reconnecting",
     color: "orange",
@@ -23,7 +24,13 @@ export function ConnectionStatus() {
   const { label, color, hint } = PHASES[phase];
   return (
     <Tooltip label={hint} multiline maw={280}>
-      <Badge color={color} className={classes.status} data-testid="connection" role="status">
+      <Badge
+        variant={color === undefined ? "default" : "filled"}
+        color={color ?? "gray"}
+        className={classes.status}
+        data-testid="connection"
+        role="status"
+      >
         {label}
       </Badge>
     </Tooltip>

@@ -1,6 +1,7 @@
 import { VisuallyHidden } from "@mantine/core";
 import { memo } from "react";
-import { CHARGING, FULL, formatQuantity, isLow, statusWords } from "../battery/words";
+import { type Charge, ChargeBar, chargeOf } from "../battery/ChargeBar";
+import { CHARGING, FULL, formatQuantity, statusWords } from "../battery/words";
 import { useFleetLive } from "../fleet/context";
 import type { Robot } from "../fleet/types";
 import { ageWords } from "../fleet/words";
@@ -19,7 +20,7 @@ export function BatteryMeter({ battery }: { battery: Robot["battery"] }) {
       <Level
         text={filled === null ? formatQuantity(voltage, "V") : `${filled} %`}
         filled={filled === null ? null : Math.min(100, Math.max(0, filled))}
-        low={isLow(state, low_below)}
+        charge={chargeOf(state, low_below)}
         status={status}
       />
       <Age receivedAt={Date.parse(received_at)} staleAfterMs={stale_after_s * 1000} />
@@ -31,25 +32,22 @@ interface LevelProps {
   text: string;
   /** In percent; null where it is not measured. */
   filled: number | null;
-  low: boolean;
+  charge: Charge;
   status: number;
 }
 
 /** Changes only where what is shown does: messages come often. */
-const Level = memo(function Level({ text, filled, low, status }: LevelProps) {
+const Level = memo(function Level({ text, filled, charge, status }: LevelProps) {
   const charging = status === CHARGING;
-  const level = charging || status === FULL ? "charging" : low ? "low" : "ok";
   return (
     <div className={classes.level}>
-      <span className={classes.bar} data-level={level} aria-hidden="true">
-        {filled !== null && <span style={{ inlineSize: `${filled}%` }} />}
-      </span>
+      <ChargeBar filled={filled} charge={charge} />
       <span className={classes.percentage}>{text}</span>
       {charging && <Bolt />}
       <span className={classes.status}>
         {status === FULL && "full"}
         <VisuallyHidden>{status === FULL ? "" : statusWords(status).toLowerCase()}</VisuallyHidden>
-        {low && "low"}
+        {charge === "low" && "low"}
       </span>
     </div>
   );

@@ -4,28 +4,19 @@ import { AlertList } from "../alerts/AlertList";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import type { Robot } from "../fleet/types";
 import { isThere } from "../fleet/words";
-import { RobotPanels } from "../robot/RobotPanels";
-import { RobotScope } from "../robot/RobotScope";
+import { RobotView } from "../robot/RobotView";
 import { usePageTitle } from "../ui/usePageTitle";
 import { NoRobot } from "./NoRobot";
-import { RobotCard } from "./RobotCard";
 import { RobotTable } from "./RobotTable";
 
-/** All robots; a single one with all that there is to see and do. */
+/** All robots; where there is a single one, the page of that. */
 export default function OverviewPage() {
   usePageTitle("Overview");
   const robots = useFleetTopic("robots");
   const live = useFleetLive();
   const [told, setTold] = useState(false);
   if (!told && (live || robots.size > 0)) setTold(true);
-  return (
-    <>
-      <VisuallyHidden>
-        <h1>Overview</h1>
-      </VisuallyHidden>
-      {told ? <Known robots={robots} /> : <OverviewSkeleton />}
-    </>
-  );
+  return told ? <Known robots={robots} /> : <OverviewSkeleton />;
 }
 
 function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
@@ -42,6 +33,7 @@ function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
   if (view === "all") {
     return (
       <>
+        <Heading />
         <AlertList />
         <RobotTable robots={there} />
       </>
@@ -52,10 +44,8 @@ function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
     <Stack gap="md" onPointerDownCapture={() => setTouched(true)} onKeyDownCapture={() => setTouched(true)}>
       {there.length > 1 && <MoreRobots count={there.length} onShow={() => setView("all")} />}
       <AlertList quiet />
-      {robot === undefined ? <NoRobot /> : <RobotCard robot={robot} />}
-      <RobotScope key={scopeOf(robot)} robot={scopeOf(robot)}>
-        <RobotPanels />
-      </RobotScope>
+      {robot === undefined && <NoRobot />}
+      <RobotView robot={scopeOf(robot)} />
     </Stack>
   );
 }
@@ -78,9 +68,18 @@ function MoreRobots({ count, onShow }: { count: number; onShow: () => void }) {
   );
 }
 
+function Heading() {
+  return (
+    <VisuallyHidden>
+      <h1>Overview</h1>
+    </VisuallyHidden>
+  );
+}
+
 function OverviewSkeleton() {
   return (
     <Stack gap="md" role="group" aria-busy="true" aria-label="The robots are not known yet">
+      <Heading />
       <Skeleton height={140} />
       <Skeleton height={360} />
     </Stack>

@@ -4,7 +4,7 @@ import { Link } from "react-router";
 import type { Attention } from "../alerts/order";
 import { type Mark, SeverityMark } from "../alerts/SeverityMark";
 import type { Robot } from "../fleet/types";
-import { linkOf, placeWords } from "../fleet/words";
+import { displayName, linkOf, placeWords } from "../fleet/words";
 import { robotPath } from "../robot/path";
 import { BatteryMeter } from "./BatteryMeter";
 import { LastCell, LinkCell, NowCell } from "./cells";
@@ -31,7 +31,7 @@ export const RobotRow = memo(function RobotRow({ robot, attention, live }: Robot
       <Table.Th scope="row" className={classes.nameCell}>
         {attention > 0 && <AttentionMark attention={attention as Exclude<Attention, 0>} />}
         <Link to={robotPath(robot.name)} className={classes.name}>
-          {robot.name}
+          {displayName(robot.name)}
         </Link>
         {robot.simulated && <span className={`${classes.quiet} ${classes.simulated}`}> simulated</span>}
         <span className={classes.narrow}>

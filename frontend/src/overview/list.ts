@@ -1,6 +1,6 @@
 import type { Attention } from "../alerts/order";
 import type { Robot } from "../fleet/types";
-import { isUnreachable, linkOf } from "../fleet/words";
+import { displayName, isUnreachable, linkOf } from "../fleet/words";
 import { byName } from "../stop/held";
 
 /** What the list can be narrowed to. */
@@ -81,7 +81,10 @@ export function listed(robots: readonly Robot[], view: View, attentions: Attenti
   const sign = view.descending ? -1 : 1;
   const compare = COMPARE[view.sort];
   return robots
-    .filter((robot) => robot.name.toLowerCase().includes(text) && matches(robot, view.show, attentions))
+    .filter(
+      (robot) =>
+        displayName(robot.name).toLowerCase().includes(text) && matches(robot, view.show, attentions),
+    )
     .sort((a, b) => sign * compare(a, b, attentions) || byName(a.name, b.name));
 }
 

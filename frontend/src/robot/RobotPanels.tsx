@@ -1,18 +1,19 @@
-import { Skeleton, Stack } from "@mantine/core";
-import { memo } from "react";
+import { Skeleton, Stack, Tabs } from "@mantine/core";
+import { lazy, memo, Suspense } from "react";
 import { BatteryCard } from "../battery/BatteryCard";
 import { BatteryPlotsCard } from "../battery/BatteryPlotsCard";
-import { PublisherCard } from "../battery/PublisherCard";
 import { DockingCard } from "../docking/DockingCard";
 import { GoalsCard } from "../goals/GoalsCard";
 import { SceneCard } from "../scene/SceneCard";
-import { SimulatorCard } from "../simulator/SimulatorCard";
 import { useTopicPart } from "../store/context";
 import { Answers } from "./Answers";
-import { CurlCard } from "./CurlCard";
+import { DEVELOPER, OPERATE } from "./path";
 import classes from "./robot.module.css";
 
-/** Everything about one robot; inside of its RobotScope. Each panel reads for itself what it shows. */
+/** Operators do without. */
+const DeveloperPanels = lazy(() => import("./DeveloperPanels"));
+
+/** Everything about one robot; inside of its RobotScope and Tabs. Each panel reads for itself what it shows. */
 export const RobotPanels = memo(function RobotPanels() {
   // The snapshot fills most panels: shown before it, they would change their heights at once.
   const connecting = useTopicPart("connection", ({ phase }) => phase === "connecting");
@@ -20,18 +21,22 @@ export const RobotPanels = memo(function RobotPanels() {
   return (
     <>
       <Answers />
-      <div className={classes.grid}>
-        <DockingCard />
-        <div className={classes.column}>
-          <SceneCard />
-          <SimulatorCard />
-        </div>
-        <BatteryCard />
-      </div>
-      <BatteryPlotsCard />
-      <PublisherCard />
-      <GoalsCard />
-      <CurlCard />
+      <Tabs.Panel value={OPERATE}>
+        <Stack gap="md">
+          <div className={classes.grid}>
+            <DockingCard />
+            <SceneCard />
+          </div>
+          <BatteryCard />
+          <BatteryPlotsCard />
+          <GoalsCard />
+        </Stack>
+      </Tabs.Panel>
+      <Tabs.Panel value={DEVELOPER}>
+        <Suspense fallback={<PanelsSkeleton />}>
+          <DeveloperPanels />
+        </Suspense>
+      </Tabs.Panel>
     </>
   );
 });

@@ -2,7 +2,7 @@ import { Alert, Anchor, List, Text } from "@mantine/core";
 import { useMemo } from "react";
 import { Link } from "react-router";
 import { useFleetTopic } from "../fleet/context";
-import { isThere } from "../fleet/words";
+import { displayName, isThere } from "../fleet/words";
 import { byName } from "../stop/held";
 import { robotPath } from "./path";
 
@@ -23,7 +23,7 @@ export function UnknownRobot({ robot, wasKnown }: { robot: string; wasKnown: boo
         {names.map((name) => (
           <List.Item key={name}>
             <Anchor component={Link} to={robotPath(name)} inherit underline="always">
-              {name}
+              {displayName(name)}
             </Anchor>
           </List.Item>
         ))}

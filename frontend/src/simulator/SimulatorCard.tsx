@@ -1,13 +1,17 @@
-import { Badge, Button, Group, NumberInput, SimpleGrid, Stack, Switch, Text } from "@mantine/core";
-import { useId, useState } from "react";
+import { Group, NumberInput, SimpleGrid, Stack, Switch, Text } from "@mantine/core";
+import { useState } from "react";
 import type { Fault, Simulator } from "../api/types";
 import { type NumberInputValue, toNumber } from "../battery/form";
 import { toRadians } from "../scene/geometry";
 import { useLive, useServices, useTopic } from "../store/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { ReasonButton } from "../ui/ReasonButton";
 import { Section } from "../ui/Section";
 import { useCommand } from "../ui/useCommand";
 import { FAULTS } from "./faults";
+
+const NOT_CONNECTED = "The simulator is out of reach while the gateway is not connected.";
+const NOT_ANSWERED = "The simulator has not answered yet.";
 
 /** What can be done to a simulated robot; nothing where there is none. */
 export function SimulatorCard() {
@@ -22,29 +26,21 @@ function Controls({ simulator }: { simulator: Simulator }) {
     await gateway.resetSimulator();
     scene.trail.clear();
   });
-  const reasonId = useId();
   return (
     <Section
       title="Simulator"
-      aside={
-        <Badge color={simulator.docked ? "green" : simulator.contact ? "orange" : "gray.7"}>
-          {simulator.docked ? "docked" : simulator.contact ? "in contact" : "not docked"}
-        </Badge>
-      }
+      aside={<Text>{simulator.docked ? "docked" : simulator.contact ? "in contact" : "not docked"}</Text>}
     >
       <Group gap="sm">
-        <Button
+        <ReasonButton
           variant="default"
-          disabled={!live || reset.isPending}
-          aria-describedby={reasonId}
+          reason={live ? (reset.isPending ? NOT_ANSWERED : null) : NOT_CONNECTED}
           onClick={() => reset.mutate()}
         >
           Reset
-        </Button>
-        <Text size="sm" c="dimmed" id={reasonId} style={{ flex: 1 }}>
-          {live
-            ? "Robot and battery as they were at the start, all faults off."
-            : "The simulator is out of reach while the gateway is not connected."}
+        </ReasonButton>
+        <Text size="sm" c="dimmed" style={{ flex: 1 }}>
+          Robot and battery as they were at the start, all faults off.
         </Text>
       </Group>
       <CommandErrorAlert command="Reset" error={reset.error} onClose={reset.reset} />
@@ -97,9 +93,21 @@ function PlaceForm() {
             onChange={(value) => setPlace((before) => ({ ...before, [name]: value }))}
           />
         ))}
-        <Button type="submit" variant="default" disabled={!live || !valid || put.isPending}>
+        <ReasonButton
+          type="submit"
+          variant="default"
+          reason={
+            !live
+              ? NOT_CONNECTED
+              : !valid
+                ? "One of the numbers is missing or out of range."
+                : put.isPending
+                  ? NOT_ANSWERED
+                  : null
+          }
+        >
           Place
-        </Button>
+        </ReasonButton>
       </SimpleGrid>
       <CommandErrorAlert command="Placing the robot" error={put.error} onClose={put.reset} />
     </form>

@@ -22,7 +22,7 @@ export function useStoppableAlone(): string | null {
 export function RobotStopButton({ robot }: { robot: string }) {
   const { gateway, store } = useServices();
   const { mutate, isPending } = useCommand(async () => {
-    showStopping();
+    showStopping(robot);
     const report = await gateway.stop(whoStops());
     store.setStop(report.stop);
     return report;
@@ -34,7 +34,12 @@ export function RobotStopButton({ robot }: { robot: string }) {
       variant="outline"
       data-stopping={isPending || undefined}
       title={`Zero velocity at once, every goal of ${robot} is canceled, and none is sent until the stop is released`}
-      onClick={() => mutate(undefined, { onSuccess: showStopped, onError: showFailed })}
+      onClick={() =>
+        mutate(undefined, {
+          onSuccess: (report) => showStopped(report, robot),
+          onError: (error) => showFailed(error, robot),
+        })
+      }
     >
       Stop {robot}
     </Button>

@@ -2,11 +2,13 @@ import { Button, Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type ReactNode, useMemo } from "react";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
+import { displayName } from "../fleet/words";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Dialog } from "../ui/Dialog";
+import { ReasonButton } from "../ui/ReasonButton";
 import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";
-import { type HeldStop, heldStops } from "./held";
+import { type HeldStop, heldStops, holdsAll } from "./held";
 import classes from "./stop.module.css";
 
 /** So many names are said; the others are counted. */
@@ -17,6 +19,7 @@ export function StopBanner() {
   const stop = useFleetTopic("stop");
   const robots = useFleetTopic("robots");
   const held = useMemo(() => heldStops(stop, robots), [stop, robots]);
+  const all = useMemo(() => holdsAll(held, robots), [held, robots]);
   const [only] = held;
   if (only === undefined) return null;
   return (
@@ -30,25 +33,27 @@ export function StopBanner() {
       data-testid="stop-banner"
     >
       {held.length === 1 ? (
-        <Held stop={only} title={<Title stop={only} several={robots.size > 1} />} large>
-          {only.holds.join() !== only.robot && `${listed(only.holds)}: `}
+        <Held stop={only} what={all ? "All robots" : listed(only.holds)} large>
+          {all && `${listed(only.holds)}: `}
           Zero velocity was sent, goals are canceled, and none is sent until the stop is released.
         </Held>
       ) : (
-        <Several held={held} />
+        <Several held={held} all={all} />
       )}
     </Paper>
   );
 }
 
 /** Several robots, each with a stop of its own. */
-function Several({ held }: { held: readonly HeldStop[] }) {
+function Several({ held, all }: { held: readonly HeldStop[]; all: boolean }) {
+  const count = held.reduce((sum, { holds }) => sum + holds.length, 0);
   return (
     <Stack gap="xs">
       <Group justify="space-between" gap="md">
         <div role="status">
           <Text fw={700} fz="lg">
-            {held.length} robots are stopped
+            {all && "All "}
+            {count} robots are stopped
           </Text>
           <Text size="sm">
             Zero velocity was sent, goals are canceled, and none is sent to a robot until its stop is
@@ -58,16 +63,11 @@ function Several({ held }: { held: readonly HeldStop[] }) {
         <Release held={held} />
       </Group>
       <ul className={classes.held}>
-        {held.map((stop) => {
-          const others = stop.holds.filter((name) => name !== stop.robot);
-          return (
-            <li key={stop.robot}>
-              <Held stop={stop} title={<Title stop={stop} several />}>
-                {others.length > 0 && `Holds ${listed(others)}, too.`}
-              </Held>
-            </li>
-          );
-        })}
+        {held.map((stop) => (
+          <li key={stop.robot}>
+            <Held stop={stop} what={listed(stop.holds)} />
+          </li>
+        ))}
       </ul>
     </Stack>
   );
@@ -75,20 +75,28 @@ function Several({ held }: { held: readonly HeldStop[] }) {
 
 interface HeldProps {
   stop: HeldStop;
-  title: ReactNode;
+  /** The robots that it holds. */
+  what: string;
   large?: boolean;
-  children: ReactNode;
+  children?: ReactNode;
 }
 
-function Held({ stop, title, large = false, children }: HeldProps) {
+function Held({ stop, what, large = false, children }: HeldProps) {
+  const { by, since, persisted } = stop;
   return (
     <Group justify="space-between" gap="md">
       <div role={large ? "status" : undefined}>
         <Text fw={large ? 700 : 600} fz={large ? "lg" : "md"}>
-          {title}
+          {what} stopped{by !== null && ` by ${by}`}
+          {since !== null && (
+            <>
+              {" "}
+              at <Time value={since} />
+            </>
+          )}
         </Text>
         <Text size="sm">{children}</Text>
-        {!stop.persisted && (
+        {!persisted && (
           <Text size="sm" fw={600}>
             This stop is not stored: a restart of the gateway would lose it. Check the gateway's disk.
           </Text>
@@ -96,21 +104,6 @@ function Held({ stop, title, large = false, children }: HeldProps) {
       </div>
       <Release held={[stop]} small={!large} />
     </Group>
-  );
-}
-
-function Title({ stop: { robot, by, since }, several }: { stop: HeldStop; several: boolean }) {
-  return (
-    <>
-      {several && robot !== "/" && `${robot}: `}
-      Stopped{by !== null && ` by ${by}`}
-      {since !== null && (
-        <>
-          {" "}
-          at <Time value={since} />
-        </>
-      )}
-    </>
   );
 }
 
@@ -129,16 +122,21 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
   const names = held.flatMap(({ holds }) => holds);
   return (
     <>
-      <Button
+      <ReasonButton
         variant="default"
         size={small ? "compact-md" : "sm"}
-        disabled={!live || release.isPending}
-        title={live ? undefined : "The gateway is not connected."}
-        aria-label={small ? `Release ${held[0]?.robot ?? ""} …` : undefined}
+        reason={
+          !live
+            ? "The gateway is not connected."
+            : release.isPending
+              ? "The gateway has not answered yet."
+              : null
+        }
+        aria-label={small ? `Release ${displayName(held[0]?.robot ?? "/")} …` : undefined}
         onClick={ask.open}
       >
         {all ? "Release all …" : "Release …"}
-      </Button>
+      </ReasonButton>
       {release.error !== null && (
         <div className={classes.failed}>
           <CommandErrorAlert command="Release" error={release.error} onClose={release.reset} />
@@ -150,7 +148,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
         title={all ? `Release ${held.length} stops?` : "Release the stop?"}
       >
         <Stack gap="md">
-          {names.join() !== "/" && <Text fw={600}>{names.join(", ")}</Text>}
+          <Text fw={600}>{names.map(displayName).join(", ")}</Text>
           <Text size="sm">
             Goals can be sent again afterwards, by everybody.{" "}
             {names.length > 1
@@ -178,6 +176,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
 
 /** `/robot1, /robot2 and 7 more` */
 function listed(names: readonly string[]): string {
-  if (names.length <= NAMES) return names.join(", ");
-  return `${names.slice(0, NAMES - 1).join(", ")} and ${names.length - NAMES + 1} more`;
+  const shown = names.map(displayName);
+  if (shown.length <= NAMES) return shown.join(", ");
+  return `${shown.slice(0, NAMES - 1).join(", ")} and ${shown.length - NAMES + 1} more`;
 }

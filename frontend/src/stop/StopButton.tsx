@@ -1,6 +1,8 @@
 import { Button, Group, Kbd } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { useEffect } from "react";
+import type { CommandError } from "../api/errors";
+import type { StopReport } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { useCommand } from "../ui/useCommand";
 import { stopEverywhere } from "./everywhere";
@@ -9,6 +11,11 @@ import { CHORD, DoubleEscape } from "./keys";
 import { showFailed, showRecovered, showStopped, showStopping } from "./notices";
 import classes from "./stop.module.css";
 import { whoStops } from "./who";
+
+const told = {
+  onSuccess: (report: StopReport) => showStopped(report),
+  onError: (error: CommandError) => showFailed(error),
+};
 
 /**
  * Stops every robot, and keeps them stopped. Enabled always: also while disconnected, while a Stop is under way, and in
@@ -26,13 +33,13 @@ export function StopButton() {
       return report;
     }, store.get("robots"));
   });
-  const press = () => mutate(undefined, { onSuccess: showStopped, onError: showFailed });
+  const press = () => mutate(undefined, told);
   useHotkeys([[CHORD, press]], [], true);
 
   useEffect(() => {
     const twice = new DoubleEscape();
     const hear = (event: KeyboardEvent) => {
-      if (twice.press(event)) mutate(undefined, { onSuccess: showStopped, onError: showFailed });
+      if (twice.press(event)) mutate(undefined, told);
     };
     // Before anything that Escape closes can keep the key to itself.
     window.addEventListener("keydown", hear, true);

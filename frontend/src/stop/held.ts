@@ -41,6 +41,13 @@ export function heldStops(stop: StopState, robots: ReadonlyMap<string, Robot>): 
     .sort((a, b) => byName(a.robot, b.robot));
 }
 
+/** Whether there are several robots, and stops hold every one of them. */
+export function holdsAll(held: readonly HeldStop[], robots: ReadonlyMap<string, Robot>): boolean {
+  const names = new Set(held.flatMap(({ holds }) => holds));
+  const there = [...robots.values()].filter(isThere);
+  return there.length > 1 && there.every(({ name }) => names.has(name));
+}
+
 /** The name of the robot that the gateway is configured for. */
 export function defaultRobot(robots: ReadonlyMap<string, Robot>): string {
   for (const robot of robots.values()) if (robot.default) return robot.name;

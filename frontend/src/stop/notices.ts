@@ -1,9 +1,9 @@
 import { notifications, notificationsStore } from "@mantine/notifications";
 import type { CommandError } from "../api/errors";
 import type { StopReport } from "../api/types";
+import { displayName } from "../fleet/words";
 
-const NOTICE = "stop";
-const NOT_DELIVERED = "Stop was NOT delivered";
+const NOTICE = "stop ";
 
 interface Notice {
   color: string;
@@ -11,33 +11,50 @@ interface Notice {
   message: string;
   autoClose: number | false;
   loading?: boolean;
+  /** It is replaced once the gateway has said again what is stopped. */
+  "data-undelivered"?: true;
 }
 
-function show(notice: Notice): void {
-  notifications.hide(NOTICE);
-  notifications.show({ id: NOTICE, closeButtonProps: { "aria-label": "Dismiss" }, ...notice });
+/**
+ * Shows what became of a Stop. It replaces what was said before of the same robot, and of every robot where it is about all.
+ *
+ * @param robot Null for all robots.
+ */
+function show(robot: string | null, notice: Notice): void {
+  const id = idOf(robot);
+  for (const { id: shown } of notificationsStore.getState().notifications)
+    if (shown !== undefined && (robot === null ? shown.startsWith(NOTICE) : shown === id))
+      notifications.hide(shown);
+  notifications.show({ id, closeButtonProps: { "aria-label": "Dismiss" }, ...notice });
+}
+
+function idOf(robot: string | null): string {
+  return `${NOTICE}${robot ?? ""}`;
 }
 
 /** At once, before anybody has answered. */
-export function showStopping(): void {
-  show({
+export function showStopping(robot: string | null = null): void {
+  show(robot, {
     color: "red",
-    title: "Stopping …",
+    title: robot === null ? "Stopping …" : `Stopping ${displayName(robot)} …`,
     message: "Sent to the gateway.",
     autoClose: false,
     loading: true,
   });
 }
 
-export function showStopped({ canceling, failed, unconfirmed, warning }: StopReport): void {
+export function showStopped(
+  { canceling, failed, unconfirmed, warning }: StopReport,
+  robot: string | null = null,
+): void {
   const warned = warning === null ? "" : ` Warning: ${warning.detail} (${warning.code}).`;
   if (failed.length > 0) {
     const unreached = failed.some(({ robot }) => robot !== null);
     const failures = failed.map((failure) => {
       const { action_name, robot, detail, code } = failure;
-      return `${action_name ?? robot}: ${detail} (${code})`;
+      return `${action_name ?? displayName(robot ?? "/")}: ${detail} (${code})`;
     });
-    show({
+    show(robot, {
       color: "red",
       title: unreached
         ? "Not every robot was told to stand still"
@@ -54,37 +71,40 @@ export function showStopped({ canceling, failed, unconfirmed, warning }: StopRep
         ? "One goal is being canceled."
         : `${canceling.length} goals are being canceled.`;
   const waiting = unconfirmed.length === 0 ? goals : `Not answered yet: ${unconfirmed.join(", ")}; retrying.`;
-  show({
+  const stopped = robot === null ? "Stopped" : `Stopped ${displayName(robot)}`;
+  show(robot, {
     color: unconfirmed.length === 0 && warning === null ? "green" : "orange",
-    title: warning === null ? "Stopped" : "Stopped, with a warning",
+    title: warning === null ? stopped : `${stopped}, with a warning`,
     message: `Zero velocity was sent. ${waiting}${warned}`,
     autoClose: warning === null ? 8000 : false,
   });
 }
 
-export function showFailed(error: CommandError): void {
-  show({
+/** @param robot The one that was to stop; null for all robots. */
+export function showFailed(error: CommandError, robot: string | null = null): void {
+  show(robot, {
     color: "red",
-    title: NOT_DELIVERED,
+    title: `Stop was NOT delivered to ${robot === null ? "any robot" : displayName(robot)}`,
     message: `Use the robot's own emergency stop if it moves. ${error.title} (${error.code}): ${error.detail}`,
     autoClose: false,
+    "data-undelivered": true,
   });
 }
 
 /**
- * Replaces the notice of a failed Stop once the gateway has said again what is stopped.
+ * Replaces the notices of failed Stops once the gateway has said again what is stopped.
  *
  * @param stopped The robots that a stop holds.
  */
 export function showRecovered(stopped: readonly string[]): void {
-  const shown = notificationsStore.getState().notifications.find(({ id }) => id === NOTICE);
-  if (shown?.title !== NOT_DELIVERED) return;
-  show({
+  const { notifications: shown } = notificationsStore.getState();
+  if (!shown.some((notice) => notice["data-undelivered"])) return;
+  show(null, {
     color: "orange",
     title: "The gateway answers again",
     message:
       stopped.length > 0
-        ? `Stopped: ${stopped.join(", ")}.`
+        ? `Stopped: ${stopped.map(displayName).join(", ")}.`
         : "No robot is stopped. Press Stop again if it is still needed.",
     autoClose: 8000,
   });

@@ -1,0 +1,29 @@
+import { Select } from "@mantine/core";
+import { useState } from "react";
+import { useNavigate, useSearchParams } from "react-router";
+import { displayName } from "../fleet/words";
+import { readTab, robotPath } from "./path";
+
+/** Goes to the robot that is chosen, on the same tab. */
+export default function RobotSelect({ others }: { others: readonly string[] }) {
+  const navigate = useNavigate();
+  const [query] = useSearchParams();
+  const [text, setText] = useState("");
+  return (
+    <Select
+      aria-label="Switch robot"
+      placeholder="Switch robot"
+      data={others.map((name) => ({ value: name, label: displayName(name) }))}
+      value={null}
+      searchable
+      searchValue={text}
+      onSearchChange={setText}
+      nothingFoundMessage="No such robot"
+      selectFirstOptionOnChange
+      onChange={(name) => {
+        setText("");
+        if (name !== null) navigate(robotPath(name, readTab(query)));
+      }}
+    />
+  );
+}

@@ -1,0 +1,32 @@
+import { Skeleton } from "@mantine/core";
+import { lazy, Suspense, useMemo } from "react";
+import { useFleetPart } from "../fleet/context";
+import { isThere } from "../fleet/words";
+import { byName } from "../stop/held";
+import classes from "./robot.module.css";
+
+/** Comes where there are several robots. */
+const RobotSelect = lazy(() => import("./RobotSelect"));
+
+/** Goes to another robot of the fleet. Nothing where there is no other one. */
+export function RobotSwitcher({ robot }: { robot: string }) {
+  const names = useFleetPart("robots", (robots) =>
+    [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : [])).join("\n"),
+  );
+  const others = useMemo(
+    () =>
+      names
+        .split("\n")
+        .filter((name) => name !== "" && name !== robot)
+        .sort(byName),
+    [names, robot],
+  );
+  if (others.length === 0) return null;
+  return (
+    <div className={classes.switcher}>
+      <Suspense fallback={<Skeleton height={36} />}>
+        <RobotSelect others={others} />
+      </Suspense>
+    </div>
+  );
+}
