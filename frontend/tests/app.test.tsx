@@ -338,7 +338,7 @@ describe("publishing", () => {
       ),
     );
     vi.stubGlobal("fetch", fetch);
-    const { store } = renderPage(fakeGateway(), { battery_publisher: idlePublisher });
+    const { store } = renderPage(fakeGateway(), { battery_publisher: idlePublisher }, "/?tab=developer");
     act(() =>
       store.onEvent({
         type: "robots",

@@ -104,8 +104,8 @@ def page(browser: Browser, gateway: RunningGateway, request: pytest.FixtureReque
     RESULTS.mkdir(exist_ok=True)
     page.screenshot(path=RESULTS / f"{request.node.name}.png", full_page=True)
     context.close()
-    gateway.http.delete("/stop")
     gateway.stop_once()
+    gateway.http.delete("/stop")
     gateway.http.delete("/battery/publisher")
     if not request.node.get_closest_marker("expect_page_errors"):
         assert errors == []

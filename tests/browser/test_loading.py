@@ -24,7 +24,7 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
         yield gateway
 
 
-@pytest.mark.parametrize("width", [1440, 768])
+@pytest.mark.parametrize("width", [1440, 768, 320])
 def test_a_first_visit_is_small_and_does_not_move(browser: Browser, gateway: RunningGateway, width: int) -> None:
     visit = first_visit(browser, f"{gateway.url}/", width)
     assert visit.scripts > 100_000, "the scripts were not seen"

@@ -13,8 +13,13 @@ import classes from "./robot.module.css";
 /** Operators do without. */
 const DeveloperPanels = lazy(() => import("./DeveloperPanels"));
 
+interface RobotPanelsProps {
+  /** Whether the developers' panels were asked for: they are loaded then, and stay as they are behind the other tab. */
+  developer: boolean;
+}
+
 /** Everything about one robot; inside of its RobotScope and Tabs. Each panel reads for itself what it shows. */
-export const RobotPanels = memo(function RobotPanels() {
+export const RobotPanels = memo(function RobotPanels({ developer }: RobotPanelsProps) {
   // The snapshot fills most panels: shown before it, they would change their heights at once.
   const connecting = useTopicPart("connection", ({ phase }) => phase === "connecting");
   if (connecting) return <PanelsSkeleton />;
@@ -33,9 +38,11 @@ export const RobotPanels = memo(function RobotPanels() {
         </Stack>
       </Tabs.Panel>
       <Tabs.Panel value={DEVELOPER}>
-        <Suspense fallback={<PanelsSkeleton />}>
-          <DeveloperPanels />
-        </Suspense>
+        {developer && (
+          <Suspense fallback={<PanelsSkeleton />}>
+            <DeveloperPanels />
+          </Suspense>
+        )}
       </Tabs.Panel>
     </>
   );

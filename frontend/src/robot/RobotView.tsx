@@ -19,6 +19,9 @@ interface RobotViewProps {
 /** All that there is to see and do about one robot; which tab is in the page's address. */
 export function RobotView({ robot, breadcrumb = false }: RobotViewProps) {
   const [query, setQuery] = useSearchParams();
+  const tab = readTab(query);
+  const [developed, setDeveloped] = useState(false);
+  if (tab === DEVELOPER && !developed) setDeveloped(true);
   const live = useFleetLive();
   const known = useFleetPart("robots", (robots) => robot === null || robots.has(robot));
   // One that was known stays: after a restart the gateway finds the robots one by one.
@@ -29,8 +32,8 @@ export function RobotView({ robot, breadcrumb = false }: RobotViewProps) {
   const shown = !missing || wasKnown;
   return (
     <Tabs
-      value={readTab(query)}
-      onChange={(tab) => setQuery(withTab(query, tab as Tab), { replace: true })}
+      value={tab}
+      onChange={(next) => setQuery(withTab(query, next as Tab), { replace: true })}
       className={classes.view}
     >
       <div className={classes.top}>
@@ -45,7 +48,7 @@ export function RobotView({ robot, breadcrumb = false }: RobotViewProps) {
       {missing && robot !== null && <UnknownRobot robot={robot} wasKnown={wasKnown} />}
       {shown && (
         <RobotScope key={robot} robot={robot}>
-          <RobotPanels />
+          <RobotPanels developer={developed} />
         </RobotScope>
       )}
     </Tabs>

@@ -47,7 +47,7 @@ export function SceneCard() {
             <Words />
           </Text>
           <Legend />
-          <Text size="sm" c="dimmed" role="status" className="tabular">
+          <Text size="sm" c="dimmed" role="status" className="tabular" mih="1.45em">
             {placeable && hint(ghost)}
           </Text>
           <CommandErrorAlert command="Placing the robot" error={place.error} onClose={place.reset} />
