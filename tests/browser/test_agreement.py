@@ -136,7 +136,7 @@ def test_two_browsers_one_of_them_far_away(browser: Browser, site: Site) -> None
             seen.expect_goal("canceled")
             expect(seen.row).to_contain_text("Stopped")
             for page in seen.all:
-                expect(page.get_by_test_id("stop-banner")).to_contain_text("Stopped by the dashboard")
+                expect(page.get_by_test_id("stop-banner")).to_contain_text("All robots stopped by the dashboard")
         far.robot.get_by_role("button", name="Release …").click()
         far.robot.get_by_role("dialog").get_by_role("button", name="Release").click()
         for page in (*far.all, *near.all):

@@ -1,17 +1,19 @@
 import { Skeleton, Stack, Tabs } from "@mantine/core";
-import { lazy, memo, Suspense } from "react";
+import { memo, Suspense } from "react";
 import { BatteryCard } from "../battery/BatteryCard";
 import { BatteryPlotsCard } from "../battery/BatteryPlotsCard";
 import { DockingCard } from "../docking/DockingCard";
 import { GoalsCard } from "../goals/GoalsCard";
 import { SceneCard } from "../scene/SceneCard";
 import { useTopicPart } from "../store/context";
+import { Guarded } from "../ui/Guarded";
+import { lazyPart } from "../ui/lazyPart";
 import { Answers } from "./Answers";
 import { DEVELOPER, OPERATE } from "./path";
 import classes from "./robot.module.css";
 
 /** Operators do without. */
-const DeveloperPanels = lazy(() => import("./DeveloperPanels"));
+const DeveloperPanels = lazyPart(() => import("./DeveloperPanels"));
 
 interface RobotPanelsProps {
   /** Whether the developers' panels were asked for: they are loaded then, and stay as they are behind the other tab. */
@@ -39,9 +41,11 @@ export const RobotPanels = memo(function RobotPanels({ developer }: RobotPanelsP
       </Tabs.Panel>
       <Tabs.Panel value={DEVELOPER}>
         {developer && (
-          <Suspense fallback={<PanelsSkeleton />}>
-            <DeveloperPanels />
-          </Suspense>
+          <Guarded of={DEVELOPER}>
+            <Suspense fallback={<PanelsSkeleton />}>
+              <DeveloperPanels />
+            </Suspense>
+          </Guarded>
         )}
       </Tabs.Panel>
     </>

@@ -1,12 +1,14 @@
 import { Skeleton } from "@mantine/core";
-import { lazy, Suspense, useMemo } from "react";
+import { Suspense, useMemo } from "react";
 import { useFleetPart } from "../fleet/context";
 import { isThere } from "../fleet/words";
 import { byName } from "../stop/held";
+import { Guarded } from "../ui/Guarded";
+import { lazyPart } from "../ui/lazyPart";
 import classes from "./robot.module.css";
 
 /** Comes where there are several robots. */
-const RobotSelect = lazy(() => import("./RobotSelect"));
+const RobotSelect = lazyPart(() => import("./RobotSelect"));
 
 /** Goes to another robot of the fleet. Nothing where there is no other one. */
 export function RobotSwitcher({ robot }: { robot: string }) {
@@ -24,9 +26,11 @@ export function RobotSwitcher({ robot }: { robot: string }) {
   if (others.length === 0) return null;
   return (
     <div className={classes.switcher}>
-      <Suspense fallback={<Skeleton height={36} />}>
-        <RobotSelect others={others} />
-      </Suspense>
+      <Guarded of={robot}>
+        <Suspense fallback={<Skeleton height={36} />}>
+          <RobotSelect others={others} />
+        </Suspense>
+      </Guarded>
     </div>
   );
 }
