@@ -10,7 +10,7 @@ const read = (text: string) => readFilter(new URLSearchParams(text));
 describe("the filter", () => {
   it("is read from the address and written to it", () => {
     const text =
-      "robot=%2Frobot1&action=%2Fdock&action=%2Fundock&status=running&status=lost&origin=external&last=24h";
+      "robot=%2Frobot1&action=%2Fdock&action=%2Fundock&status=running&status=lost&error=blocked&origin=external&last=24h";
     expect(writeFilter(read(text)).toString()).toBe(text);
     expect(read(text).actions).toEqual(["/dock", "/undock"]);
     expect(isFiltered(read(text))).toBe(true);
@@ -47,15 +47,18 @@ describe("the filter", () => {
     expect(["robot=/robot", "action=/dock", "status=lost", "origin=external"].map(fits)).toEqual(
       Array(4).fill(false),
     );
+    const failed = goal("b", { error: { code: "blocked", detail: "by a chair" } });
+    expect(matches(failed, read("error=lost&error=blocked"), START)).toBe(true);
+    expect(matches(failed, read("error=lost"), START) || fits("error=blocked")).toBe(false);
     expect(fits(`since=${at(0)}&until=${at(1)}`)).toBe(true);
     expect(fits(`since=${at(1)}`)).toBe(false);
     expect(fits(`until=${at(0)}`)).toBe(false);
   });
 
   it("goes into the addresses of exports", () => {
-    expect(goalsExportUrl(toQuery(read("robot=/r&status=lost&action=/a&action=/b"), START), "csv")).toBe(
-      "/goals/export?format=csv&robot=%2Fr&action=%2Fa&action=%2Fb&status=lost",
-    );
+    expect(
+      goalsExportUrl(toQuery(read("robot=/r&status=lost&action=/a&action=/b&error=x"), START), "csv"),
+    ).toBe("/goals/export?format=csv&robot=%2Fr&action=%2Fa&action=%2Fb&status=lost&error=x");
     expect(goalExportUrl("3f0c", "json")).toBe("/goals/3f0c/export?format=json");
   });
 });

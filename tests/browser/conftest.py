@@ -42,7 +42,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     """A failure shows what the page said, and what the gateway says."""
     report = yield
     page, gateway = (getattr(item, "funcargs", {}).get(name) for name in ("page", "gateway"))
-    if report.failed and isinstance(page, Page):
+    if report.failed and isinstance(page, Page) and not page.is_closed():
         report.sections.append(("the page", page.locator("body").aria_snapshot()))
         if isinstance(gateway, RunningGateway):
             answers = (gateway.http.get(path).text for path in ("/readyz", "/stop", "/goals?limit=3"))

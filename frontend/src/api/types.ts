@@ -25,5 +25,9 @@ export type Infrared = Schemas["Infrared"];
 export type Simulator = Schemas["Simulator"];
 export type Fault = paths["/simulator/faults/{fault}"]["put"]["parameters"]["path"]["fault"];
 export type BatteryHistory = Schemas["BatteryHistory"];
+export type Statistics = Schemas["Statistics"];
+/** How the goals of a group ended. */
+export type GoalCounts = Schemas["GoalCounts"];
+export type GoalGroup = Schemas["GoalGroup"];
 export type GatewayEvent = Schemas["Event"];
 export type EventOf<Type extends GatewayEvent["type"]> = Extract<GatewayEvent, { type: Type }>;

@@ -2,7 +2,7 @@ import type { Verb } from "../api/client";
 import { adviceFor } from "../api/errors";
 import type { AnyGoal, GoalStatus } from "../api/types";
 import { type GoalCourse, isTerminal } from "../store/goals";
-import { lowerFirst } from "../ui/sentence";
+import { lowerFirst, sentence } from "../ui/sentence";
 import { stageName, stageWords } from "./stages";
 
 export const STATUS_COLORS: Record<GoalStatus, string> = {
@@ -140,6 +140,12 @@ const SHORT: Record<string, string> = {
   stop_latched: "A stop was latched",
   timeout: "Took too long",
 };
+
+/** What an error code means, in a few words. */
+export function codeWords(code: string): string {
+  if (code === "stopped") return "A stop was requested";
+  return SHORT[code] ?? sentence(code.replaceAll("_", " "));
+}
 
 const REACHED: Record<Verb, string> = { dock: "On the dock", undock: "Off the dock" };
 

@@ -2,6 +2,7 @@ import { Button, Chip, Group, NativeSelect, TextInput } from "@mantine/core";
 import { useMemo } from "react";
 import { useActions } from "../actions/useActions";
 import { useFleetTopic } from "../fleet/context";
+import { codeWords } from "../goal/words";
 import { sentence } from "../ui/sentence";
 import { fromLocalInput, toLocalInput } from "../ui/time";
 import {
@@ -50,6 +51,17 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
             { value: "external", label: "Someone else (external)" },
           ]}
         />
+        {filter.errors.length > 0 && (
+          <NativeSelect
+            label="Error"
+            value="chosen"
+            onChange={() => change({ errors: [] })}
+            data={[
+              { value: "", label: "With and without" },
+              { value: "chosen", label: filter.errors.map(codeWords).join(" or ") },
+            ]}
+          />
+        )}
         <TimeFilter filter={filter} change={change} />
       </div>
       <Group gap="xs" mt="sm">

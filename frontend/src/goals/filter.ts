@@ -21,6 +21,8 @@ export interface GoalFilter {
   actions: readonly string[];
   /** None is all. */
   states: readonly GoalState[];
+  /** Error codes; none is all, with and without an error. */
+  errors: readonly string[];
   origin: Origin | null;
   /** Goes before `since` and `until`. */
   last: Span | null;
@@ -33,6 +35,7 @@ export const NO_FILTER: GoalFilter = {
   robot: null,
   actions: [],
   states: [],
+  errors: [],
   origin: null,
   last: null,
   since: null,
@@ -48,6 +51,7 @@ export function readFilter(parameters: URLSearchParams): GoalFilter {
     robot: parameters.get("robot") || null,
     actions: parameters.getAll("action").filter((name) => name !== ""),
     states: STATES.filter((state) => told.includes(state)),
+    errors: parameters.getAll("error").filter((code) => code !== ""),
     origin: origin === "gateway" || origin === "external" ? origin : null,
     last: last !== null && last in SPANS ? (last as Span) : null,
     since: readTime(parameters.get("since")),
@@ -60,6 +64,7 @@ export function writeFilter(filter: GoalFilter): URLSearchParams {
   if (filter.robot !== null) parameters.set("robot", filter.robot);
   for (const action of filter.actions) parameters.append("action", action);
   for (const state of filter.states) parameters.append("status", state);
+  for (const code of filter.errors) parameters.append("error", code);
   if (filter.origin !== null) parameters.set("origin", filter.origin);
   if (filter.last !== null) parameters.set("last", filter.last);
   else {
@@ -80,6 +85,7 @@ export function toQuery(filter: GoalFilter, now: number): GoalQuery {
     ...(filter.robot === null ? {} : { robot: filter.robot }),
     ...(filter.actions.length === 0 ? {} : { action: [...filter.actions] }),
     ...(filter.states.length === 0 ? {} : { status: filter.states.flatMap(statusesOf) }),
+    ...(filter.errors.length === 0 ? {} : { error: [...filter.errors] }),
     ...(filter.origin === null ? {} : { origin: filter.origin }),
     ...(since === null ? {} : { since: new Date(since).toISOString() }),
     ...(until === null ? {} : { until: new Date(until).toISOString() }),
@@ -94,6 +100,7 @@ export function matches(goal: AnyGoal, filter: GoalFilter, now: number): boolean
     (filter.robot === null || isBelow(goal.action_name, filter.robot)) &&
     (filter.actions.length === 0 || filter.actions.includes(goal.action_name)) &&
     (filter.states.length === 0 || filter.states.includes(stateOf(goal.status))) &&
+    (filter.errors.length === 0 || (goal.error !== null && filter.errors.includes(goal.error.code))) &&
     (filter.origin === null || goal.origin === filter.origin) &&
     (since === null || created >= since) &&
     (until === null || created < until)

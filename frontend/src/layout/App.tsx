@@ -9,6 +9,7 @@ const GoalsPage = lazyPart(() => import("../goals/GoalsPage"));
 const GoalPage = lazyPart(() => import("../goals/GoalPage"));
 const ActionsPage = lazyPart(() => import("../actions/ActionsPage"));
 const ActionPage = lazyPart(() => import("../actions/ActionPage"));
+const StatisticsPage = lazyPart(() => import("../statistics/StatisticsPage"));
 const GraphPage = lazyPart(() => import("../graph/GraphPage"));
 
 /** The pages, in what they have in common. */
@@ -23,6 +24,7 @@ export function App() {
           <Route path="goals/:goalId" element={<GoalPage />} />
           <Route path="actions" element={<ActionsPage />} />
           <Route path="actions/*" element={<ActionPage />} />
+          <Route path="statistics" element={<StatisticsPage />} />
           <Route path="graph" element={<GraphPage />} />
         </Route>
         <Route path="*" element={<NotFoundPage />} />

@@ -3,5 +3,6 @@ export const PAGES = [
   { to: "/", name: "Overview", letter: "o" },
   { to: "/ui/goals", name: "Goals", letter: "g" },
   { to: "/ui/actions", name: "Actions", letter: "a" },
+  { to: "/ui/statistics", name: "Statistics", letter: "s" },
   { to: "/ui/graph", name: "Graph", letter: "r" },
 ] as const;

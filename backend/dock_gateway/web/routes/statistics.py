@@ -1,7 +1,7 @@
 """`/statistics`: how goals ended, by day, robot or action."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from datetime import UTC, date, datetime, time, timedelta
 from typing import Annotated, Any, Literal
@@ -14,8 +14,9 @@ from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.filters import parent_of
+from dock_gateway.core.filters import lineage, parent_of
 from dock_gateway.core.goal import GoalStatus
+from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
 from dock_gateway.history.statistics import Span, Tallies, Tally, merged
 from dock_gateway.web.problems import problems
@@ -91,18 +92,13 @@ async def statistics(
     whole = _span(wanted)
     days = divide(*whole, zone) if by == "day" else {"": whole}
     found = await gateway.history.tally(wanted, list(days.values()), by_action=by != "day")
-
-    def robot_of(action_name: str) -> str:
-        owner = gateway.robots.owner(action_name)
-        return parent_of(action_name) if owner is None else owner.namespace
-
     if by == "day":
         groups = [
             (day, replace(wanted, since=span[0], until=span[1]), merged(tallies.values()))
             for (day, span), tallies in zip(days.items(), found, strict=True)
         ]
     else:
-        groups = group(wanted, found[0], robot_of if by == "robot" else str)
+        groups = group(wanted, found[0], owners(gateway, found[0]) if by == "robot" else str)
     document = await asyncio.to_thread(describe, wanted, groups)
     return json_response({"since": whole[0], "until": whole[1], "by": by, "tz": tz} | document)
 
@@ -142,6 +138,22 @@ def divide(since: datetime, until: datetime, zone: ZoneInfo) -> dict[str, Span]:
 
 def _midnight(day: date, zone: ZoneInfo) -> datetime:
     return datetime.combine(day, time(), zone).astimezone(UTC)
+
+
+def owners(gateway: Gateway, action_names: Iterable[str]) -> Callable[[str], str]:
+    """Return a function that names the robot of an action: the one with the longest namespace containing it.
+
+    A namespace with goals of a docking action is a robot, too, even if it is not on the graph now.
+    """
+    docking = gateway.settings.docking_actions
+    gone = {namespace for name in action_names if name in docking(namespace := parent_of(name))}
+    robots = gone.union(robot.namespace for robot in gateway.robots.all())
+
+    def owner(action_name: str) -> str:
+        namespace = parent_of(action_name)
+        return next((each for each in reversed([*lineage(namespace)]) if each in robots), namespace)
+
+    return owner
 
 
 def group(wanted: GoalFilter, found: Tallies, key_of: Callable[[str], str]) -> list[Group]:

@@ -28,7 +28,7 @@ S = GoalStatus
 
 
 class Client:
-    """`/statistics` and `/goals` of a gateway whose history is in memory, with one robot: `/robot1`."""
+    """`/statistics` and `/goals` of a gateway whose history is in memory, with the robots `/` and `/robot1`."""
 
     def __init__(self) -> None:
         settings = Settings(database_url="memory:")
@@ -37,8 +37,7 @@ class Client:
         async def page(wanted: GoalFilter, limit: int, before: str | None) -> tuple[list[Any], None]:
             return await self.history.page(wanted, limit=limit, before=before), None
 
-        robot = SimpleNamespace(namespace="/robot1")
-        robots = SimpleNamespace(owner=lambda name: robot if name.startswith("/robot1/") else None)
+        robots = SimpleNamespace(all=lambda: [SimpleNamespace(namespace=name) for name in ("/", "/robot1")])
         gateway = SimpleNamespace(settings=settings, history=self.history, robots=robots, page=page)
         self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
 
@@ -81,9 +80,9 @@ def busy(client: Client) -> Client:
     client.record("2026-11-20T12:00:00Z", took=30.0, action="/robot1/dock", retries=2)
     client.record("2026-11-20T13:00:00Z", S.ABORTED, action="/robot1/dock", retries=1, error=blocked)
     client.record("2026-11-20T23:30:00Z", S.CANCELED, action="/robot1/arm/pick", retries=None)
-    client.record("2026-11-22T08:00:00Z", took=10.0, action="/robot2/dock", origin="external")
-    client.record("2026-11-22T09:00:00Z", S.LOST, action="/robot2/undock", error=lost)
-    client.record("2026-11-22T10:00:00Z", S.EXECUTING, action="/robot2/undock")
+    client.record("2026-11-22T08:00:00Z", took=10.0, action="/robot2/connect_to_charging_dock", origin="external")
+    client.record("2026-11-22T09:00:00Z", S.LOST, action="/robot2/disconnect_from_charging_dock", error=lost)
+    client.record("2026-11-22T10:00:00Z", S.EXECUTING, action="/robot2/disconnect_from_charging_dock")
     return client
 
 
@@ -120,11 +119,17 @@ def test_the_days_are_those_of_the_time_zone(busy: Client) -> None:
 
 
 def test_robots_and_actions(busy: Client) -> None:
-    """An action in a namespace without a robot belongs to that namespace."""
+    """A robot that has left the graph is one still, by its docking goals."""
+    busy.record("2026-11-22T11:00:00Z", action="/robot2/arm/pick")
+    busy.record("2026-11-22T12:00:00Z", action="/camera/look")
     robots = busy.get(f"/statistics?{RANGE}&by=robot")["groups"]
-    assert [(group["key"], group["ended"]) for group in robots] == [("/robot1", 3), ("/robot2", 2)]
+    assert [(group["key"], group["ended"]) for group in robots] == [
+        ("/", 1),
+        ("/robot1", 3),
+        ("/robot2", 3),
+    ]
     actions = busy.get(f"/statistics?{RANGE}&by=action&robot=/robot2&origin=external")
-    assert [(group["key"], group["ended"]) for group in actions["groups"]] == [("/robot2/dock", 1)]
+    assert [(group["key"], group["ended"]) for group in actions["groups"]] == [("/robot2/connect_to_charging_dock", 1)]
     assert actions["total"]["ended"] == 1
     assert busy.get(f"/statistics?{RANGE}&action=/robot1/dock")["total"]["ended"] == 2
 

@@ -1,0 +1,112 @@
+import { Anchor, Table } from "@mantine/core";
+import { memo } from "react";
+import { Link } from "react-router";
+import type { GoalGroup, Statistics } from "../api/types";
+import { Breakable } from "../ui/Breakable";
+import { sentence } from "../ui/sentence";
+import { CountLink, DurationLink, RateLink } from "./cells";
+import { ErrorLink } from "./ErrorLink";
+import classes from "./statistics.module.css";
+import { GROUPINGS, type Grouping } from "./view";
+import { dayWords, ENDS, goalsLink, tenths } from "./words";
+
+const ENDS_BUT_SUCCESS = ENDS.filter((status) => status !== "succeeded");
+/** Error codes of a row; the table of errors has them all. */
+const MAX_ERRORS = 2;
+
+/** A row for each day (the newest first), robot or action. */
+export function GroupTable({ statistics: { by, groups } }: { statistics: Statistics }) {
+  const rows = by === "day" ? [...groups].reverse() : groups;
+  return (
+    <Table verticalSpacing="xs" horizontalSpacing={8} className={classes.table ?? ""}>
+      <GroupHead by={by} />
+      <Table.Tbody>
+        {rows.map((group) => (
+          <GroupRow key={group.key} by={by} group={group} />
+        ))}
+      </Table.Tbody>
+    </Table>
+  );
+}
+
+export function GroupHead({ by }: { by: Grouping }) {
+  return (
+    <Table.Thead>
+      <Table.Tr>
+        <Table.Th>{GROUPINGS[by]}</Table.Th>
+        <Table.Th className={classes.number}>Ended</Table.Th>
+        <Table.Th className={classes.rate}>Success rate</Table.Th>
+        {ENDS_BUT_SUCCESS.map((status) => (
+          <Table.Th key={status} className={classes.number} visibleFrom="sm">
+            {sentence(status)}
+          </Table.Th>
+        ))}
+        <Table.Th className={classes.number}>Median, s</Table.Th>
+        <Table.Th className={classes.number} visibleFrom="md">
+          90th percentile, s
+        </Table.Th>
+        <Table.Th className={classes.number} visibleFrom="md">
+          Retries
+        </Table.Th>
+        <Table.Th visibleFrom="lg">Most frequent errors</Table.Th>
+      </Table.Tr>
+    </Table.Thead>
+  );
+}
+
+const GroupRow = memo(function GroupRow({ by, group }: { by: Grouping; group: GoalGroup }) {
+  const name = by === "day" ? dayWords(group.key) : <Breakable text={group.key} />;
+  return (
+    <Table.Tr>
+      <Table.Th scope="row" className={classes.key} data-by={by}>
+        {group.ended === 0 ? (
+          name
+        ) : (
+          <Anchor component={Link} to={goalsLink(group, ENDS)} inherit>
+            {name}
+          </Anchor>
+        )}
+      </Table.Th>
+      <Table.Td className={classes.number}>
+        <CountLink counts={group} statuses={ENDS} />
+      </Table.Td>
+      <Table.Td className={classes.rate}>
+        <div className={classes.rateCell}>
+          {group.success_rate !== null && <RateBar rate={group.success_rate} />}
+          <RateLink counts={group} />
+        </div>
+      </Table.Td>
+      {ENDS_BUT_SUCCESS.map((status) => (
+        <Table.Td key={status} className={classes.number} visibleFrom="sm">
+          <CountLink counts={group} statuses={[status]} />
+        </Table.Td>
+      ))}
+      <Table.Td className={classes.number}>
+        <DurationLink counts={group} of="median" />
+      </Table.Td>
+      <Table.Td className={classes.number} visibleFrom="md">
+        <DurationLink counts={group} of="p90" />
+      </Table.Td>
+      <Table.Td className={classes.number} visibleFrom="md">
+        {tenths(group.mean_retries)}
+      </Table.Td>
+      <Table.Td visibleFrom="lg">
+        {group.errors.slice(0, MAX_ERRORS).map((error) => (
+          <div key={error.code}>
+            <ErrorLink counts={group} error={error} /> {error.count}
+          </div>
+        ))}
+      </Table.Td>
+    </Table.Tr>
+  );
+});
+
+/** The share of succeeded goals, and of those that failed. The number beside it says the same. */
+function RateBar({ rate }: { rate: number }) {
+  return (
+    <div className={classes.bar} aria-hidden="true">
+      <div className={classes.good} style={{ flexGrow: rate }} />
+      <div className={classes.bad} style={{ flexGrow: 1 - rate }} />
+    </div>
+  );
+}

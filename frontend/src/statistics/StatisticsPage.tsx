@@ -1,0 +1,80 @@
+import { Skeleton, Stack, Text, Title } from "@mantine/core";
+import { useMemo } from "react";
+import { useSearchParams } from "react-router";
+import type { Statistics } from "../api/types";
+import { Trouble } from "../goals/Trouble";
+import { Section } from "../ui/Section";
+import { Time } from "../ui/Time";
+import { usePageTitle } from "../ui/usePageTitle";
+import { Controls } from "./Controls";
+import { ErrorTable } from "./ErrorTable";
+import { GroupTable } from "./GroupTable";
+import { Summary } from "./Summary";
+import { useStatistics } from "./useStatistics";
+import { GROUPINGS, isTooLong, MAX_DAYS, readView, timeZone, writeView } from "./view";
+
+/** How goals ended, by day, robot or action; every number leads to its goals. */
+export default function StatisticsPage() {
+  usePageTitle("Statistics");
+  const [parameters, setParameters] = useSearchParams();
+  const view = useMemo(() => readView(parameters), [parameters]);
+  const { data, error, isPlaceholderData, live, refetch, dataUpdatedAt } = useStatistics(view);
+  return (
+    <Stack gap="md">
+      <Title order={1} size="h3">
+        Statistics
+      </Title>
+      <Controls view={view} onChange={(next) => setParameters(writeView(next), { replace: true })} />
+      <Trouble what="The statistics could not be loaded" error={error} onRetry={() => void refetch()} />
+      {isTooLong(view) ? (
+        <Text role="status">
+          Days are shown for at most {MAX_DAYS} days. Choose fewer, or group by robot or action.
+        </Text>
+      ) : data === undefined ? (
+        error === null && <StatisticsSkeleton />
+      ) : (
+        <Stack gap="md" aria-busy={isPlaceholderData} data-testid="statistics">
+          <Text size="sm" c="dimmed" role="status">
+            {live ? "As of" : "Not live: as of"} <Time value={dataUpdatedAt} />, days in {timeZone()}
+          </Text>
+          {data.total.ended === 0 ? <NoGoals /> : <Shown statistics={data} />}
+        </Stack>
+      )}
+    </Stack>
+  );
+}
+
+function Shown({ statistics }: { statistics: Statistics }) {
+  return (
+    <>
+      <Summary total={statistics.total} />
+      <Section title={`By ${GROUPINGS[statistics.by].toLowerCase()}`}>
+        <GroupTable statistics={statistics} />
+      </Section>
+      <Section title="Errors">
+        <ErrorTable total={statistics.total} />
+      </Section>
+    </>
+  );
+}
+
+function NoGoals() {
+  return (
+    <Stack gap="xs">
+      <Text fw={600}>No goal ended</Text>
+      <Text size="sm" c="dimmed">
+        Goals that were created in this time are counted here once they have ended. Choose a longer time or
+        all robots to see others.
+      </Text>
+    </Stack>
+  );
+}
+
+function StatisticsSkeleton() {
+  return (
+    <Stack gap="md" role="status" aria-busy="true" aria-label="The statistics are loading">
+      <Skeleton height={150} />
+      <Skeleton height={320} />
+    </Stack>
+  );
+}

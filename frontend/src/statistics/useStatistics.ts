@@ -1,0 +1,31 @@
+import { keepPreviousData, useQuery } from "@tanstack/react-query";
+import { useEffect } from "react";
+import { type CommandError, toCommandError } from "../api/errors";
+import { fetchStatistics } from "../api/statistics";
+import type { Statistics } from "../api/types";
+import { useFleet, useFleetLive } from "../fleet/context";
+import { isTooLong, toQuery, type View, writeView } from "./view";
+
+const EVERY_MS = 60_000;
+
+/** How goals ended; asked for again every minute, and when the gateway is back. */
+export function useStatistics(view: View) {
+  const { http, store } = useFleet();
+  const live = useFleetLive();
+  const possible = !isTooLong(view);
+  const query = useQuery<Statistics, CommandError>({
+    queryKey: ["statistics", writeView(view).toString()],
+    queryFn: ({ signal }) =>
+      fetchStatistics(http, toQuery(view, store.gatewayNow()), signal).catch((error: unknown) => {
+        throw toCommandError(error);
+      }),
+    enabled: possible,
+    placeholderData: keepPreviousData,
+    refetchInterval: live ? EVERY_MS : false,
+  });
+  const { refetch } = query;
+  useEffect(() => {
+    if (live && possible) void refetch({ cancelRefetch: false });
+  }, [live, possible, refetch]);
+  return { ...query, live };
+}

@@ -1,0 +1,216 @@
+import { screen, waitFor, within } from "@testing-library/react";
+import axe from "axe-core";
+import { describe, expect, it, vi } from "vitest";
+import type { GoalCounts, GoalGroup, Statistics } from "../src/api/types";
+import { dayOf, readView, timeZone, toQuery, withRange, writeView } from "../src/statistics/view";
+import { goalsLink, percent } from "../src/statistics/words";
+import { START } from "./events";
+import { fakeGateway, renderPage } from "./page";
+
+const read = (text: string) => readView(new URLSearchParams(text));
+
+function counts(change: Partial<GoalCounts> = {}): GoalCounts {
+  return {
+    ended: 20,
+    statuses: { succeeded: 16, canceled: 2, aborted: 1, rejected: 0, lost: 1 },
+    success_rate: 16 / 18,
+    duration_s: { median: 31.204, p90: 1044.87 },
+    mean_retries: 0.25,
+    errors: [
+      { code: "blocked", count: 1 },
+      { code: "gripper_jammed", count: 1 },
+    ],
+    other_errors: 3,
+    goals_path: "/goals?since=2026-11-20T00:00:00Z&until=2026-11-22T00:00:00Z",
+    ...change,
+  };
+}
+
+const none = counts({
+  ended: 0,
+  statuses: { succeeded: 0, canceled: 0, aborted: 0, rejected: 0, lost: 0 },
+  success_rate: null,
+  duration_s: { median: null, p90: null },
+  mean_retries: null,
+  errors: [],
+  other_errors: 0,
+});
+
+function statistics(groups: GoalGroup[], change: Partial<Statistics> = {}): Statistics {
+  const [since, until] = ["2026-11-20T00:00:00Z", "2026-11-22T00:00:00Z"];
+  return { since, until, by: "day", tz: "UTC", total: counts(), groups, ...change };
+}
+
+const DAYS = statistics([
+  { key: "2026-11-20", ...counts({ goals_path: "/goals?since=a&until=b" }) },
+  { key: "2026-11-21", ...none },
+]);
+
+/** A gateway that answers with what a test gives; null is an outage. */
+function answering(answer: (query: URLSearchParams) => Statistics | null) {
+  const asked: string[] = [];
+  vi.stubGlobal("fetch", async (request: Request) => {
+    const { pathname, searchParams } = new URL(request.url);
+    if (pathname !== "/statistics") return Response.json({}, { status: 404 });
+    asked.push(searchParams.toString());
+    const found = answer(searchParams);
+    if (found !== null) return Response.json(found);
+    const problem = { title: "t", status: 503, code: "history_unavailable", detail: "it does not answer" };
+    return Response.json(problem, { status: 503 });
+  });
+  return asked;
+}
+
+const open = (query = "") => renderPage(fakeGateway(), {}, `/ui/statistics${query}`);
+const table = async (name: string) =>
+  within(await screen.findByRole("region", { name })).getByRole<HTMLTableElement>("table");
+const rows = (found: HTMLTableElement) => within(found).getAllByRole("row").slice(1);
+const text = (element: HTMLElement) => element.textContent?.replaceAll("\u00a0", " ");
+
+describe("the view", () => {
+  it("is read from the address and written to it", () => {
+    for (const query of ["", "range=30d&by=robot&robot=%2Frobot1", "range=own&from=2026-11-01&to=2026-11-07"])
+      expect(writeView(read(query)).toString()).toBe(query);
+  });
+
+  it("replaces what it does not understand, and turns dates round", () => {
+    expect(read("range=2y&by=dock&robot=&from=yesterday")).toEqual(read(""));
+    expect(read("range=own&from=2026-13-01")).toEqual(read(""));
+    expect(read("range=own&from=2026-11-07&to=2026-11-01")).toMatchObject({
+      from: "2026-11-01",
+      to: "2026-11-07",
+    });
+    expect(read("range=own&from=2026-11-07")).toMatchObject({ from: "2026-11-07", to: "2026-11-07" });
+  });
+
+  it("asks for whole days in the reader's zone", () => {
+    const midnight = (day: number) =>
+      new Date(`2026-11-${String(day).padStart(2, "0")}T00:00:00`).toISOString();
+    const noon = Date.parse("2026-11-21T12:00:00");
+    expect(toQuery(read(""), noon)).toEqual({ by: "day", tz: timeZone(), since: midnight(15) });
+    expect(toQuery(read("range=today&by=action&robot=/r"), noon)).toEqual({
+      by: "action",
+      robot: "/r",
+      tz: timeZone(),
+      since: midnight(21),
+    });
+    expect(toQuery(read("range=own&from=2026-11-03&to=2026-11-05"), noon)).toMatchObject({
+      since: midnight(3),
+      until: midnight(6),
+    });
+  });
+
+  it("begins own dates with those that were shown", () => {
+    const own = withRange(read(""), "own", START);
+    expect(own).toMatchObject({ range: "own", from: dayOf(START, -6), to: dayOf(START, 0) });
+    expect(withRange(own, "today", START)).toEqual(read("range=today"));
+  });
+});
+
+describe("words", () => {
+  it("says 100 % only where all succeeded", () => {
+    expect([null, 0, 0.5, 0.99999, 1].map(percent)).toEqual(["–", "0.0 %", "50.0 %", "99.9 %", "100.0 %"]);
+  });
+
+  it("leads to the goals", () => {
+    expect(goalsLink({ goals_path: "/goals?since=a" }, ["lost", "aborted"], "a b")).toBe(
+      "/ui/goals?since=a&status=lost&status=aborted&error=a+b",
+    );
+  });
+});
+
+describe("the page", () => {
+  it("has a row for each day, the newest first, and every number leads to its goals", async () => {
+    answering(() => DAYS);
+    open();
+    const [second, first] = rows(await table("By day"));
+    expect(within(second as HTMLElement).queryAllByRole("link")).toEqual([]);
+    const links = within(first as HTMLElement).getAllByRole("link");
+    expect(links.map(text)).toEqual([
+      "Fri, Nov 20",
+      "20",
+      "88.9 %",
+      "2",
+      "1",
+      "1",
+      "31.2",
+      "1,044.9",
+      "Robot was blocked",
+      "Gripper jammed",
+    ]);
+    expect(
+      links.every((link) => link.getAttribute("href")?.startsWith("/ui/goals?since=a&until=b&status=")),
+    ).toBe(true);
+    expect(links[3]?.getAttribute("href")).toBe("/ui/goals?since=a&until=b&status=canceled");
+    expect(links[8]?.getAttribute("href")).toMatch(/&error=blocked$/);
+    expect(
+      (await axe.run(document.body, { rules: { "color-contrast": { enabled: false } } })).violations,
+    ).toEqual([]);
+  });
+
+  it("sums up, and lists the errors", async () => {
+    answering(() => DAYS);
+    open();
+    const all = within(await screen.findByRole("region", { name: "All goals" }));
+    expect(all.getByRole("link", { name: "31.2 s: succeeded goals" })).toBeDefined();
+    expect(all.getByText(/among the 18 that/)).toBeDefined();
+    expect(rows(await table("Errors")).map(text)).toEqual([
+      "Robot was blockedblocked15.0 %",
+      "Gripper jammedgripper_jammed15.0 %",
+      "Other errors315.0 %",
+    ]);
+  });
+
+  it("asks for what is chosen", async () => {
+    const asked = answering((query) =>
+      query.get("by") === "robot" ? statistics([{ key: "/robot1", ...counts() }], { by: "robot" }) : DAYS,
+    );
+    const { user } = open("?range=30d");
+    await screen.findByRole("region", { name: "By day" });
+    await user.click(screen.getByRole("radio", { name: "Robot" }));
+    expect(rows(await table("By robot")).map((row) => text(row)?.slice(0, 9))).toEqual(["/robot120"]);
+    await user.click(screen.getByRole("radio", { name: "Dates" }));
+    expect(screen.getByLabelText<HTMLInputElement>("From").value).toBe(dayOf(Date.now(), -29));
+    await waitFor(() => expect(asked.at(-1)).toMatch(/by=robot.*until=/));
+  });
+
+  it("does not ask for more days than the gateway tells", async () => {
+    const asked = answering(() => statistics([], { by: "robot" }));
+    const { user } = open("?range=own&from=2020-01-01&to=2026-11-20");
+    expect(await screen.findByText(/at most 400 days/)).toBeDefined();
+    expect(asked).toEqual([]);
+    await user.click(screen.getByRole("radio", { name: "Robot" }));
+    expect(await screen.findByRole("region", { name: "By robot" })).toBeDefined();
+  });
+
+  it("says that there is nothing", async () => {
+    answering(() => statistics([], { total: none }));
+    open();
+    expect(await screen.findByText("No goal ended")).toBeDefined();
+    expect(screen.queryByRole("table")).toBeNull();
+  });
+
+  it("says why there is nothing to show, and tries again", async () => {
+    let away = true;
+    answering(() => (away ? null : DAYS));
+    const { user } = open();
+    expect((await screen.findByRole("alert")).textContent).toMatch(
+      /statistics could not be loaded.*history_unav/,
+    );
+    away = false;
+    await user.click(screen.getByRole("button", { name: "Try again" }));
+    expect(await table("By day")).toBeDefined();
+  });
+
+  it("keeps what it had while the gateway is away, says so, and asks again when it is back", async () => {
+    const asked = answering(() => DAYS);
+    const { store } = open();
+    await table("By day");
+    expect(screen.getByText(/^As of/)).toBeDefined();
+    store.onConnection({ kind: "closed" });
+    expect(await screen.findByText(/^Not live: as of/)).toBeDefined();
+    const before = asked.length;
+    store.onConnection({ kind: "snapshot" });
+    await waitFor(() => expect(asked.length).toBeGreaterThan(before));
+  });
+});

@@ -1,0 +1,102 @@
+"""The statistics by clicking: every number leads to its goals; in both colour schemes and on narrow screens."""
+
+import re
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+from playwright.sync_api import Locator, Page, expect
+
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.history.migrate import migrate
+from dock_gateway.history.rows import goal_row
+from dock_gateway.history.tables import goals, prepare_for
+from tests.browser.axe import find_violations, load_axe
+from tests.support.gateway import RunningGateway, running_gateway
+
+TYPE = "action_tutorials_interfaces/action/ConnectToChargingDock"
+BLOCKED = GoalError("blocked", "something is in the way")
+ENDS = [*[(GoalStatus.SUCCEEDED, None)] * 7, (GoalStatus.CANCELED, None), (GoalStatus.ABORTED, BLOCKED)]
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int, tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningGateway]:
+    """A gateway whose history has 18 goals of two robots in two days."""
+    path = tmp_path_factory.mktemp("history") / "history.db"
+    fill(path)
+    with running_gateway(domain, database_url=f"sqlite:///{path}") as gateway:
+        gateway.wait_until_stored()
+        yield gateway
+
+
+def fill(path: Path) -> None:
+    prepare_for("sqlite")
+    engine = sa.create_engine(f"sqlite:///{path}")
+    with engine.begin() as connection:
+        migrate(connection)
+        connection.execute(sa.insert(goals), [goal_row(make_goal(number)) for number in range(2 * len(ENDS))])
+    engine.dispose()
+
+
+def make_goal(number: int) -> Goal:
+    created = datetime.now(UTC) - timedelta(hours=2 * number + 1)
+    action = f"/robot{number % 2 + 1}/connect_to_charging_dock"
+    goal = Goal(f"00000000-0000-4000-8000-{number:012}", action, TYPE, created)
+    goal.status, goal.error = ENDS[number // 2]
+    goal.finished_at = goal.updated_at = created + timedelta(seconds=30 + number)
+    return goal
+
+
+def row_of(page: Page, region: str, name: str) -> Locator:
+    return page.get_by_role("region", name=region).get_by_role("row").filter(has_text=name)
+
+
+def test_numbers_lead_to_their_goals(page: Page, gateway: RunningGateway) -> None:
+    page.get_by_role("link", name="Statistics").click()
+    expect(page.get_by_role("region", name="By day").get_by_role("row")).to_have_count(8)
+    page.get_by_text("Robot", exact=True).click()
+    row = row_of(page, "By robot", "/robot2")
+    expect(row).to_contain_text("87.5 %")
+    row.get_by_role("link", name="1: aborted goals").click()
+    listed = page.get_by_role("table").locator("tbody tr")
+    expect(listed).to_have_count(1)
+    expect(listed).to_contain_text(re.compile("/robot2/.*aborted.*Robot was blocked"))
+    page.go_back()
+    expect(page).to_have_url(re.compile("by=robot"))
+    row_of(page, "Errors", "blocked").get_by_role("link", name="Robot was blocked").click()
+    expect(listed).to_have_count(2)
+    expect(page.get_by_label("Error", exact=True)).to_have_value("chosen")
+
+
+def test_one_robot_at_any_dates(page: Page, gateway: RunningGateway) -> None:
+    page.goto(f"{gateway.url}/ui/statistics?robot=/robot1&range=30d")
+    total = page.get_by_role("region", name="All goals")
+    expect(total.get_by_role("link", name="9: goals that ended")).to_be_visible()
+    page.get_by_text("Dates", exact=True).click()
+    page.get_by_label("From", exact=True).fill("2020-01-01")
+    page.get_by_label("To", exact=True).fill("2020-01-02")
+    expect(page.get_by_text("No goal ended")).to_be_visible()
+    page.get_by_label("From", exact=True).fill("2019-12-01")
+    expect(page).to_have_url(re.compile("from=2019-12-01"))
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None:
+    page.goto(f"{gateway.url}/ui/statistics?by=robot")
+    load_axe(page, scheme)
+    expect(row_of(page, "By robot", "/robot2")).to_be_visible()
+    assert find_violations(page) == []
+
+
+@pytest.mark.parametrize("width", [320, 768])
+@pytest.mark.parametrize(("by", "more"), [("day", ""), ("action", "&range=own&from=2026-01-01&to=2099-01-01")])
+def test_a_narrow_window(page: Page, gateway: RunningGateway, width: int, by: str, more: str) -> None:
+    """Nothing is cut off or scrolled sideways (WCAG 1.4.10)."""
+    page.set_viewport_size({"width": width, "height": 1000})
+    page.goto(f"{gateway.url}/ui/statistics?by={by}{more}")
+    region = page.get_by_role("region", name=f"By {by}")
+    expect(region.get_by_role("link").first).to_be_visible()
+    assert region.evaluate("card => card.scrollWidth <= card.clientWidth")
+    assert page.evaluate("document.documentElement.scrollWidth") == width
