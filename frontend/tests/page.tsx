@@ -15,6 +15,9 @@ import { FleetProvider, type FleetServices } from "../src/fleet/context";
 import { FleetStore } from "../src/fleet/store";
 import { App } from "../src/layout/App";
 import { theme } from "../src/layout/theme";
+// Loaded on demand by the page: on a busy machine their first import takes longer than a test waits.
+import "../src/robot/DeveloperPanels";
+import "../src/robot/RobotSelect";
 import { SceneBuffer } from "../src/scene/buffer";
 import type { Services } from "../src/store/context";
 import { Store } from "../src/store/store";
