@@ -1,8 +1,9 @@
-import { act, screen, waitFor, within } from "@testing-library/react";
+import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
 import axe from "axe-core";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { AnyGoal, GatewayEvent } from "../src/api/types";
 import type { StreamHandlers } from "../src/stream/stream";
+import type { PlotStackProps } from "../src/ui/PlotStack";
 import { battery, feedback, goal, latched, result, START, snapshot, status } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
@@ -15,7 +16,17 @@ vi.mock("../src/stream/stream", async (original) => ({
   },
 }));
 // A canvas is nothing that jsdom has.
-vi.mock("../src/ui/LinePlot", () => ({ default: ({ label }: { label: string }) => <div>{label}</div> }));
+vi.mock("../src/ui/PlotStack", () => ({
+  default: ({ labels, tools, onPick }: PlotStackProps) =>
+    labels.map((label, index) => (
+      <div key={label}>
+        <button type="button" onClick={() => onPick(3.1)}>
+          {label}
+        </button>
+        {tools[index]}
+      </div>
+    )),
+}));
 
 type Answer = (request: Request, path: string) => unknown;
 
@@ -291,6 +302,106 @@ describe("the page of a goal", () => {
     expect(screen.getByTestId("changed-count").textContent).toBe("3 of 6");
     await user.click(screen.getByRole("switch", { name: "Only rows that changed" }));
     expect(cells()).toHaveLength(6);
+    expect(await violations()).toEqual([]);
+  });
+
+  /** A docking goal of ten seconds with a message each half of a second. */
+  const replayed = () => {
+    const finished_at = new Date(START + 10_000).toISOString();
+    const error = { code: "blocked", detail: "moved 0.01 m in 5 s" };
+    const events = [
+      status("a", { stage: "NAV_TO_STAGING_POSE" }, 1),
+      ...Array.from({ length: 20 }, (_, index) => feedback("a", index / 2)),
+      status("a", { stage: "CONTROLLING" }, 4),
+      status("a", { status: "aborted", stage: "ABORTED", error, finished_at }, 10),
+    ];
+    answering({
+      "GET /goals/a/history": () => ({ events, next_after: null, complete: true }),
+      "GET /goals/a": () => ({
+        ...goal("a", { status: "aborted", error, feedback_count: 20, finished_at }),
+        created_at: new Date(START).toISOString(),
+      }),
+    });
+  };
+  const marked = () => document.querySelector("tr[data-marked] button")?.textContent;
+
+  it("has its verdict first: what became of it, why, for how long, and what to do", async () => {
+    replayed();
+    renderPage(fakeGateway(), {}, "/ui/goals/a");
+    const verdict = await screen.findByTestId("verdict");
+    expect(verdict.textContent).toMatch(
+      /^Docking failed: robot was blocked, after 10 sWhat to do: Look at the robot.*Code: blocked$/,
+    );
+    expect(verdict.dataset.tone).toBe("bad");
+  });
+
+  it("is replayed at the moment that the address holds: row, message and stage", async () => {
+    replayed();
+    const { user } = renderPage(fakeGateway(), {}, "/ui/goals/a?at=3.2");
+    const scrubber = await screen.findByRole<HTMLInputElement>("slider", { name: "Moment of the goal" });
+    await screen.findByTestId("feedback-table");
+    expect(scrubber.getAttribute("aria-valuetext")).toBe("3.2 s, Staging");
+    expect(marked()).toBe("3.000 s");
+    expect(screen.getByRole("heading", { name: "Message at 3.000 s" })).toBeDefined();
+    const entry = () => screen.getByTestId("timeline").querySelector("[data-marked]")?.textContent;
+    expect(entry()).toMatch(/^Staging/);
+    fireEvent.change(scrubber, { target: { value: "9" } });
+    expect(screen.getByTestId("replay-moment").textContent).toBe("9.0 s, Controlling");
+    expect([marked(), entry()]).toEqual(["9.000 s", expect.stringMatching(/^Controlling/)]);
+    await user.click(button("End replay"));
+    expect(screen.getByRole("heading", { name: "Latest message" })).toBeDefined();
+    expect(marked()).toBeUndefined();
+    expect(await violations()).toEqual([]);
+  });
+
+  it("plays to its end, and from its beginning again", async () => {
+    replayed();
+    const { user } = renderPage(fakeGateway(), {}, "/ui/goals/a?at=9.9");
+    await screen.findByTestId("feedback-table");
+    await user.click(button("Play"));
+    await waitFor(() => expect(screen.getByTestId("replay-moment").textContent).toBe("10.0 s"));
+    await waitFor(() => expect(button("Play")).toBeDefined());
+    await user.click(button("Play"));
+    await waitFor(() => expect(screen.getByTestId("replay-moment").textContent).toMatch(/^[0-9]\.[0-9] s/));
+    await user.click(button("Pause"));
+  });
+
+  it("marks one moment in the table and on the plots, and shows the message that a plot was clicked at", async () => {
+    replayed();
+    const { user } = renderPage(fakeGateway(), {}, "/ui/goals/a");
+    const table = await screen.findByTestId("feedback-table");
+    const row = within(table).getByRole("button", { name: "8.000 s" });
+    await user.hover(row);
+    expect(marked()).toBe("8.000 s");
+    await user.unhover(row);
+    await user.hover(document.body);
+    expect(marked()).toBeUndefined();
+    await user.click(button(/^current_battery_state.voltage over time/));
+    expect(screen.getByRole("heading", { name: "Message at 3.000 s" })).toBeDefined();
+    // It is among the rows, which were those from 4 s on.
+    expect(within(table).getByRole("button", { name: "3.000 s", pressed: true })).toBeDefined();
+  });
+
+  it("plots several quantities, those that the address names", async () => {
+    replayed();
+    const names = ["voltage", "percentage"].map((name) => `plot=current_battery_state.${name}`);
+    const { user } = renderPage(fakeGateway(), {}, `/ui/goals/a?${names.join("&")}`);
+    const plots = () =>
+      screen.getAllByText(/ over time, between /).map(({ textContent }) => textContent?.split(" ")[0]);
+    await screen.findByTestId("feedback-table");
+    await waitFor(() =>
+      expect(plots()).toEqual(["current_battery_state.voltage", "current_battery_state.percentage"]),
+    );
+    await user.selectOptions(
+      screen.getByLabelText("Add a plot"),
+      "current_battery_state.power_supply_status",
+    );
+    expect(plots()).toHaveLength(3);
+    await user.click(button("Remove the plot of current_battery_state.voltage"));
+    expect(plots()).toEqual([
+      "current_battery_state.percentage",
+      "current_battery_state.power_supply_status",
+    ]);
     expect(await violations()).toEqual([]);
   });
 });

@@ -137,18 +137,68 @@ def test_a_goal_is_read_and_its_files_are_had(page: Page, gateway: RunningGatewa
     assert left["x"] + left["width"] < right["x"]
     expect(page.get_by_role("list", name="Goal").get_by_text("order")).to_be_visible()
     expect(page.get_by_role("list", name="Result").get_by_text("0, 1, 1, 2, 3, 5, 8")).to_be_visible()
-    expect(page.get_by_label("Plot")).to_have_value("partial_sequence (last)")
-    expect(page.get_by_role("img", name="partial_sequence (last) over time, between 1 and 8")).to_be_visible()
-    expect(page.get_by_test_id("plot").get_by_text("8", exact=True)).to_be_visible()
-    page.get_by_label("Plot").select_option("partial_sequence (length)")
-    expect(page).to_have_url(re.compile(r"plot=partial_sequence"))
+    last = page.get_by_role("img", name="partial_sequence (last) over time, between 1 and 8")
+    expect(last).to_be_visible()
+    expect(page.get_by_test_id("plot-value")).to_have_text("8")
+    page.get_by_label("Add a plot").select_option("partial_sequence (length)")
+    expect(page).to_have_url(re.compile(r"plot=partial_sequence\+%28last%29&plot=partial_sequence\+%28length%29"))
     page.reload()
-    expect(page.get_by_label("Plot")).to_have_value("partial_sequence (length)")
+    expect(last).to_be_visible()
+    expect(page.get_by_test_id("plot-value")).to_have_text(["8", "7"])
+    page.get_by_role("button", name="Remove the plot of partial_sequence (last)").click()
+    expect(page.get_by_test_id("plot-value")).to_have_text(["7"])
     whole = json.loads(export(page, "JSON"))
     assert whole["goal_id"] == goal_id
     rows = list(csv.DictReader(io.StringIO(export(page, "CSV"))))
     assert [row["partial_sequence.2"] for row in rows][-1] == "1"
     assert len(rows) == whole["feedback_count"]
+
+
+def test_one_crosshair_for_plots_and_table(page: Page, gateway: RunningGateway) -> None:
+    goal_id = count_of(6, gateway)
+    page.goto(f"{gateway.url}/ui/goals/{goal_id}?plot=partial_sequence+(last)&plot=partial_sequence+(length)")
+    values, table = page.get_by_test_id("plot-value"), page.get_by_test_id("feedback-table")
+    expect(values).to_have_text(["8", "7"])
+    rows = table.locator("tbody tr")
+    rows.last.hover()
+    expect(values).to_have_text(["1", "3"])
+    expect(rows.last).to_have_attribute("data-marked", "true")
+    plot = page.get_by_role("img", name=re.compile("length"))
+    for cursor in page.locator(".u-cursor-x").all():
+        expect(cursor).to_have_css("transform", re.compile(r"matrix\(1, 0, 0, 1, [1-9]"))
+    box = plot.bounding_box()
+    assert box
+    # Far at the right: the last message, which is the first row.
+    page.mouse.move(box["x"] + box["width"] - 40, box["y"] + 60)
+    expect(rows.first).to_have_attribute("data-marked", "true")
+    expect(values).to_have_text(["8", "7"])
+    page.mouse.click(box["x"] + box["width"] / 10, box["y"] + 60)
+    expect(page.get_by_role("heading", name=re.compile("^Message at"))).to_be_visible()
+    expect(rows.last.get_by_role("button")).to_have_attribute("aria-pressed", "true")
+
+
+def test_a_goal_is_replayed_by_keyboard(page: Page, gateway: RunningGateway) -> None:
+    goal_id = count_of(6, gateway)
+    open_goal(page, gateway, goal_id)
+    scrubber = page.get_by_role("slider", name="Moment of the goal")
+    scrubber.focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.get_by_test_id("replay-moment")).to_have_text("0.1 s")
+    expect(page).to_have_url(re.compile(r"at=0\.1$"))
+    for _ in range(2):
+        page.keyboard.press("PageUp")
+    expect(page).not_to_have_url(re.compile(r"at=0\.1$"))
+    expect(page.get_by_role("heading", name=re.compile("^Message at"))).to_be_visible()
+    address, moment = page.url, page.get_by_test_id("replay-moment").inner_text()
+    page.goto(gateway.url)
+    page.goto(address)
+    expect(page.get_by_test_id("replay-moment")).to_have_text(moment)
+    press(page, "Play")
+    expect(page.get_by_test_id("replay-moment")).not_to_have_text(moment)
+    press(page, "Pause")
+    expect(page).not_to_have_url(address)
+    press(page, "End replay")
+    expect(page).not_to_have_url(re.compile("at="))
 
 
 @pytest.mark.parametrize("width", [320, 1440])
@@ -256,6 +306,8 @@ def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None
     assert find_violations(page) == []
     press(page, "Cancel")
     expect_status(page, "canceled")
+    expect(page.get_by_role("region", name="Replay")).to_be_visible()
+    assert find_violations(page) == []
     press(page, "Send again …")
     expect(page.get_by_role("dialog", name="Send this goal again?")).to_be_visible()
     assert find_violations(page) == []
@@ -271,6 +323,9 @@ def test_a_narrow_window(page: Page, gateway: RunningGateway, width: int) -> Non
     assert page.evaluate("document.documentElement.scrollWidth") == width
     open_goal(page, gateway, goal_id)
     expect(page.get_by_test_id("feedback-table")).to_be_visible()
+    assert page.evaluate("document.documentElement.scrollWidth") == width
+    press(page, "Cancel")
+    expect(page.get_by_role("region", name="Replay")).to_be_visible()
     assert page.evaluate("document.documentElement.scrollWidth") == width
 
 

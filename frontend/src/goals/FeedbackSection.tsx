@@ -1,29 +1,25 @@
-import { Group, NativeSelect, Skeleton, Stack, Text } from "@mantine/core";
-import { Suspense, useMemo } from "react";
-import { useSearchParams } from "react-router";
+import { Skeleton, Text } from "@mantine/core";
+import { useState } from "react";
 import { useSchemas } from "../actions/useActions";
 import type { AnyGoal } from "../api/types";
-import { isFinal } from "../store/goals";
-import { constantName, type JsonSchema, unitOf } from "../ui/jsonSchema";
-import { lazyPart } from "../ui/lazyPart";
-import { alike } from "../ui/numbers";
+import { isFinal, isTerminal } from "../store/goals";
 import { Section } from "../ui/Section";
-import { formatElapsed } from "../ui/time";
+import { FeedbackPlots } from "./FeedbackPlots";
 import { FeedbackRows } from "./FeedbackRows";
-import { FeedbackPlotSource } from "./feedbackPlot";
-import { type FoundField, mostTelling, nodeOf } from "./fields";
+import { rowAt } from "./feedbackLog";
 import { useWatched, useWatchTopic } from "./useGoalWatch";
-
-const LinePlot = lazyPart(() => import("../ui/LinePlot"));
 
 const HEIGHT = 240;
 
-/** The feedback of a goal as it comes: one field over time, and the messages. */
+/** The feedback of a goal as it comes: quantities over time, and the messages. */
 export function FeedbackSection({ goal }: { goal: AnyGoal }) {
   const { watch } = useWatched();
   useWatchTopic("feedback");
   const past = useWatchTopic("past");
   const schema = useSchemas(goal.action_type).data?.feedback;
+  /** The message that is shown in full. */
+  const [chosen, setChosen] = useState<string | null>(null);
+  const start = Date.parse(goal.created_at);
   const { log } = watch;
   if (log.rows.length === 0) {
     return (
@@ -32,10 +28,17 @@ export function FeedbackSection({ goal }: { goal: AnyGoal }) {
       </Section>
     );
   }
+  const pick = (moment: number) => setChosen(rowAt(log.rows, start + moment * 1000)?.id ?? null);
   return (
     <Section title="Feedback" aside={<Amount goal={goal} />}>
-      <PlottedField start={Date.parse(goal.created_at)} schema={schema} />
-      <FeedbackRows start={Date.parse(goal.created_at)} schema={schema} />
+      <FeedbackPlots goal={goal} schema={schema} onPick={pick} />
+      <FeedbackRows
+        start={start}
+        schema={schema}
+        growing={!isTerminal(goal.status)}
+        chosen={chosen}
+        onChoose={setChosen}
+      />
     </Section>
   );
 }
@@ -61,76 +64,5 @@ function NoFeedback({ goal }: { goal: AnyGoal }) {
         ? "The action server sent no feedback, or the history does not keep it any more."
         : "No feedback yet. It appears here as the action server sends it."}
     </Text>
-  );
-}
-
-interface PlottedFieldProps {
-  /** When the goal began (ms). */
-  start: number;
-  schema: JsonSchema | undefined;
-}
-
-/** The plot of the field that the address names, so that a link shows the same. */
-function PlottedField({ start, schema }: PlottedFieldProps) {
-  const { watch } = useWatched();
-  const [parameters, setParameters] = useSearchParams();
-  const fields = watch.log.fields.all;
-  const named = fields.find(({ name }) => name === parameters.get("plot"));
-  const name = (named ?? mostTelling(fields))?.name;
-  const field = fields.find((each) => each.name === name);
-  if (field === undefined) {
-    return (
-      <Text size="sm" c="dimmed">
-        The feedback has no number that was measured, so there is nothing to plot.
-      </Text>
-    );
-  }
-  const choose = (plot: string) => {
-    parameters.set("plot", plot);
-    setParameters(parameters, { replace: true });
-  };
-  return (
-    <Stack gap="xs">
-      <Group justify="space-between" align="flex-end">
-        <NativeSelect
-          label="Plot"
-          value={field.name}
-          onChange={(event) => choose(event.currentTarget.value)}
-          data={fields.map((each) => each.name)}
-        />
-        <Text size="sm" c="dimmed" visibleFrom="sm">
-          Drag across the plot to zoom in.
-        </Text>
-      </Group>
-      <FieldPlot key={field.name} field={field} start={start} schema={schema} />
-    </Stack>
-  );
-}
-
-function FieldPlot({ field, start, schema }: PlottedFieldProps & { field: FoundField }) {
-  const { log } = useWatched().watch;
-  const { name, digits } = field;
-  const source = useMemo(() => {
-    const found = log.fields.all.find((each) => each.name === name);
-    return new FeedbackPlotSource(log, found ?? { name, path: [] }, start);
-  }, [log, name, start]);
-  const lines = useMemo(() => {
-    const node = nodeOf(schema, source.field);
-    const words = (value: number) => `${constantName(node, value) ?? ""} (${value})`;
-    const named = node?.schema["x-constants"] === undefined ? {} : { words };
-    return [{ label: name, unit: unitOf(node), digits, ...named }];
-  }, [schema, source, name, digits]);
-  const unit = lines[0]?.unit ?? "";
-  return (
-    <Suspense fallback={<Skeleton height={HEIGHT + 34} />}>
-      <LinePlot
-        source={source}
-        lines={lines}
-        xLabel="Since the start"
-        formatX={formatElapsed}
-        label={`${name} over time, between ${alike(field.min, digits)} and ${alike(field.max, digits)} ${unit}`}
-        height={HEIGHT}
-      />
-    </Suspense>
   );
 }

@@ -2,7 +2,7 @@ import { Table, Text } from "@mantine/core";
 import { memo, useMemo } from "react";
 import { constantName, type JsonSchema, type SchemaNode, unitOf } from "../ui/jsonSchema";
 import { NOT_MEASURED } from "../ui/messageWords";
-import { alike, type Digits } from "../ui/numbers";
+import { alike, COMPARED, type Digits } from "../ui/numbers";
 import { Time } from "../ui/Time";
 import { formatElapsed } from "../ui/time";
 import type { FeedbackRow } from "./feedbackLog";
@@ -20,12 +20,22 @@ interface FeedbackTableProps {
   start: number;
   schema: JsonSchema | undefined;
   chosen: string | null;
+  /** The row at the moment that is marked. */
+  marked: string | null;
   onChoose: (id: string) => void;
+  /** The pointer or the focus rests on the rows, or has left them. */
+  onRest: (yes: boolean) => void;
 }
 
 /** Messages of a goal's feedback, a row each, with the numbers that were measured. */
-export function FeedbackTable({ rows, start, schema, chosen, onChoose }: FeedbackTableProps) {
+export function FeedbackTable(props: FeedbackTableProps) {
+  const { rows, start, schema, chosen, marked, onChoose, onRest } = props;
+  const { crosshair } = useWatched();
   const columns = useColumns(schema);
+  const leave = () => {
+    crosshair.point(null);
+    onRest(false);
+  };
   return (
     <Table.ScrollContainer minWidth={300} scrollAreaProps={{ tabIndex: 0 }}>
       <Table
@@ -46,7 +56,12 @@ export function FeedbackTable({ rows, start, schema, chosen, onChoose }: Feedbac
             ))}
           </Table.Tr>
         </Table.Thead>
-        <Table.Tbody>
+        <Table.Tbody
+          onMouseEnter={() => onRest(true)}
+          onMouseLeave={leave}
+          onFocus={() => onRest(true)}
+          onBlur={leave}
+        >
           {rows.map((row) => (
             <Row
               key={row.id}
@@ -54,7 +69,9 @@ export function FeedbackTable({ rows, start, schema, chosen, onChoose }: Feedbac
               start={start}
               columns={columns}
               chosen={row.id === chosen}
+              marked={row.id === marked}
               onChoose={onChoose}
+              onPoint={crosshair.point}
             />
           ))}
         </Table.Tbody>
@@ -68,12 +85,21 @@ interface RowProps {
   start: number;
   columns: readonly Column[];
   chosen: boolean;
+  marked: boolean;
   onChoose: (id: string) => void;
+  /** The pointer or the focus is on it (s since the goal began). */
+  onPoint: (moment: number) => void;
 }
 
-const Row = memo(function Row({ row, start, columns, chosen, onChoose }: RowProps) {
+const Row = memo(function Row({ row, start, columns, chosen, marked, onChoose, onPoint }: RowProps) {
+  const point = () => onPoint((row.time - start) / 1000);
   return (
-    <Table.Tr data-chosen={chosen || undefined}>
+    <Table.Tr
+      data-chosen={chosen || undefined}
+      data-marked={marked || undefined}
+      onMouseEnter={point}
+      onFocus={point}
+    >
       <Table.Td data-number>
         <button
           type="button"
@@ -104,7 +130,7 @@ function Cell({ value, column }: { value: number | null; column: Column }) {
       </Text>
     );
   }
-  return constantName(column.node, value) ?? alike(value, column.digits);
+  return constantName(column.node, value) ?? alike(value, column.digits, COMPARED);
 }
 
 interface Column {

@@ -2,7 +2,6 @@ import { Anchor, Badge, Code, Group, Stack, Title } from "@mantine/core";
 import { Link } from "react-router";
 import type { AnyGoal } from "../api/types";
 import { GoalDuration } from "../goal/GoalDuration";
-import { GoalExplanation } from "../goal/GoalExplanation";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { isTerminal } from "../store/goals";
 import { Breakable } from "../ui/Breakable";
@@ -11,6 +10,7 @@ import { Fact, FactList } from "../ui/Fact";
 import { Time } from "../ui/Time";
 import { NO_FILTER, writeFilter } from "./filter";
 import { GoalCommands } from "./GoalCommands";
+import { GoalVerdict } from "./GoalVerdict";
 import classes from "./goalPage.module.css";
 import { OriginBadge } from "./OriginBadge";
 import { useWatchTopic } from "./useGoalWatch";
@@ -32,12 +32,12 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         {goal.stalled && !ended && <Badge color="orange">stalled</Badge>}
         {away && <Badge color="gray.7">Not live</Badge>}
       </Group>
+      <GoalVerdict goal={goal} />
+      <GoalCommands goal={goal} />
       <div className={classes.id}>
         <Code>{goal.goal_id}</Code>
         <CopyButton value={goal.goal_id} what="the goal id" />
       </div>
-      <GoalExplanation goal={goal} />
-      <GoalCommands goal={goal} />
       <FactList wide>
         <Fact name="Started">
           <Time value={goal.created_at} />

@@ -1,5 +1,6 @@
 import { Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useParams } from "react-router";
+import { isTerminal } from "../store/goals";
 import { Command } from "../ui/Command";
 import { usePageTitle } from "../ui/usePageTitle";
 import { FeedbackSection } from "./FeedbackSection";
@@ -7,6 +8,7 @@ import { GoalHead } from "./GoalHead";
 import { GoalMessages } from "./GoalMessages";
 import { GoalTimeline } from "./GoalTimeline";
 import classes from "./goalPage.module.css";
+import { Replay } from "./Replay";
 import { Trouble } from "./Trouble";
 import { useGoalWatch, useWatched, useWatchTopic, WatchedContext } from "./useGoalWatch";
 
@@ -45,6 +47,7 @@ function WatchedGoal() {
   return (
     <>
       <GoalHead goal={goal} />
+      {isTerminal(goal.status) && <Replay goal={goal} />}
       <div className={classes.grid}>
         <GoalTimeline goal={goal} />
         <div className={classes.longest}>

@@ -1,9 +1,10 @@
 import { Skeleton, Stack, Text } from "@mantine/core";
 import type { AnyGoal } from "../api/types";
 import { useFleetLive } from "../fleet/context";
+import { entryAt } from "../goal/bands";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { stageName, stageWords } from "../goal/stages";
-import { type Entry, timelineOf } from "../goal/timeline";
+import type { Entry } from "../goal/timeline";
 import { meaning } from "../goal/words";
 import { useGatewayNow } from "../store/clock";
 import { isFinal, isTerminal } from "../store/goals";
@@ -13,15 +14,16 @@ import { Time } from "../ui/Time";
 import { formatDuration } from "../ui/time";
 import classes from "./goalPage.module.css";
 import { Trouble } from "./Trouble";
-import { useWatched, useWatchTopic } from "./useGoalWatch";
+import { useMoment, useWatched } from "./useGoalWatch";
+import { useTimeline } from "./useTimeline";
 
 /** What a goal went through: its statuses and stages, when they began and how long they lasted. */
 export function GoalTimeline({ goal }: { goal: AnyGoal }) {
   const { watch } = useWatched();
-  const statuses = useWatchTopic("statuses");
-  const past = useWatchTopic("past");
+  const { entries, past } = useTimeline(goal);
+  const moment = useMoment();
   const waiting = past.loading && past.complete === null;
-  const entries = timelineOf(goal, statuses, past.complete === true);
+  const marked = moment === null ? -1 : entryAt(entries, Date.parse(goal.created_at) + moment * 1000);
   return (
     <Section title="Timeline">
       <Trouble
@@ -39,7 +41,13 @@ export function GoalTimeline({ goal }: { goal: AnyGoal }) {
       ) : (
         <ol className={classes.timeline} data-testid="timeline">
           {entries.map((entry, index) => (
-            <TimelineEntry key={entry.key} entry={entry} goal={goal} last={index === entries.length - 1} />
+            <TimelineEntry
+              key={entry.key}
+              entry={entry}
+              goal={goal}
+              last={index === entries.length - 1}
+              marked={index === marked}
+            />
           ))}
         </ol>
       )}
@@ -51,15 +59,18 @@ interface TimelineEntryProps {
   entry: Entry;
   goal: AnyGoal;
   last: boolean;
+  /** Whether the goal was there at the moment that is marked. */
+  marked: boolean;
 }
 
-function TimelineEntry({ entry, goal, last }: TimelineEntryProps) {
+function TimelineEntry({ entry, goal, last, marked }: TimelineEntryProps) {
   const { change, time, lasted } = entry;
   const goesOn = last && !isFinal(goal.status);
   return (
     <li
       className={classes.entry}
       data-tone={toneOf(change, goesOn)}
+      data-marked={marked || undefined}
       aria-current={goesOn ? "step" : undefined}
     >
       <div className={classes.entryHead}>

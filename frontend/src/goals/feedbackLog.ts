@@ -1,3 +1,4 @@
+import { lastUpTo } from "../ui/crosshair";
 import type { Message } from "../ui/messageWords";
 import { FieldsFound } from "./fields";
 
@@ -70,4 +71,13 @@ export function indexOf(rows: readonly FeedbackRow[], id: string): number {
     else high = middle;
   }
   return low;
+}
+
+/** The last of the rows that had come at a time (ms), which may be rounded. */
+export function rowIndexAt(rows: readonly FeedbackRow[], time: number): number {
+  return lastUpTo(time + 0.5, rows.length, (index) => rows[index]?.time ?? 0);
+}
+
+export function rowAt(rows: readonly FeedbackRow[], time: number): FeedbackRow | undefined {
+  return rows[rowIndexAt(rows, time)];
 }

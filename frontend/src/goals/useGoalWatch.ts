@@ -3,12 +3,15 @@ import { createGoalsApi, type GoalsApi } from "../api/goals";
 import type { Http } from "../api/http";
 import { useFleet } from "../fleet/context";
 import { openStream, streamUrl } from "../stream/stream";
+import { Crosshair } from "../ui/crosshair";
 import { GoalWatch, type WatchTopics } from "./watch";
 
 /** The goal of a page, and what can be asked of goals. */
 export interface Watched {
   watch: GoalWatch;
   api: GoalsApi;
+  /** In seconds since the goal began. */
+  crosshair: Crosshair;
 }
 
 export const WatchedContext = createContext<Watched | null>(null);
@@ -32,7 +35,7 @@ function watchGoal(http: Http, goalId: string): Watched {
     openStream(streamUrl(window.location, { goal_id: goalId }), handlers),
   );
   void watch.open();
-  return { watch, api };
+  return { watch, api, crosshair: new Crosshair() };
 }
 
 export function useWatched(): Watched {
@@ -46,4 +49,16 @@ export function useWatchTopic<T extends keyof WatchTopics>(topic: T): WatchTopic
   const { watch } = useWatched();
   const subscribe = useCallback((listener: () => void) => watch.subscribe(topic, listener), [watch, topic]);
   return useSyncExternalStore(subscribe, () => watch.get(topic));
+}
+
+/** The moment that is marked (s since the goal began). */
+export function useMoment(): number | null {
+  const { crosshair } = useWatched();
+  return useSyncExternalStore(crosshair.subscribe, () => crosshair.moment);
+}
+
+/** The moment that the replay stands at (s since the goal began). */
+export function useHeldMoment(): number | null {
+  const { crosshair } = useWatched();
+  return useSyncExternalStore(crosshair.subscribe, () => crosshair.held);
 }

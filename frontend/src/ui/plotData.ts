@@ -1,10 +1,20 @@
-import { alike, type Digits, decimalsOf, NO_DIGITS, withNumber } from "./numbers";
+import { alike, COMPARED, type Digits, decimalsOf, NO_DIGITS, withNumber } from "./numbers";
+import type { BAND_COLORS } from "./plotLook";
 
 /** What a plot draws, kept outside of React: it looks whether the version has changed before it draws anew. */
 export interface PlotSource {
   readonly version: number;
   /** The x values, ascending, then those of each line; null is a gap. */
   read(): [number[], ...(number | null)[][]];
+}
+
+/** A span of the x axis that is coloured behind the lines, with its name. */
+export interface PlotBand {
+  from: number;
+  /** Null up to the right edge. */
+  to: number | null;
+  label: string;
+  color: keyof (typeof BAND_COLORS)["light"];
 }
 
 export interface PlotLine {
@@ -32,5 +42,6 @@ export function axisNumbers(splits: readonly number[], step: number): string[] {
 /** A value with its unit, as long as all values of its line. */
 export function lineWords({ digits, unit, words }: PlotLine, value: number): string {
   if (words !== undefined) return words(value);
-  return unit === null ? alike(value, digits) : `${alike(value, digits)} ${unit}`;
+  const text = alike(value, digits, COMPARED);
+  return unit === null ? text : `${text} ${unit}`;
 }

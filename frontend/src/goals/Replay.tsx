@@ -1,0 +1,121 @@
+import { Button, Group, SegmentedControl, Text } from "@mantine/core";
+import { useReducedMotion } from "@mantine/hooks";
+import { useEffect, useRef, useState } from "react";
+import { useSearchParams } from "react-router";
+import type { AnyGoal } from "../api/types";
+import { bandsOf } from "../goal/bands";
+import { BEAT_MS, onBeat } from "../ui/beat";
+import { Section } from "../ui/Section";
+import { formatElapsed } from "../ui/time";
+import classes from "./goalPage.module.css";
+import { momentIn, momentText, playFrom, SPEEDS, type Speed, stepOf } from "./replay";
+import { useHeldMoment, useWatched } from "./useGoalWatch";
+import { useTimeline } from "./useTimeline";
+
+/** The moment of the replay is this parameter of the address (s since the goal began). */
+const AT = "at";
+const SLOW_MS = 1000;
+/** A scrubber that moves writes to the address when it rests. */
+const REST_MS = 300;
+
+/** Goes through a goal that has ended: what the plots, the table and the timeline mark, and the message that is shown. */
+export function Replay({ goal }: { goal: AnyGoal }) {
+  const { crosshair } = useWatched();
+  const [parameters, setParameters] = useSearchParams();
+  const [playing, setPlaying] = useState(false);
+  const [speed, setSpeed] = useState<Speed>(1);
+  const reducedMotion = useReducedMotion();
+  const moment = useHeldMoment();
+  const start = Date.parse(goal.created_at);
+  const length = Math.max(0, (Date.parse(goal.finished_at ?? goal.updated_at) - start) / 1000);
+  const stage = useStageAt(goal, moment);
+  const address = parameters.get(AT);
+  const write = useRef((_moment: number | null) => {});
+  write.current = (at) => {
+    if (at === null) parameters.delete(AT);
+    else parameters.set(AT, momentText(at));
+    setParameters(parameters, { replace: true });
+  };
+
+  useEffect(() => crosshair.hold(momentIn(address, length)), [crosshair, address, length]);
+
+  useEffect(() => {
+    if (!playing) return;
+    let before = performance.now();
+    return onBeat(reducedMotion ? SLOW_MS : BEAT_MS, () => {
+      const now = performance.now();
+      const next = (crosshair.held ?? 0) + ((now - before) / 1000) * speed;
+      before = now;
+      crosshair.hold(Math.min(length, next));
+      if (next < length) return;
+      setPlaying(false);
+      write.current(length);
+    });
+  }, [playing, speed, length, reducedMotion, crosshair]);
+
+  const rest = useRef<ReturnType<typeof setTimeout>>(undefined);
+  useEffect(() => () => clearTimeout(rest.current), []);
+  const scrub = (to: number) => {
+    setPlaying(false);
+    crosshair.hold(to);
+    clearTimeout(rest.current);
+    rest.current = setTimeout(() => write.current(to), REST_MS);
+  };
+  const toggle = () => {
+    clearTimeout(rest.current);
+    if (playing) write.current(crosshair.held);
+    else crosshair.hold(playFrom(crosshair.held, length));
+    setPlaying(!playing);
+  };
+  const leave = () => {
+    clearTimeout(rest.current);
+    setPlaying(false);
+    crosshair.hold(null);
+    write.current(null);
+  };
+  const at = moment ?? 0;
+  const words = `${formatElapsed(at, 1)}${stage === null ? "" : `, ${stage}`}`;
+  return (
+    <Section title="Replay">
+      <div className={classes.replay}>
+        <Group gap="xs" wrap="nowrap">
+          <Button variant="default" size="compact-md" miw={76} onClick={toggle}>
+            {playing ? "Pause" : "Play"}
+          </Button>
+          <SegmentedControl
+            aria-label="Speed"
+            size="xs"
+            value={String(speed)}
+            onChange={(value) => setSpeed(Number(value) as Speed)}
+            data={SPEEDS.map((each) => ({ value: String(each), label: `${each}×` }))}
+          />
+        </Group>
+        <input
+          type="range"
+          className={classes.scrubber}
+          aria-label="Moment of the goal"
+          aria-valuetext={words}
+          min={0}
+          max={length}
+          step={stepOf(length)}
+          value={at}
+          onChange={(event) => scrub(Number(event.currentTarget.value))}
+        />
+        <Text size="sm" className="tabular" data-testid="replay-moment">
+          {moment === null ? "Not replaying" : words}
+        </Text>
+        <Button variant="default" size="compact-md" disabled={moment === null} onClick={leave}>
+          End replay
+        </Button>
+      </div>
+    </Section>
+  );
+}
+
+/** The stage that a goal was in at a moment. */
+function useStageAt(goal: AnyGoal, moment: number | null): string | null {
+  const { entries } = useTimeline(goal);
+  if (moment === null) return null;
+  const bands = bandsOf(entries, Date.parse(goal.created_at));
+  return bands.findLast(({ from, to }) => from <= moment && (to === null || moment < to))?.label ?? null;
+}
