@@ -1,5 +1,5 @@
 import { act, screen, waitFor } from "@testing-library/react";
-import { afterEach, describe, expect, it, vi } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import type { EventOf } from "../src/api/types";
 import { SCENE_STALE_MS } from "../src/store/freshness";
@@ -11,6 +11,10 @@ const words = () => screen.getByTestId("scene-words").textContent;
 function simulatorEvent(change: Partial<typeof simulator> = {}): EventOf<"simulator"> {
   return { type: "simulator", time: at(1), robot: "/", simulator: { ...simulator, ...change } };
 }
+
+// Time stands still: on a busy machine a scene would be history before it is looked at.
+beforeEach(() => void vi.spyOn(performance, "now").mockReturnValue(1000));
+afterEach(() => vi.restoreAllMocks());
 
 function simulatedPage(change: Parameters<typeof fakeGateway>[0] = {}, path = "/") {
   const gateway = fakeGateway({ simulator: vi.fn(async () => simulator), ...change });
@@ -69,8 +73,7 @@ describe("the view from above", () => {
   it("says when what it shows is history", async () => {
     simulatedPage();
     await waitFor(() => expect(words()).toMatch(/^Robot at/));
-    const late = performance.now() + SCENE_STALE_MS + 100;
-    vi.spyOn(performance, "now").mockReturnValue(late);
+    vi.mocked(performance.now).mockReturnValue(1000 + SCENE_STALE_MS + 100);
     await waitFor(() => expect(words()).toMatch(/^This is how it was last seen/));
   });
 });
@@ -78,8 +81,6 @@ describe("the view from above", () => {
 describe("the simulator", () => {
   const developerPage = (change?: Parameters<typeof fakeGateway>[0]) =>
     simulatedPage(change, "/?tab=developer");
-
-  afterEach(() => vi.restoreAllMocks());
 
   it("is asked for when there is a true pose, and shows its state", async () => {
     developerPage();

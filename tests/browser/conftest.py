@@ -3,10 +3,13 @@
 import os
 import shutil
 from collections.abc import Generator, Iterator
+from contextlib import suppress
 from pathlib import Path
 
+import httpx2
 import pytest
 from playwright.sync_api import Browser, ConsoleMessage, Page, WebSocket, expect, sync_playwright
+from playwright.sync_api import Error as PlaywrightError
 
 from tests.support import shapes
 from tests.support.domain import ros_domain
@@ -42,10 +45,12 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     """A failure shows what the page said, and what the gateway says."""
     report = yield
     page, gateway = (getattr(item, "funcargs", {}).get(name) for name in ("page", "gateway"))
-    if report.failed and isinstance(page, Page) and not page.is_closed():
-        report.sections.append(("the page", page.locator("body").aria_snapshot()))
-        if isinstance(gateway, RunningGateway):
-            answers = (gateway.http.get(path).text for path in ("/readyz", "/stop", "/goals?limit=3"))
+    if report.failed and isinstance(page, Page):
+        with suppress(PlaywrightError):  # it is closed
+            report.sections.append(("the page", page.locator("body").aria_snapshot(timeout=5_000)))
+    if report.failed and isinstance(gateway, RunningGateway):
+        with suppress(httpx2.HTTPError):  # it is gone
+            answers = [gateway.http.get(path).text for path in ("/readyz", "/stop", "/goals?limit=3")]
             report.sections.append(("the gateway", "\n".join(answers)))
     return report
 
