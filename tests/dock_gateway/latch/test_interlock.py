@@ -152,6 +152,18 @@ async def test_a_robot_is_held_again_that_another_gateway_released_below_a_stop(
     assert not interlock.holds("/robot1")
 
 
+async def test_a_robot_held_from_above_keeps_the_name_when_that_stop_is_released(pair: tuple[Gateway, Gateway]) -> None:
+    interlock = pair[0].interlock
+    interlock.join("/robot1", FakeTopic())
+    interlock.latch("/", "Ada")
+    interlock.join("/robot2", FakeTopic())
+    interlock.publish("/")
+    hear(interlock, "/robot1", latched=False)
+    await settle()
+    hear(interlock, latched=False)  # by a gateway that knows none of the two
+    assert [interlock.requested_by(robot) for robot in ("/", "/robot1", "/robot2")] == [None, "Ada", "Ada"]
+
+
 async def test_another_gateway_learns_it_and_says_it_should_the_first_go(pair: tuple[Gateway, Gateway]) -> None:
     first, second = pair
     first.interlock.latch("/", "Ada")
