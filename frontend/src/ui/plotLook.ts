@@ -33,6 +33,9 @@ export const LINE_COLORS = {
   dark: ["#74c0fc", "#ffa8c5", "#8ce99a", "#e599f7", "#66d9e8", "#ffc078"],
 } as const;
 
+/** Of the card that a plot is on. */
+export const BACKGROUND = { light: "#ffffff", dark: "#242424" } as const;
+
 /** Behind the lines, faint enough to read them. */
 export const BAND_COLORS = {
   light: { gray: "#868e9624", cyan: "#15aabf24", blue: "#228be624", green: "#40c05728", orange: "#fd7e1430" },

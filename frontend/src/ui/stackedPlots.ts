@@ -9,7 +9,7 @@ import {
   type PlotSource,
   roomyRange,
 } from "./plotData";
-import { axisWidth, BAND_COLORS, LABEL_OVERHANG, LINE_COLORS, plotAxis } from "./plotLook";
+import { axisWidth, BACKGROUND, BAND_COLORS, LABEL_OVERHANG, LINE_COLORS, plotAxis } from "./plotLook";
 
 /** From one x label to the next, at least (CSS pixels). */
 const X_SPACE = 80;
@@ -192,7 +192,8 @@ export class StackedPlots {
         },
       ],
       hooks: {
-        drawClear: [(plot) => this.#drawBands(plot, index === 0)],
+        drawClear: [(plot) => this.#fillBands(plot)],
+        drawAxes: index === 0 ? [(plot) => this.#nameBands(plot)] : [],
         draw: [() => this.#align()],
         setSelect: [
           (plot) => {
@@ -238,23 +239,42 @@ export class StackedPlots {
       if ((this.#axisWidths[index] ?? 0) < this.#axisWidth) plot.redraw(false, true);
   }
 
-  #drawBands(plot: uPlot, named: boolean): void {
-    const { scheme, bands } = this.options;
+  /** The bands in sight, in canvas pixels. */
+  *#bandsOn(plot: uPlot) {
+    const { left, width } = plot.bbox;
+    const place = (x: number) => Math.min(left + width, Math.max(left, plot.valToPos(x, "x", true)));
+    for (const { from, to, label, color } of this.options.bands()) {
+      const start = place(from);
+      const end = to === null ? left + width : place(to);
+      if (end > start) yield { label, color, start, width: end - start };
+    }
+  }
+
+  #fillBands(plot: uPlot): void {
     const { ctx, bbox } = plot;
-    const [left, right] = [bbox.left, bbox.left + bbox.width];
-    const clip = (x: number) => Math.min(right, Math.max(left, plot.valToPos(x, "x", true)));
+    ctx.save();
+    for (const { color, start, width } of this.#bandsOn(plot)) {
+      ctx.fillStyle = BAND_COLORS[this.options.scheme][color];
+      ctx.fillRect(start, bbox.top, width, bbox.height);
+    }
+    ctx.restore();
+  }
+
+  /** Names the bands that have room for that, over the grid, whose lines would strike the names out. */
+  #nameBands(plot: uPlot): void {
+    const { ctx, bbox } = plot;
+    const room = 4 * devicePixelRatio;
     ctx.save();
     ctx.font = `${BAND_FONT_PX * devicePixelRatio}px system-ui, sans-serif`;
     ctx.textBaseline = "top";
     ctx.textAlign = "left";
-    for (const { from, to, label, color } of bands()) {
-      const [start, end] = [clip(from), to === null ? right : clip(to)];
-      if (end <= start) continue;
-      ctx.fillStyle = BAND_COLORS[scheme][color];
-      ctx.fillRect(start, bbox.top, end - start, bbox.height);
-      const room = 4 * devicePixelRatio;
-      if (!named || ctx.measureText(label).width + 2 * room > end - start) continue;
-      ctx.fillStyle = plotAxis(scheme).stroke as string;
+    ctx.lineWidth = room;
+    ctx.lineJoin = "round";
+    ctx.strokeStyle = BACKGROUND[this.options.scheme];
+    ctx.fillStyle = plotAxis(this.options.scheme).stroke as string;
+    for (const { label, start, width } of this.#bandsOn(plot)) {
+      if (ctx.measureText(label).width + 2 * room > width) continue;
+      ctx.strokeText(label, start + room, bbox.top + room);
       ctx.fillText(label, start + room, bbox.top + room);
     }
     ctx.restore();
