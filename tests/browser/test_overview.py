@@ -191,10 +191,13 @@ def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None
     assert find_violations(page) == []
 
 
-@pytest.mark.parametrize("width", [320, 820, 1920])
+@pytest.mark.parametrize("width", [320, 390, 820, 1920])
 def test_a_width(page: Page, width: int) -> None:
     page.set_viewport_size({"width": width, "height": 900})
     expect(row(page, "/robot2")).to_contain_text("81 %")
+    expect(page.get_by_test_id("alert-count")).to_be_visible()
+    links = page.get_by_role("navigation", name="Pages").get_by_role("link")
+    assert len(set(links.evaluate_all("(links) => links.map((link) => link.getBoundingClientRect().top)"))) == 1
     assert page.evaluate("document.documentElement.scrollWidth") == width
     assert find_wide_cells(page) == []
 
