@@ -241,7 +241,7 @@ def test_a_signal_ends_it_at_once(domain: int, observer: Observer, number: signa
         sent_at = time.monotonic()
         program.send_signal(number)
         assert program.wait() == 0
-        assert time.monotonic() - sent_at < 2.0
+        assert time.monotonic() - sent_at < 4.0  # after 5 s it would be killed
         assert "Traceback" not in program.output
 
 
