@@ -18,9 +18,10 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalError, Json
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
-from dock_gateway.fleet.alerts import Acknowledgements, AlertBoard
+from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
 from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.fleet.stop import Stopper
 from dock_gateway.history import GoalFilter, History, open_history
 from dock_gateway.latch.interlock import Interlock
@@ -209,7 +210,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
         stack,
         AlertBoard(
             hub,
-            Acknowledgements(history.acknowledgements),
+            SharedEntries(history.acknowledgements),
             low_battery=settings.low_battery,
             incident=lambda: history.incident,
         ),

@@ -4,85 +4,21 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Mapping
-from contextlib import suppress
 from typing import Any
 
-from dock_gateway.core.errors import NotFound, Unavailable
+from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alert_rules import NO_DUPLICATES, Alert, AlertRules
 from dock_gateway.fleet.robot_state import RobotState
-from dock_gateway.history import Acknowledgement, AcknowledgementStore, Incident
-
-
-class Acknowledgements:
-    """Acknowledgements by alert id. While the history does not answer, they exist in this process only.
-
-    Args:
-        store: Stores them.
-    """
-
-    def __init__(self, store: AcknowledgementStore) -> None:
-        self._store = store
-        self._known: dict[str, Acknowledgement] = {}
-        self._unsaved: dict[str, Acknowledgement | None] = {}
-        self._changes = 0
-        self._saving = asyncio.Lock()
-
-    @property
-    def unsaved(self) -> bool:
-        """Whether there are changes that are not stored yet."""
-        return bool(self._unsaved)
-
-    def get(self, alert_id: str) -> Acknowledgement | None:
-        """Return the acknowledgement of an alert, or None."""
-        return self._known.get(alert_id)
-
-    def ids(self) -> set[str]:
-        """Return the ids of the acknowledged alerts."""
-        return set(self._known)
-
-    def put(self, alert_id: str, acknowledgement: Acknowledgement | None) -> None:
-        """Set an acknowledgement, or remove it with None. `sync` stores the change."""
-        if acknowledgement is None:
-            self._known.pop(alert_id, None)
-        else:
-            self._known[alert_id] = acknowledgement
-        self._unsaved[alert_id] = acknowledgement
-        self._changes += 1
-
-    async def sync(self) -> bool:
-        """Store pending changes and read those of other gateways; return False if the history is unavailable."""
-        try:
-            await self._save()
-            changes = self._changes
-            kept = await self._store.read()
-        except Unavailable:
-            return False
-        if changes == self._changes:  # else what was read may be outdated
-            self._known = kept
-        return True
-
-    async def save(self) -> None:
-        """Store pending changes, if the history answers."""
-        with suppress(Unavailable):
-            await self._save()
-
-    async def _save(self) -> None:
-        async with self._saving:
-            for alert_id, acknowledgement in list(self._unsaved.items()):
-                await self._store.write(alert_id, acknowledgement)
-                if self._unsaved[alert_id] is acknowledgement:
-                    del self._unsaved[alert_id]
-
+from dock_gateway.fleet.shared_entries import SYNC_INTERVAL, SharedEntries
+from dock_gateway.history import Acknowledgement, Incident
 
 log = logging.getLogger(__name__)
 
 TOPIC = "robots"
-# Seconds between two reads of other gateways' acknowledgements, while there are alerts.
-SYNC_INTERVAL = 2.0
 # Seconds after the start after which an acknowledged alert that has not recurred counts as ended.
 SETTLED_AFTER = 60.0
 
@@ -100,7 +36,7 @@ class AlertBoard:
     def __init__(
         self,
         hub: Hub,
-        acknowledgements: Acknowledgements,
+        acknowledgements: SharedEntries[Acknowledgement],
         *,
         low_battery: float,
         incident: Callable[[], Incident | None] = lambda: None,
@@ -194,7 +130,7 @@ class AlertBoard:
             await asyncio.sleep(SYNC_INTERVAL)
 
     def _forget_others(self) -> None:
-        for alert_id in self._acknowledgements.ids() - self._alerts.keys():
+        for alert_id in self._acknowledgements.keys() - self._alerts.keys():
             self._acknowledgements.put(alert_id, None)
 
     async def close(self) -> None:

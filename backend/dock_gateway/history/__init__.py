@@ -10,7 +10,8 @@ from dock_gateway.history.handover import take_over_database, take_over_spool
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.history.protocol import (
     Acknowledgement,
-    AcknowledgementStore,
+    Entries,
+    EntryT,
     History,
     HistoryStats,
     Incident,
@@ -24,7 +25,8 @@ from dock_gateway.settings import Settings, data_file
 
 __all__ = [
     "Acknowledgement",
-    "AcknowledgementStore",
+    "Entries",
+    "EntryT",
     "GoalFilter",
     "History",
     "HistoryStats",

@@ -5,6 +5,7 @@ import bisect
 import time
 from collections.abc import Callable, Collection, Sequence
 from copy import copy
+from typing import Generic
 
 from dock_gateway.core.event import FEEDBACK, Event, kind_of
 from dock_gateway.core.filters import GoalFilter
@@ -15,6 +16,7 @@ from dock_gateway.history.protocol import (
     KEY_LIFETIME,
     NEVER,
     Acknowledgement,
+    EntryT,
     HistoryStats,
     Incident,
     LaterEvents,
@@ -25,22 +27,22 @@ from dock_gateway.history.protocol import (
 from dock_gateway.history.statistics import Span, Tallies, tally_goals
 
 
-class MemoryAcknowledgements:
-    """Acknowledgements in memory."""
+class MemoryEntries(Generic[EntryT]):
+    """Keyed entries in memory."""
 
     def __init__(self) -> None:
-        self._known: dict[str, Acknowledgement] = {}
+        self._known: dict[str, EntryT] = {}
 
-    async def read(self) -> dict[str, Acknowledgement]:
-        """Return all acknowledgements, by alert id."""
+    async def read(self) -> dict[str, EntryT]:
+        """Return all entries by their keys."""
         return dict(self._known)
 
-    async def write(self, alert_id: str, acknowledgement: Acknowledgement | None) -> None:
-        """Store the acknowledgement of an alert, replacing the earlier one; None deletes it."""
-        if acknowledgement is None:
-            self._known.pop(alert_id, None)
+    async def write(self, key: str, entry: EntryT | None) -> None:
+        """Store an entry, replacing the earlier one; None deletes it."""
+        if entry is None:
+            self._known.pop(key, None)
         else:
-            self._known[alert_id] = acknowledgement
+            self._known[key] = entry
 
 
 class MemoryHistory:
@@ -55,7 +57,7 @@ class MemoryHistory:
     incident: Incident | None = None
 
     def __init__(self, limit: int, event_limit: int = 10_000) -> None:
-        self.acknowledgements = MemoryAcknowledgements()
+        self.acknowledgements = MemoryEntries[Acknowledgement]()
         self.on_loss: Callable[[], None] = lambda: None
         self._limit = limit
         self._event_limit = event_limit

@@ -4,13 +4,15 @@ import hashlib
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 from dock_gateway.core.event import Event, nanoseconds, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, Json
 from dock_gateway.history.battery import BatterySpan, Bucket
 from dock_gateway.history.statistics import Span, Tallies
+
+EntryT = TypeVar("EntryT")
 
 KEY_LIFETIME = timedelta(hours=24)
 # Sorts after the id of every event.
@@ -60,18 +62,18 @@ class LaterEvents:
     complete: bool
 
 
-class AcknowledgementStore(Protocol):
-    """Stores who acknowledged which alert."""
+class Entries(Protocol[EntryT]):
+    """Stores entries by key."""
 
-    async def read(self) -> dict[str, Acknowledgement]:
-        """Return all acknowledgements, by alert id.
+    async def read(self) -> dict[str, EntryT]:
+        """Return all entries by their keys.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
         """
 
-    async def write(self, alert_id: str, acknowledgement: Acknowledgement | None) -> None:
-        """Store the acknowledgement of an alert, replacing the earlier one; None deletes it.
+    async def write(self, key: str, entry: EntryT | None) -> None:
+        """Store an entry, replacing the earlier one; None deletes it.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
@@ -86,8 +88,8 @@ class History(Protocol):
     """
 
     @property
-    def acknowledgements(self) -> AcknowledgementStore:
-        """The store of alert acknowledgements."""
+    def acknowledgements(self) -> Entries[Acknowledgement]:
+        """The acknowledgements of alerts, by alert id."""
 
     @property
     def incident(self) -> Incident | None:

@@ -18,18 +18,27 @@ from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import cancel
 from dock_gateway.history import queries, statistics
-from dock_gateway.history.acknowledgement_store import SqlAcknowledgements
 from dock_gateway.history.battery import BatterySpan, Bucket
 from dock_gateway.history.database import DATABASE_ERRORS, Database
+from dock_gateway.history.entries import SqlEntries
 from dock_gateway.history.event_reader import EventReader
 from dock_gateway.history.merge import merge
-from dock_gateway.history.protocol import KEY_LIFETIME, NEVER, HistoryStats, Incident, LaterEvents, fingerprint_of
+from dock_gateway.history.protocol import (
+    KEY_LIFETIME,
+    NEVER,
+    Acknowledgement,
+    HistoryStats,
+    Incident,
+    LaterEvents,
+    fingerprint_of,
+)
 from dock_gateway.history.reader import AWAY, Reader
 from dock_gateway.history.retention import Limits, Retention
 from dock_gateway.history.rows import Key
 from dock_gateway.history.seals import Sealer
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.statistics import Span, Tallies
+from dock_gateway.history.tables import acknowledgements
 from dock_gateway.history.waiting import Waiting
 from dock_gateway.history.writer import Writer
 
@@ -63,7 +72,8 @@ class SqlHistory:
         self.newest = ""
         self.shared = self._database.shared
         self._reader = Reader(self._database, self._writer)
-        self.acknowledgements = SqlAcknowledgements(self._database, self._reader, self._writer)
+        store = self._database, self._reader, self._writer
+        self.acknowledgements = SqlEntries(*store, acknowledgements, Acknowledgement)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
         self.on_loss: Callable[[], None] = lambda: None

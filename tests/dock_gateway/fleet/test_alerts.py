@@ -13,9 +13,10 @@ from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.fleet import alerts as alerts_module
 from dock_gateway.fleet.alert_rules import AlertKind, alert_id
-from dock_gateway.fleet.alerts import Acknowledgements, AlertBoard
+from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.history import Acknowledgement
-from dock_gateway.history.memory import MemoryAcknowledgements
+from dock_gateway.history.memory import MemoryEntries
 from tests.dock_gateway.fleet.test_alert_rules import robot
 
 LOW, WELL = [robot(percentage=0.1)], [robot(percentage=0.9)]
@@ -25,12 +26,12 @@ ID = alert_id(AlertKind.LOW_BATTERY, "/robot1")
 class Scene:
     def __init__(self) -> None:
         self.hub = Hub(queue_limit=10, max_subscribers=10)
-        self.store = MemoryAcknowledgements()
+        self.store = MemoryEntries[Acknowledgement]()
         self.boards: list[AlertBoard] = []
         self.reader = self.hub.subscribe(EventFilter(frozenset({"robots"})))
 
     def board(self) -> AlertBoard:
-        self.boards.append(AlertBoard(self.hub, Acknowledgements(self.store), low_battery=0.2))
+        self.boards.append(AlertBoard(self.hub, SharedEntries(self.store), low_battery=0.2))
         return self.boards[-1]
 
 

@@ -1,13 +1,13 @@
-"""Acknowledgements are shared by gateways that share a history, and hold while it is away."""
+"""Entries are shared by gateways that share a history, and hold while it is away."""
 
 import asyncio
 from datetime import UTC, datetime
 from pathlib import Path
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.fleet.alerts import Acknowledgements
+from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.history import Acknowledgement, MemoryHistory
-from dock_gateway.history.memory import MemoryAcknowledgements
+from dock_gateway.history.memory import MemoryEntries
 from tests.support.history import open_at
 from tests.support.waiting import until
 
@@ -15,7 +15,7 @@ NOON = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
 ADA, BOB = Acknowledgement("Ada", NOON), Acknowledgement("Bo\u0308b", NOON)
 
 
-class Store(MemoryAcknowledgements):
+class Store(MemoryEntries[Acknowledgement]):
     """Does not answer, or slowly, where the test says so."""
 
     def __init__(self) -> None:
@@ -31,36 +31,36 @@ class Store(MemoryAcknowledgements):
         await self.gate.wait()
         return found
 
-    async def write(self, alert_id: str, acknowledgement: Acknowledgement | None) -> None:
+    async def write(self, key: str, entry: Acknowledgement | None) -> None:
         if self.away:
             raise Unavailable("away", code="history_unavailable")
-        await super().write(alert_id, acknowledgement)
+        await super().write(key, entry)
 
 
 async def test_they_are_kept_in_both_databases(database_url: str, tmp_path: Path) -> None:
     async with open_at(database_url, tmp_path / "a") as first, open_at(database_url, tmp_path / "b") as second:
         await until(lambda: second.stats().database_reachable)
-        here, there = Acknowledgements(first.acknowledgements), Acknowledgements(second.acknowledgements)
+        here, there = SharedEntries(first.acknowledgements), SharedEntries(second.acknowledgements)
         here.put("a", BOB)
         here.put("a", ADA)
         here.put("b", BOB)
         assert await here.sync()
         assert await there.sync()
-        assert (there.get("a"), there.get("b"), there.ids()) == (ADA, BOB, {"a", "b"})
+        assert (there.get("a"), there.get("b"), there.keys()) == (ADA, BOB, {"a", "b"})
         there.put("b", None)
         there.put("never", None)
         await there.save()
         assert await here.sync()
-        assert here.ids() == {"a"}
+        assert here.keys() == {"a"}
     async with open_at(database_url, tmp_path / "c") as later:
-        again = Acknowledgements(later.acknowledgements)
+        again = SharedEntries(later.acknowledgements)
         assert await again.sync()
         assert again.get("a") == ADA
 
 
 async def test_they_hold_while_the_history_is_away() -> None:
     store = Store()
-    here, there = Acknowledgements(store), Acknowledgements(store)
+    here, there = SharedEntries(store), SharedEntries(store)
     store.away = True
     here.put("a", ADA)
     here.put("b", None)
@@ -76,7 +76,7 @@ async def test_they_hold_while_the_history_is_away() -> None:
 
 async def test_what_is_read_meanwhile_does_not_undo_anything() -> None:
     store = Store()
-    here = Acknowledgements(store)
+    here = SharedEntries(store)
     store.gate.clear()
     reading = asyncio.create_task(here.sync())
     await asyncio.sleep(0)
@@ -91,7 +91,7 @@ async def test_what_is_read_meanwhile_does_not_undo_anything() -> None:
 
 async def test_a_history_in_memory_keeps_them_too() -> None:
     history = MemoryHistory(10)
-    here, again = Acknowledgements(history.acknowledgements), Acknowledgements(history.acknowledgements)
+    here, again = SharedEntries(history.acknowledgements), SharedEntries(history.acknowledgements)
     here.put("a", ADA)
     assert await here.sync()
     assert await again.sync()

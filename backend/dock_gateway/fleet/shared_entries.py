@@ -1,0 +1,78 @@
+"""This gateway's copy of entries that gateways share through the history."""
+
+import asyncio
+from contextlib import suppress
+from typing import Generic
+
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.history import Entries, EntryT
+
+# Seconds between two reads of other gateways' changes.
+SYNC_INTERVAL = 2.0
+
+
+class SharedEntries(Generic[EntryT]):
+    """Entries by key: read without waiting, stored in the history, and updated from it by `sync`.
+
+    Args:
+        store: Stores them.
+    """
+
+    def __init__(self, store: Entries[EntryT]) -> None:
+        self._store = store
+        self._known: dict[str, EntryT] = {}
+        self._unsaved: dict[str, EntryT | None] = {}
+        self._changes = 0
+        self._saving = asyncio.Lock()
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether there are changes that are not stored yet."""
+        return bool(self._unsaved)
+
+    def get(self, key: str) -> EntryT | None:
+        """Return an entry, or None."""
+        return self._known.get(key)
+
+    def keys(self) -> set[str]:
+        """Return the keys of all entries."""
+        return set(self._known)
+
+    def put(self, key: str, entry: EntryT | None) -> None:
+        """Set an entry, or remove it with None. While the history does not answer, that applies to this process only.
+
+        `save` and `sync` store the change.
+        """
+        self._set(key, entry)
+        self._unsaved[key] = entry
+
+    def _set(self, key: str, entry: EntryT | None) -> None:
+        if entry is None:
+            self._known.pop(key, None)
+        else:
+            self._known[key] = entry
+        self._changes += 1
+
+    async def sync(self) -> bool:
+        """Store pending changes and read those of other gateways; return False if the history is unavailable."""
+        try:
+            await self._save()
+            changes = self._changes
+            kept = await self._store.read()
+        except Unavailable:
+            return False
+        if changes == self._changes:  # else what was read may be outdated
+            self._known = kept
+        return True
+
+    async def save(self) -> None:
+        """Store pending changes, if the history answers."""
+        with suppress(Unavailable):
+            await self._save()
+
+    async def _save(self) -> None:
+        async with self._saving:
+            for key, entry in list(self._unsaved.items()):
+                await self._store.write(key, entry)
+                if self._unsaved[key] is entry:
+                    del self._unsaved[key]

@@ -1,0 +1,72 @@
+"""Small tables of keyed entries, in a database that several gateways may share."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Any, Generic
+
+import sqlalchemy as sa
+
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.history.database import DATABASE_ERRORS, Database
+from dock_gateway.history.protocol import EntryT
+from dock_gateway.history.queries import insert_into
+from dock_gateway.history.reader import AWAY, Reader
+from dock_gateway.history.writer import Writer
+
+WRITE_TIMEOUT = 1.0  # seconds
+
+
+class SqlEntries(Generic[EntryT]):
+    """The entries of one table.
+
+    Args:
+        database: The database.
+        reader: Reads from it.
+        writer: Is notified if it does not answer.
+        table: The key, then the fields of an entry in their order.
+        make: Makes an entry from its fields.
+    """
+
+    def __init__(
+        self, database: Database, reader: Reader, writer: Writer, table: sa.Table, make: Callable[..., EntryT]
+    ) -> None:
+        self._database = database
+        self._reader = reader
+        self._writer = writer
+        self._table = table
+        self._make = make
+
+    async def read(self) -> dict[str, EntryT]:
+        """Return all entries by their keys.
+
+        Raises:
+            Unavailable: The database does not answer (`history_unavailable`).
+        """
+        return await self._reader.read(self._read)
+
+    async def write(self, key: str, entry: EntryT | None) -> None:
+        """Store an entry, replacing the earlier one; None deletes it.
+
+        Raises:
+            Unavailable: The database does not answer (`history_unavailable`).
+        """
+        if not self._database.prepared:
+            raise Unavailable(AWAY, code="history_unavailable")
+        try:
+            async with asyncio.timeout(WRITE_TIMEOUT):
+                await self._database.write(self._write, key, entry)
+        except DATABASE_ERRORS as error:
+            self._writer.doubt(error)
+            raise Unavailable(AWAY, code="history_unavailable") from error
+
+    def _read(self, connection: sa.Connection) -> dict[str, EntryT]:
+        return {key: self._make(*fields) for key, *fields in connection.execute(sa.select(self._table))}
+
+    def _write(self, connection: sa.Connection, key: str, entry: EntryT | None) -> None:
+        (name,) = self._table.primary_key.columns.keys()
+        if entry is None:
+            connection.execute(sa.delete(self._table).where(self._table.c[name] == key))
+            return
+        row: dict[str, Any] = dict(zip(self._table.columns.keys(), (key, *vars(entry).values()), strict=True))
+        insert = insert_into(connection, self._table)
+        connection.execute(insert.on_conflict_do_update(index_elements=[name], set_=row), row)
