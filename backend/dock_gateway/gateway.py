@@ -20,6 +20,7 @@ from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
+from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.fleet.stop import Stopper
@@ -61,6 +62,7 @@ class Gateway:
     stopper: Stopper
     simulators: Simulators
     fleet: Fleet
+    labels: Labels
     alerts: AlertBoard
     graph: GraphCache
     echoes: EchoRegistry
@@ -206,6 +208,8 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
     names = settings.docking_actions()
     dock = await actions.open(names.dock, settings.dock_action_type, pinned=True)
     undock = await actions.open(names.undock, settings.undock_action_type, pinned=True)
+    labels = _closed_by(stack, Labels(history.labels, lambda: [robot.namespace for robot in robots.all()]))
+    await labels.open()
     alerts = _closed_by(
         stack,
         AlertBoard(
@@ -225,6 +229,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
             interlock=interlock,
             simulators=simulators,
             last_goals=last_goals,
+            labels=labels,
             alerts=alerts,
         ),
     )
@@ -243,6 +248,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
         stopper,
         simulators,
         fleet,
+        labels,
         alerts,
         graph,
         echoes,

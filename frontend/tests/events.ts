@@ -95,6 +95,8 @@ export function robot(name: string, change: Partial<Robot> = {}): Robot {
   });
   return {
     name,
+    display_name: null,
+    groups: [],
     default: name === "/",
     docked: false,
     simulated: false,

@@ -79,6 +79,28 @@ def test_every_robot_is_listed(gateway: RunningGateway) -> None:
         assert (answer.status_code, answer.json()["code"]) == (status, code)
 
 
+LABELED: dict[str, dict[str, Any]] = {
+    FIRST: {"display_name": "Left forklift", "groups": ["hall 1", "forklifts"]},
+    SECOND: {"display_name": None, "groups": []},
+}
+
+
+def labels(gateway: RunningGateway) -> dict[str, dict[str, Any]]:
+    robots = gateway.http.get("/robots").raise_for_status().json()["robots"]
+    return {robot["name"]: {field: robot[field] for field in ("display_name", "groups")} for robot in robots}
+
+
+def test_a_robot_is_labeled(gateway: RunningGateway) -> None:
+    label = {"robot": FIRST, **LABELED[FIRST]}
+    with gateway.stream("?include=robots&feedback=false") as stream:
+        assert gateway.http.put("/robots/label", json=label).raise_for_status().json() == label
+        assert labels(gateway) == LABELED
+        stream.until(lambda event: (of(event, FIRST) or {}).get("display_name") == "Left forklift")
+    taken = gateway.http.put("/robots/label", json={**label, "robot": SECOND})
+    assert (taken.status_code, taken.json()["code"]) == (409, "display_name_taken")
+    assert labels(gateway) == LABELED
+
+
 def test_a_robot_is_followed_onto_its_dock(domain: int, gateway: RunningGateway, database: str) -> None:
     at = {"robot": SECOND}
     gateway.http.post("/simulator/place", params=at, json=NEAR).raise_for_status()
@@ -108,10 +130,20 @@ def test_a_robot_is_followed_onto_its_dock(domain: int, gateway: RunningGateway,
         assert [event["status"] for event in stream.seen if event["type"] == "result"] == ["succeeded"]
         assert not [event for event in stream.seen if event["type"] == "feedback"]
         assert gateway.goal(goal_id)["feedback_count"] > 0
+    gateway.http.put("/robots/label", json={"robot": FIRST, **LABELED[FIRST]}).raise_for_status()
     # Another one that starts now knows of it, too: from the history that they share.
     with running_gateway(domain, namespace=FIRST, database_url=database) as next_one:
         wait_until_found(next_one)
         wait_until(lambda: (known(next_one, SECOND)["last_goal"] or {}).get("goal_id") == goal_id, "the last goal")
+        assert labels(next_one) == LABELED
+        with gateway.stream("?include=robots&feedback=false") as stream:
+            first = of(stream.next(), FIRST) or {}
+            assert LABELED[FIRST].items() <= first.items()
+            label = {"display_name": None, "groups": ["hall 2"]}
+            next_one.http.put("/robots/label", json={"robot": FIRST, **label}).raise_for_status()
+            assert labels(next_one) == {**LABELED, FIRST: label}
+            stream.until(lambda event: (of(event, FIRST) or {}).get("groups") == ["hall 2"])
+        assert labels(gateway) == {**LABELED, FIRST: label}
 
 
 def test_changes_come_at_most_twice_a_second(gateway: RunningGateway) -> None:

@@ -14,6 +14,7 @@ from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alerts import TOPIC, AlertBoard
+from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.last_goals import LastGoals, latest
@@ -38,6 +39,7 @@ class Fleet:
         interlock: The latched stops.
         simulators: The simulators.
         last_goals: How docking and undocking goals ended.
+        labels: The display names and groups.
         alerts: Checks the robots for alerts.
     """
 
@@ -51,6 +53,7 @@ class Fleet:
         interlock: Interlock,
         simulators: Simulators,
         last_goals: LastGoals,
+        labels: Labels,
         alerts: AlertBoard,
     ) -> None:
         self._settings = settings
@@ -60,6 +63,7 @@ class Fleet:
         self._interlock = interlock
         self._simulators = simulators
         self._last_goals = last_goals
+        self._labels = labels
         self._alerts = alerts
         self._published: dict[str, bytes] = {}
         self._task = asyncio.create_task(self._run())
@@ -95,6 +99,7 @@ class Fleet:
         succeeded = self._last_goals.succeeded(*names)
         return RobotState(
             name=name,
+            label=self._labels.of(name),
             default=name == self._robots.default_namespace,
             battery=robot.battery,
             battery_topic=self._settings.resolve(self._settings.battery_topic, name),

@@ -5,6 +5,7 @@ from typing import Any
 
 from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.goal import Goal
+from dock_gateway.history import RobotLabel
 from dock_gateway.robots.battery import Battery, BatteryPublisher, PowerSupply
 
 CHARGES = frozenset({PowerSupply.CHARGING, PowerSupply.FULL})
@@ -16,6 +17,7 @@ class RobotState:
 
     Attributes:
         name: Its namespace.
+        label: Its display name and groups.
         default: Whether it is the robot that the gateway is configured for.
         battery: Its battery.
         battery_topic: The topic of its battery.
@@ -31,6 +33,7 @@ class RobotState:
     """
 
     name: str
+    label: RobotLabel
     default: bool
     battery: Battery
     battery_topic: str
@@ -70,6 +73,8 @@ class RobotState:
         publisher = self.publisher.document()
         return {
             "name": self.name,
+            "display_name": self.label.display_name,
+            "groups": self.label.groups,
             "default": self.default,
             "docked": self.docked,
             "simulated": self.simulator is not None,

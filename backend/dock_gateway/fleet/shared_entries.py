@@ -1,6 +1,7 @@
 """This gateway's copy of entries that gateways share through the history."""
 
 import asyncio
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Generic
 
@@ -45,6 +46,21 @@ class SharedEntries(Generic[EntryT]):
         """
         self._set(key, entry)
         self._unsaved[key] = entry
+
+    async def store(self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None]) -> None:
+        """Store an entry, and only then set it; None removes it.
+
+        Args:
+            key: The key.
+            entry: The entry.
+            check: Is given all stored entries, and raises if this one must not be stored.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
+        """
+        async with self._saving:
+            await self._store.write(key, entry, check)
+            self._set(key, entry)
 
     def _set(self, key: str, entry: EntryT | None) -> None:
         if entry is None:

@@ -16,6 +16,7 @@ from dock_gateway.history.protocol import (
     HistoryStats,
     Incident,
     LaterEvents,
+    RobotLabel,
     fingerprint_of,
 )
 from dock_gateway.history.retention import Limits
@@ -33,6 +34,7 @@ __all__ = [
     "Incident",
     "LaterEvents",
     "MemoryHistory",
+    "RobotLabel",
     "fingerprint_of",
     "open_history",
 ]

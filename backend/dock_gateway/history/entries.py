@@ -1,7 +1,8 @@
 """Small tables of keyed entries, in a database that several gateways may share."""
 
 import asyncio
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Mapping
 from typing import Any, Generic
 
 import sqlalchemy as sa
@@ -44,8 +45,15 @@ class SqlEntries(Generic[EntryT]):
         """
         return await self._reader.read(self._read)
 
-    async def write(self, key: str, entry: EntryT | None) -> None:
+    async def write(
+        self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None] | None = None
+    ) -> None:
         """Store an entry, replacing the earlier one; None deletes it.
+
+        Args:
+            key: The key.
+            entry: The entry.
+            check: Is given all entries in the same transaction, and raises if this one must not be stored.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
@@ -54,7 +62,8 @@ class SqlEntries(Generic[EntryT]):
             raise Unavailable(AWAY, code="history_unavailable")
         try:
             async with asyncio.timeout(WRITE_TIMEOUT):
-                await self._database.write(self._write, key, entry)
+                deadline = time.monotonic() + WRITE_TIMEOUT
+                await self._database.write(self._write, key, entry, check, deadline)
         except DATABASE_ERRORS as error:
             self._writer.doubt(error)
             raise Unavailable(AWAY, code="history_unavailable") from error
@@ -62,7 +71,20 @@ class SqlEntries(Generic[EntryT]):
     def _read(self, connection: sa.Connection) -> dict[str, EntryT]:
         return {key: self._make(*fields) for key, *fields in connection.execute(sa.select(self._table))}
 
-    def _write(self, connection: sa.Connection, key: str, entry: EntryT | None) -> None:
+    def _write(
+        self,
+        connection: sa.Connection,
+        key: str,
+        entry: EntryT | None,
+        check: Callable[[Mapping[str, EntryT]], None] | None,
+        deadline: float,
+    ) -> None:
+        if time.monotonic() > deadline:
+            raise TimeoutError("the caller has given up")
+        if check is not None:
+            if connection.dialect.name == "postgresql":  # SQLite has only one writer at a time anyway
+                connection.execute(sa.text(f"LOCK TABLE {self._table.name} IN SHARE ROW EXCLUSIVE MODE"))
+            check(self._read(connection))
         (name,) = self._table.primary_key.columns.keys()
         if entry is None:
             connection.execute(sa.delete(self._table).where(self._table.c[name] == key))

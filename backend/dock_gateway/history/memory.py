@@ -3,7 +3,7 @@
 import asyncio
 import bisect
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from copy import copy
 from typing import Generic
 
@@ -20,6 +20,7 @@ from dock_gateway.history.protocol import (
     HistoryStats,
     Incident,
     LaterEvents,
+    RobotLabel,
     fingerprint_of,
     is_complete,
     selects,
@@ -37,8 +38,12 @@ class MemoryEntries(Generic[EntryT]):
         """Return all entries by their keys."""
         return dict(self._known)
 
-    async def write(self, key: str, entry: EntryT | None) -> None:
+    async def write(
+        self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None] | None = None
+    ) -> None:
         """Store an entry, replacing the earlier one; None deletes it."""
+        if check is not None:
+            check(self._known)
         if entry is None:
             self._known.pop(key, None)
         else:
@@ -58,6 +63,7 @@ class MemoryHistory:
 
     def __init__(self, limit: int, event_limit: int = 10_000) -> None:
         self.acknowledgements = MemoryEntries[Acknowledgement]()
+        self.labels = MemoryEntries[RobotLabel]()
         self.on_loss: Callable[[], None] = lambda: None
         self._limit = limit
         self._event_limit = event_limit

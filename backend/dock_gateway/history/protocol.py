@@ -1,7 +1,7 @@
 """The interface of every store of goals and events. docs/history.md lists what is kept and for how long."""
 
 import hashlib
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Protocol, TypeVar
@@ -55,6 +55,14 @@ class Acknowledgement:
 
 
 @dataclass(frozen=True)
+class RobotLabel:
+    """The display name of a robot, and the groups that it is in."""
+
+    display_name: str | None
+    groups: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class LaterEvents:
     """The events after a given one, ordered by id; `complete` if none of them was dropped."""
 
@@ -72,8 +80,16 @@ class Entries(Protocol[EntryT]):
             Unavailable: The database does not answer (`history_unavailable`).
         """
 
-    async def write(self, key: str, entry: EntryT | None) -> None:
+    async def write(
+        self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None] | None = None
+    ) -> None:
         """Store an entry, replacing the earlier one; None deletes it.
+
+        Args:
+            key: The key.
+            entry: The entry.
+            check: Is given all entries as they are then, and raises if this one must not be stored. Nobody else can
+                change them in between.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
@@ -90,6 +106,10 @@ class History(Protocol):
     @property
     def acknowledgements(self) -> Entries[Acknowledgement]:
         """The acknowledgements of alerts, by alert id."""
+
+    @property
+    def labels(self) -> Entries[RobotLabel]:
+        """The labels of robots, by namespace."""
 
     @property
     def incident(self) -> Incident | None:

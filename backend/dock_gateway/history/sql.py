@@ -30,6 +30,7 @@ from dock_gateway.history.protocol import (
     HistoryStats,
     Incident,
     LaterEvents,
+    RobotLabel,
     fingerprint_of,
 )
 from dock_gateway.history.reader import AWAY, Reader
@@ -38,7 +39,7 @@ from dock_gateway.history.rows import Key
 from dock_gateway.history.seals import Sealer
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.statistics import Span, Tallies
-from dock_gateway.history.tables import acknowledgements
+from dock_gateway.history.tables import acknowledgements, robot_labels
 from dock_gateway.history.waiting import Waiting
 from dock_gateway.history.writer import Writer
 
@@ -74,6 +75,7 @@ class SqlHistory:
         self._reader = Reader(self._database, self._writer)
         store = self._database, self._reader, self._writer
         self.acknowledgements = SqlEntries(*store, acknowledgements, Acknowledgement)
+        self.labels = SqlEntries(*store, robot_labels, RobotLabel)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
         self.on_loss: Callable[[], None] = lambda: None

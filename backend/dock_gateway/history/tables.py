@@ -3,6 +3,7 @@
 from datetime import UTC, datetime
 from typing import Any
 
+import orjson
 import sqlalchemy as sa
 from sqlalchemy.engine import Dialect
 
@@ -42,6 +43,21 @@ class JsonText(sa.types.TypeDecorator[Json]):
     def process_result_value(self, value: str | None, dialect: Dialect) -> Json | None:
         """Encode the text to the same bytes."""
         return None if value is None else value.encode()
+
+
+class Names(sa.types.TypeDecorator[tuple[str, ...]]):
+    """Names, as a JSON array."""
+
+    impl = sa.Text
+    cache_ok = True
+
+    def process_bind_param(self, value: tuple[str, ...] | None, dialect: Dialect) -> str | None:
+        """Encode the names."""
+        return None if value is None else orjson.dumps(value).decode()
+
+    def process_result_value(self, value: str | None, dialect: Dialect) -> tuple[str, ...] | None:
+        """Decode the names."""
+        return None if value is None else tuple(orjson.loads(value))
 
 
 def identity() -> Any:
@@ -121,6 +137,14 @@ acknowledgements = sa.Table(
     sa.Column("alert_id", sa.Text, primary_key=True),
     sa.Column("name", sa.Text, nullable=False),
     sa.Column("acknowledged_at", UtcTime, nullable=False),
+)
+
+robot_labels = sa.Table(
+    "robot_labels",
+    metadata,
+    sa.Column("robot", sa.Text, primary_key=True),
+    sa.Column("display_name", sa.Text),
+    sa.Column("groups", Names, nullable=False),
 )
 
 # The newest missing event of each topic, dropped by retention or because memory was full. The row with an empty topic

@@ -185,12 +185,12 @@ def normalize_namespace(namespace: str) -> str:
     return f"/{namespace.strip('/')}"
 
 
-def read_namespace(namespace: str) -> str:
-    """Validate and normalize a namespace from a client.
+def read_namespace(namespace: str, path: str = "query.robot") -> str:
+    """Validate and normalize a namespace from a client; `path` says where it was.
 
     Raises:
         InvalidField: It is not a ROS namespace.
     """
     if not NAMESPACE.fullmatch(namespace):
-        raise InvalidField([FieldError("query.robot", "a ROS namespace such as /robot1", f"got {namespace[:60]!r}")])
+        raise InvalidField([FieldError(path, "a ROS namespace such as /robot1", f"got {namespace[:60]!r}")])
     return normalize_namespace(namespace)

@@ -135,14 +135,14 @@ def read_object(value: object, *fields: str) -> dict[str, Any]:
     return value
 
 
-def read_name(value: object, longest: int) -> str:
-    """Return the name of the requester from the field `by`, without surrounding spaces.
+def read_name(value: object, longest: int, path: str = "by") -> str:
+    """Return a name, by default that of the requester in the field `by`, without surrounding spaces.
 
     Raises:
         InvalidField: It is not a name of at most `longest` characters.
     """
     if not isinstance(value, str) or len(value) > longest or not NAME.fullmatch(value):
-        raise InvalidField([FieldError("by", f"1 to {longest} characters, in one line", got(value))])
+        raise InvalidField([FieldError(path, f"1 to {longest} characters, in one line", got(value))])
     return value.strip()
 
 

@@ -723,6 +723,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/robots/label": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Label Robot
+         * @description Replace the display name and the groups of a robot, at every gateway that shares the history.
+         *
+         *     `null` without groups removes the label. A label outlives restarts, and may be set before the robot appears.
+         */
+        put: operations["label_robot"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/simulator": {
         parameters: {
             query?: never;
@@ -2048,6 +2070,26 @@ export interface components {
             interfaces: components["schemas"]["Interface"][];
         };
         /**
+         * Label
+         * @description The display name of a robot, null if it has none, and the groups that it is in.
+         * @example {
+         *       "display_name": "Left forklift",
+         *       "groups": [
+         *         "hall 1",
+         *         "forklifts"
+         *       ],
+         *       "robot": "/robot1"
+         *     }
+         */
+        Label: {
+            /** Robot */
+            robot: string;
+            /** Display Name */
+            display_name: string | null;
+            /** Groups */
+            groups: string[];
+        };
+        /**
          * Measured
          * @description The mean, minimum and maximum of a field in each bucket; null if it was not measured.
          */
@@ -2313,12 +2355,17 @@ export interface components {
          * Robot
          * @description Summary of a robot.
          *
+         *     `name` is its namespace; `display_name` and `groups` are the label that `PUT /robots/label` sets.
          *     `docked` is null if unknown; `dock` and `undock` are null if the robot has no such action. `goals` are those running
          *     on its actions; `last_goal` is the last docking or undocking goal that ended.
          */
         Robot: {
             /** Name */
             name: string;
+            /** Display Name */
+            display_name: string | null;
+            /** Groups */
+            groups: string[];
             /** Default */
             default: boolean;
             /** Docked */
@@ -5303,6 +5350,99 @@ export interface operations {
             };
             /** @description Unprocessable Entity */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    label_robot: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    /** @description Namespace of the robot, which need not be on the ROS graph */
+                    robot: string;
+                    /** @description Belongs to one robot, whatever its case */
+                    display_name: string | null;
+                    groups: string[];
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Label"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -9,6 +9,7 @@ import pytest
 from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.fleet.alert_rules import Alert, AlertKind, AlertRules, alert_id
+from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.history import Acknowledgement, Incident
 from dock_gateway.robots.battery import Reading
@@ -36,6 +37,7 @@ def robot(
 ) -> RobotState:
     battery = SimpleNamespace(reading=Reading(supply, percentage), stale_since=stale_since)
     known: dict[str, Any] = {
+        "label": NO_LABEL,
         "default": False,
         "battery": battery,
         "battery_topic": f"{name}/battery_status",

@@ -12,7 +12,9 @@ from dock_gateway.core.event import Event, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.core.hub import Hub, Subscriber
+from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.overview import Fleet
+from dock_gateway.history import RobotLabel
 from dock_gateway.robots.battery import Battery
 from dock_gateway.settings import Settings
 
@@ -36,6 +38,7 @@ class Parts:
         self.simulator: dict[str, Any] | None = None
         self.looked: list[Any] = []
         self.twice: list[str] = []
+        self.labels: dict[str, RobotLabel] = {}
 
     def robot(self, name: str) -> Any:
         publisher = SimpleNamespace(document=lambda: {"active": False, "rate_hz": None, "published_count": 9})
@@ -64,6 +67,10 @@ class Parts:
         watch = SimpleNamespace(state=ServerState(str(name), available=True, answering=True))
         return SimpleNamespace(watch=watch) if str(name).startswith("/robot1/connect") else None
 
+    # the labels
+    def of(self, name: str) -> RobotLabel:
+        return self.labels.get(name, NO_LABEL)
+
     # and the others
     def shown(self, _: str) -> dict[str, Any]:
         return RELEASED
@@ -91,6 +98,7 @@ class Parts:
             interlock=parts,
             simulators=parts,
             last_goals=parts,
+            labels=parts,
             alerts=parts,
         )
 
@@ -118,9 +126,12 @@ async def test_a_robot_at_a_glance() -> None:
         goal("/robot1/connect_to_charging_dock", "new", minute=1),
         goal("/fibonacci", "elsewhere"),
     ]
+    parts.labels["/robot1"] = RobotLabel("Left forklift", ("hall 1",))
     robot = document(fleet)
     assert robot == {
         "name": "/robot1",
+        "display_name": "Left forklift",
+        "groups": ["hall 1"],
         "default": False,
         "docked": None,
         "simulated": False,
@@ -141,6 +152,7 @@ async def test_a_robot_at_a_glance() -> None:
     assert [running["goal_id"] for running in robot["goals"]] == ["new", "old"]
     assert not {"goal", "feedback", "result"} & robot["goals"][0].keys()
     assert [(robot["name"], robot["default"]) for robot in fleet.documents()] == [("/", True), ("/robot1", False)]
+    assert [document(fleet, "/")[field] for field in ("display_name", "groups")] == [None, []]
     await fleet.close()
 
 

@@ -1,8 +1,11 @@
 """Entries are shared by gateways that share a history, and hold while it is away."""
 
 import asyncio
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
+
+import pytest
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.fleet.shared_entries import SharedEntries
@@ -31,10 +34,15 @@ class Store(MemoryEntries[Acknowledgement]):
         await self.gate.wait()
         return found
 
-    async def write(self, key: str, entry: Acknowledgement | None) -> None:
+    async def write(
+        self,
+        key: str,
+        entry: Acknowledgement | None,
+        check: Callable[[Mapping[str, Acknowledgement]], None] | None = None,
+    ) -> None:
         if self.away:
             raise Unavailable("away", code="history_unavailable")
-        await super().write(key, entry)
+        await super().write(key, entry, check)
 
 
 async def test_they_are_kept_in_both_databases(database_url: str, tmp_path: Path) -> None:
@@ -72,6 +80,27 @@ async def test_they_hold_while_the_history_is_away() -> None:
     assert not here.unsaved
     assert await there.sync()
     assert there.get("a") == ADA
+
+
+async def test_what_must_be_stored_first_is_set_then() -> None:
+    store = Store()
+    here = SharedEntries(store)
+    stored: list[Mapping[str, Acknowledgement]] = []
+    store.gate.clear()
+    reading = asyncio.create_task(here.sync())
+    await asyncio.sleep(0)
+    await here.store("a", ADA, lambda entries: stored.append(dict(entries)))
+    store.gate.set()
+    assert await reading
+    assert here.get("a") == ADA, "what was read is older"
+    store.away = True
+    for entry in (BOB, None):
+        with pytest.raises(Unavailable):
+            await here.store("a", entry, lambda _: None)
+    store.away = False
+    await here.store("a", None, lambda entries: stored.append(dict(entries)))
+    assert (here.get("a"), here.unsaved, await store.read()) == (None, False, {})
+    assert stored == [{}, {"a": ADA}]
 
 
 async def test_what_is_read_meanwhile_does_not_undo_anything() -> None:

@@ -74,6 +74,7 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("get", "/actions/{name}/goals/{goal_id}/events"),
         ("get", "/dock/{goal_id}/events"),
         ("get", "/robots"),
+        ("put", "/robots/label"),
         ("get", "/alerts"),
         ("put", "/alerts/{alert_id}/acknowledgement"),
         ("delete", "/alerts/{alert_id}/acknowledgement"),

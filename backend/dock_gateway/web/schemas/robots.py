@@ -3,6 +3,8 @@
 from datetime import datetime
 from typing import Literal
 
+from pydantic import ConfigDict, JsonValue
+
 from dock_gateway.fleet.alert_rules import AlertKind
 from dock_gateway.web.schemas.actions import ActionServer
 from dock_gateway.web.schemas.common import Problem, Schema
@@ -102,11 +104,14 @@ class RobotPublisher(Schema):
 class Robot(Schema):
     """Summary of a robot.
 
+    `name` is its namespace; `display_name` and `groups` are the label that `PUT /robots/label` sets.
     `docked` is null if unknown; `dock` and `undock` are null if the robot has no such action. `goals` are those running
     on its actions; `last_goal` is the last docking or undocking goal that ended.
     """
 
     name: str
+    display_name: str | None
+    groups: list[str]
     default: bool
     docked: bool | None
     simulated: bool
@@ -124,6 +129,19 @@ class RobotList(Schema):
     """The robots, by name."""
 
     robots: list[Robot]
+
+
+LABEL_EXAMPLE: JsonValue = {"robot": "/robot1", "display_name": "Left forklift", "groups": ["hall 1", "forklifts"]}
+
+
+class Label(Schema):
+    """The display name of a robot, null if it has none, and the groups that it is in."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [LABEL_EXAMPLE]})
+
+    robot: str
+    display_name: str | None
+    groups: list[str]
 
 
 class Acknowledgement(Schema):

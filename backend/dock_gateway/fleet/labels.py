@@ -1,0 +1,88 @@
+"""The labels of robots: display names and groups, shared by the gateways that share a history."""
+
+import asyncio
+import logging
+import unicodedata
+from collections.abc import Callable, Collection, Mapping
+
+from dock_gateway.core.errors import Conflict
+from dock_gateway.core.tasks import cancel
+from dock_gateway.fleet.shared_entries import SYNC_INTERVAL, SharedEntries
+from dock_gateway.history import Entries, RobotLabel
+from dock_gateway.robots.registry import normalize_namespace
+
+log = logging.getLogger(__name__)
+
+MAX_LABELS = 2000
+NO_LABEL = RobotLabel(None, ())
+
+
+class Labels:
+    """Holds the labels, by namespace. A robot that is not on the graph can have one, too.
+
+    Args:
+        store: Stores them.
+        robots: Returns the namespaces of the robots that are known now.
+    """
+
+    def __init__(self, store: Entries[RobotLabel], robots: Callable[[], Collection[str]]) -> None:
+        self._entries = SharedEntries(store)
+        self._robots = robots
+        self._task: asyncio.Task[None] | None = None
+
+    async def open(self) -> None:
+        """Read the labels, and keep on reading other gateways' changes."""
+        await self._entries.sync()
+        self._task = asyncio.create_task(self._sync())
+
+    def of(self, robot: str) -> RobotLabel:
+        """Return the label of a robot; an empty one if it has none."""
+        return self._entries.get(robot) or NO_LABEL
+
+    async def replace(self, robot: str, label: RobotLabel) -> None:
+        """Store the label of a robot; an empty one removes it.
+
+        Raises:
+            Conflict: The display name belongs to another robot (`display_name_taken`), or there are too many labels
+                (`too_many_labels`).
+            Unavailable: The history does not answer (`history_unavailable`); the label is what it was.
+        """
+        known = frozenset(self._robots())
+
+        def check(labels: Mapping[str, RobotLabel]) -> None:
+            others = {name: other for name, other in labels.items() if name != robot}
+            if label != NO_LABEL and len(others) >= MAX_LABELS:
+                raise Conflict(f"there are {MAX_LABELS} labels; remove one first", code="too_many_labels")
+            if label.display_name is not None:
+                _require_free(label.display_name, others, (known | others.keys()) - {robot})
+
+        await self._entries.store(robot, None if label == NO_LABEL else label, check)
+        log.info("label of %s: display name %r, groups %s", robot, label.display_name, list(label.groups))
+
+    async def _sync(self) -> None:
+        while True:
+            await asyncio.sleep(SYNC_INTERVAL)
+            try:
+                await self._entries.sync()
+            except Exception:
+                log.exception("while reading the labels")
+
+    async def close(self) -> None:
+        """Stop the synchronization with the history."""
+        if self._task is not None:
+            await cancel(self._task)
+
+
+def _require_free(display_name: str, labels: Mapping[str, RobotLabel], namespaces: Collection[str]) -> None:
+    """Check that a display name is neither another robot's nor the namespace of one."""
+    name = _compared(display_name)
+    for robot, label in labels.items():
+        if label.display_name is not None and _compared(label.display_name) == name:
+            raise Conflict(f"the display name of {robot} is {label.display_name!r}", code="display_name_taken")
+    for namespace in namespaces:
+        if normalize_namespace(name) == _compared(namespace):
+            raise Conflict(f"{display_name!r} is the namespace of the robot {namespace}", code="display_name_taken")
+
+
+def _compared(name: str) -> str:
+    return unicodedata.normalize("NFKC", name).casefold()

@@ -1,0 +1,84 @@
+"""`/robots/label`: the display name and the groups of a robot."""
+
+from fastapi import APIRouter, Depends, Request
+from starlette.responses import Response
+
+from dock_gateway.core.errors import FieldError, InvalidField, got
+from dock_gateway.history import RobotLabel
+from dock_gateway.robots.registry import read_namespace
+from dock_gateway.web.openapi import body
+from dock_gateway.web.problems import problems
+from dock_gateway.web.requests import (
+    ROBOT_PATTERN,
+    TheGateway,
+    json_response,
+    known_query,
+    name_schema,
+    read_json,
+    read_name,
+    read_object,
+)
+from dock_gateway.web.schemas.robots import LABEL_EXAMPLE, Label
+
+router = APIRouter()
+
+FIELDS = ("robot", "display_name", "groups")
+MAX_ROBOT = 255  # the longest name on the ROS graph
+MAX_DISPLAY_NAME = 60
+MAX_GROUPS, MAX_GROUP = 20, 40
+LABEL_REQUEST = {
+    "type": "object",
+    "required": list(FIELDS),
+    "additionalProperties": False,
+    "properties": {
+        "robot": {
+            "type": "string",
+            "maxLength": MAX_ROBOT,
+            "description": "Namespace of the robot, which need not be on the ROS graph",
+            **ROBOT_PATTERN,
+        },
+        "display_name": name_schema(MAX_DISPLAY_NAME)
+        | {"type": ["string", "null"], "description": "Belongs to one robot, whatever its case"},
+        "groups": {"type": "array", "maxItems": MAX_GROUPS, "items": name_schema(MAX_GROUP)},
+    },
+    "examples": [LABEL_EXAMPLE],
+}
+
+
+@router.put(
+    "/robots/label",
+    tags=["Robots"],
+    response_model=Label,
+    responses=problems(400, 408, 409, 413, 415, 422, 503),
+    dependencies=[Depends(known_query())],
+    openapi_extra=body(LABEL_REQUEST, required=True),
+)
+async def label_robot(request: Request, gateway: TheGateway) -> Response:
+    """Replace the display name and the groups of a robot, at every gateway that shares the history.
+
+    `null` without groups removes the label. A label outlives restarts, and may be set before the robot appears.
+    """
+    robot, label = read_label(await read_json(request))
+    await gateway.labels.replace(robot, label)
+    return json_response({"robot": robot, **vars(label)})
+
+
+def read_label(value: object) -> tuple[str, RobotLabel]:
+    """Read a robot and its label from a decoded body, without surrounding spaces and groups that repeat.
+
+    Raises:
+        InvalidField: It is not a label.
+    """
+    fields = read_object(value, *FIELDS)
+    if missing := [FieldError(name, "a value", "it is missing") for name in FIELDS if name not in fields]:
+        raise InvalidField(missing)
+    robot, name, groups = (fields[field] for field in FIELDS)
+    if not isinstance(robot, str) or len(robot) > MAX_ROBOT:
+        raise InvalidField([FieldError("robot", f"a ROS namespace of up to {MAX_ROBOT} characters", got(robot))])
+    robot = read_namespace(robot, "robot")
+    display_name = None if name is None else read_name(name, MAX_DISPLAY_NAME, "display_name")
+    if not isinstance(groups, list) or len(groups) > MAX_GROUPS:
+        detail = f"got {len(groups)}" if isinstance(groups, list) else got(groups)
+        raise InvalidField([FieldError("groups", f"an array of up to {MAX_GROUPS} names", detail)])
+    names = (read_name(group, MAX_GROUP, f"groups.{index}") for index, group in enumerate(groups))
+    return robot, RobotLabel(display_name, tuple(dict.fromkeys(names)))

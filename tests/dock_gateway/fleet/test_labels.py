@@ -1,0 +1,134 @@
+"""Display names and groups: whose a name is, what other gateways see, and what an outage leaves as it is."""
+
+from collections.abc import AsyncIterator, Callable, Mapping
+
+import pytest
+
+from dock_gateway.core.errors import Conflict, Unavailable
+from dock_gateway.fleet import labels as labels_module
+from dock_gateway.fleet.labels import NO_LABEL, Labels
+from dock_gateway.history import RobotLabel
+from dock_gateway.history.memory import MemoryEntries
+from tests.support.waiting import until
+
+LEFT = RobotLabel("Left forklift", ("hall 1",))
+
+
+class Store(MemoryEntries[RobotLabel]):
+    """Does not answer where the test says so."""
+
+    away = False
+
+    async def read(self) -> dict[str, RobotLabel]:
+        self.require()
+        return await super().read()
+
+    async def write(
+        self,
+        key: str,
+        entry: RobotLabel | None,
+        check: Callable[[Mapping[str, RobotLabel]], None] | None = None,
+    ) -> None:
+        self.require()
+        await super().write(key, entry, check)
+
+    def require(self) -> None:
+        if self.away:
+            raise Unavailable("away", code="history_unavailable")
+
+
+class Site:
+    """Gateways that share a history."""
+
+    def __init__(self) -> None:
+        self.store = Store()
+        self.robots = ["/", "/robot1", "/robot2"]
+        self.gateways: list[Labels] = []
+
+    async def gateway(self) -> Labels:
+        labels = Labels(self.store, lambda: self.robots)
+        self.gateways.append(labels)
+        await labels.open()
+        return labels
+
+
+@pytest.fixture
+async def site(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Site]:
+    monkeypatch.setattr(labels_module, "SYNC_INTERVAL", 0.01)
+    site = Site()
+    yield site
+    for gateway in site.gateways:
+        await gateway.close()
+
+
+async def test_other_gateways_see_a_label_now_and_after_a_start(site: Site) -> None:
+    one, other = await site.gateway(), await site.gateway()
+    assert one.of("/robot1") == NO_LABEL
+    await one.replace("/robot1", LEFT)
+    assert one.of("/robot1") == LEFT
+    await until(lambda: other.of("/robot1") == LEFT)
+    assert (await site.gateway()).of("/robot1") == LEFT
+    await other.replace("/robot1", NO_LABEL)
+    assert other.of("/robot1") == NO_LABEL
+    await until(lambda: one.of("/robot1") == NO_LABEL)
+    assert await site.store.read() == {}
+
+
+@pytest.mark.parametrize(
+    "name", ["Left forklift", "LEFT FORKLIFT", "\uff2ceft forklift", "/robot2", "robot2", "Robot2/", "/"]
+)
+async def test_a_display_name_belongs_to_one_robot(site: Site, name: str) -> None:
+    labels = await site.gateway()
+    await labels.replace("/not/there/yet", LEFT)
+    await labels.replace("/robot1", RobotLabel(None, ("hall 2",)))
+    with pytest.raises(Conflict) as refused:
+        await labels.replace("/robot1", RobotLabel(name, ()))
+    assert refused.value.code == "display_name_taken"
+    assert labels.of("/robot1") == RobotLabel(None, ("hall 2",))
+    assert await site.store.read() == {"/not/there/yet": LEFT, "/robot1": RobotLabel(None, ("hall 2",))}
+
+
+async def test_a_name_that_another_gateway_has_just_given_is_taken(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(labels_module, "SYNC_INTERVAL", 3600.0)
+    one, other = await site.gateway(), await site.gateway()
+    await one.replace("/robot1", LEFT)
+    with pytest.raises(Conflict):
+        await other.replace("/robot2", LEFT)
+    await other.replace("/late", RobotLabel(None, ("hall 1",)))
+    with pytest.raises(Conflict):  # that robot is known by its label only
+        await one.replace("/robot2", RobotLabel("Late", ()))
+
+
+async def test_a_robot_keeps_its_own_name(site: Site) -> None:
+    labels = await site.gateway()
+    for name in ("Left forklift", "left forklift", "/robot1", "ROBOT1"):
+        await labels.replace("/robot1", RobotLabel(name, ("hall 1",)))
+        assert labels.of("/robot1").display_name == name
+
+
+async def test_without_the_history_nothing_changes(site: Site) -> None:
+    labels = await site.gateway()
+    await labels.replace("/robot1", LEFT)
+    site.store.away = True
+    for label in (NO_LABEL, RobotLabel("Right forklift", ())):
+        with pytest.raises(Unavailable) as refused:
+            await labels.replace("/robot1", label)
+        assert refused.value.code == "history_unavailable"
+    assert labels.of("/robot1") == LEFT
+    late = await site.gateway()
+    assert late.of("/robot1") == NO_LABEL
+    site.store.away = False
+    await until(lambda: late.of("/robot1") == LEFT)
+
+
+async def test_there_are_not_endlessly_many(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(labels_module, "MAX_LABELS", 1)
+    labels = await site.gateway()
+    await labels.replace("/robot1", LEFT)
+    with pytest.raises(Conflict) as refused:
+        await labels.replace("/robot2", RobotLabel("Right forklift", ()))
+    assert refused.value.code == "too_many_labels"
+    await labels.replace("/robot2", NO_LABEL)
+    await labels.replace("/robot1", RobotLabel("Right forklift", ()))
+    await labels.replace("/robot1", NO_LABEL)
+    await labels.replace("/robot2", LEFT)
