@@ -4,13 +4,21 @@ from dataclasses import dataclass
 
 from playwright.sync_api import Browser, expect
 
-# As https://web.dev/articles/cls defines a shift's score; `moved` names what moved.
+# As https://web.dev/articles/cls defines a shift's score; `moved` says what moved, and from where to where.
 WATCH = """
     window.shifts = [];
+    const nameOf = (node) => {
+        const element = node?.nodeType === 1 ? node : node?.parentElement;
+        if (!element) return "gone";
+        return `<${element.localName} class="${element.className}"> ${element.innerText?.slice(0, 80)}`;
+    };
+    const words = ({x, y, width, height}) => `${width}x${height} at ${x},${y}`;
     new PerformanceObserver((list) => {
-        for (const {value, hadRecentInput, sources} of list.getEntries()) {
-            const moved = sources.map(({node}) => (node?.nodeType === 1 ? node : node?.parentElement)?.innerText);
-            if (!hadRecentInput) window.shifts.push({value, moved: moved.map((text) => text?.slice(0, 80))});
+        for (const {value, hadRecentInput, sources, startTime} of list.getEntries()) {
+            if (hadRecentInput) continue;
+            const moved = sources.map(({node, previousRect, currentRect}) =>
+                `${nameOf(node)}: ${words(previousRect)} -> ${words(currentRect)}`);
+            window.shifts.push({value, ms: Math.round(startTime), moved});
         }
     }).observe({type: "layout-shift", buffered: true});
 """
@@ -24,7 +32,7 @@ class FirstVisit:
         transferred: Bytes of all responses with their headers, as they were sent. Streams do not count.
         scripts: Bytes of the scripts among them.
         shift: Sum of the layout shifts.
-        moved: The score of each shift, and the texts of what moved.
+        moved: The score and the time of each shift, and what moved from where to where.
     """
 
     transferred: int

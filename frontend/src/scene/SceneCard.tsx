@@ -42,12 +42,12 @@ export function SceneCard() {
               await place.mutateAsync(pose).catch(() => {});
             }}
           />
-          <Text size="sm" id={wordsId} data-testid="scene-words" className="tabular">
+          <Text size="sm" id={wordsId} data-testid="scene-words" className={`tabular ${classes.text}`}>
             {freshness !== "live" && "This is how it was last seen. "}
             <Words />
           </Text>
           <Legend />
-          <Text size="sm" c="dimmed" role="status" className="tabular" mih="1.45em">
+          <Text size="sm" c="dimmed" role="status" className={`tabular ${classes.text}`}>
             {placeable && hint(ghost)}
           </Text>
           <CommandErrorAlert command="Placing the robot" error={place.error} onClose={place.reset} />
