@@ -153,6 +153,11 @@ def test_the_keyboard_alone(page: Page) -> None:
     row(page, "/robot2").get_by_role("link", name="/robot2").focus()
     page.keyboard.press("Enter")
     expect(page.get_by_role("heading", level=1, name="/robot2")).to_be_visible()
+    for other in ("/robot1", "2"):  # a name, or as little of it as tells it from the others
+        page.get_by_role("combobox", name="Switch robot").focus()
+        page.keyboard.type(other)
+        page.keyboard.press("Enter")
+        expect(page.get_by_role("heading", level=1, name=other)).to_be_visible()
 
 
 @pytest.mark.expect_page_errors

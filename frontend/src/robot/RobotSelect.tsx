@@ -19,7 +19,10 @@ export default function RobotSelect({ others }: { others: readonly string[] }) {
       searchValue={text}
       onSearchChange={setText}
       nothingFoundMessage="No such robot"
+      // The first match is highlighted as soon as there is a list, and stays so: without these, Mantine forgets it after opening.
       selectFirstOptionOnChange
+      selectFirstOptionOnDropdownOpen
+      comboboxProps={{ transitionProps: { duration: 0 } }}
       onChange={(name) => {
         setText("");
         if (name !== null) navigate(robotPath(name, readTab(query)));
