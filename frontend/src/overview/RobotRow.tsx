@@ -3,11 +3,12 @@ import { memo } from "react";
 import { Link } from "react-router";
 import type { Attention } from "../alerts/order";
 import { type Mark, SeverityMark } from "../alerts/SeverityMark";
+import { LinkState } from "../fleet/LinkState";
 import type { Robot } from "../fleet/types";
 import { displayName, linkOf, placeWords } from "../fleet/words";
 import { robotPath } from "../robot/path";
 import { BatteryMeter } from "./BatteryMeter";
-import { LastCell, LinkCell, NowCell } from "./cells";
+import { LastCell, NowCell } from "./cells";
 import classes from "./overview.module.css";
 
 const MARKS: Record<Exclude<Attention, 0>, { mark: Mark; words: string }> = {
@@ -40,7 +41,7 @@ export const RobotRow = memo(function RobotRow({ robot, attention, live }: Robot
           {link !== "connected" && (
             <>
               {", "}
-              <LinkCell link={link} live={live} />
+              <LinkState link={link} live={live} />
             </>
           )}
         </span>
@@ -62,7 +63,7 @@ export const RobotRow = memo(function RobotRow({ robot, attention, live }: Robot
         <LastCell robot={robot} />
       </Table.Td>
       <Table.Td className={classes.wide}>
-        <LinkCell link={link} live={live} />
+        <LinkState link={link} live={live} />
       </Table.Td>
     </Table.Tr>
   );

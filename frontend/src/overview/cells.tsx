@@ -2,15 +2,7 @@ import { Anchor, Badge } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
 import type { GoalSummary, Robot } from "../fleet/types";
-import {
-  goalName,
-  LINK_HINTS,
-  LINK_WORDS,
-  type Link as LinkState,
-  lastWords,
-  linkOf,
-  runningWords,
-} from "../fleet/words";
+import { goalName, lastWords, linkOf, runningWords } from "../fleet/words";
 import { soFarWords } from "../goal/duration";
 import { useAtTime } from "../store/clock";
 import { Time } from "../ui/Time";
@@ -104,19 +96,6 @@ const Last = memo(function Last({ goalId, words, outcome, at }: LastProps) {
           <Time value={at} />
         </span>
       </span>
-    </span>
-  );
-});
-
-/** Whether the robot can be asked for anything. */
-export const LinkCell = memo(function LinkCell({ link, live }: { link: LinkState; live: boolean }) {
-  return (
-    <span
-      className={classes.link}
-      data-link={live ? link : "unknown"}
-      title={live ? LINK_HINTS[link] : undefined}
-    >
-      {live ? LINK_WORDS[link] : "Not live"}
     </span>
   );
 });

@@ -1,8 +1,8 @@
 import { Anchor, Badge, Title } from "@mantine/core";
 import { Link } from "react-router";
 import { useFleetLive, useFleetPart } from "../fleet/context";
+import { LinkState } from "../fleet/LinkState";
 import { displayName, linkOf, placeWords } from "../fleet/words";
-import { LinkCell } from "../overview/cells";
 import { defaultRobot } from "../stop/held";
 import { RobotSwitcher } from "./RobotSwitcher";
 import classes from "./robot.module.css";
@@ -48,7 +48,7 @@ function Facts({ name }: { name: string }) {
           simulated
         </Badge>
       )}
-      {live && link !== null && link !== "connected" && <LinkCell link={link} live />}
+      {live && link !== null && link !== "connected" && <LinkState link={link} live />}
     </>
   );
 }
