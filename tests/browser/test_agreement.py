@@ -2,7 +2,6 @@
 
 import re
 import signal
-import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 from tests.browser.conftest import PATIENCE_MS
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway, running_program
-from tests.support.processes import Process, ros_environment
+from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import wait_until
 
 ROBOT, OTHER = "/robot1", "/robot2"
@@ -214,8 +213,8 @@ def test_the_gateway_is_killed_and_comes_back(docking: Views) -> None:
 
 
 def test_a_hundred_robots(browser: Browser) -> None:
-    crowd = (sys.executable, "-m", "tests.support.robots", "--robots", "100")
-    with ros_domain() as domain, Process(*crowd, env=ros_environment(domain)), running_gateway(domain) as gateway:
+    crowd = ("-m", "tests.support.robots", "--robots", "100")
+    with ros_domain() as domain, ForkedProcess(*crowd, env=ros_environment(domain)), running_gateway(domain) as gateway:
         wait_until(lambda: len(gateway.http.get("/robots").json()["robots"]) == 101, "a hundred robots and our own")
         with browser.new_page(viewport={"width": 1440, "height": 900}) as page:
             page.goto(gateway.url)

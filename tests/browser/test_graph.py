@@ -2,17 +2,15 @@
 
 import json
 import re
-import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from typing import Any
 
 import pytest
 from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.browser.axe import find_violations, load_axe
-from tests.support.gateway import RunningGateway, running_gateway, running_program
-from tests.support.processes import Process, ros_environment
+from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
 from tests.support.waiting import wait_until
 
 SERVER = "/connect_to_charging_dock_action_server"
@@ -31,19 +29,12 @@ IN_SIGHT = """([button, frame]) => {
 }"""
 
 
-@contextmanager
-def running_talkers(domain: int, *arguments: str) -> Iterator[Process]:
-    with Process(sys.executable, "-m", "tests.support.talker", *arguments, env=ros_environment(domain)) as process:
-        process.wait_for("talking")
-        yield process
-
-
 @pytest.fixture(scope="module")
 def gateway(domain: int) -> Iterator[RunningGateway]:
     with ExitStack() as stack:
         stack.enter_context(running_program(domain, "dock_simulator"))
         stack.enter_context(running_program(domain, "docking_server"))
-        stack.enter_context(running_talkers(domain, "--topic", f"{CHATTER}:sensor_msgs/msg/BatteryState:10"))
+        stack.enter_context(running_talker(domain, "--topic", f"{CHATTER}:sensor_msgs/msg/BatteryState:10"))
         gateway = stack.enter_context(running_gateway(domain))
         gateway.wait_until_ready()
         wait_until(lambda: {CONFLICT, CHATTER, "/odom"} <= topics(gateway), "the graph")

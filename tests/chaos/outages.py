@@ -18,7 +18,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-from tests.support.gateway import LOW, RunningGateway, running_gateway
+from tests.support.gateway import IMPATIENT, LOW, RunningGateway, running_gateway
 from tests.support.processes import BIN, Process, ros_environment
 
 # A network that only these processes are in: any domain is free. Shared memory would pass by the links.
@@ -108,7 +108,8 @@ def main(rounds: int, robots: int, kind: str, seconds: float, spread: float) -> 
     sh("ip link set lo up")
     with ExitStack() as stack:
         links = [stack.enter_context(robot(number)) for number in range(robots)]
-        gateway = stack.enter_context(running_gateway(DOMAIN, "env", *(f"{key}={NETWORK[key]}" for key in NETWORK)))
+        network = (f"{name}={value}" for name, value in NETWORK.items())
+        gateway = stack.enter_context(running_gateway(DOMAIN, "env", *network, **IMPATIENT))
 
         def attack(robot: Robot, rounds: int) -> None:
             at = {"robot": robot.name}

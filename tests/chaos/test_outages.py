@@ -13,7 +13,7 @@ import pytest
 from dock_gateway.actions.rejoining import KEEP, PAUSE
 from tests.chaos.report import report
 from tests.chaos.withstand import STOPPED_WITHIN
-from tests.support.gateway import running_gateway, running_hostile_node
+from tests.support.gateway import IMPATIENT, running_gateway, running_hostile_node
 from tests.support.probe import open_files, probing, quantile
 
 ROUNDS = int(os.environ.get("CHAOS_OUTAGES", "0"))
@@ -66,7 +66,7 @@ def test_out_of_the_wifi() -> None:
 
 def test_servers_that_stop_answering_harm_no_other(domain: int) -> None:
     """They send feedback, so each may be one whose answers get lost. That must not cost other robots anything."""
-    with running_gateway(domain) as gateway:
+    with running_gateway(domain, **IMPATIENT) as gateway:
         files = open_files(gateway.process.pid)
         with running_hostile_node(domain, "silent_servers", "--count", "20", "--rate", "0.5"):
             gateway.process.wait_for("another DDS participant is tried")

@@ -8,4 +8,4 @@ PR_CAPBSET_DROP, CAP_DAC_OVERRIDE = 24, 1
 
 if __name__ == "__main__":
     ctypes.CDLL(None).prctl(PR_CAPBSET_DROP, CAP_DAC_OVERRIDE, 0, 0, 0)  # does nothing for somebody else than root
-    os.execv(sys.argv[1], sys.argv[1:])
+    os.execvp(sys.argv[1], sys.argv[1:])

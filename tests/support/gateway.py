@@ -1,6 +1,5 @@
 """The real gateway as a process, and clients that speak to it as users do."""
 
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -11,13 +10,17 @@ from typing import Any
 import orjson
 from websockets.sync.client import ClientConnection
 
+from dock_gateway.settings import Settings
 from tests.support.clients import HttpClient, connect
-from tests.support.processes import BIN, Process, ros_environment
+from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import PATIENCE
 
 LOW = {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}
 CHARGING = {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 1}
 ACTION = "/connect_to_charging_dock"
+# What an action server gets for its answers, in seconds: more than by default, as a machine may be busy.
+PATIENT = {"server_wait": "4", "accept_timeout": "30", "cancel_timeout": "30"}
+IMPATIENT = {name: str(Settings.model_fields[name].default) for name in PATIENT}
 
 
 class Stream:
@@ -111,15 +114,16 @@ def running_gateway(domain: int, *prefix: str, **settings: str) -> Iterator[Runn
 
     Args:
         domain: The ROS domain.
-        prefix: A command that runs it in its own process.
+        prefix: A command that runs it, in a Python of its own, as from a shell; without one it is a fork.
         settings: As in DOCK_GATEWAY_<NAME>.
     """
     with TemporaryDirectory(prefix="dock-gateway-", ignore_cleanup_errors=True) as folder, ExitStack() as stack:
-        defaults = {"port": "0", "database_url": f"sqlite:///{folder}/history.db", "spool_path": f"{folder}/spool"}
-        defaults["stop_path"] = f"{folder}/stops.json"
-        variables = {f"DOCK_GATEWAY_{name.upper()}": value for name, value in {**defaults, **settings}.items()}
+        stored = {"database_url": f"sqlite:///{folder}/history.db", "spool_path": f"{folder}/spool"}
+        settings = {"port": "0", **PATIENT, **stored, "stop_path": f"{folder}/stops.json", **settings}
+        variables = {f"DOCK_GATEWAY_{name.upper()}": value for name, value in settings.items()}
         environment = ros_environment(domain, **variables)
-        process = stack.enter_context(Process(*prefix, str(BIN / "dock-gateway"), "serve", env=environment))
+        start = Process if prefix else ForkedProcess
+        process = stack.enter_context(start(*prefix, "dock-gateway", "serve", env=environment))
         url = process.wait_for("listening on ").rpartition(" ")[2]
         with HttpClient(url) as http:
             yield RunningGateway(process, url, http)
@@ -129,24 +133,21 @@ def running_gateway(domain: int, *prefix: str, **settings: str) -> Iterator[Runn
 def running_program(domain: int, name: str, *ros_args: str) -> Iterator[Process]:
     """One of our ROS programs."""
     arguments = ("--ros-args", *ros_args) if ros_args else ()
-    with Process(str(BIN / name), *arguments, env=ros_environment(domain)) as process:
+    with ForkedProcess(name, *arguments, env=ros_environment(domain)) as process:
         yield process
 
 
 @contextmanager
 def running_dock_server(domain: int, *ros_args: str) -> Iterator[Process]:
     """Our action server."""
-    arguments = ("--ros-args", *ros_args) if ros_args else ()
-    command = (str(BIN / "connect_to_charging_dock_server"), *arguments)
-    with Process(*command, env=ros_environment(domain)) as process:
+    with running_program(domain, "connect_to_charging_dock_server", *ros_args) as process:
         yield process
 
 
 @contextmanager
 def running_talker(domain: int, *arguments: str) -> Iterator[Process]:
     """Nodes that talk, see `tests/support/talker.py`."""
-    command = (sys.executable, "-m", "tests.support.talker", *arguments)
-    with Process(*command, env=ros_environment(domain)) as process:
+    with ForkedProcess("-m", "tests.support.talker", *arguments, env=ros_environment(domain)) as process:
         process.wait_for("talking")
         yield process
 
@@ -154,7 +155,6 @@ def running_talker(domain: int, *arguments: str) -> Iterator[Process]:
 @contextmanager
 def running_hostile_node(domain: int, *arguments: str) -> Iterator[Process]:
     """A node that floods, see `tests/support/hostile_node.py`."""
-    command = (sys.executable, "-m", "tests.support.hostile_node", *arguments)
-    with Process(*command, env=ros_environment(domain)) as process:
+    with ForkedProcess("-m", "tests.support.hostile_node", *arguments, env=ros_environment(domain)) as process:
         process.wait_for("flooding")
         yield process

@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from typing import Self
 
+from tests.support.forks import Fork
 from tests.support.waiting import PATIENCE, wait_until
 
 BIN = Path(sys.executable).parent
@@ -41,7 +42,15 @@ class Process:
     """
 
     def __init__(self, *command: str, env: dict[str, str], cwd: Path | None = None) -> None:
-        self._process = subprocess.Popen(
+        self._process = self._start(command, env, cwd)
+        self.pid = self._process.pid
+        self._lines: list[str] = []
+        self._changed = threading.Condition()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _start(self, command: tuple[str, ...], env: dict[str, str], cwd: Path | None) -> subprocess.Popen[str] | Fork:
+        return subprocess.Popen(
             command,
             env=env,
             cwd=cwd,
@@ -50,11 +59,6 @@ class Process:
             stderr=subprocess.STDOUT,
             text=True,
         )
-        self.pid = self._process.pid
-        self._lines: list[str] = []
-        self._changed = threading.Condition()
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
 
     def _read(self) -> None:
         assert self._process.stdout is not None
@@ -118,3 +122,11 @@ class Process:
         self._reader.join(2)
         assert self._process.stdout is not None
         self._process.stdout.close()
+
+
+class ForkedProcess(Process):
+    """The same, for our programs and for modules (`-m`), which start sooner as forks; see `tests/support/forks.py`."""
+
+    def _start(self, command: tuple[str, ...], env: dict[str, str], cwd: Path | None) -> Fork:
+        assert cwd is None
+        return Fork(*command, env=env)

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import pytest
 
 from tests.support.gateway import CHARGING, RunningGateway, running_dock_server, running_gateway
-from tests.support.processes import BIN, Process, ros_environment
+from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -19,7 +19,7 @@ NAMESPACE = ("-r", f"__ns:={NAME}")
 @contextmanager
 def battery(domain: int) -> Iterator[None]:
     command = ("-m", "tests.support.battery", "2", "--ros-args", *NAMESPACE)
-    with Process(str(BIN / "python"), *command, env=ros_environment(domain)):
+    with ForkedProcess(*command, env=ros_environment(domain)):
         yield
 
 

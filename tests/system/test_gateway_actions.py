@@ -6,8 +6,8 @@ from contextlib import contextmanager
 
 import pytest
 
-from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server
-from tests.support.processes import BIN, Process, ros_environment
+from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_program
+from tests.support.processes import Process
 
 pytestmark = pytest.mark.ros
 
@@ -16,8 +16,7 @@ FIBONACCI = [0, 1, 1, 2, 3, 5, 8, 13, 21, 34, 55]
 
 @contextmanager
 def fibonacci(domain: int, *ros_args: str) -> Iterator[Process]:
-    command = (str(BIN / "fibonacci_action_server"), "--ros-args", "-p", "step_period:=0.05", *ros_args)
-    with Process(*command, env=ros_environment(domain)) as process:
+    with running_program(domain, "fibonacci_action_server", "-p", "step_period:=0.05", *ros_args) as process:
         yield process
 
 

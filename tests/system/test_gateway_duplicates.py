@@ -42,7 +42,11 @@ def test_two_servers_raise_an_alert_and_get_no_goal(gateway: RunningGateway, dom
 
             # Another client's goal reaches both. A stop does, too.
             gateway.publish(LOW)
+            send_goal = f"{ACTION}/_action/send_goal"
+            wait_until(lambda: observer.node.count_services(send_goal) == 2, "the other client finds both servers")
             goal = observer.send_goal(ConnectToChargingDock, ACTION, ConnectToChargingDock.Goal())
+            for server in (first, second):
+                server.wait_for("Executing goal...")
             stream.until(lambda e: e["type"] == "feedback" and e["goal_id"] == goal.goal_id)
             gateway.stop_once()
             for server in (first, second):

@@ -33,7 +33,7 @@ def gateway(shared_domain: int, tmp_path_factory: pytest.TempPathFactory) -> Ite
     hidden.joinpath("test_msgs", "__init__.py").touch()
     with pytest.MonkeyPatch.context() as patch, ExitStack() as stack:
         patch.setenv("PYTHONPATH", str(hidden))
-        gateway = stack.enter_context(running_gateway(shared_domain, heartbeat_interval="1"))
+        gateway = stack.enter_context(running_gateway(shared_domain, "env", heartbeat_interval="1"))
         patch.undo()
         yield gateway
 

@@ -49,7 +49,7 @@ def wait_gone(pids: list[int], timeout: float) -> None:
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_signal_with_streams_and_a_goal_and_a_waiting_request(domain: int, number: signal.Signals) -> None:
     answers: list[httpx2.Response] = []
-    with running_dock_server(domain) as server, running_gateway(domain) as gateway, gateway.stream() as stream:
+    with running_dock_server(domain) as server, running_gateway(domain, "env") as gateway, gateway.stream() as stream:
         gateway.wait_until_ready()
         gateway.publish(LOW)
 

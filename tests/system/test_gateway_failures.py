@@ -1,7 +1,6 @@
 """The action server is absent, foreign, killed or frozen: each has its answer within its deadline."""
 
 import signal
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,8 +8,8 @@ from contextlib import contextmanager
 import pytest
 
 from tests.support.domain import ros_domain
-from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
-from tests.support.processes import Process, ros_environment
+from tests.support.gateway import IMPATIENT, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.processes import ForkedProcess, Process, ros_environment
 
 pytestmark = pytest.mark.ros
 
@@ -23,14 +22,14 @@ def domain() -> Iterator[int]:
 
 @pytest.fixture
 def gateway(domain: int) -> Iterator[RunningGateway]:
-    with running_gateway(domain) as gateway:
+    with running_gateway(domain, **IMPATIENT) as gateway:
         yield gateway
 
 
 @contextmanager
 def plain_server(domain: int, *arguments: str) -> Iterator[Process]:
-    command = (sys.executable, "-m", "tests.support.plain_action_server", *arguments)
-    with Process(*command, env=ros_environment(domain)) as process:
+    command = ("-m", "tests.support.plain_action_server", *arguments)
+    with ForkedProcess(*command, env=ros_environment(domain)) as process:
         process.wait_for("serving")
         yield process
 

@@ -1,7 +1,6 @@
 """One ROS node that sends too much, too fast or too large harms nobody else."""
 
 import shutil
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,7 +17,7 @@ from tests.support.gateway import (
     running_gateway,
     running_hostile_node,
 )
-from tests.support.processes import Process, ros_environment
+from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -62,13 +61,14 @@ def test_feedback_that_is_too_large_is_told_and_counted(gateway: RunningGateway,
 def test_a_battery_state_that_is_too_large_is_not_read(gateway: RunningGateway, shared_domain: int) -> None:
     arguments = ("battery", "--topic", "/large/battery_status", "--size", str(10 * LIMIT), "--rate", "20")
     with running_hostile_node(shared_domain, *arguments):
+        wait_until(lambda: gateway.http.get("/battery?robot=/large").status_code == 200, "the robot")
         answers_while_flooded(gateway)
         assert gateway.http.get("/battery?robot=/large").json()["state"] is None
 
 
 def test_a_result_that_is_too_large_ends_the_goal_without_it(gateway: RunningGateway, shared_domain: int) -> None:
-    command = (sys.executable, "-m", "tests.support.plain_action_server", "--feedbacks", "1")
-    with Process(*command, "--result-bytes", str(2 * LIMIT), env=ros_environment(shared_domain)) as server:
+    command = ("-m", "tests.support.plain_action_server", "--feedbacks", "1")
+    with ForkedProcess(*command, "--result-bytes", str(2 * LIMIT), env=ros_environment(shared_domain)) as server:
         server.wait_for("serving")
         gateway.wait_until_ready()
         goal = gateway.http.post("/dock", headers={"Prefer": "wait=10"}).json()
@@ -92,7 +92,7 @@ def test_actions_that_cannot_be_used_keep_no_other_from_being_found(
 ) -> None:
     with running_hostile_node(domain, "odd_actions"):
         monkeypatch.setenv("PYTHONPATH", str(broken_package))
-        with running_gateway(domain) as gateway:
+        with running_gateway(domain, "env") as gateway:
             monkeypatch.undo()
             found = wait_until(lambda: odd_ones(gateway, 3), "the actions", 30)
             assert found["/a_first/other"]["installed"] is False

@@ -15,10 +15,10 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.settings import Settings
-from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.gateway import ACTION, CHARGING, IMPATIENT, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.history import open_at
 from tests.support.observer import Observer, ros_observer
-from tests.support.processes import BIN, Process, ros_environment
+from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -43,7 +43,7 @@ def kill(gateway: RunningGateway) -> None:
 def battery(domain: int, status: int) -> Process:
     """A battery driver of its own, which outlives the gateway."""
     command = ("-m", "tests.support.battery", str(status))
-    return Process(str(BIN / "python"), *command, env=ros_environment(domain))
+    return ForkedProcess(*command, env=ros_environment(domain))
 
 
 def test_a_running_goal_is_taken_up_streams_and_ends(domain: int, kept: dict[str, str]) -> None:
@@ -205,9 +205,9 @@ def test_goals_are_taken_up_when_the_database_is_back(
 
 def test_a_goal_that_was_never_sent_does_not_use_up_its_key(domain: int, kept: dict[str, str]) -> None:
     # The gateway does not look whether the server is there while this goes on: it finds out as it sends the goal.
-    patient = {"ping_interval": "60", "stalled_after": "120", "lost_after": "240", **kept}
+    blind = {**IMPATIENT, "ping_interval": "60", "stalled_after": "120", "lost_after": "240", **kept}
     headers = {"Idempotency-Key": "once"}
-    with running_gateway(domain, **patient) as gateway:
+    with running_gateway(domain, **blind) as gateway:
         with running_dock_server(domain):
             gateway.publish(LOW)
             wait_until(lambda: gateway.http.post("/dock").status_code == 202, "the first goal is accepted")

@@ -1,7 +1,6 @@
 """The latched stop: fast, whatever action servers do, and obeyed by every gateway until it is released."""
 
 import signal
-import sys
 import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -17,7 +16,7 @@ from std_msgs.msg import Bool
 from action_tutorials_interfaces.action import Fibonacci
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway, running_program
 from tests.support.observer import Observer, ros_observer
-from tests.support.processes import Process, ros_environment
+from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
@@ -199,8 +198,8 @@ def test_a_stop_that_cannot_be_stored_is_carried_out_and_says_so(domain: int) ->
 
 def test_sixty_robots_are_stopped_together_by_many(domain: int) -> None:
     """`python -m benchmarks.stops` measures 300 robots, 1,000 subscribers and 400 stops a second."""
-    command = (sys.executable, "-m", "tests.support.robots", "--robots", "60")
-    with Process(*command, env=ros_environment(domain)) as robots, running_gateway(domain) as gateway:
+    command = ("-m", "tests.support.robots", "--robots", "60")
+    with ForkedProcess(*command, env=ros_environment(domain)) as robots, running_gateway(domain) as gateway:
         wait_until(lambda: len(gateway.http.get("/robots").json()["robots"]) == 61, "all robots", 60.0)
         with gateway.stream("?include=system") as stream, ThreadPoolExecutor(8) as many:
             reports = list(many.map(lambda _: stop_timed(gateway), range(80)))
