@@ -13,8 +13,9 @@ from typing import Any
 
 import httpx2
 
+from dock_gateway.core.event import stamp_of
 from tests.chaos.fleet import Fleet
-from tests.chaos.load import Load
+from tests.chaos.load import Load, ends
 from tests.support.gateway import RunningGateway
 from tests.support.waiting import wait_until
 
@@ -42,7 +43,7 @@ class Trial:
     def __init__(self, disk: Disk, fleet: Fleet, load: Load, executed: Path) -> None:
         self.disk, self.fleet, self.load, self.executed = disk, fleet, load, executed
         self.gone: set[str] = set()  # goals that went with the file that held them
-        self.unsure: set[int] = set()  # goals that were under way when nobody was left who knew their key
+        self.unsure: set[int] = set()  # goals that were being sent when nobody was left who knew their key
         self.figures: dict[str, Any] = {}
 
     @property
@@ -59,15 +60,17 @@ class Trial:
         meanwhile()
         self.fleet.start(0)
 
-    def forget_what_ended(self) -> None:
-        """The file is lost, but not what the gateway knows: goals that had ended by now may be gone."""
-        time.sleep(0.5)  # the reader hears of the last ends
-        self.gone |= set(self.load.reader.ends("result"))
+    def forget_what_ended(self, fault: str) -> None:
+        """The file is lost, but not what the gateway knows: goals that had ended when it noticed may be gone."""
+        wait_until(lambda: fault in (self.history["last_error"] or ""), f"the gateway notices that its file is {fault}")
+        noticed, reader = time.time_ns(), self.load.reader
+        wait_until(lambda: stamp_of(reader.events[-1]["id"]) > noticed, "the reader hears of what was before")
+        self.gone |= {event["goal_id"] for event in reader.events if ends(event) and stamp_of(event["id"]) <= noticed}
 
     def forget_everything(self) -> None:
         """The file is lost, and so is what the gateway knew."""
         self.gone |= set(self.load.accepted.values())
-        self.unsure |= set(self.began) - self.load.accepted.keys()
+        self.unsure |= {sender.number for sender in self.load.senders} - self.load.accepted.keys()
 
     def missing(self) -> list[str]:
         """Goals that were accepted, and that the gateway does not know as its own."""
@@ -176,14 +179,14 @@ def deleted(trial: Trial) -> Iterator[None]:
     for path in trial.disk.seen.glob("history.db*"):
         if ".corrupt-" not in path.name:
             path.unlink()
-    trial.forget_what_ended()
+    trial.forget_what_ended("deleted")
     yield
 
 
 @contextmanager
 def damaged(trial: Trial) -> Iterator[None]:
     overwrite(trial.disk.file)
-    trial.forget_what_ended()
+    trial.forget_what_ended("damaged")
     yield
 
 

@@ -54,11 +54,12 @@ class Sender(Worker):
     def __init__(self, url: Callable[[], str]) -> None:
         super().__init__("sender")
         self._url = url
+        self.number = 0  # of the goal that it sends
         self.accepted: dict[int, str] = {}
         self.answers: Counter[str] = Counter()
 
     def turn(self) -> None:
-        number = next(self.numbers)
+        number = self.number = next(self.numbers)
         key, ids = str(uuid.uuid4()), set()
         while number not in self.accepted:
             try:
@@ -115,7 +116,12 @@ class Reader(Worker):
 
     def ends(self, kind: str) -> Counter[str]:
         """How often each goal ended, by the events of a type."""
-        return Counter(e["goal_id"] for e in self.events if e["type"] == kind and e["status"] in FINAL)
+        return Counter(event["goal_id"] for event in self.events if ends(event, kind))
+
+
+def ends(event: dict[str, Any], kind: str = "result") -> bool:
+    """Whether an event tells of the end of a goal."""
+    return event["type"] == kind and event["status"] in FINAL
 
 
 class Load:

@@ -54,7 +54,10 @@ def withstand(trial: Trial, name: str, fault: Callable[[Trial], Any]) -> None:
         trial.gateway.http.delete("/stop").raise_for_status()
         meanwhile = len(trial.load.accepted) - accepted
     began = time.monotonic()
-    wait_until(lambda: healthy(trial), f"the gateway recovers from: {name}")
+    try:
+        wait_until(lambda: healthy(trial), f"the gateway recovers from: {name}")
+    except AssertionError:
+        raise AssertionError(f"no recovery from: {name}; {trial.history}; {trial.gateway.process.output}") from None
     recovered = time.monotonic() - began
     trial.wait_for_new_goals()
     trial.figures[name] = (

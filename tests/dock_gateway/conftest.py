@@ -8,9 +8,17 @@ from pathlib import Path
 import asyncpg
 import pytest
 
+from dock_gateway.history import sql, writer
 from tests.support.postgresql import PostgreSQL, binaries, running_postgresql
 
 _numbers = itertools.count()
+
+
+@pytest.fixture(autouse=True)
+def history_timeouts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The database of a busy machine takes its time; without an answer a goal would go to the spool, say."""
+    monkeypatch.setattr(sql, "OPEN_TIMEOUT", 30.0)
+    monkeypatch.setattr(writer, "ANSWER_TIMEOUT", 30.0)
 
 
 @pytest.fixture(scope="session")

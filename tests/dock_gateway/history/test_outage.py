@@ -29,6 +29,11 @@ Outage = Callable[[], AbstractContextManager[None]]
 
 
 @pytest.fixture(autouse=True)
+def history_timeouts() -> None:
+    """As installed: the tests here are about it."""
+
+
+@pytest.fixture(autouse=True)
 async def nothing_under_way() -> AsyncIterator[None]:
     """What a closed history leaves behind, such as a connection that waits for a lock, ends before the loop does."""
     yield

@@ -75,6 +75,7 @@ async def settle() -> None:
     """Wait until every topic says what holds."""
     await asyncio.sleep(0.05)
     await until(lambda: not any(gateway.interlock._echoes for gateway in Gateway.all))
+    await asyncio.sleep(0)  # the other hears what was said last
 
 
 async def test_goals_are_refused_until_the_stop_is_released(pair: tuple[Gateway, Gateway]) -> None:

@@ -144,7 +144,7 @@ async def main():
     ports = {f"socket:[{row[9]}]": int(row[1].split(":")[1], 16) for row in table}
     for descriptor in os.listdir("/proc/self/fd"):
         path = f"/proc/self/fd/{descriptor}"
-        if os.path.islink(path) and ports.get(os.readlink(path), 0) > 32_000:
+        if os.path.islink(path) and ports.get(os.readlink(path), 0) > 32_767:
             print("waits" if os.get_blocking(int(descriptor)) else "does not wait")
     bridge.close()
 
