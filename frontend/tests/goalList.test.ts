@@ -10,7 +10,7 @@ const read = (text: string) => readFilter(new URLSearchParams(text));
 describe("the filter", () => {
   it("is read from the address and written to it", () => {
     const text =
-      "robot=%2Frobot1&action=%2Fdock&action=%2Fundock&status=running&status=lost&error=blocked&origin=external&last=24h";
+      "robot=%2Frobot1&action=%2Fdock&action=%2Fundock&status=running&status=lost&error=blocked&origin=external&last=24h&id=4f1c";
     expect(writeFilter(read(text)).toString()).toBe(text);
     expect(read(text).actions).toEqual(["/dock", "/undock"]);
     expect(isFiltered(read(text))).toBe(true);
@@ -18,7 +18,9 @@ describe("the filter", () => {
   });
 
   it("leaves out what it does not understand", () => {
-    expect(read("status=failed&origin=me&last=2y&since=yesterday&robot=&action=&page=3")).toEqual(NO_FILTER);
+    expect(read("status=failed&origin=me&last=2y&since=yesterday&robot=&action=&page=3&id=xyz")).toEqual(
+      NO_FILTER,
+    );
   });
 
   it("takes every state before the end as running", () => {
@@ -53,6 +55,11 @@ describe("the filter", () => {
     expect(fits(`since=${at(0)}&until=${at(1)}`)).toBe(true);
     expect(fits(`since=${at(1)}`)).toBe(false);
     expect(fits(`until=${at(0)}`)).toBe(false);
+    const known = goal("3f0c7b2e-9a01-4000-8000-000000000000");
+    expect(
+      ["3f0c", "3F0C7B2E9A", known.goal_id].map((id) => matches(known, read(`id=${id}`), START)),
+    ).toEqual(Array(3).fill(true));
+    expect(matches(known, read("id=7b2e"), START)).toBe(false);
   });
 
   it("goes into the addresses of exports", () => {

@@ -255,6 +255,9 @@ def test_the_list_is_live_and_its_filters_are_in_the_address(page: Page, gateway
     exported = json.loads(export(page, "JSON"))
     assert exported
     assert {goal["status"] for goal in exported} == {"canceled"}
+    page.get_by_label("Goal id").fill(goal_id[:8])
+    expect(page).to_have_url(re.compile(f"id={goal_id[:8]}"))
+    expect(rows).to_have_count(1)
     rows.first.get_by_role("link").click()
     expect_status(page, "canceled")
     expect(page).to_have_url(re.compile(goal_id))

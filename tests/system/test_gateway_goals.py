@@ -54,6 +54,10 @@ def test_goals_of_every_action(gateway: RunningGateway, shared_domain: int) -> N
         running = gateway.http.post(two, json={"order": 40}).json()["goal_id"]
         assert ids(gateway, "?robot=/robot2") == [running, second["goal_id"]]
         assert ids(gateway, "?status=accepted&status=executing") == [running]
+        known = first["goal_id"]
+        for beginning in (known[:9], known, known.replace("-", "")[:14].upper()):
+            assert ids(gateway, f"?id={beginning}") == [known]
+        assert ids(gateway, f"?id={known}&robot=/robot2") == []
 
         path = f"/goals/{running}"
         assert gateway.http.get(path).json()["action_name"] == "/robot2/fibonacci"
@@ -161,6 +165,12 @@ def test_exports(gateway: RunningGateway, shared_domain: int) -> None:
         ("since=2026-11-21", "query.since"),
         ("action=no%20name", "query.action.0"),
         ("until=0001-01-01T00:00:00%2B14:00", "query.until"),
+        ("id=abc", "query.id"),
+        ("id=a-b-c", "query.id"),
+        ("id=abcdefg", "query.id"),
+        ("id=4f1c%25", "query.id"),
+        ("id=", "query.id"),
+        (f"id={'0' * 33}", "query.id"),
         ("limit=501", "query.limit"),
         ("cursor=3f0c7b2e-0000-4000-8000-000000000000", "cursor"),
     ],

@@ -96,6 +96,7 @@ class GoalFilter:
         origin: Sent by a gateway or by another client; None means any.
         since: Created at this time or later; None means any time.
         until: Created before this time; None means any time.
+        id_prefix: With an id that begins with this, in lower case.
     """
 
     action_names: frozenset[str] = frozenset()
@@ -105,6 +106,7 @@ class GoalFilter:
     origin: Origin | None = None
     since: datetime | None = None
     until: datetime | None = None
+    id_prefix: str = ""
 
     @cached_property
     def prefix(self) -> str:
@@ -121,4 +123,5 @@ class GoalFilter:
             and self.origin in (None, goal.origin)
             and (self.since is None or goal.created_at >= self.since)
             and (self.until is None or goal.created_at < self.until)
+            and goal.goal_id.startswith(self.id_prefix)
         )

@@ -149,6 +149,9 @@ def conditions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
         found.append(goals.c.created_at >= wanted.since)
     if wanted.until is not None:
         found.append(goals.c.created_at < wanted.until)
+    if wanted.id_prefix:  # a range of the primary key, as LIKE would not use it
+        beyond = wanted.id_prefix[:-1] + chr(ord(wanted.id_prefix[-1]) + 1)
+        found += [goals.c.goal_id >= wanted.id_prefix, goals.c.goal_id < beyond]
     return found
 
 

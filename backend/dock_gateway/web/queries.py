@@ -16,7 +16,7 @@ from dock_gateway.history import GoalFilter
 from dock_gateway.robots.registry import NAME_PART, read_namespace
 from dock_gateway.web.requests import ROBOT_PATTERN, StatusQuery, TheGateway, read_goal_id
 
-QUERY = ("robot", "action", "status", "error", "origin", "since", "until")
+QUERY = ("robot", "action", "status", "error", "origin", "since", "until", "id")
 # The range of ROS times, which are 64-bit nanoseconds.
 EARLIEST, LATEST = datetime(1970, 1, 1, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
 RFC_3339 = re.compile(
@@ -53,6 +53,26 @@ OriginQuery = Annotated[Origin | None, Query(description="Only goals of this ori
 # Action servers may send any text; databases do not accept NUL.
 ErrorCode = Annotated[str, StringConstraints(min_length=1, max_length=200, pattern=r"^[^\x00]*$")]
 
+HEX_DIGITS = re.compile(r"(?:[0-9A-Fa-f]-?){4,32}")
+HYPHENS_BEFORE = (8, 12, 16, 20)  # which hexadecimal digits of a UUID follow a hyphen
+
+
+def _id_prefix(text: str) -> str:
+    """Return the beginning of a goal id as goal ids are stored: in lower case, with a UUID's hyphens."""
+    if not HEX_DIGITS.fullmatch(text):
+        raise ValueError("the first 4 or more hexadecimal digits of a goal id, with or without its hyphens")
+    digits = text.replace("-", "").lower()
+    return "".join(f"-{digit}" if at in HYPHENS_BEFORE else digit for at, digit in enumerate(digits))
+
+
+IdPrefixQuery = Annotated[
+    Annotated[str, AfterValidator(_id_prefix)] | None,
+    Query(
+        description="Only goals whose id begins with this: 4 or more hexadecimal digits",
+        json_schema_extra={"pattern": f"^{HEX_DIGITS.pattern}$"},
+    ),
+]
+
 
 async def read_goal_filter(
     *,
@@ -64,6 +84,7 @@ async def read_goal_filter(
     origin: OriginQuery = None,
     since: SinceQuery = None,
     until: UntilQuery = None,
+    id: IdPrefixQuery = None,  # noqa: A002 - it is what clients call it
 ) -> GoalFilter:
     """Return the goal filter of a query. Its actions and robots may have left the graph.
 
@@ -80,6 +101,7 @@ async def read_goal_filter(
         origin=origin,
         since=since,
         until=until,
+        id_prefix=id or "",
     )
 
 

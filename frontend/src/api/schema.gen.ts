@@ -3938,6 +3938,8 @@ export interface operations {
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */
                 until?: string | null;
+                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
+                id?: string | null;
             };
             header?: never;
             path?: never;
@@ -4048,6 +4050,8 @@ export interface operations {
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */
                 until?: string | null;
+                /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
+                id?: string | null;
             };
             header?: never;
             path?: never;

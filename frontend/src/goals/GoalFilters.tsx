@@ -1,5 +1,5 @@
 import { Button, Chip, Group, NativeSelect, TextInput } from "@mantine/core";
-import { useMemo } from "react";
+import { useEffect, useMemo, useState } from "react";
 import { useActions } from "../actions/useActions";
 import { useFleetTopic } from "../fleet/context";
 import { codeWords } from "../goal/words";
@@ -8,6 +8,7 @@ import { fromLocalInput, toLocalInput } from "../ui/time";
 import {
   type GoalFilter,
   type GoalState,
+  ID_BEGINNING,
   isFiltered,
   NO_FILTER,
   type Origin,
@@ -63,6 +64,7 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
           />
         )}
         <TimeFilter filter={filter} change={change} />
+        <IdFilter id={filter.id} onId={(id) => change({ id })} />
       </div>
       <Group gap="xs" mt="sm">
         <Chip.Group
@@ -89,6 +91,29 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
         </Button>
       </Group>
     </section>
+  );
+}
+
+/** Keeps what is typed to itself until it is the beginning of an id. */
+function IdFilter({ id, onId }: { id: string; onId: (id: string) => void }) {
+  const [text, setText] = useState(id);
+  useEffect(() => setText(id), [id]);
+  const invalid = /[^0-9a-f-]/i.test(text) || (text.length >= 4 && !ID_BEGINNING.test(text));
+  return (
+    <TextInput
+      type="search"
+      label="Goal id"
+      placeholder="First 4 digits or more"
+      spellCheck={false}
+      value={text}
+      error={invalid && "Hexadecimal digits and dashes"}
+      onChange={(event) => {
+        const typed = event.currentTarget.value.trim();
+        setText(typed);
+        if (typed === "" || ID_BEGINNING.test(typed)) onId(typed);
+      }}
+      onBlur={() => !invalid && setText(id)}
+    />
   );
 }
 

@@ -29,7 +29,12 @@ export interface GoalFilter {
   /** RFC 3339. */
   since: string | null;
   until: string | null;
+  /** The beginning of the id; empty is any. */
+  id: string;
 }
+
+/** As `GET /goals` takes the beginning of an id. */
+export const ID_BEGINNING = /^(?:[0-9a-f]-?){4,32}$/i;
 
 export const NO_FILTER: GoalFilter = {
   robot: null,
@@ -40,6 +45,7 @@ export const NO_FILTER: GoalFilter = {
   last: null,
   since: null,
   until: null,
+  id: "",
 };
 
 /** The filter in an address; what it does not understand is left out. Any state before the end counts as running. */
@@ -56,6 +62,7 @@ export function readFilter(parameters: URLSearchParams): GoalFilter {
     last: last !== null && last in SPANS ? (last as Span) : null,
     since: readTime(parameters.get("since")),
     until: readTime(parameters.get("until")),
+    id: ID_BEGINNING.test(parameters.get("id") ?? "") ? (parameters.get("id") ?? "") : "",
   };
 }
 
@@ -71,6 +78,7 @@ export function writeFilter(filter: GoalFilter): URLSearchParams {
     if (filter.since !== null) parameters.set("since", filter.since);
     if (filter.until !== null) parameters.set("until", filter.until);
   }
+  if (filter.id !== "") parameters.set("id", filter.id);
   return parameters;
 }
 
@@ -89,6 +97,7 @@ export function toQuery(filter: GoalFilter, now: number): GoalQuery {
     ...(filter.origin === null ? {} : { origin: filter.origin }),
     ...(since === null ? {} : { since: new Date(since).toISOString() }),
     ...(until === null ? {} : { until: new Date(until).toISOString() }),
+    ...(filter.id === "" ? {} : { id: filter.id }),
   };
 }
 
@@ -103,7 +112,8 @@ export function matches(goal: AnyGoal, filter: GoalFilter, now: number): boolean
     (filter.errors.length === 0 || (goal.error !== null && filter.errors.includes(goal.error.code))) &&
     (filter.origin === null || goal.origin === filter.origin) &&
     (since === null || created >= since) &&
-    (until === null || created < until)
+    (until === null || created < until) &&
+    digitsOf(goal.goal_id).startsWith(digitsOf(filter.id))
   );
 }
 
@@ -113,6 +123,11 @@ export function stateOf(status: GoalStatus): GoalState {
 
 function statusesOf(state: GoalState): readonly GoalStatus[] {
   return state === "running" ? RUNNING : [state];
+}
+
+/** Of an id, which may be written without its hyphens and in upper case. */
+function digitsOf(id: string): string {
+  return id.replaceAll("-", "").toLowerCase();
 }
 
 function isBelow(name: string, namespace: string): boolean {

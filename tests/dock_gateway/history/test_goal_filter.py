@@ -73,6 +73,13 @@ async def numbers(history: History, **wanted: object) -> list[int]:
         ({"until": NOW + timedelta(seconds=3)}, [2, 1]),
         ({"since": NOW + timedelta(seconds=2), "until": NOW + timedelta(seconds=2, microseconds=1)}, [2]),
         ({"since": NOW + timedelta(days=1)}, []),
+        ({"id_prefix": "goal-"}, [6, 5, 4, 3, 2, 1]),
+        ({"id_prefix": "goal-0003"}, [3]),
+        ({"id_prefix": "goal-000", "namespace": "/robot1"}, [6, 3, 2]),
+        ({"id_prefix": "goal-01"}, []),
+        ({"id_prefix": "GOAL"}, []),
+        ({"id_prefix": "goal_000"}, []),
+        ({"id_prefix": "goal%"}, []),
     ],
 )
 async def test_goals_are_picked(history: History, wanted: dict[str, object], expected: list[int]) -> None:
