@@ -196,13 +196,42 @@ def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None
     assert find_violations(page) == []
 
 
-@pytest.mark.parametrize("width", [320, 390, 820, 1920])
+@pytest.mark.parametrize("width", [820, 1024, 1920])
+def test_the_pages_are_in_one_row(page: Page, width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 900})
+    links = page.get_by_role("navigation", name="Pages").get_by_role("link")
+    expect(links).to_have_count(5)
+    assert len(set(links.evaluate_all("(links) => links.map((link) => link.getBoundingClientRect().top)"))) == 1
+
+
+@pytest.mark.parametrize("width", [320, 390])
+def test_on_a_phone_the_pages_are_in_a_menu_and_none_scrolls_sideways(page: Page, width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 800})
+    pages = page.get_by_role("navigation", name="Pages")
+    menu = pages.get_by_role("button", name="Pages")
+    for name in ("Goals", "Actions", "Statistics", "Graph", "Overview"):
+        expect(pages.get_by_role("link")).to_have_count(0)
+        menu.press("Enter")
+        pages.get_by_role("link", name=name).press("Enter")
+        expect(page.get_by_role("heading", level=1, name=name)).to_be_attached()
+        expect(page.locator("main .mantine-Skeleton-root:visible")).to_have_count(0)
+        assert page.evaluate("document.documentElement.scrollWidth") == width, name
+    menu.click()
+    expect(pages.get_by_role("link", name="Goals")).to_be_visible()
+    page.keyboard.press("Escape")
+    expect(menu).to_have_attribute("aria-expanded", "false")
+    row(page, ROBOTS[0]).get_by_role("link", name=ROBOTS[0]).click()
+    for tab in ("Developer", "Operate"):
+        page.get_by_role("tab", name=tab).click()
+        expect(page.locator("main .mantine-Skeleton-root:visible")).to_have_count(0)
+        assert page.evaluate("document.documentElement.scrollWidth") == width, tab
+
+
+@pytest.mark.parametrize("width", [320, 390, 820, 1024, 1920])
 def test_a_width(page: Page, width: int) -> None:
     page.set_viewport_size({"width": width, "height": 900})
     expect(row(page, "/robot2")).to_contain_text("81 %")
     expect(page.get_by_test_id("alert-count")).to_be_visible()
-    links = page.get_by_role("navigation", name="Pages").get_by_role("link")
-    assert len(set(links.evaluate_all("(links) => links.map((link) => link.getBoundingClientRect().top)"))) == 1
     assert page.evaluate("document.documentElement.scrollWidth") == width
     assert find_wide_cells(page) == []
 

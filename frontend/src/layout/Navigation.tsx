@@ -1,12 +1,70 @@
+import { ActionIcon } from "@mantine/core";
+import { useClickOutside, useMediaQuery } from "@mantine/hooks";
+import { useId, useState } from "react";
 import { NavLink } from "react-router";
 import { AlertCount } from "../alerts/AlertCount";
 import classes from "./layout.module.css";
 import { PAGES } from "./pages";
 
-/** The way to the pages. */
+/** As in layout.module.css. */
+const PHONE = "(max-width: 30em)";
+
+/** The way to the pages: links in a row, on a phone in a list that a button opens. */
 export function Navigation() {
-  return (
+  const phone = useMediaQuery(PHONE, false, { getInitialValueInEffect: false });
+  return phone ? (
+    <Menu />
+  ) : (
     <nav aria-label="Pages" className={classes.navigation}>
+      <Pages className={classes.row} />
+    </nav>
+  );
+}
+
+function Menu() {
+  const [opened, setOpened] = useState(false);
+  const close = () => setOpened(false);
+  const nav = useClickOutside<HTMLElement>(close);
+  const listId = useId();
+  return (
+    <nav
+      ref={nav}
+      aria-label="Pages"
+      className={classes.menu}
+      onKeyDown={(event) => event.key === "Escape" && close()}
+    >
+      <ActionIcon
+        variant="default"
+        size="lg"
+        aria-label="Pages"
+        aria-expanded={opened}
+        aria-controls={listId}
+        onClick={() => setOpened(!opened)}
+      >
+        <svg width="20" height="20" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
+          <path d="M3 5h18v2H3V5Zm0 6h18v2H3v-2Zm0 6h18v2H3v-2Z" />
+        </svg>
+      </ActionIcon>
+      <span className={classes.alerts}>
+        <AlertCount />
+      </span>
+      <div id={listId} hidden={!opened}>
+        <Pages className={classes.list} counted={false} onChoose={close} />
+      </div>
+    </nav>
+  );
+}
+
+interface PagesProps {
+  className: string | undefined;
+  /** Whether the overview's link says how many alerts there are. */
+  counted?: boolean;
+  onChoose?: () => void;
+}
+
+function Pages({ className, counted = true, onChoose }: PagesProps) {
+  return (
+    <div className={className}>
       {PAGES.map(({ to, name, letter }) => (
         <NavLink
           key={to}
@@ -14,11 +72,12 @@ export function Navigation() {
           end={to === "/"}
           className={classes.page ?? ""}
           title={`${name} (g, then ${letter})`}
+          onClick={onChoose}
         >
           {name}
-          {to === "/" && <AlertCount />}
+          {counted && to === "/" && <AlertCount />}
         </NavLink>
       ))}
-    </nav>
+    </div>
   );
 }
