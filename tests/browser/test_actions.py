@@ -179,7 +179,7 @@ def test_a_server_that_goes_takes_no_form_with_it(page: Page, gateway: RunningGa
     show(page, gateway, name)
     expect(page.get_by_text(f"Nobody offers {name}")).to_be_visible()
     with running_program(domain, "fibonacci_action_server", "-r", "__ns:=/robot2"):
-        page.get_by_label("order").fill("17", timeout=20_000)
+        page.get_by_label("order").fill("17")
         expect(page.get_by_role("button", name="Send goal")).to_be_enabled()
     expect(page.get_by_text("Nobody offers this action now")).to_be_visible()
     expect(page.get_by_label("order")).to_have_value("17")

@@ -50,7 +50,7 @@ def expect_status(page: Page, status: str) -> None:
 
 def count_of(order: int, gateway: RunningGateway) -> str:
     """Send a Fibonacci goal and wait for its end."""
-    answer = gateway.http.post("/actions/fibonacci/goals", json={"order": order}, headers={"Prefer": "wait=30"})
+    answer = gateway.http.post("/actions/fibonacci/goals", json={"order": order}, headers={"Prefer": "wait=50"})
     goal: dict[str, Any] = answer.raise_for_status().json()
     assert goal["status"] == "succeeded"
     return str(goal["goal_id"])

@@ -100,7 +100,7 @@ class RunningGateway:
 
     def stop_once(self, query: str = "") -> dict[str, Any]:
         """Stop, wait for what it brings about, and let goals through again at once."""
-        answer = self.http.post(f"/stop{query}", json={"latch": False}, headers={"Prefer": "wait=5"})
+        answer = self.http.post(f"/stop{query}", json={"latch": False}, headers={"Prefer": "wait=30"})
         report: dict[str, Any] = answer.raise_for_status().json()
         return report
 

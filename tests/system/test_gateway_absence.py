@@ -37,7 +37,7 @@ def test_a_robot_leaves_and_comes_back(domain: int) -> None:
                 wait_until(lambda gateway=gateway: NAME in names(gateway), "the robot")
             wait_until(lambda: one.http.get("/dock", params=AT).is_success, "its docking action")
             one.http.put("/battery/publisher", params=AT, json={"state": CHARGING, "rate_hz": 5}).raise_for_status()
-            docked = one.http.post("/dock", params=AT, headers={"Prefer": "wait=20"}).raise_for_status().json()
+            docked = one.http.post("/dock", params=AT, headers={"Prefer": "wait=50"}).raise_for_status().json()
             assert docked["status"] == "succeeded"
             one.http.post("/stop", params=AT).raise_for_status()
         with one.stream("?include=robots") as stream:

@@ -111,7 +111,7 @@ def test_a_robot_that_is_docked_and_not_charged_then_one_that_is_lost(
         with running_dock_server(shared_domain) as server:
             gateway.wait_until_ready()
             gateway.publish(CHARGING)
-            goal = gateway.http.post("/dock", headers={"Prefer": "wait=10"}).raise_for_status().json()
+            goal = gateway.http.post("/dock", headers={"Prefer": "wait=50"}).raise_for_status().json()
             assert goal["status"] == "succeeded"
             gateway.publish(FULL_ENOUGH)
             (alert,) = until_alerts(stream, "discharging_on_dock")

@@ -13,7 +13,7 @@ from websockets.exceptions import InvalidStatus
 
 from tests.support.clients import connect
 from tests.support.gateway import RunningGateway, running_gateway
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -163,9 +163,9 @@ def test_a_stop_that_cannot_be_understood_is_carried_out(
 def test_a_stop_does_not_wait_for_a_body_that_does_not_come(gateway: RunningGateway) -> None:
     address = urlsplit(gateway.url)
     head = b"POST /stop HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/json\r\nContent-Length: 9\r\n\r\n{"
-    with socket.create_connection((address.hostname, address.port), timeout=5) as connection:
+    with socket.create_connection((address.hostname, address.port), timeout=PATIENCE) as connection:
         connection.sendall(head)
-        wait_until(lambda: gateway.http.get("/stop").json()["latched"], "the stop", timeout=5)
+        wait_until(lambda: gateway.http.get("/stop").json()["latched"], "the stop")
         answer = b""
         while b"request_timeout" not in answer:
             more = connection.recv(10_000)
@@ -244,7 +244,7 @@ def test_what_a_reader_sends_is_ignored(gateway: RunningGateway) -> None:
 def raw(gateway: RunningGateway, *chunks: bytes, half_close: bool = False) -> bytes:
     address = urlsplit(gateway.url)
     answer = b""
-    with socket.create_connection((address.hostname, address.port), timeout=10) as connection:
+    with socket.create_connection((address.hostname, address.port), timeout=PATIENCE) as connection:
         for chunk in chunks:
             connection.sendall(chunk)
         if half_close:

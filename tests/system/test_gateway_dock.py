@@ -74,7 +74,7 @@ def test_the_tutorial_over_http(gateway: RunningGateway) -> None:
 
 def test_an_empty_body_asks_for_charging_and_prefer_waits_for_the_end(gateway: RunningGateway) -> None:
     gateway.publish(CHARGING)
-    response = gateway.http.post("/dock", headers={"Prefer": "wait=20"})
+    response = gateway.http.post("/dock", headers={"Prefer": "wait=50"})
     assert response.status_code == 200
     assert response.json()["status"] == "succeeded"
     assert response.json()["goal"]["desired_battery_state"]["power_supply_status"] == 1
@@ -147,7 +147,7 @@ def test_a_retry_with_an_idempotency_key_gets_the_first_goal(gateway: RunningGat
 
 def test_pages_of_goals(gateway: RunningGateway) -> None:
     gateway.publish(CHARGING)
-    sent = [gateway.http.post("/dock", headers={"Prefer": "wait=20"}).json()["goal_id"] for _ in range(3)]
+    sent = [gateway.http.post("/dock", headers={"Prefer": "wait=50"}).json()["goal_id"] for _ in range(3)]
     page = gateway.http.get("/dock", params={"limit": 2, "status": "succeeded"}).json()
     assert [goal["goal_id"] for goal in page["goals"]] == sent[:0:-1]
     rest = gateway.http.get("/dock", params={"limit": 500, "cursor": page["next_cursor"]}).json()

@@ -51,10 +51,10 @@ def place(gateway: RunningGateway, x: float, y: float, theta: float) -> None:
             stream.until(lambda e: e["type"] == "battery" and e["battery"]["power_supply_status"] in NOT_CHARGING)
 
 
-def do(gateway: RunningGateway, verb: str, wait: int = 90) -> dict[str, Any]:
+def do(gateway: RunningGateway, verb: str) -> dict[str, Any]:
     """Send a goal and wait for its end."""
-    headers = {"Prefer": f"wait={wait}"}
-    goal: dict[str, Any] = gateway.http.post(f"/{verb}", headers=headers, timeout=wait + 10).raise_for_status().json()
+    headers = {"Prefer": "wait=90"}
+    goal: dict[str, Any] = gateway.http.post(f"/{verb}", headers=headers, timeout=100).raise_for_status().json()
     return goal
 
 
@@ -89,7 +89,7 @@ def test_undocking(gateway: RunningGateway) -> None:
         left = stream.until(lambda e: e["type"] == "simulator" and not e["simulator"]["docked"])["simulator"]
         assert left["contact"] is False
         stream.until(lambda e: e["type"] == "scene" and e["scene"]["robot"]["x"] < -0.6)
-    assert do(gateway, "undock", wait=5)["status"] == "succeeded"
+    assert do(gateway, "undock")["status"] == "succeeded"
     assert [entry["goal_id"] for entry in gateway.http.get("/undock").json()["goals"]][1] == goal["goal_id"]
     assert gateway.http.get(f"/undock/{goal['goal_id']}").json() == goal
     again = gateway.http.post(f"/undock/{goal['goal_id']}/cancel")

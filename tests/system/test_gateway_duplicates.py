@@ -30,7 +30,7 @@ def test_two_servers_raise_an_alert_and_get_no_goal(gateway: RunningGateway, dom
         gateway.wait_until_ready()
         assert not gateway.http.get(f"/actions{ACTION}").json()["duplicate"]
         with running_dock_server(domain) as second:
-            stream.until(lambda e: e["type"] == "action_server" and e["action_server"]["duplicate"], timeout=30)
+            stream.until(lambda e: e["type"] == "action_server" and e["action_server"]["duplicate"])
             (alert,) = wait_until(lambda: alerts(gateway), "the alert")
             assert (alert["robot"], alert["severity"]) == ("/", "critical")
             assert ACTION in alert["detail"]
@@ -79,6 +79,6 @@ def test_two_servers_can_be_allowed(domain: int) -> None:
         running_dock_server(domain),
         running_dock_server(domain),
     ):
-        wait_until(lambda: alerts(gateway), "the alert", 30)
+        wait_until(lambda: alerts(gateway), "the alert")
         gateway.publish(LOW)
         assert gateway.http.post("/dock").status_code == 202

@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed
 from tests.support.clients import HttpClient
 from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.processes import BIN, Process, ros_environment
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -55,7 +55,7 @@ def test_a_signal_with_streams_and_a_goal_and_a_waiting_request(domain: int, num
 
         def wait_for_the_end() -> None:
             with HttpClient(gateway.url) as http:
-                answers.append(http.post("/dock", headers={"Prefer": "wait=60"}, timeout=30))
+                answers.append(http.post("/dock", headers={"Prefer": "wait=60"}, timeout=70))
 
         waiting = threading.Thread(target=wait_for_the_end)
         waiting.start()
@@ -68,7 +68,7 @@ def test_a_signal_with_streams_and_a_goal_and_a_waiting_request(domain: int, num
             stream.next()
         assert closed.value.rcvd is not None
         assert closed.value.rcvd.code == 1012
-        gateway.process.wait(10)
+        gateway.process.wait()
         assert time.monotonic() - started < GONE_WITHIN
         waiting.join(5)
         assert answers[0].status_code == 202
@@ -117,7 +117,7 @@ def test_a_reader_that_never_reads_is_cut_off_and_harms_nobody(domain: int) -> N
                 "/battery/publisher", json={"state": LOW | {"location": "x" * 60_000}, "rate_hz": 100}
             ).raise_for_status()
             goal_id = gateway.http.post("/dock").json()["goal_id"]
-            deadline = time.monotonic() + 30
+            deadline = time.monotonic() + PATIENCE
             while gateway.http.get("/healthz").json()["subscribers"] > 1:
                 assert time.monotonic() < deadline, "the sleeper was not cut off"
                 reader.until_type("feedback")
@@ -204,9 +204,7 @@ def test_up_starts_a_dead_action_server_again(domain: int) -> None:
         process.wait_for("the action server ended (-9)")
         gateway.wait_until_ready()
         assert gateway_pid in children(process.pid)
-        deadline = time.monotonic() + 15
-        while gateway.http.post("/dock").status_code != 202:
-            assert time.monotonic() < deadline
+        wait_until(lambda: gateway.http.post("/dock").status_code == 202, "a goal is accepted")
 
 
 def test_the_parts_do_not_outlive_a_killed_up(domain: int) -> None:
@@ -223,7 +221,7 @@ def test_up_on_a_port_that_is_taken_says_so(domain: int) -> None:
         listener.listen()
         port = str(listener.getsockname()[1])
         with Process(str(BIN / "dock-gateway"), "up", "--port", port, env=ros_environment(domain)) as process:
-            assert process.wait(20) == 1
+            assert process.wait() == 1
             assert "address already in use" in process.output
             assert "--port takes another" in process.output
 

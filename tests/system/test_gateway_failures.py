@@ -10,6 +10,7 @@ import pytest
 from tests.support.domain import ros_domain
 from tests.support.gateway import IMPATIENT, LOW, RunningGateway, running_dock_server, running_gateway
 from tests.support.processes import ForkedProcess, Process, ros_environment
+from tests.support.waiting import PATIENCE
 
 pytestmark = pytest.mark.ros
 
@@ -67,7 +68,7 @@ def test_a_server_that_is_not_ours(gateway: RunningGateway, domain: int) -> None
         rejected = gateway.http.post("/dock", json={"desired_battery_state": {"power_supply_status": 9}})
         assert (rejected.status_code, rejected.json()["code"]) == (409, "goal_rejected")
         aborted = gateway.http.post(
-            "/dock", json={"desired_battery_state": {"power_supply_status": 8}}, headers={"Prefer": "wait=10"}
+            "/dock", json={"desired_battery_state": {"power_supply_status": 8}}, headers={"Prefer": "wait=50"}
         ).json()
         assert (aborted["status"], aborted["error"]["code"]) == ("aborted", "goal_aborted")
 
@@ -77,7 +78,7 @@ def test_a_server_that_blocks_while_it_works_is_not_taken_for_dead(gateway: Runn
         gateway.wait_until_ready()
         goal_id = gateway.http.post("/dock").json()["goal_id"]
         stream.until_type("feedback")
-        refused = gateway.http.post(f"/dock/{goal_id}/cancel", timeout=10)
+        refused = gateway.http.post(f"/dock/{goal_id}/cancel")
         assert refused.status_code in (409, 504)
         assert stream.until_type("result")["status"] == "succeeded"
         statuses = [event["status"] for event in stream.seen if event["type"] == "status"]
@@ -91,7 +92,7 @@ def test_a_server_that_sends_feedback_and_answers_nothing_is_tried_once(gateway:
         gateway.wait_until_ready()
         goal_id = gateway.http.post("/dock").json()["goal_id"]
         stream.until_type("feedback")
-        assert gateway.http.post(f"/dock/{goal_id}/cancel", timeout=10).json()["code"] == "action_server_timeout"
+        assert gateway.http.post(f"/dock/{goal_id}/cancel").json()["code"] == "action_server_timeout"
         assert stream.until_type("result")["status"] == "succeeded"
         assert "another DDS participant is tried" in gateway.process.output
         assert gateway.process.output.count("another DDS participant") == 1
@@ -168,7 +169,7 @@ def test_a_goal_accepted_too_late_is_canceled(domain: int) -> None:
         running_dock_server(domain) as server,
         gateway.stream() as stream,
     ):
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + PATIENCE
         while gateway.http.post("/dock").status_code != 202:  # with so long an interval, /readyz would not know yet
             assert time.monotonic() < deadline, "no action server"
         gateway.stop_once()

@@ -71,7 +71,7 @@ def test_a_result_that_is_too_large_ends_the_goal_without_it(gateway: RunningGat
     with ForkedProcess(*command, "--result-bytes", str(2 * LIMIT), env=ros_environment(shared_domain)) as server:
         server.wait_for("serving")
         gateway.wait_until_ready()
-        goal = gateway.http.post("/dock", headers={"Prefer": "wait=10"}).json()
+        goal = gateway.http.post("/dock", headers={"Prefer": "wait=50"}).json()
         assert (goal["status"], goal["result"]) == ("succeeded", None)
         assert goal["error"]["code"] == "result_too_large"
 
@@ -94,12 +94,12 @@ def test_actions_that_cannot_be_used_keep_no_other_from_being_found(
         monkeypatch.setenv("PYTHONPATH", str(broken_package))
         with running_gateway(domain, "env") as gateway:
             monkeypatch.undo()
-            found = wait_until(lambda: odd_ones(gateway, 3), "the actions", 30)
+            found = wait_until(lambda: odd_ones(gateway, 3), "the actions")
             assert found["/a_first/other"]["installed"] is False
             assert "test_msgs" in found["/a_first/other"]["hint"]
             assert found["/b_second/two_types"]["action_type"].endswith("Fibonacci")
             with running_dock_server(domain, "-r", "__ns:=/z_last"):
-                wait_until(lambda: gateway.http.get("/battery?robot=/z_last").status_code == 200, "the robot", 30)
+                wait_until(lambda: gateway.http.get("/battery?robot=/z_last").status_code == 200, "the robot")
                 assert gateway.http.post("/dock?robot=/z_last").status_code in (202, 409)
 
 
@@ -114,7 +114,7 @@ def test_hundreds_of_actions_at_once(domain: int) -> None:
         running_gateway(domain, max_actions="60", max_robots="20") as gateway,
         running_hostile_node(domain, "actions", "--count", "100"),
     ):
-        found = wait_until(lambda: odd_ones(gateway, 100), "the actions", 60)
+        found = wait_until(lambda: odd_ones(gateway, 100), "the actions")
         answers_while_flooded(gateway)
         assert sum(action["installed"] for action in found.values()) == 58
         assert {action["hint"] for action in found.values() if not action["installed"]} == {

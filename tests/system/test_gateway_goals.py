@@ -2,7 +2,6 @@
 
 import csv
 import io
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -10,6 +9,7 @@ import pytest
 
 from tests.support.gateway import RunningGateway, running_program
 from tests.support.processes import BIN, Process, ros_environment
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -20,19 +20,12 @@ def fibonacci(domain: int, gateway: RunningGateway, namespace: str) -> Iterator[
     path = f"/actions{namespace}/fibonacci"
     arguments = ("-r", f"__ns:={namespace}", "-p", "step_period:=0.05")
     with running_program(domain, "fibonacci_action_server", *arguments):
-        wait_until(lambda: gateway.http.get(path).is_success)
+        wait_until(lambda: gateway.http.get(path).is_success, path)
         yield f"{path}/goals"
-    wait_until(lambda: not gateway.http.get(path).is_success)
+    wait_until(lambda: not gateway.http.get(path).is_success, "the action has gone")
 
 
-ENDED = {"Prefer": "wait=20"}
-
-
-def wait_until(holds: object, timeout: float = 30.0) -> None:
-    deadline = time.monotonic() + timeout
-    while not holds():  # type: ignore[operator]
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
+ENDED = {"Prefer": "wait=50"}
 
 
 def ids(gateway: RunningGateway, query: str = "") -> list[str]:
@@ -48,8 +41,8 @@ def test_goals_of_every_action(gateway: RunningGateway, shared_domain: int) -> N
         assert ids(gateway) == [second["goal_id"], first["goal_id"]]
         client = (str(BIN / "fibonacci_action_client"), "--ros-args", "-r", "__ns:=/robot1", "-p", "order:=5")
         with Process(*client, env=ros_environment(shared_domain)) as process:
-            assert process.wait(20) == 0
-        wait_until(lambda: len(ids(gateway, "?origin=external&status=succeeded")) == 1)
+            assert process.wait() == 0
+        wait_until(lambda: len(ids(gateway, "?origin=external&status=succeeded")) == 1, "its goal")
         (external,) = ids(gateway, "?origin=external")
         running = gateway.http.post(two, json={"order": 40}).json()["goal_id"]
         assert ids(gateway, "?robot=/robot2") == [running, second["goal_id"]]

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from tests.support.gateway import RunningGateway, running_program, running_talker
+from tests.support.waiting import PATIENCE
 
 pytestmark = pytest.mark.ros
 
@@ -87,7 +88,7 @@ def test_nodes_of_the_same_name_are_counted(gateway: RunningGateway, shared_doma
 
 def test_what_is_known_is_not_sent_again(gateway: RunningGateway, shared_domain: int) -> None:
     wait_for_graph(gateway, lambda graph: names(graph["nodes"]) == {"/dock_gateway"})
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + PATIENCE
     while True:  # ports of robots that left are closed a little later
         tag = gateway.http.get("/graph").headers["etag"]
         time.sleep(1.1)

@@ -130,7 +130,7 @@ async def test_a_goal_that_was_stored_and_not_sent_is_sent_by_a_retry(
         gateway.wait_until_ready()
         lost = gateway.wait_for_goal(goal.goal_id, "lost")
         assert lost["error"]["code"] == "goal_unconfirmed"
-        headers = {"Idempotency-Key": "dock-once", "Prefer": "wait=10"}
+        headers = {"Idempotency-Key": "dock-once", "Prefer": "wait=50"}
         for _ in range(2):
             answer = gateway.http.post("/dock", json={"desired_battery_state": CHARGING}, headers=headers)
             assert (answer.json()["goal_id"], answer.json()["status"]) == (goal.goal_id, "succeeded")

@@ -14,6 +14,7 @@ from websockets.sync.client import ClientConnection
 from tests.support.clients import connect
 from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.waiting import PATIENCE
 
 pytestmark = pytest.mark.ros
 
@@ -42,7 +43,7 @@ class Socket:
 
     def until(self, **expected: Any) -> dict[str, Any]:
         """Read on to an event with these fields, among those that came already, too."""
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + PATIENCE
         seen = 0
         while time.monotonic() < deadline:
             for event in self.events[seen:]:
@@ -96,7 +97,7 @@ def test_cancel_stop_and_ping(socket: Socket) -> None:
     goal_id = socket.ask("send_goal")["goal"]["goal_id"]
     assert socket.ask("cancel_goal", goal_id=goal_id)["goal"]["status"] in ("canceling", "canceled")
     socket.ask("subscribe", goal_id=goal_id)
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + PATIENCE
     while (again := socket.ask("cancel_goal", goal_id=goal_id))["op"] == "ack":
         assert time.monotonic() < deadline
     assert (again["op"], again["code"], again["status"]) == ("error", "goal_terminal", 409)
@@ -131,7 +132,7 @@ def test_a_command_whose_socket_breaks_is_carried_out_once(gateway: RunningGatew
     with open_socket(gateway) as other:
         other.connection.send('{"op": "send_goal", "id": "1"}')
         other.connection.close()
-    deadline = time.monotonic() + 10
+    deadline = time.monotonic() + PATIENCE
     while len(goals := gateway.http.get("/dock").json()["goals"]) == before:
         assert time.monotonic() < deadline
         time.sleep(0.05)

@@ -66,7 +66,7 @@ def test_every_way_to_send_a_goal_is_closed_until_the_release(domain: int) -> No
         assert gateway.http.delete("/stop").json() == released
         latch.wait_for(lambda message: not message.data)
         gateway.publish(CHARGING)
-        assert gateway.http.post("/dock", headers={"Prefer": "wait=20"}).json()["status"] == "succeeded"
+        assert gateway.http.post("/dock", headers={"Prefer": "wait=50"}).json()["status"] == "succeeded"
 
 
 def test_a_slow_network_takes_no_name_from_a_stop(domain: int) -> None:

@@ -9,6 +9,7 @@ import pytest
 from tests.support.clients import server_sent_events
 from tests.support.domain import ros_domain
 from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -150,7 +151,4 @@ def test_readers_that_leave_are_forgotten(gateway: RunningGateway, running: str)
             next(server_sent_events(response))
         with gateway.stream(f"?goal_id={running}") as stream:
             stream.next()
-    deadline = time.monotonic() + 10
-    while gateway.http.get("/healthz").json()["subscribers"]:
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
+    wait_until(lambda: not gateway.http.get("/healthz").json()["subscribers"], "every reader has left")

@@ -29,7 +29,7 @@ def gateway(shared_domain: int) -> Iterator[RunningGateway]:
 def goal_id(gateway: RunningGateway) -> str:
     """A goal that has ended: who asks for it waits for the history."""
     gateway.publish(CHARGING)
-    goal = gateway.http.post("/dock", headers={"Prefer": "wait=10"}).raise_for_status().json()
+    goal = gateway.http.post("/dock", headers={"Prefer": "wait=50"}).raise_for_status().json()
     assert goal["status"] == "succeeded"
     identity: str = goal["goal_id"]
     return identity
