@@ -1,6 +1,5 @@
 """Every action on the graph, in any namespace: found as it appears, used with the same verbs, gone when it goes."""
 
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -8,6 +7,7 @@ import pytest
 
 from tests.support.gateway import ACTION, CHARGING, LOW, RunningGateway, running_dock_server, running_program
 from tests.support.processes import Process
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -24,11 +24,12 @@ def names(gateway: RunningGateway) -> list[str]:
     return [action["action_name"] for action in gateway.http.get("/actions").json()["actions"]]
 
 
-def wait_for_action(gateway: RunningGateway, name: str, *, there: bool = True, timeout: float = 20.0) -> None:
-    deadline = time.monotonic() + timeout
-    while (name in names(gateway)) is not there:
-        assert time.monotonic() < deadline, names(gateway)
-        time.sleep(0.1)
+def wait_for_action(gateway: RunningGateway, name: str) -> None:
+    def answering() -> bool:
+        answer = gateway.http.get(f"/actions{name}")
+        return answer.is_success and bool(answer.json()["answering"])
+
+    wait_until(answering, f"{name} answers")
 
 
 def test_an_action_appears_is_used_and_goes(gateway: RunningGateway, shared_domain: int) -> None:
@@ -62,7 +63,7 @@ def test_an_action_appears_is_used_and_goes(gateway: RunningGateway, shared_doma
 
         wrong = gateway.http.post("/actions/fibonacci/goals", json={"order": "ten", "sequence": []})
         assert [error["path"] for error in wrong.json()["errors"]] == ["order", "sequence"]
-    wait_for_action(gateway, "/fibonacci", there=False)
+    wait_until(lambda: "/fibonacci" not in names(gateway), "the action has gone")
     assert gateway.http.get("/actions/fibonacci").status_code == 404
 
 
@@ -127,6 +128,12 @@ def test_stop_without_a_robot_stops_them_all(gateway: RunningGateway, shared_dom
     with running_dock_server(shared_domain, "-r", "__ns:=/robot1"):
         wait_for_action(gateway, f"/robot1{ACTION}")
         gateway.http.put("/battery/publisher?robot=/robot1", json={"state": LOW, "rate_hz": 5}).raise_for_status()
-        goal_id = gateway.http.post("/dock?robot=/robot1").raise_for_status().json()["goal_id"]
+
+        def accepted() -> str | None:
+            """The server of the test before has the same name, and may just have gone."""
+            answer = gateway.http.post("/dock?robot=/robot1")
+            return answer.json()["goal_id"] if answer.status_code == 202 else None
+
+        goal_id = wait_until(accepted, "a goal is accepted")
         assert gateway.stop_once()["canceling"] == [goal_id]
         assert gateway.wait_for_goal(goal_id, "canceled")["error"]["code"] == "stopped"
