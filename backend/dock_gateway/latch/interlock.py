@@ -98,12 +98,15 @@ class Interlock:
             raise Conflict(f"{detail} (DELETE /stop)", code="stop_latched")
 
     def document(self, namespace: str) -> dict[str, Any]:
-        """Return the latch of a joined robot, as `GET /stop` shows it."""
+        """Return the latch of a robot, as `GET /stop` shows it. The robot may have left in the meantime."""
         if self._documents is None:
-            persisted = self._writer.problem is None
-            documents = self._latches.documents({*self._topics, *self._latches.held})
-            self._documents = {name: document | {"persisted": persisted} for name, document in documents.items()}
-        return self._documents[namespace]
+            self._documents = self._make_documents({*self._topics, *self._latches.held})
+        return self._documents.get(namespace) or self._make_documents({namespace})[namespace]
+
+    def _make_documents(self, names: set[str]) -> dict[str, dict[str, Any]]:
+        persisted = self._writer.problem is None
+        documents = self._latches.documents(names)
+        return {name: document | {"persisted": persisted} for name, document in documents.items()}
 
     def shown(self, namespace: str) -> dict[str, Any]:
         """Return the latch of a joined robot, as last published to subscribers; cheaper than `document`."""

@@ -4,6 +4,7 @@ import asyncio
 import threading
 import time
 from collections.abc import AsyncIterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -246,6 +247,20 @@ async def test_one_robot_is_asked_about_and_released_by_itself(fleet: FakeFleet)
     assert [fleet.stopper.state(name)["latched"] for name in NAMES] == [False, False, True]
     with pytest.raises(NotFound):
         await fleet.stopper.stop("/robot9")
+
+
+async def test_a_robot_that_leaves_meanwhile_is_answered_for(fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that has gone from the graph leaves as soon as no stop holds for it."""
+    leave = partial(asyncio.get_running_loop().call_soon, fleet.interlock.leave)
+    leave("/robot1")
+    report = await fleet.stopper.stop("/robot1", latch=False)
+    assert (report.stop["latched"], report.stop["robots"]) == (False, [])
+
+    await fleet.stopper.stop("/robot2")
+    monkeypatch.setattr(fleet.interlock._writer, "wait", lambda _: asyncio.sleep(0.05))
+    leave("/robot2")
+    state = await fleet.stopper.release("/robot2")
+    assert (state["latched"], state["robots"]) == (False, [])
 
 
 async def test_a_stop_that_is_not_to_be_latched_is_not_told_and_does_not_wait_for_the_disk(fleet: FakeFleet) -> None:
