@@ -44,6 +44,7 @@ def withstand(trial: Trial, name: str, fault: Callable[[Trial], Any]) -> None:
             trial.wait_for_new_goals()
         with probing(trial.gateway) as findings:
             time.sleep(KEPT)
+            wait_until(lambda: findings.complete, "an answer to each probe")
             if takes_nothing(name):  # not at once where the gateway has just been started and looks for the action
                 wait_until(lambda: trial.answers()["history_unavailable"] > before["history_unavailable"], "a refusal")
             wait_until(lambda: tells(trial.history, name), f"/readyz tells of: {name}")
@@ -101,7 +102,6 @@ def check(trial: Trial, name: str, seen: Seen) -> None:
     findings, state, stop = seen.findings, seen.state, seen.stop
     assert findings.errors == [], (name, findings)
     assert max(findings.stop) < 5, (name, findings)
-    assert findings.gaps, (name, findings)
     assert max(findings.gaps) < 5, (name, findings)
     assert stop["stop"]["latched"], (name, stop)
     if takes_nothing(name):

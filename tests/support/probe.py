@@ -27,6 +27,11 @@ class Findings:
     gaps: list[float] = field(default_factory=list)
     errors: list[str] = field(default_factory=list)
 
+    @property
+    def complete(self) -> bool:
+        """Whether there is something of each, or something went wrong."""
+        return bool(self.errors or (self.stop and self.health and self.gaps))
+
     def figures(self) -> dict[str, Any]:
         """What a report tells."""
         stops = " / ".join(f"{1000 * quantile(self.stop, share):.0f}" for share in (0.5, 0.99, 1.0))

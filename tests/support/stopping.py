@@ -98,7 +98,7 @@ class FakeFleet:
         registry: Any = SimpleNamespace(get=self._get, under=self._robots_under)
         self._actions = {name: Action(f"{name.rstrip('/')}/dock", goals) for name, goals in self.goals.items()}
         self.stopper = Stopper(registry, actions, self.interlock)
-        self.gateway: Any = SimpleNamespace(stopper=self.stopper, settings=Settings(body_timeout=0.2))
+        self.gateway: Any = SimpleNamespace(stopper=self.stopper, settings=Settings())
 
     def _get(self, namespace: str | None = None) -> Any:
         name = next(iter(self.robots)) if namespace is None else read_namespace(namespace)
