@@ -1,5 +1,6 @@
 """Fixtures for every test that needs ROS."""
 
+import itertools
 import os
 import signal
 from collections.abc import Iterator
@@ -29,6 +30,17 @@ def pytest_configure(config: pytest.Config) -> None:
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
     # The one warning that importing ROS messages brings: its parser is older than Python's new `re`.
     config.addinivalue_line("filterwarnings", "ignore:module 'sre_.*' is deprecated:DeprecationWarning")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Browsers and floods need the processor, robots that drive need time: their files take turns."""
+    files: dict[Path, list[pytest.Item]] = {}
+    for item in items:
+        files.setdefault(item.path, []).append(item)
+    busy, waiting = itertools.count(0, 2), itertools.count(1, 2)
+    turns = {"chaos": busy, "browser": busy, "system": waiting}
+    places = {path: next(turns[path.parent.name]) if path.parent.name in turns else len(files) for path in files}
+    items[:] = [item for path in sorted(files, key=lambda path: places[path]) for item in files[path]]
 
 
 @pytest.fixture(autouse=True)
