@@ -311,11 +311,27 @@ describe("alerts", () => {
 
 describe("the list's view", () => {
   it("is what the address says, and the other way round", () => {
-    const query = new URLSearchParams("q=robot&show=docked&sort=battery&order=desc");
+    const query = new URLSearchParams("q=robot&group=Hall+1&show=docked&sort=battery&order=desc");
     const view = readView(query);
-    expect(view).toEqual({ text: "robot", show: "docked", sort: "battery", descending: true });
+    expect(view).toEqual({
+      text: "robot",
+      group: "Hall 1",
+      show: "docked",
+      sort: "battery",
+      descending: true,
+    });
     expect(writeView(view).toString()).toBe(query.toString());
     expect(writeView(readView(new URLSearchParams("show=what&sort=ever&order=desc"))).toString()).toBe("");
+  });
+
+  it("sorts by group, robots without one last", () => {
+    const view = readView(new URLSearchParams({ sort: "groups" }));
+    const grouped = [one, { ...ten, groups: ["Hall 2"] }, { ...two, groups: ["Hall 10"] }];
+    expect(listed(grouped, view, new Map()).map(({ name }) => name)).toEqual([
+      "/robot10",
+      "/robot2",
+      "/robot1",
+    ]);
   });
 
   it("sorts by each column", () => {

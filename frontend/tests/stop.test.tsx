@@ -2,6 +2,7 @@ import { notifications } from "@mantine/notifications";
 import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
+import { Naming } from "../src/fleet/names";
 import { DoubleEscape, TWICE_WITHIN_MS } from "../src/stop/keys";
 import { showStopped } from "../src/stop/notices";
 import { ownName, setOwnName } from "../src/stop/who";
@@ -238,10 +239,10 @@ describe("the Stop of one robot of several", () => {
   it("that failed is said until all robots are stopped, also after a Stop of another one", async () => {
     await stopB();
     await screen.findByText("Stop was NOT delivered to /b");
-    act(() => showStopped(stopReport(), "/a"));
+    act(() => showStopped(stopReport(), new Naming([]), "/a"));
     expect(await screen.findByText("Stopped /a")).toBeDefined();
     expect(screen.getByText("Stop was NOT delivered to /b")).toBeDefined();
-    act(() => showStopped(stopReport()));
+    act(() => showStopped(stopReport(), new Naming([])));
     expect(await screen.findByText("Stopped")).toBeDefined();
     await waitFor(() => expect(screen.queryByText("Stop was NOT delivered to /b")).toBeNull());
   });

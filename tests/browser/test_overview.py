@@ -1,4 +1,4 @@
-"""The overview of several robots: their rows, alerts and stops, the keyboard, and a gateway that is silent."""
+"""The overview of several robots: their rows, names, alerts and stops, the keyboard, and a gateway that is silent."""
 
 import re
 import signal
@@ -87,6 +87,43 @@ def test_sort_and_filter_stay_in_the_address(page: Page) -> None:
     page.keyboard.type("nobody")
     page.get_by_role("button", name="Show all 2").click()
     expect_order(page, "/robot2", "/robot1")
+
+
+def test_a_robot_is_named_and_found_by_its_group(page: Page, gateway: RunningGateway) -> None:
+    """By keyboard alone, and each letter is kept however quickly it is typed."""
+    row(page, "/robot2").get_by_role("link", name="/robot2").focus()
+    page.keyboard.press("Enter")
+    page.get_by_role("button", name="Name and groups of /robot2").focus()
+    page.keyboard.press("Enter")
+    dialog = page.get_by_role("dialog", name="Name and groups of /robot2")
+    expect(dialog.get_by_label("Name")).to_be_focused()
+    page.keyboard.type("Left forklift")
+    page.keyboard.press("Tab")
+    expect(dialog.get_by_role("combobox", name="Groups")).to_be_focused()
+    page.keyboard.type("Hall 1")
+    page.keyboard.press("Enter")
+    dialog.get_by_role("button", name="Save").press("Enter")
+    expect(dialog).to_be_hidden()
+    try:
+        expect(page.get_by_role("heading", level=1, name="Left forklift")).to_be_visible()
+        page.get_by_role("link", name=re.compile("^Overview")).first.press("Enter")
+        expect(row(page, "/robot2").get_by_role("link", name="Left forklift")).to_be_visible()
+        expect(row(page, "/robot2")).to_contain_text("/robot2")
+        page.keyboard.press("/")
+        page.keyboard.type("hall")
+        expect(page.get_by_role("searchbox")).to_have_value("hall")
+        expect(row(page, "/robot1")).to_be_hidden()
+        expect_order(page, "Left forklift")
+        expect(page).to_have_url(re.compile(r"[?&]q=hall$"))
+        page.get_by_role("searchbox").fill("")
+        expect_order(page, "/robot1", "Left forklift")
+        page.get_by_label("Group", exact=True).select_option("Hall 1")
+        expect_order(page, "Left forklift")
+    finally:
+        label: dict[str, object] = {"robot": "/robot2", "display_name": None, "groups": []}
+        gateway.http.put("/robots/label", json=label).raise_for_status()
+    page.get_by_role("button", name="Show all 2").press("Enter")
+    expect_order(page, "/robot1", "/robot2")
 
 
 def test_an_alert_is_acknowledged_with_a_name_for_all_to_see(page: Page, browser: Browser) -> None:

@@ -1,5 +1,6 @@
 import { Button, Checkbox, Code, Group, Stack, Text } from "@mantine/core";
 import { useId, useState } from "react";
+import { useNaming } from "../fleet/useNaming";
 import { Dialog } from "../ui/Dialog";
 import classes from "./actions.module.css";
 
@@ -27,10 +28,11 @@ export function SendDialog({ opened, ...question }: SendDialogProps) {
 function Question({ action, body, reason, onClose, onSend }: Omit<SendDialogProps, "opened">) {
   const [unasked, setUnasked] = useState(false);
   const reasonId = useId();
+  const robot = useNaming().ownerNameOf(action) ?? "a robot";
   return (
     <Stack gap="md">
       <Text size="sm">
-        <strong className={classes.name}>{action}</strong> may move a robot. Check first that the area is
+        <strong className={classes.name}>{action}</strong> may move {robot}. Check first that the area is
         clear.
       </Text>
       <Code block className={classes.body} tabIndex={0} role="region" aria-label="What is sent">

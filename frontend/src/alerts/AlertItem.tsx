@@ -4,7 +4,7 @@ import { Link } from "react-router";
 import { createAlerts } from "../api/alerts";
 import { useFleet, useFleetLive } from "../fleet/context";
 import type { Alert } from "../fleet/types";
-import { displayName } from "../fleet/words";
+import { useNaming } from "../fleet/useNaming";
 import { robotPath } from "../robot/path";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Time } from "../ui/Time";
@@ -15,8 +15,9 @@ import { SeverityMark } from "./SeverityMark";
 
 /** One alert: what it is, what to do, and who has seen it. */
 export const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
+  const naming = useNaming();
   const { id, robot, severity, title, detail, since, goal_id, acknowledged } = alert;
-  const what = robot === null ? title : `${title}: ${displayName(robot)}`;
+  const what = robot === null ? title : `${title}: ${naming.fullNameOf(robot)}`;
   return (
     <li
       className={classes.alert}
@@ -31,7 +32,7 @@ export const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {
             <>
               {": "}
               <Anchor component={Link} to={robotPath(robot)} inherit underline="always">
-                {displayName(robot)}
+                {naming.fullNameOf(robot)}
               </Anchor>
             </>
           )}

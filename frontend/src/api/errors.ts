@@ -49,6 +49,10 @@ const WORDS: Record<string, Words> = {
     title: "The action server refused to cancel",
     advice: "Press Stop: it also publishes zero velocity.",
   },
+  display_name_taken: {
+    title: "The name is taken",
+    advice: "It is another robot's name or namespace: choose a different one.",
+  },
   dock_busy: {
     title: "The dock is busy with another goal",
     advice: "Wait for it to end, or cancel it and press Dock again.",
@@ -112,6 +116,10 @@ const WORDS: Record<string, Words> = {
   shutting_down: {
     title: "The gateway is shutting down",
     advice: "Wait until it is back; nothing is sent again by itself.",
+  },
+  too_many_labels: {
+    title: "Too many robots have a name or groups",
+    advice: "Clear the name and groups of robots that are no longer in use.",
   },
   too_many_requests: {
     title: "The gateway is too busy",

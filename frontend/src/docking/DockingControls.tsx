@@ -3,6 +3,7 @@ import { useDisclosure } from "@mantine/hooks";
 import { useId, useState } from "react";
 import type { Verb } from "../api/client";
 import { CHARGING, FULL } from "../battery/words";
+import { useNaming } from "../fleet/useNaming";
 import { RobotStopButton, useStoppableAlone } from "../stop/RobotStop";
 import { useLive, useServices, useTopic, useTopicPart } from "../store/context";
 import type { GoalCourse } from "../store/goals";
@@ -23,6 +24,7 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
   const stopped = useTopicPart("stop", ({ latched }) => latched);
   const verbOf = useVerbOf();
   const alone = useStoppableAlone();
+  const naming = useNaming();
   const asking = useAsking();
   const [asked, setAsked] = useState<Verb>("dock");
   const [open, question] = useDisclosure(false);
@@ -113,7 +115,7 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
       <MoveDialog
         opened={open}
         verb={asked}
-        robot={alone}
+        robot={alone === null ? null : naming.fullNameOf(alone)}
         reason={whyNot(asked)}
         onMove={() => send(asked)}
         onClose={question.close}

@@ -17,11 +17,6 @@ export function isThere({ battery, battery_publisher, dock, undock, goals, last_
   );
 }
 
-/** A robot's name for people: the root namespace is a slash, which names nothing. */
-export function displayName(name: string): string {
-  return name === "/" ? "Robot" : name;
-}
-
 export function placeWords(docked: boolean | null): string {
   if (docked === null) return "Unknown";
   return docked ? "Docked" : "Not docked";

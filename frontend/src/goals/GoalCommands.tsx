@@ -5,6 +5,7 @@ import { useActionsApi, useSchemas } from "../actions/useActions";
 import { goalExportUrl } from "../api/goals";
 import type { AnyGoal, StopState } from "../api/types";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
+import { useNaming } from "../fleet/useNaming";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { isTerminal } from "../store/goals";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
@@ -104,12 +105,13 @@ interface AskAgainProps {
 
 function AskAgain({ goal, opened, reason, onClose, onSend }: AskAgainProps) {
   const schemas = useSchemas(goal.action_type).data;
+  const robot = useNaming().ownerNameOf(goal.action_name) ?? "A robot";
   const reasonId = useId();
   return (
     <Dialog title="Send this goal again?" opened={opened} onClose={onClose}>
       <Stack gap="md">
         <Text size="sm">
-          A robot may move as soon as {goal.action_name} accepts it. Check that the area is clear.
+          {robot} may move as soon as {goal.action_name} accepts it. Check that the area is clear.
         </Text>
         <NamedMessage title="Goal" value={goal.goal} schema={schemas?.goal} absent={NOT_MEASURED} />
         <Text size="sm" c="dimmed" id={reasonId} role="status">

@@ -1,7 +1,8 @@
 import { Button, Chip, Group, NativeSelect, TextInput } from "@mantine/core";
-import { useEffect, useMemo, useState } from "react";
+import { useEffect, useState } from "react";
 import { useActions } from "../actions/useActions";
 import { useFleetTopic } from "../fleet/context";
+import { useRobotOptions } from "../fleet/useNaming";
 import { codeWords } from "../goal/words";
 import { sentence } from "../ui/sentence";
 import { fromLocalInput, toLocalInput } from "../ui/time";
@@ -25,7 +26,7 @@ interface GoalFiltersProps {
 /** What to narrow the list by. */
 export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
   const change = (part: Partial<GoalFilter>) => onChange({ ...filter, ...part });
-  const robots = useRobotNames(filter.robot);
+  const robots = useRobotOptions(filter.robot);
   const actions = useActionNames(filter.actions);
   return (
     <section aria-label="Filter the goals">
@@ -178,14 +179,6 @@ function startOfToday(): string {
   const today = new Date();
   today.setHours(0, 0, 0, 0);
   return today.toISOString();
-}
-
-function useRobotNames(chosen: string | null): string[] {
-  const robots = useFleetTopic("robots");
-  return useMemo(
-    () => [...new Set([...robots.keys(), ...(chosen === null ? [] : [chosen])])].sort(),
-    [robots, chosen],
-  );
 }
 
 /** The actions on the graph, and those of the goals that are known. */

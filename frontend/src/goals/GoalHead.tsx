@@ -1,6 +1,7 @@
 import { Anchor, Badge, Code, Group, Stack, Title } from "@mantine/core";
 import { Link } from "react-router";
 import type { AnyGoal } from "../api/types";
+import { useNaming } from "../fleet/useNaming";
 import { GoalDuration } from "../goal/GoalDuration";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { isTerminal } from "../store/goals";
@@ -17,6 +18,7 @@ import { useWatchTopic } from "./useGoalWatch";
 
 /** What a goal is and how it stands, with what can be done about it. */
 export function GoalHead({ goal }: { goal: AnyGoal }) {
+  const robot = useNaming().ownerNameOf(goal.action_name);
   const connection = useWatchTopic("connection");
   const ended = isTerminal(goal.status);
   const away = connection !== null && connection.phase !== "live" && connection.phase !== "connecting";
@@ -54,6 +56,7 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         <Fact name="Origin">
           <OriginBadge origin={goal.origin} />
         </Fact>
+        {robot !== null && <Fact name="Robot">{robot}</Fact>}
         <Fact name="Action">
           <Anchor
             component={Link}

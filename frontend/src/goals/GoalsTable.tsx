@@ -3,6 +3,7 @@ import { type MouseEvent, memo } from "react";
 import { Link, useNavigate } from "react-router";
 import type { Verb } from "../api/client";
 import type { AnyGoal } from "../api/types";
+import { useNaming } from "../fleet/useNaming";
 import { GoalDuration } from "../goal/GoalDuration";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { outcome } from "../goal/words";
@@ -25,12 +26,19 @@ interface GoalsTableProps {
 
 /** Goals, a row each, which leads to the goal's page. */
 export function GoalsTable({ goals, verbOf, oneRobot = false }: GoalsTableProps) {
+  const naming = useNaming();
   return (
     <Table verticalSpacing="xs" horizontalSpacing={8} highlightOnHover className={classes.table ?? ""}>
       <GoalsHead oneRobot={oneRobot} />
       <Table.Tbody>
         {goals.map((goal) => (
-          <GoalRow key={goal.goal_id} goal={goal} verb={verbOf(goal)} oneRobot={oneRobot} />
+          <GoalRow
+            key={goal.goal_id}
+            goal={goal}
+            verb={verbOf(goal)}
+            robot={naming.ownerNameOf(goal.action_name)}
+            oneRobot={oneRobot}
+          />
         ))}
       </Table.Tbody>
     </Table>
@@ -55,10 +63,12 @@ export function GoalsHead({ oneRobot }: { oneRobot: boolean }) {
 interface GoalRowProps {
   goal: ListedGoal;
   verb: Verb | null;
+  /** Whose action it is on; null where that has no display name. */
+  robot: string | null;
   oneRobot: boolean;
 }
 
-const GoalRow = memo(function GoalRow({ goal, verb, oneRobot }: GoalRowProps) {
+const GoalRow = memo(function GoalRow({ goal, verb, robot, oneRobot }: GoalRowProps) {
   const navigate = useNavigate();
   const path = goalPath(goal.goal_id);
   const open = ({ target }: MouseEvent) => {
@@ -76,6 +86,11 @@ const GoalRow = memo(function GoalRow({ goal, verb, oneRobot }: GoalRowProps) {
         <Table.Td visibleFrom="xs">{verb === null ? goal.action_name : sentence(verb)}</Table.Td>
       ) : (
         <Table.Td className={classes.action}>
+          {robot !== null && (
+            <Text size="sm" fw={600}>
+              {robot}
+            </Text>
+          )}
           <Breakable text={goal.action_name} />
         </Table.Td>
       )}

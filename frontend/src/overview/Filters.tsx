@@ -1,5 +1,5 @@
-import { TextInput } from "@mantine/core";
-import { useMemo } from "react";
+import { NativeSelect, TextInput } from "@mantine/core";
+import { useMemo, useState } from "react";
 import type { Robot } from "../fleet/types";
 import { type Attentions, matches, SHOW_WORDS, SHOWS, type View } from "./list";
 import classes from "./overview.module.css";
@@ -8,11 +8,12 @@ interface FiltersProps {
   robots: readonly Robot[];
   attentions: Attentions;
   view: View;
+  groups: readonly string[];
   onChange: (change: Partial<View>) => void;
 }
 
 /** How many robots there are of each kind, to read at a glance; pressed, the list shows those alone. */
-export function Filters({ robots, attentions, view, onChange }: FiltersProps) {
+export function Filters({ robots, attentions, view, groups, onChange }: FiltersProps) {
   const counts = useMemo(
     () => SHOWS.map((show) => robots.filter((robot) => matches(robot, show, attentions)).length),
     [robots, attentions],
@@ -34,14 +35,50 @@ export function Filters({ robots, attentions, view, onChange }: FiltersProps) {
           </button>
         ))}
       </fieldset>
-      <TextInput
-        type="search"
-        className={classes.search}
-        aria-label="Search robots by name"
-        placeholder="Name, such as robot1"
-        value={view.text}
-        onChange={(event) => onChange({ text: event.currentTarget.value })}
-      />
+      <div className={classes.choices}>
+        {(groups.length > 0 || view.group !== null) && (
+          <GroupFilter group={view.group} groups={groups} onGroup={(group) => onChange({ group })} />
+        )}
+        <Search text={view.text} onText={(text) => onChange({ text })} />
+      </div>
     </div>
+  );
+}
+
+interface GroupFilterProps {
+  group: string | null;
+  groups: readonly string[];
+  onGroup: (group: string | null) => void;
+}
+
+function GroupFilter({ group, groups, onGroup }: GroupFilterProps) {
+  const known = group === null || groups.includes(group) ? groups : [...groups, group];
+  return (
+    <NativeSelect
+      className={classes.group ?? ""}
+      aria-label="Group"
+      value={group ?? ""}
+      onChange={(event) => onGroup(event.currentTarget.value || null)}
+      data={[{ value: "", label: "All groups" }, ...known]}
+    />
+  );
+}
+
+/** Shows at once what is typed; the address, which follows, may be a few letters behind. */
+function Search({ text, onText }: { text: string; onText: (text: string) => void }) {
+  const [typed, setTyped] = useState<string | null>(null);
+  return (
+    <TextInput
+      type="search"
+      className={classes.search ?? ""}
+      aria-label="Search robots by name or group"
+      placeholder="Name or group"
+      value={typed ?? text}
+      onChange={(event) => {
+        setTyped(event.currentTarget.value);
+        onText(event.currentTarget.value);
+      }}
+      onBlur={() => setTyped(null)}
+    />
   );
 }

@@ -4,8 +4,9 @@ import { Link } from "react-router";
 import type { Attention } from "../alerts/order";
 import { type Mark, SeverityMark } from "../alerts/SeverityMark";
 import { LinkState } from "../fleet/LinkState";
+import { robotName } from "../fleet/names";
 import type { Robot } from "../fleet/types";
-import { displayName, linkOf, placeWords } from "../fleet/words";
+import { linkOf, placeWords } from "../fleet/words";
 import { robotPath } from "../robot/path";
 import { BatteryMeter } from "./BatteryMeter";
 import { LastCell, NowCell } from "./cells";
@@ -21,10 +22,12 @@ interface RobotRowProps {
   robot: Robot;
   attention: Attention;
   live: boolean;
+  /** Whether there is a column of groups. */
+  grouped: boolean;
 }
 
 /** A robot in the table. Rendered anew only where that robot is another, as the store keeps those that did not change. */
-export const RobotRow = memo(function RobotRow({ robot, attention, live }: RobotRowProps) {
+export const RobotRow = memo(function RobotRow({ robot, attention, live, grouped }: RobotRowProps) {
   const place = placeWords(robot.docked);
   const link = linkOf(robot);
   return (
@@ -32,8 +35,9 @@ export const RobotRow = memo(function RobotRow({ robot, attention, live }: Robot
       <Table.Th scope="row" className={classes.nameCell}>
         {attention > 0 && <AttentionMark attention={attention as Exclude<Attention, 0>} />}
         <Link to={robotPath(robot.name)} className={classes.name}>
-          {displayName(robot.name)}
+          {robotName(robot)}
         </Link>
+        {robot.display_name !== null && <span className={classes.quiet}> {robot.name}</span>}
         {robot.simulated && <span className={`${classes.quiet} ${classes.simulated}`}> simulated</span>}
         <span className={classes.narrow}>
           {place}
@@ -45,6 +49,7 @@ export const RobotRow = memo(function RobotRow({ robot, attention, live }: Robot
             </>
           )}
         </span>
+        {robot.groups.length > 0 && <span className={classes.groupLine}>{robot.groups.join(", ")}</span>}
       </Table.Th>
       <Table.Td className={classes.wide}>
         <span className={classes.place} data-docked={String(robot.docked)}>
@@ -62,6 +67,9 @@ export const RobotRow = memo(function RobotRow({ robot, attention, live }: Robot
       <Table.Td className={classes.wide}>
         <LastCell robot={robot} />
       </Table.Td>
+      {grouped && (
+        <Table.Td className={`${classes.wide} ${classes.groups}`}>{robot.groups.join(", ")}</Table.Td>
+      )}
       <Table.Td className={classes.wide}>
         <LinkState link={link} live={live} />
       </Table.Td>

@@ -4,6 +4,7 @@ import { useSearchParams } from "react-router";
 import { attentionOf } from "../alerts/order";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import type { Robot } from "../fleet/types";
+import { useNaming } from "../fleet/useNaming";
 import { Filters } from "./Filters";
 import { listed, readView, type Sort, type View, writeView } from "./list";
 import classes from "./overview.module.css";
@@ -22,6 +23,7 @@ const COLUMNS: readonly Column[] = [
   { sort: "battery", name: "Battery" },
   { sort: "goal", name: "Now" },
   { sort: "last", name: "Last result", wide: true },
+  { sort: "groups", name: "Groups", wide: true },
   { sort: "link", name: "Connection", wide: true },
 ];
 
@@ -32,14 +34,23 @@ export function RobotTable({ robots }: { robots: readonly Robot[] }) {
   const attentions = useMemo(() => attentionOf(alerts), [alerts]);
   const [query, setQuery] = useSearchParams();
   const view = useMemo(() => readView(query), [query]);
+  const naming = useNaming();
+  const groups = useMemo(() => naming.groups(), [naming]);
+  const grouped = groups.length > 0;
   const rows = useMemo(() => listed(robots, view, attentions), [robots, view, attentions]);
   const change = (next: Partial<View>) => setQuery(writeView({ ...view, ...next }), { replace: true });
 
   return (
     <>
-      <Filters robots={robots} attentions={attentions} view={view} onChange={change} />
+      <Filters robots={robots} attentions={attentions} view={view} groups={groups} onChange={change} />
       <Paper withBorder radius="md" className={classes.paper}>
-        <Table className={classes.table} verticalSpacing="xs" horizontalSpacing="sm" highlightOnHover>
+        <Table
+          className={classes.table}
+          data-grouped={grouped || undefined}
+          verticalSpacing="xs"
+          horizontalSpacing="sm"
+          highlightOnHover
+        >
           <caption className={classes.caption}>
             {rows.length === robots.length
               ? `${rows.length} robots`
@@ -47,7 +58,7 @@ export function RobotTable({ robots }: { robots: readonly Robot[] }) {
           </caption>
           <Table.Thead>
             <Table.Tr>
-              {COLUMNS.map((column) => (
+              {COLUMNS.filter(({ sort }) => grouped || sort !== "groups").map((column) => (
                 <HeaderCell key={column.sort} column={column} view={view} onSort={change} />
               ))}
             </Table.Tr>
@@ -59,6 +70,7 @@ export function RobotTable({ robots }: { robots: readonly Robot[] }) {
                 robot={robot}
                 attention={attentions.get(robot.name) ?? 0}
                 live={live}
+                grouped={grouped}
               />
             ))}
           </Table.Tbody>
@@ -66,7 +78,11 @@ export function RobotTable({ robots }: { robots: readonly Robot[] }) {
         {rows.length === 0 && (
           <div className={classes.none}>
             <Text>No robot is like that now.</Text>
-            <Button variant="default" size="compact-md" onClick={() => change({ show: "all", text: "" })}>
+            <Button
+              variant="default"
+              size="compact-md"
+              onClick={() => change({ show: "all", text: "", group: null })}
+            >
               Show all {robots.length}
             </Button>
           </div>

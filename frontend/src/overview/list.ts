@@ -1,6 +1,7 @@
 import type { Attention } from "../alerts/order";
+import { isFound, robotName } from "../fleet/names";
 import type { Robot } from "../fleet/types";
-import { displayName, isUnreachable, linkOf } from "../fleet/words";
+import { isUnreachable, linkOf } from "../fleet/words";
 import { byName } from "../stop/held";
 
 /** What the list can be narrowed to. */
@@ -18,14 +19,16 @@ export const SHOW_WORDS: Record<Show, string> = {
 };
 
 /** A column that the list can be sorted by. `attention`, those with alerts first, is how it begins. */
-export const SORTS = ["attention", "name", "place", "battery", "goal", "last", "link"] as const;
+export const SORTS = ["attention", "name", "place", "battery", "goal", "last", "groups", "link"] as const;
 export type Sort = (typeof SORTS)[number];
 
 /** How the list is looked at; kept in the page's address. */
 export interface View {
   show: Show;
-  /** A part of the name. */
+  /** A part of the name, the namespace or a group. */
   text: string;
+  /** Robots in this group alone; null for all. */
+  group: string | null;
   sort: Sort;
   descending: boolean;
 }
@@ -34,15 +37,17 @@ export function readView(query: URLSearchParams): View {
   return {
     show: oneOf(SHOWS, query.get("show"), "all"),
     text: query.get("q") ?? "",
+    group: query.get("group") || null,
     sort: oneOf(SORTS, query.get("sort"), "attention"),
     descending: query.get("order") === "desc",
   };
 }
 
 /** The address's query for a view: what is as it begins is left out. */
-export function writeView({ show, text, sort, descending }: View): URLSearchParams {
+export function writeView({ show, text, group, sort, descending }: View): URLSearchParams {
   const query = new URLSearchParams();
   if (text !== "") query.set("q", text);
+  if (group !== null) query.set("group", group);
   if (show !== "all") query.set("show", show);
   if (sort !== "attention") query.set("sort", sort);
   if (sort !== "attention" && descending) query.set("order", "desc");
@@ -77,13 +82,14 @@ export function matches(robot: Robot, show: Show, attentions: Attentions): boole
 
 /** The robots of a view, in its order; where two are alike, by name. */
 export function listed(robots: readonly Robot[], view: View, attentions: Attentions): Robot[] {
-  const text = view.text.trim().toLowerCase();
   const sign = view.descending ? -1 : 1;
   const compare = COMPARE[view.sort];
   return robots
     .filter(
       (robot) =>
-        displayName(robot.name).toLowerCase().includes(text) && matches(robot, view.show, attentions),
+        isFound(robot, view.text) &&
+        (view.group === null || robot.groups.includes(view.group)) &&
+        matches(robot, view.show, attentions),
     )
     .sort((a, b) => sign * compare(a, b, attentions) || byName(a.name, b.name));
 }
@@ -91,11 +97,12 @@ export function listed(robots: readonly Robot[], view: View, attentions: Attenti
 /** Ascending. */
 const COMPARE: Record<Sort, (a: Robot, b: Robot, attentions: Attentions) => number> = {
   attention: (a, b, attentions) => (attentions.get(b.name) ?? 0) - (attentions.get(a.name) ?? 0),
-  name: (a, b) => byName(a.name, b.name),
+  name: (a, b) => byName(robotName(a), robotName(b)),
   place: (a, b) => placeRank(a) - placeRank(b),
   battery: (a, b) => chargeOf(a) - chargeOf(b),
   goal: (a, b) => goalRank(a) - goalRank(b),
   last: (a, b) => endOf(a) - endOf(b),
+  groups: (a, b) => groupsRank(a) - groupsRank(b) || byName(a.groups.join(), b.groups.join()),
   link: (a, b) => LINK_RANK[linkOf(a)] - LINK_RANK[linkOf(b)],
 };
 
@@ -118,6 +125,11 @@ function endOf({ last_goal }: Robot): number {
   return last_goal === null
     ? Number.MAX_SAFE_INTEGER
     : -Date.parse(last_goal.finished_at ?? last_goal.updated_at);
+}
+
+/** Those in no group last. */
+function groupsRank({ groups }: Robot): number {
+  return groups.length === 0 ? 1 : 0;
 }
 
 const LINK_RANK = { unreachable: 0, gone: 1, duplicate: 2, silent: 3, battery: 4, connected: 5 } as const;

@@ -1,15 +1,19 @@
-import { Anchor, Badge, Title } from "@mantine/core";
+import { Anchor, Badge, Text, Title } from "@mantine/core";
 import { Link } from "react-router";
 import { useFleetLive, useFleetPart } from "../fleet/context";
 import { LinkState } from "../fleet/LinkState";
-import { displayName, linkOf, placeWords } from "../fleet/words";
+import { useNaming } from "../fleet/useNaming";
+import { linkOf, placeWords } from "../fleet/words";
 import { defaultRobot } from "../stop/held";
+import { LabelButton } from "./LabelButton";
 import { RobotSwitcher } from "./RobotSwitcher";
 import classes from "./robot.module.css";
 
 /** Which robot this is, whether it is docked, and how it can be reached where something is wrong with that. */
 export function RobotHead({ robot, breadcrumb }: { robot: string | null; breadcrumb: boolean }) {
   const name = useFleetPart("robots", (robots) => robot ?? defaultRobot(robots));
+  const naming = useNaming();
+  const namespace = naming.besides(name);
   return (
     <div className={classes.head}>
       {breadcrumb && (
@@ -21,8 +25,10 @@ export function RobotHead({ robot, breadcrumb }: { robot: string | null; breadcr
         </nav>
       )}
       <Title order={1} size="h3" className={classes.name}>
-        {displayName(name)}
+        {naming.nameOf(name)}
       </Title>
+      {namespace !== null && <Text c="dimmed">{namespace}</Text>}
+      <LabelButton robot={name} />
       <Facts name={name} />
       <RobotSwitcher robot={name} />
     </div>

@@ -1,6 +1,6 @@
 import { useSearchParams } from "react-router";
 import { useFleetPart } from "../fleet/context";
-import { displayName } from "../fleet/words";
+import { useNaming } from "../fleet/useNaming";
 import { defaultRobot } from "../stop/held";
 import { usePageTitle } from "../ui/usePageTitle";
 import { RobotView } from "./RobotView";
@@ -10,6 +10,7 @@ export default function RobotPage() {
   const [query] = useSearchParams();
   const asked = query.get("robot");
   const robot = asked === null ? null : `/${asked.replace(/^\/+|\/+$/g, "")}`;
-  usePageTitle(useFleetPart("robots", (robots) => displayName(robot ?? defaultRobot(robots))));
+  const naming = useNaming();
+  usePageTitle(naming.nameOf(useFleetPart("robots", (robots) => robot ?? defaultRobot(robots))));
   return <RobotView robot={robot} breadcrumb />;
 }

@@ -1,11 +1,12 @@
 import { Select } from "@mantine/core";
 import { useState } from "react";
 import { useNavigate, useSearchParams } from "react-router";
-import { displayName } from "../fleet/words";
+import { useNaming } from "../fleet/useNaming";
 import { readTab, robotPath } from "./path";
 
 /** Goes to the robot that is chosen, on the same tab. */
 export default function RobotSelect({ others }: { others: readonly string[] }) {
+  const naming = useNaming();
   const navigate = useNavigate();
   const [query] = useSearchParams();
   const [text, setText] = useState("");
@@ -13,7 +14,7 @@ export default function RobotSelect({ others }: { others: readonly string[] }) {
     <Select
       aria-label="Switch robot"
       placeholder="Switch robot"
-      data={others.map((name) => ({ value: name, label: displayName(name) }))}
+      data={others.map((name) => ({ value: name, label: naming.fullNameOf(name) }))}
       value={null}
       searchable
       searchValue={text}

@@ -2,12 +2,14 @@ import { Alert, Anchor, List, Text } from "@mantine/core";
 import { useMemo } from "react";
 import { Link } from "react-router";
 import { useFleetTopic } from "../fleet/context";
-import { displayName, isThere } from "../fleet/words";
+import { useNaming } from "../fleet/useNaming";
+import { isThere } from "../fleet/words";
 import { byName } from "../stop/held";
 import { robotPath } from "./path";
 
 /** Says that the gateway knows no such robot, and which ones it knows. */
 export function UnknownRobot({ robot, wasKnown }: { robot: string; wasKnown: boolean }) {
+  const naming = useNaming();
   const robots = useFleetTopic("robots");
   const names = useMemo(
     () => [...robots.values()].flatMap((each) => (isThere(each) ? [each.name] : [])).sort(byName),
@@ -23,7 +25,7 @@ export function UnknownRobot({ robot, wasKnown }: { robot: string; wasKnown: boo
         {names.map((name) => (
           <List.Item key={name}>
             <Anchor component={Link} to={robotPath(name)} inherit underline="always">
-              {displayName(name)}
+              {naming.fullNameOf(name)}
             </Anchor>
           </List.Item>
         ))}

@@ -1,6 +1,6 @@
 import { Group, NativeSelect, SegmentedControl, TextInput } from "@mantine/core";
-import { useMemo } from "react";
-import { useFleet, useFleetTopic } from "../fleet/context";
+import { useFleet } from "../fleet/context";
+import { useRobotOptions } from "../fleet/useNaming";
 import classes from "./statistics.module.css";
 import { GROUPINGS, type Grouping, RANGES, type Range, type View, withRange } from "./view";
 
@@ -13,7 +13,7 @@ interface ControlsProps {
 export function Controls({ view, onChange }: ControlsProps) {
   const { store } = useFleet();
   const change = (part: Partial<View>) => onChange({ ...view, ...part });
-  const robots = useRobotNames(view.robot);
+  const robots = useRobotOptions(view.robot);
   return (
     <section aria-label="Choose goals" className={classes.controls}>
       <SegmentedControl
@@ -64,12 +64,4 @@ function DayInput({ label, value, onDay }: DayInputProps) {
 
 function choices<Value extends string>(words: Record<Value, string>): { value: Value; label: string }[] {
   return (Object.keys(words) as Value[]).map((value) => ({ value, label: words[value] }));
-}
-
-function useRobotNames(chosen: string | null): string[] {
-  const robots = useFleetTopic("robots");
-  return useMemo(
-    () => [...new Set([...robots.keys(), ...(chosen === null ? [] : [chosen])])].sort(),
-    [robots, chosen],
-  );
 }

@@ -2,6 +2,7 @@ import { Anchor, Table } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
 import type { GoalGroup, Statistics } from "../api/types";
+import { useNaming } from "../fleet/useNaming";
 import { Breakable } from "../ui/Breakable";
 import { sentence } from "../ui/sentence";
 import { CountLink, DurationLink, RateLink } from "./cells";
@@ -16,13 +17,21 @@ const MAX_ERRORS = 2;
 
 /** A row for each day (the newest first), robot or action. */
 export function GroupTable({ statistics: { by, groups } }: { statistics: Statistics }) {
+  const naming = useNaming();
   const rows = by === "day" ? [...groups].reverse() : groups;
   return (
     <Table verticalSpacing="xs" horizontalSpacing={8} className={classes.table ?? ""}>
       <GroupHead by={by} />
       <Table.Tbody>
         {rows.map((group) => (
-          <GroupRow key={group.key} by={by} group={group} />
+          <GroupRow
+            key={group.key}
+            by={by}
+            group={group}
+            displayName={
+              by === "robot" && naming.besides(group.key) !== null ? naming.nameOf(group.key) : null
+            }
+          />
         ))}
       </Table.Tbody>
     </Table>
@@ -54,11 +63,23 @@ export function GroupHead({ by }: { by: Grouping }) {
   );
 }
 
-const GroupRow = memo(function GroupRow({ by, group }: { by: Grouping; group: GoalGroup }) {
-  const name = by === "day" ? dayWords(group.key) : <Breakable text={group.key} />;
+interface GroupRowProps {
+  by: Grouping;
+  group: GoalGroup;
+  /** That of the robot; null where it has none, or the row is no robot's. */
+  displayName: string | null;
+}
+
+const GroupRow = memo(function GroupRow({ by, group, displayName }: GroupRowProps) {
+  const name = by === "day" ? dayWords(group.key) : (displayName ?? <Breakable text={group.key} />);
   return (
     <Table.Tr>
-      <Table.Th scope="row" className={classes.key} data-by={by}>
+      <Table.Th
+        scope="row"
+        className={classes.key}
+        data-by={by}
+        title={displayName === null ? undefined : group.key}
+      >
         {group.ended === 0 ? (
           name
         ) : (

@@ -1,5 +1,6 @@
 import { Button } from "@mantine/core";
 import { useFleetPart } from "../fleet/context";
+import { useNaming } from "../fleet/useNaming";
 import { useServices } from "../store/context";
 import { useCommand } from "../ui/useCommand";
 import { defaultRobot } from "./held";
@@ -21,8 +22,9 @@ export function useStoppableAlone(): string | null {
 /** Stops this robot alone. Enabled always, as Stop in the header is. */
 export function RobotStopButton({ robot }: { robot: string }) {
   const { gateway, store } = useServices();
+  const naming = useNaming();
   const { mutate, isPending } = useCommand(async () => {
-    showStopping(robot);
+    showStopping(naming, robot);
     const report = await gateway.stop(whoStops());
     store.setStop(report.stop);
     return report;
@@ -33,15 +35,15 @@ export function RobotStopButton({ robot }: { robot: string }) {
       color="red"
       variant="outline"
       data-stopping={isPending || undefined}
-      title={`Zero velocity at once, every goal of ${robot} is canceled, and none is sent until the stop is released`}
+      title={`Zero velocity at once, every goal of ${naming.fullNameOf(robot)} is canceled, and none is sent until the stop is released`}
       onClick={() =>
         mutate(undefined, {
-          onSuccess: (report) => showStopped(report, robot),
-          onError: (error) => showFailed(error, robot),
+          onSuccess: (report) => showStopped(report, naming, robot),
+          onError: (error) => showFailed(error, naming, robot),
         })
       }
     >
-      Stop {robot}
+      Stop {naming.nameOf(robot)}
     </Button>
   );
 }

@@ -2,7 +2,8 @@ import { Button, Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type ReactNode, useMemo } from "react";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
-import { displayName } from "../fleet/words";
+import type { Naming } from "../fleet/names";
+import { useNaming } from "../fleet/useNaming";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Dialog } from "../ui/Dialog";
 import { ReasonButton } from "../ui/ReasonButton";
@@ -20,6 +21,7 @@ export function StopBanner() {
   const robots = useFleetTopic("robots");
   const held = useMemo(() => heldStops(stop, robots), [stop, robots]);
   const all = useMemo(() => holdsAll(held, robots), [held, robots]);
+  const naming = useNaming();
   const [only] = held;
   if (only === undefined) return null;
   return (
@@ -33,8 +35,8 @@ export function StopBanner() {
       data-testid="stop-banner"
     >
       {held.length === 1 ? (
-        <Held stop={only} what={all ? "All robots" : listed(only.holds)} large>
-          {all && `${listed(only.holds)}: `}
+        <Held stop={only} what={all ? "All robots" : listed(only.holds, naming)} large>
+          {all && `${listed(only.holds, naming)}: `}
           Zero velocity was sent, goals are canceled, and none is sent until the stop is released.
         </Held>
       ) : (
@@ -46,6 +48,7 @@ export function StopBanner() {
 
 /** Several robots, each with a stop of its own. */
 function Several({ held, all }: { held: readonly HeldStop[]; all: boolean }) {
+  const naming = useNaming();
   const count = held.reduce((sum, { holds }) => sum + holds.length, 0);
   return (
     <Stack gap="xs">
@@ -65,7 +68,7 @@ function Several({ held, all }: { held: readonly HeldStop[]; all: boolean }) {
       <ul className={classes.held}>
         {held.map((stop) => (
           <li key={stop.robot}>
-            <Held stop={stop} what={listed(stop.holds)} />
+            <Held stop={stop} what={listed(stop.holds, naming)} />
           </li>
         ))}
       </ul>
@@ -82,11 +85,16 @@ interface HeldProps {
 }
 
 function Held({ stop, what, large = false, children }: HeldProps) {
-  const { by, since, persisted } = stop;
+  const { holds, by, since, persisted } = stop;
+  const naming = useNaming();
   return (
     <Group justify="space-between" gap="md">
       <div role={large ? "status" : undefined}>
-        <Text fw={large ? 700 : 600} fz={large ? "lg" : "md"}>
+        <Text
+          fw={large ? 700 : 600}
+          fz={large ? "lg" : "md"}
+          title={holds.map((name) => naming.fullNameOf(name)).join(", ")}
+        >
           {what} stopped{by !== null && ` by ${by}`}
           {since !== null && (
             <>
@@ -111,6 +119,7 @@ function Held({ stop, what, large = false, children }: HeldProps) {
 function Release({ held, small = false }: { held: readonly HeldStop[]; small?: boolean }) {
   const { gateway, gatewayOf, store } = useFleet();
   const live = useFleetLive();
+  const naming = useNaming();
   const [asking, ask] = useDisclosure(false);
   const release = useCommand(async (stops: readonly HeldStop[]) => {
     for (const { robot, configured } of stops) {
@@ -132,7 +141,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
               ? "The gateway has not answered yet."
               : null
         }
-        aria-label={small ? `Release ${displayName(held[0]?.robot ?? "/")} …` : undefined}
+        aria-label={small ? `Release ${naming.nameOf(held[0]?.robot ?? "/")} …` : undefined}
         onClick={ask.open}
       >
         {all ? "Release all …" : "Release …"}
@@ -148,7 +157,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
         title={all ? `Release ${held.length} stops?` : "Release the stop?"}
       >
         <Stack gap="md">
-          <Text fw={600}>{names.map(displayName).join(", ")}</Text>
+          <Text fw={600}>{names.map((name) => naming.fullNameOf(name)).join(", ")}</Text>
           <Text size="sm">
             Goals can be sent again afterwards, by everybody.{" "}
             {names.length > 1
@@ -175,8 +184,8 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
 }
 
 /** `/robot1, /robot2 and 7 more` */
-function listed(names: readonly string[]): string {
-  const shown = names.map(displayName);
+function listed(names: readonly string[], naming: Naming): string {
+  const shown = names.map((name) => naming.nameOf(name));
   if (shown.length <= NAMES) return shown.join(", ");
   return `${shown.slice(0, NAMES - 1).join(", ")} and ${shown.length - NAMES + 1} more`;
 }

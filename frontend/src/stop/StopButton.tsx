@@ -1,9 +1,8 @@
 import { Button, Group, Kbd } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
-import { useEffect } from "react";
-import type { CommandError } from "../api/errors";
-import type { StopReport } from "../api/types";
+import { useCallback, useEffect } from "react";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
+import { useNamesNow } from "../fleet/useNaming";
 import { useCommand } from "../ui/useCommand";
 import { stopEverywhere } from "./everywhere";
 import { heldStops } from "./held";
@@ -11,11 +10,6 @@ import { CHORD, DoubleEscape } from "./keys";
 import { showFailed, showRecovered, showStopped, showStopping } from "./notices";
 import classes from "./stop.module.css";
 import { whoStops } from "./who";
-
-const told = {
-  onSuccess: (report: StopReport) => showStopped(report),
-  onError: (error: CommandError) => showFailed(error),
-};
 
 /**
  * Stops every robot, and keeps them stopped. Enabled always: also while disconnected, while a Stop is under way, and in
@@ -25,30 +19,43 @@ export function StopButton() {
   const { gateway, gatewayOf, store } = useFleet();
   const live = useFleetLive();
   const stop = useFleetTopic("stop");
+  const names = useNamesNow();
   const { mutate, isPending } = useCommand(() => {
-    showStopping();
+    showStopping(names());
     return stopEverywhere(async (robot) => {
       const report = await (robot === null ? gateway : gatewayOf(robot)).stop(whoStops());
       store.setStop(report.stop, robot);
       return report;
     }, store.get("robots"));
   });
-  const press = () => mutate(undefined, told);
+  const press = useCallback(
+    () =>
+      mutate(undefined, {
+        onSuccess: (report) => showStopped(report, names()),
+        onError: (error) => showFailed(error, names()),
+      }),
+    [mutate, names],
+  );
   useHotkeys([[CHORD, press]], [], true);
 
   useEffect(() => {
     const twice = new DoubleEscape();
     const hear = (event: KeyboardEvent) => {
-      if (twice.press(event)) mutate(undefined, told);
+      if (twice.press(event)) press();
     };
     // Before anything that Escape closes can keep the key to itself.
     window.addEventListener("keydown", hear, true);
     return () => window.removeEventListener("keydown", hear, true);
-  }, [mutate]);
+  }, [press]);
 
   useEffect(() => {
-    if (live) showRecovered(heldStops(stop, store.get("robots")).flatMap(({ holds }) => holds));
-  }, [live, stop, store]);
+    if (!live) return;
+    const held = heldStops(stop, store.get("robots"));
+    showRecovered(
+      held.flatMap(({ holds }) => holds),
+      names(),
+    );
+  }, [live, stop, store, names]);
 
   return (
     <Group gap="xs" wrap="nowrap">

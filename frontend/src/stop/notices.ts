@@ -1,7 +1,7 @@
 import { notifications, notificationsStore } from "@mantine/notifications";
 import type { CommandError } from "../api/errors";
 import type { StopReport } from "../api/types";
-import { displayName } from "../fleet/words";
+import type { Naming } from "../fleet/names";
 
 const NOTICE = "stop ";
 
@@ -33,10 +33,10 @@ function idOf(robot: string | null): string {
 }
 
 /** At once, before anybody has answered. */
-export function showStopping(robot: string | null = null): void {
+export function showStopping(naming: Naming, robot: string | null = null): void {
   show(robot, {
     color: "red",
-    title: robot === null ? "Stopping …" : `Stopping ${displayName(robot)} …`,
+    title: robot === null ? "Stopping …" : `Stopping ${naming.fullNameOf(robot)} …`,
     message: "Sent to the gateway.",
     autoClose: false,
     loading: true,
@@ -45,6 +45,7 @@ export function showStopping(robot: string | null = null): void {
 
 export function showStopped(
   { canceling, failed, unconfirmed, warning }: StopReport,
+  naming: Naming,
   robot: string | null = null,
 ): void {
   const warned = warning === null ? "" : ` Warning: ${warning.detail} (${warning.code}).`;
@@ -52,7 +53,7 @@ export function showStopped(
     const unreached = failed.some(({ robot }) => robot !== null);
     const failures = failed.map((failure) => {
       const { action_name, robot, detail, code } = failure;
-      return `${action_name ?? displayName(robot ?? "/")}: ${detail} (${code})`;
+      return `${action_name ?? naming.fullNameOf(robot ?? "/")}: ${detail} (${code})`;
     });
     show(robot, {
       color: "red",
@@ -71,7 +72,7 @@ export function showStopped(
         ? "One goal is being canceled."
         : `${canceling.length} goals are being canceled.`;
   const waiting = unconfirmed.length === 0 ? goals : `Not answered yet: ${unconfirmed.join(", ")}; retrying.`;
-  const stopped = robot === null ? "Stopped" : `Stopped ${displayName(robot)}`;
+  const stopped = robot === null ? "Stopped" : `Stopped ${naming.fullNameOf(robot)}`;
   show(robot, {
     color: unconfirmed.length === 0 && warning === null ? "green" : "orange",
     title: warning === null ? stopped : `${stopped}, with a warning`,
@@ -81,10 +82,10 @@ export function showStopped(
 }
 
 /** @param robot The one that was to stop; null for all robots. */
-export function showFailed(error: CommandError, robot: string | null = null): void {
+export function showFailed(error: CommandError, naming: Naming, robot: string | null = null): void {
   show(robot, {
     color: "red",
-    title: `Stop was NOT delivered to ${robot === null ? "any robot" : displayName(robot)}`,
+    title: `Stop was NOT delivered to ${robot === null ? "any robot" : naming.fullNameOf(robot)}`,
     message: `Use the robot's own emergency stop if it moves. ${error.title} (${error.code}): ${error.detail}`,
     autoClose: false,
     "data-undelivered": true,
@@ -96,7 +97,7 @@ export function showFailed(error: CommandError, robot: string | null = null): vo
  *
  * @param stopped The robots that a stop holds.
  */
-export function showRecovered(stopped: readonly string[]): void {
+export function showRecovered(stopped: readonly string[], naming: Naming): void {
   const { notifications: shown } = notificationsStore.getState();
   if (!shown.some((notice) => notice["data-undelivered"])) return;
   show(null, {
@@ -104,7 +105,7 @@ export function showRecovered(stopped: readonly string[]): void {
     title: "The gateway answers again",
     message:
       stopped.length > 0
-        ? `Stopped: ${stopped.map(displayName).join(", ")}.`
+        ? `Stopped: ${stopped.map((robot) => naming.fullNameOf(robot)).join(", ")}.`
         : "No robot is stopped. Press Stop again if it is still needed.",
     autoClose: 8000,
   });

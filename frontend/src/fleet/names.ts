@@ -1,0 +1,68 @@
+import type { Robot } from "./types";
+
+/** What a robot is called, and the groups that it is in. */
+export type Label = Pick<Robot, "name" | "display_name" | "groups">;
+
+/** A namespace for people: the root namespace is a slash, which names nothing. */
+export function namespaceWords(namespace: string): string {
+  return namespace === "/" ? "Robot" : namespace;
+}
+
+/** The display name, else the namespace. */
+export function robotName({ name, display_name }: Omit<Label, "groups">): string {
+  return display_name ?? namespaceWords(name);
+}
+
+/** The names of all robots, for wherever one is named. */
+export class Naming {
+  readonly #labels: ReadonlyMap<string, Label>;
+
+  constructor(labels: Iterable<Label>) {
+    this.#labels = new Map([...labels].map((label) => [label.name, label]));
+  }
+
+  /** The display name, else the namespace. */
+  nameOf(robot: string): string {
+    return robotName(this.#labels.get(robot) ?? { name: robot, display_name: null });
+  }
+
+  /** The namespace of a robot that has a display name; null where the name says it. */
+  besides(robot: string): string | null {
+    return this.nameOf(robot) === namespaceWords(robot) ? null : robot;
+  }
+
+  /** `Left forklift (/robot1)` */
+  fullNameOf(robot: string): string {
+    const namespace = this.besides(robot);
+    return namespace === null ? this.nameOf(robot) : `${this.nameOf(robot)} (${namespace})`;
+  }
+
+  /** The display name of the robot whose action this is; null where it has none. */
+  ownerNameOf(action: string): string | null {
+    let namespace = action;
+    do {
+      namespace = namespace.slice(0, namespace.lastIndexOf("/")) || "/";
+      // An action below a namespace is not that of the robot in the root namespace.
+      if (namespace === "/" && action.lastIndexOf("/") > 0) return null;
+    } while (namespace !== "/" && !this.#labels.has(namespace));
+    return this.#labels.get(namespace)?.display_name ?? null;
+  }
+
+  groupsOf(robot: string): readonly string[] {
+    return this.#labels.get(robot)?.groups ?? [];
+  }
+
+  /** Of all robots, in alphabetical order. */
+  groups(): string[] {
+    const all = [...this.#labels.values()].flatMap(({ groups }) => groups);
+    return [...new Set(all)].sort((a, b) => a.localeCompare(b));
+  }
+}
+
+/** Whether a text is a part of a robot's name, of its namespace or of one of its groups, whatever their case. */
+export function isFound({ name, display_name, groups }: Label, text: string): boolean {
+  const wanted = text.trim().toLowerCase();
+  return [namespaceWords(name), name, display_name ?? "", ...groups].some((each) =>
+    each.toLowerCase().includes(wanted),
+  );
+}

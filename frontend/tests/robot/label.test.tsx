@@ -1,0 +1,154 @@
+import { act, screen, waitFor, within } from "@testing-library/react";
+import { beforeEach, describe, expect, it, vi } from "vitest";
+// Loaded on demand by the page: on a busy machine its first import takes longer than a test waits.
+import "../../src/robot/LabelForm";
+import { alert, goal, latched, robot } from "../events";
+import { fakeGateway, renderPage } from "../page";
+
+beforeEach(() => localStorage.clear());
+
+const named = robot("/robot1", { display_name: "Left forklift", groups: ["Hall 1"] });
+const plain = robot("/robot2");
+const PAGE = "/ui/robot?robot=/robot1";
+
+function answers(body: unknown, status = 200) {
+  const fetched = vi.fn(async (_request: Request) => Response.json(body, { status }));
+  vi.stubGlobal("fetch", fetched);
+  return fetched;
+}
+
+/** The label that was sent. The page asks for other things, too. */
+async function labelPut(fetched: ReturnType<typeof answers>): Promise<unknown> {
+  const sent = fetched.mock.calls.map(([request]) => request).filter(({ method }) => method === "PUT");
+  expect(sent.map(({ url }) => url)).toEqual(["http://gateway:8000/robots/label"]);
+  return sent[0]?.json();
+}
+
+const button = (name: string) => screen.getByRole("button", { name });
+
+async function openDialog({ user }: ReturnType<typeof renderPage>) {
+  await user.click(button("Name and groups of Left forklift"));
+  return within(
+    await screen.findByRole(
+      "dialog",
+      { name: "Name and groups of Left forklift (/robot1)" },
+      { timeout: 5000 },
+    ),
+  );
+}
+
+describe("the dialog of a robot's name and groups", () => {
+  it("begins with those that it has, and sends both", async () => {
+    const fetched = answers({
+      robot: "/robot1",
+      display_name: "Right forklift",
+      groups: ["Hall 1", "spare"],
+    });
+    const page = renderPage(fakeGateway(), { robots: [named, plain] }, PAGE);
+    const dialog = await openDialog(page);
+    const name = await dialog.findByLabelText("Name");
+    expect(name).toHaveProperty("value", "Left forklift");
+    await page.user.clear(name);
+    await page.user.type(name, " Right forklift ");
+    await page.user.type(dialog.getByRole("combobox", { name: "Groups" }), "spare{Enter}");
+    await page.user.click(dialog.getByRole("button", { name: "Save" }));
+    await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
+    expect(await labelPut(fetched)).toEqual({
+      robot: "/robot1",
+      display_name: "Right forklift",
+      groups: ["Hall 1", "spare"],
+    });
+  });
+
+  it("removes a name that is emptied", async () => {
+    const fetched = answers({ robot: "/robot1", display_name: null, groups: ["Hall 1"] });
+    const page = renderPage(fakeGateway(), { robots: [named, plain] }, PAGE);
+    const dialog = await openDialog(page);
+    await page.user.clear(await dialog.findByLabelText("Name"));
+    await page.user.keyboard("{Enter}");
+    await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
+    expect(await labelPut(fetched)).toMatchObject({ display_name: null, groups: ["Hall 1"] });
+  });
+
+  it("stays open with what the gateway refuses", async () => {
+    answers({ code: "display_name_taken", title: "Conflict", detail: "it is that of /robot2" }, 409);
+    const page = renderPage(fakeGateway(), { robots: [named, plain] }, PAGE);
+    const dialog = await openDialog(page);
+    await page.user.click(await dialog.findByRole("button", { name: "Save" }));
+    expect(await dialog.findByText(/the name is taken/)).toBeDefined();
+    expect(dialog.getByText(/choose a different one/)).toBeDefined();
+  });
+});
+
+describe("the display name", () => {
+  it("heads the robot's page beside its namespace, and is on its Stop and in the question before it moves", async () => {
+    const { user } = renderPage(fakeGateway(), { robots: [named, plain] }, PAGE);
+    expect(screen.getByRole("heading", { level: 1 }).textContent).toBe("Left forklift");
+    expect(screen.getByText("/robot1")).toBeDefined();
+    expect(button("Stop Left forklift").title).toMatch("every goal of Left forklift (/robot1) is canceled");
+    await user.click(button("Dock"));
+    expect(await screen.findByRole("dialog", { name: "Dock Left forklift (/robot1)?" })).toBeDefined();
+  });
+
+  it("is on the banner of a stop and in the question before its release", async () => {
+    const stop = { ...latched("Ada"), robots: ["/robot1"] };
+    const { user } = renderPage(fakeGateway(), { robots: [{ ...named, stop }, plain] });
+    const banner = within(screen.getByTestId("stop-banner"));
+    const words = banner.getByText(/^Left forklift stopped by Ada/);
+    expect(words.title).toBe("Left forklift (/robot1)");
+    await user.click(banner.getByRole("button", { name: "Release …" }));
+    const dialog = within(await screen.findByRole("dialog", { name: "Release the stop?" }));
+    expect(dialog.getByText("Left forklift (/robot1)")).toBeDefined();
+  });
+
+  it("is in the notice of a stop", async () => {
+    const { user } = renderPage(fakeGateway(), { robots: [named, plain] }, PAGE);
+    await user.click(button("Stop Left forklift"));
+    expect(await screen.findByText("Stopped Left forklift (/robot1)")).toBeDefined();
+  });
+
+  it("is in alerts, and to choose by in lists of goals and in the statistics", async () => {
+    answers({ goals: [], next_cursor: null });
+    const label = "Left forklift (/robot1)";
+    const robots = [named, plain];
+    renderPage(fakeGateway(), { robots, alerts: [alert("low")] });
+    expect(button(`Acknowledge: Low battery: ${label}`)).toBeDefined();
+    for (const path of ["/ui/goals", "/ui/statistics"]) {
+      document.body.replaceChildren();
+      renderPage(fakeGateway(), { robots }, path);
+      const select = await screen.findByRole("combobox", { name: "Robot" }, { timeout: 5000 });
+      const options = within(select).getAllByRole("option");
+      expect(options.map(({ textContent }) => textContent)).toEqual(["All robots", label, "/robot2"]);
+    }
+  });
+
+  it("is above the action in a list of goals", async () => {
+    const listed = goal("g1", { action_name: "/robot1/dock", status: "succeeded" });
+    answers({ goals: [{ ...listed, origin: "gateway" }], next_cursor: null });
+    renderPage(fakeGateway(), { robots: [named, plain] }, "/ui/goals");
+    const cell = await screen.findByRole("cell", { name: /\/robot1\/dock$/ }, { timeout: 5000 });
+    expect(cell.textContent).toBe("Left forklift/robot1/dock");
+  });
+});
+
+describe("groups in the overview", () => {
+  const rows = () => screen.getAllByTestId(/^robot \//).map(({ dataset }) => dataset.testid);
+
+  it("are neither a filter nor a column where there are none", () => {
+    renderPage(fakeGateway(), { robots: [plain, robot("/robot3")] });
+    expect(screen.queryByRole("combobox", { name: "Group" })).toBeNull();
+    expect(screen.queryByRole("columnheader", { name: "Groups" })).toBeNull();
+  });
+
+  it("narrow the list, in its address, until all are shown again", async () => {
+    const spare = robot("/robot3", { groups: ["spare"] });
+    const { store, user } = renderPage(fakeGateway(), { robots: [named, plain, spare] });
+    expect(screen.getByRole("columnheader", { name: "Groups" })).toBeDefined();
+    await user.selectOptions(screen.getByRole("combobox", { name: "Group" }), "spare");
+    expect(rows()).toEqual(["robot /robot3"]);
+    const time = new Date().toISOString();
+    act(() => store.onEvent({ type: "robots", time, robots: [{ ...spare, groups: [] }], gone: [] }));
+    await user.click(await screen.findByRole("button", { name: "Show all 3" }));
+    expect(rows()).toHaveLength(3);
+  });
+});
