@@ -42,12 +42,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """A failure shows what the page said, and what the gateway says."""
+    """A failure shows what the page said, and what the gateway says; its picture is in `test-results`."""
     report = yield
     page, gateway = (getattr(item, "funcargs", {}).get(name) for name in ("page", "gateway"))
     if report.failed and isinstance(page, Page):
         with suppress(PlaywrightError):  # it is closed
             report.sections.append(("the page", page.locator("body").aria_snapshot(timeout=5_000)))
+            page.screenshot(path=RESULTS / f"{item.name.replace('/', ' ')}.png", full_page=True)
     if report.failed and isinstance(gateway, RunningGateway):
         with suppress(httpx2.HTTPError):  # it is gone
             answers = [gateway.http.get(path).text for path in ("/readyz", "/stop", "/goals?limit=3")]
@@ -106,8 +107,6 @@ def page(browser: Browser, gateway: RunningGateway, request: pytest.FixtureReque
     page.set_default_timeout(PATIENCE_MS)
     page.goto(gateway.url)
     yield page
-    RESULTS.mkdir(exist_ok=True)
-    page.screenshot(path=RESULTS / f"{request.node.name}.png", full_page=True)
     context.close()
     gateway.stop_once()
     gateway.http.delete("/stop")
