@@ -30,8 +30,10 @@ class Robot:
 
 
 # The robots of one controller share their region. `make bench-docking` tries hundreds of starts, without a gateway.
-ROBOTS = [Robot(f"/robot{number}", "dock_pose", 0.6, 2.5, 60.0) for number in range(1, 5)]
-ROBOTS.append(Robot("/robot5", "infrared", 0.6, 1.0, 30.0))
+ROBOTS = [Robot(f"/robot{number}", "dock_pose", 0.6, 2.5, 60.0) for number in range(1, 4)]
+ROBOTS.append(Robot("/robot4", "infrared", 0.6, 1.0, 30.0))
+# A busy machine sees late that a robot has turned out of the beacon's light, so that it turns slowly.
+SLOWLY = ("-p", "v_angular_max:=0.4")
 
 
 @pytest.fixture
@@ -40,7 +42,7 @@ def gateway() -> Iterator[RunningGateway]:
         for robot in ROBOTS:
             namespace = ("-r", f"__ns:={robot.name}")
             stack.enter_context(running_program(domain, "dock_simulator", *namespace))
-            controller = ("-p", f"controller:={robot.controller}")
+            controller = ("-p", f"controller:={robot.controller}", *(SLOWLY if robot.controller == "infrared" else ()))
             stack.enter_context(running_program(domain, "docking_server", *namespace, *controller))
         gateway = stack.enter_context(running_gateway(domain, namespace=ROBOTS[0].name))
         gateway.wait_until_ready()
