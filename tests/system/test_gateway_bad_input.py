@@ -153,7 +153,12 @@ def test_malformed_requests(gateway: RunningGateway, name: str) -> None:
 def test_a_stop_that_cannot_be_understood_is_carried_out(
     gateway: RunningGateway, body: bytes, headers: dict[str, str], code: str
 ) -> None:
-    report = gateway.http.post("/stop", content=body, headers=headers).raise_for_status().json()
+    def stopped() -> dict[str, Any] | None:
+        """The first warning is of the disk where that took more than 80 ms, as on a busy machine."""
+        report: dict[str, Any] = gateway.http.post("/stop", content=body, headers=headers).raise_for_status().json()
+        return None if report["warning"]["code"] == "stop_not_persisted" else report
+
+    report = wait_until(stopped, "a stop that is stored in time")
     assert report["stop"]["latched"] is True
     assert (report["warning"]["code"], report["stop"]["by"]) == (code, None)
     assert report["warning"]["detail"]

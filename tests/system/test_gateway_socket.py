@@ -109,12 +109,13 @@ def test_cancel_stop_and_ping(socket: Socket) -> None:
     socket.ask("subscribe", include="system")
     stopped = socket.ask("stop", by="Ada")
     assert second in stopped["canceling"] or stopped["unconfirmed"]
-    assert (stopped["stop"]["latched"], stopped["stop"]["by"], stopped["warning"]) == (True, "Ada", None)
-    assert socket.until(type="stop")["stop"] == stopped["stop"]
+    assert (stopped["stop"]["latched"], stopped["stop"]["by"]) == (True, "Ada")
+    assert stopped["warning"] is None or stopped["warning"]["code"] == "stop_not_persisted"  # a busy machine's disk
+    assert socket.until(type="stop")["stop"] | {"persisted": None} == stopped["stop"] | {"persisted": None}
     assert socket.ask("send_goal")["code"] == "stop_latched"
     assert socket.ask("release_stop")["stop"]["latched"] is False
     stopped = socket.ask("stop", by=7, latch=False)
-    assert (stopped["stop"]["latched"], stopped["warning"]["code"]) == (True, "invalid_field")
+    assert (stopped["stop"]["latched"], stopped["warning"]["errors"][0]["path"]) == (True, "by")
     assert socket.ask("release_stop")["stop"]["latched"] is False
     assert "time" in socket.ask("ping")
 
