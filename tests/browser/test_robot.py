@@ -279,13 +279,8 @@ def test_one_robot_of_several(page: Page, gateway: RunningGateway, domain: int) 
         press(page, "Stop /robot1")
         expect(page.get_by_test_id("goal-status")).to_have_text("canceled")
         assert gateway.goal(goal["goal_id"])["status"] == "canceled"
-        assert gateway.http.get("/stop").json() | {"robots": None} == {
-            "latched": False,
-            "since": None,
-            "by": None,
-            "robots": None,
-            "persisted": True,
-        }
+        free = {"latched": False, "since": None, "by": None, "robots": None, "persisted": True}
+        wait_until(lambda: gateway.http.get("/stop").json() | {"robots": None} == free, "only that robot is held")
         for verb in ("Dock", "Undock"):
             expect_disabled(page, verb, "The robot is stopped. Release the stop first.")
         expect(page.get_by_test_id("stop-banner")).to_contain_text("/robot1 stopped by the dashboard at")
