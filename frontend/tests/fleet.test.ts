@@ -23,6 +23,18 @@ describe("the fleet", () => {
     expect(next.robots.get("/")).toBe(root);
   });
 
+  it("names the robots anew only when a name or a group changes", () => {
+    const robots = { type: "robots" as const, time: at(1), gone: [] };
+    const docked = reduceFleet(start, { ...robots, robots: [robot("/robot1", { docked: true })] }, NOW);
+    expect(docked.naming).toBe(start.naming);
+    const named = reduceFleet(
+      docked,
+      { ...robots, robots: [robot("/robot1", { display_name: "Left" })] },
+      NOW,
+    );
+    expect(named.naming.fullNameOf("/robot1")).toBe("Left (/robot1)");
+  });
+
   it("knows after a resume only the robots that it is told of then", () => {
     const resumed = reduceFleet(start, { type: "resumed", time: at(1), after: "e", count: 0 }, NOW);
     expect(names(resumed)).toHaveLength(3);

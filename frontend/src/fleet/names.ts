@@ -21,9 +21,22 @@ export class Naming {
     this.#labels = new Map([...labels].map((label) => [label.name, label]));
   }
 
+  /** These names, unless one of the robots has another name or other groups. */
+  updated(robots: ReadonlyMap<string, Label>): Naming {
+    const same =
+      robots.size === this.#labels.size &&
+      [...robots.values()].every((robot) => isSame(robot, this.#labels.get(robot.name)));
+    return same ? this : new Naming(robots.values());
+  }
+
+  /** Null where it has none. */
+  displayNameOf(robot: string): string | null {
+    return this.#labels.get(robot)?.display_name ?? null;
+  }
+
   /** The display name, else the namespace. */
   nameOf(robot: string): string {
-    return robotName(this.#labels.get(robot) ?? { name: robot, display_name: null });
+    return robotName({ name: robot, display_name: this.displayNameOf(robot) });
   }
 
   /** The namespace of a robot that has a display name; null where the name says it. */
@@ -45,7 +58,7 @@ export class Naming {
       // An action below a namespace is not that of the robot in the root namespace.
       if (namespace === "/" && action.lastIndexOf("/") > 0) return null;
     } while (namespace !== "/" && !this.#labels.has(namespace));
-    return this.#labels.get(namespace)?.display_name ?? null;
+    return this.displayNameOf(namespace);
   }
 
   groupsOf(robot: string): readonly string[] {
@@ -57,6 +70,12 @@ export class Naming {
     const all = [...this.#labels.values()].flatMap(({ groups }) => groups);
     return [...new Set(all)].sort((a, b) => a.localeCompare(b));
   }
+}
+
+function isSame(one: Label, other: Label | undefined): boolean {
+  if (one === other) return true;
+  // A group is one line of text.
+  return one.display_name === other?.display_name && one.groups.join("\n") === other.groups.join("\n");
 }
 
 /** Whether a text is a part of a robot's name, of its namespace or of one of its groups, whatever their case. */

@@ -27,7 +27,8 @@ function apply(state: FleetState, event: GatewayEvent, now: number): FleetState 
     case "robots": {
       // The first after a resume is all of them.
       const known: FleetState["robots"] = state.resumed ? new Map() : state.robots;
-      return { ...state, resumed: false, robots: withRobots(known, event.robots, event.gone) };
+      const robots = withRobots(known, event.robots, event.gone);
+      return { ...state, resumed: false, robots, naming: state.naming.updated(robots) };
     }
     case "alerts":
       return { ...state, alerts: event.alerts };
@@ -37,12 +38,14 @@ function apply(state: FleetState, event: GatewayEvent, now: number): FleetState 
 }
 
 function applySnapshot(state: FleetState, event: EventOf<"snapshot">, now: number): FleetState {
-  const { robots = [], alerts = [] } = event;
+  const { alerts = [] } = event;
+  const robots = withRobots(new Map(), event.robots ?? [], []);
   return snapshotGoals(
     {
       ...state,
       resumed: false,
-      robots: new Map(robots.map((robot) => [robot.name, robot])),
+      robots,
+      naming: state.naming.updated(robots),
       alerts,
       stop: event.stop,
       clockSkew: now - Date.parse(event.time),

@@ -1,12 +1,15 @@
 import type { StopState } from "../api/types";
 import type { StreamState } from "../store/state";
 import type { Connection } from "../stream/connection";
+import { Naming } from "./names";
 import type { Alert, Robot } from "./types";
 
 /** What is known of all robots and of the goals on every action. */
 export interface FleetState extends StreamState {
   /** By name. */
   robots: ReadonlyMap<string, Robot>;
+  /** Their names and groups: another object only when one of these changes. */
+  naming: Naming;
   alerts: readonly Alert[];
   /** That of the robot that the gateway is configured for. */
   stop: StopState;
@@ -27,6 +30,7 @@ export const initialFleet: FleetState = {
   arrivals: new Map(),
   stages: new Map(),
   robots: new Map(),
+  naming: new Naming([]),
   alerts: [],
   stop: NO_STOP,
   clockSkew: 0,

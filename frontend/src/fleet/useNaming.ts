@@ -1,21 +1,10 @@
-import { useCallback, useMemo } from "react";
-import { useFleet, useFleetPart, useFleetTopic } from "./context";
-import { type Label, Naming } from "./names";
+import { useMemo } from "react";
+import { useFleetTopic } from "./context";
+import type { Naming } from "./names";
 
-/** The names of all robots; another one only where a name or a group is another. */
+/** The names of all robots; renders anew only when a name or a group changes. */
 export function useNaming(): Naming {
-  const labels = useFleetPart("robots", (robots) =>
-    JSON.stringify(
-      [...robots.values()].map(({ name, display_name, groups }) => ({ name, display_name, groups })),
-    ),
-  );
-  return useMemo(() => new Naming(JSON.parse(labels) as Label[]), [labels]);
-}
-
-/** Reads the names at the moment of an event; nothing is rendered anew for them. */
-export function useNamesNow(): () => Naming {
-  const { store } = useFleet();
-  return useCallback(() => new Naming(store.get("robots").values()), [store]);
+  return useFleetTopic("naming");
 }
 
 /** The robots to choose from, by namespace. @param chosen One that is listed in any case. */

@@ -15,7 +15,7 @@ const MAX_GROUPS = 20;
 export default function LabelForm({ robot, onDone }: { robot: string; onDone: () => void }) {
   const { http } = useFleet();
   const naming = useNaming();
-  const [name, setName] = useState(naming.besides(robot) === null ? "" : naming.nameOf(robot));
+  const [name, setName] = useState(naming.displayNameOf(robot) ?? "");
   const [groups, setGroups] = useState([...naming.groupsOf(robot)]);
   // It is loaded on demand: the dialog has looked for what gets the focus before it came.
   const first = useRef<HTMLInputElement>(null);

@@ -28,9 +28,7 @@ export function GroupTable({ statistics: { by, groups } }: { statistics: Statist
             key={group.key}
             by={by}
             group={group}
-            displayName={
-              by === "robot" && naming.besides(group.key) !== null ? naming.nameOf(group.key) : null
-            }
+            displayName={by === "robot" ? naming.displayNameOf(group.key) : null}
           />
         ))}
       </Table.Tbody>

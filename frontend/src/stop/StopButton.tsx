@@ -2,7 +2,6 @@ import { Button, Group, Kbd } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { useCallback, useEffect } from "react";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
-import { useNamesNow } from "../fleet/useNaming";
 import { useCommand } from "../ui/useCommand";
 import { stopEverywhere } from "./everywhere";
 import { heldStops } from "./held";
@@ -19,9 +18,8 @@ export function StopButton() {
   const { gateway, gatewayOf, store } = useFleet();
   const live = useFleetLive();
   const stop = useFleetTopic("stop");
-  const names = useNamesNow();
   const { mutate, isPending } = useCommand(() => {
-    showStopping(names());
+    showStopping(store.get("naming"));
     return stopEverywhere(async (robot) => {
       const report = await (robot === null ? gateway : gatewayOf(robot)).stop(whoStops());
       store.setStop(report.stop, robot);
@@ -31,10 +29,10 @@ export function StopButton() {
   const press = useCallback(
     () =>
       mutate(undefined, {
-        onSuccess: (report) => showStopped(report, names()),
-        onError: (error) => showFailed(error, names()),
+        onSuccess: (report) => showStopped(report, store.get("naming")),
+        onError: (error) => showFailed(error, store.get("naming")),
       }),
-    [mutate, names],
+    [mutate, store],
   );
   useHotkeys([[CHORD, press]], [], true);
 
@@ -53,9 +51,9 @@ export function StopButton() {
     const held = heldStops(stop, store.get("robots"));
     showRecovered(
       held.flatMap(({ holds }) => holds),
-      names(),
+      store.get("naming"),
     );
-  }, [live, stop, store, names]);
+  }, [live, stop, store]);
 
   return (
     <Group gap="xs" wrap="nowrap">

@@ -23,6 +23,21 @@ describe("the name of a robot", () => {
   });
 });
 
+it("stays the same object until a name or a group changes", () => {
+  const robots = (...labels: Label[]) => new Map(labels.map((label) => [label.name, label]));
+  expect(naming.updated(robots(root, { ...plain }, { ...forklift, groups: [...forklift.groups] }))).toBe(
+    naming,
+  );
+  for (const other of [
+    robots(forklift, plain),
+    robots(forklift, plain, root, { ...plain, name: "/robot3" }),
+    robots({ ...forklift, display_name: "Forklift" }, plain, root),
+    robots(forklift, { ...plain, groups: [] }, root),
+    robots(forklift, plain, { ...root, name: "/robot3" }),
+  ])
+    expect(naming.updated(other)).not.toBe(naming);
+});
+
 it("knows the groups of a robot, and all of them once", () => {
   expect(naming.groupsOf("/robot1")).toEqual(["Hall 1", "forklifts"]);
   expect(naming.groupsOf("/gone")).toEqual([]);
