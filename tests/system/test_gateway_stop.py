@@ -34,8 +34,12 @@ def stop_timed(gateway: RunningGateway, **body: object) -> tuple[dict, float]:
 
 def stored(gateway: RunningGateway) -> dict:
     """What `GET /stop` says once the disk has it, which takes a busy machine longer than the answer waits."""
-    wait_until(lambda: gateway.http.get("/stop").json()["persisted"], "the stop is stored")
-    return gateway.http.get("/stop").json()
+
+    def state() -> dict | None:
+        answer = gateway.http.get("/stop").json()
+        return answer if answer["persisted"] else None
+
+    return wait_until(state, "the stop is stored")
 
 
 def refused(response: httpx2.Response) -> bool:

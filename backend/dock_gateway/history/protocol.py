@@ -88,8 +88,8 @@ class Entries(Protocol[EntryT]):
         Args:
             key: The key.
             entry: The entry.
-            check: Is given all entries as they are then, and raises if this one must not be stored. Nobody else can
-                change them in between.
+            check: Is given all entries, and raises if this one must not be stored. No other gateway can write between
+                the check and the write.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).

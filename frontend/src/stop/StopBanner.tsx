@@ -12,7 +12,7 @@ import { useCommand } from "../ui/useCommand";
 import { type HeldStop, heldStops, holdsAll } from "./held";
 import classes from "./stop.module.css";
 
-/** So many names are said; the others are counted. */
+/** The number of names to show; further robots are counted. */
 const NAMES = 6;
 
 /** Says which stops hold, since when and by whom, and releases each. */
