@@ -10,7 +10,7 @@ const read = (text: string) => readFilter(new URLSearchParams(text));
 describe("the filter", () => {
   it("is read from the address and written to it", () => {
     const text =
-      "robot=%2Frobot1&action=%2Fdock&action=%2Fundock&status=running&status=lost&error=blocked&origin=external&last=24h&id=4f1c";
+      "robot=%2Frobot1&action=%2Fdock&action=%2Fundock&status=running&status=lost&error=blocked&origin=external&last=24h&id=4f1c&tag=blocked&tag=late";
     expect(writeFilter(read(text)).toString()).toBe(text);
     expect(read(text).actions).toEqual(["/dock", "/undock"]);
     expect(isFiltered(read(text))).toBe(true);
@@ -72,7 +72,10 @@ describe("the filter", () => {
 
 describe("the list", () => {
   const all = () => true;
-  const page = (goals: AnyGoal[], next_cursor: string | null = null): AnyGoalPage => ({ goals, next_cursor });
+  const page = (goals: AnyGoal[], next_cursor: string | null = null): AnyGoalPage => ({
+    goals: goals.map((each) => ({ ...each, tags: each.goal_id === "a" ? ["blocked"] : [] })),
+    next_cursor,
+  });
   const created = (id: string, seconds: number, change = {}) =>
     goal(id, { created_at: at(seconds), updated_at: at(seconds), ...change });
   const ids = (goals: AnyGoal[]) => goals.map(({ goal_id }) => goal_id);
@@ -90,6 +93,17 @@ describe("the list", () => {
     const ended = created("a", 1, { status: "succeeded", updated_at: at(5) });
     expect(mergeGoalList([page([created("a", 1)])], [ended], all)[0]?.status).toBe("succeeded");
     expect(mergeGoalList([page([ended])], [created("a", 1)], all)[0]?.status).toBe("succeeded");
+  });
+
+  it("keeps the tags, which the stream does not tell", () => {
+    const pages = [page([created("b", 2), created("a", 1)])];
+    const ended = created("a", 1, { status: "succeeded", updated_at: at(5) });
+    const tagged = mergeGoalList(pages, [ended, created("new", 9)], (each) =>
+      matches(each, read("tag=late&tag=blocked"), START),
+    );
+    expect(tagged.map(({ goal_id, status, tags }) => [goal_id, status, tags])).toEqual([
+      ["a", "succeeded", ["blocked"]],
+    ]);
   });
 
   it("keeps what is known of a goal that the stream knows of one event alone", () => {

@@ -31,7 +31,12 @@ vi.mock("../src/ui/PlotStack", () => ({
 type Answer = (request: Request, path: string) => unknown;
 
 /** A gateway that answers over HTTP with what a test gives for the beginning of a path; else 404. */
-function answering(answers: Record<string, Answer>) {
+function answering(more: Record<string, Answer>) {
+  const answers: Record<string, Answer> = {
+    "GET /goals/a/notes": () => ({ tags: [], notes: [] }),
+    "GET /goals/tags": () => ({ tags: [] }),
+    ...more,
+  };
   const fetch = vi.fn(async (request: Request) => {
     const path = request.url.replace("http://gateway:8000", "");
     const found = Object.keys(answers).find((start) => `${request.method} ${path}`.startsWith(start));
@@ -239,6 +244,49 @@ describe("the page of a goal", () => {
     await user.click(await screen.findByRole("button", { name: "Cancel" }));
     await waitFor(() => expect(screen.getByTestId("goal-status").textContent).toBe("canceling"));
     expect(screen.getByText(/Cancel: the goal is being canceled/)).toBeDefined();
+  });
+
+  it("has the notes and tags of everybody, and adds to them under a name", async () => {
+    const note = { note_id: "n1", by: "Bob", at: at(-30), text: "by a box" };
+    let stored = { tags: ["blocked"], notes: [note] };
+    const sent: unknown[] = [];
+    const { asked } = answering({
+      "GET /goals/a/notes": () => stored,
+      "GET /goals/tags": () => ({ tags: ["blocked", "maintenance"] }),
+      "POST /goals/a/notes": (request) => {
+        request.json().then((body) => sent.push(body));
+        stored = { ...stored, notes: [note, { ...note, note_id: "n2", by: "Ada", text: "gone" }] };
+        return stored;
+      },
+      "PUT /goals/a/tags": (request) => {
+        request.json().then((body) => sent.push(body));
+        stored = { ...stored, tags: ["blocked", "late"] };
+        return stored;
+      },
+      "DELETE /goals/a/notes/n1": () => ({ ...stored, notes: stored.notes.slice(1) }),
+      "GET /goals/a/history": () => ({ events: [], next_after: null, complete: true }),
+      "GET /goals/a": () => ended("a", -60),
+      "GET /interfaces": schemas,
+    });
+    const { user } = renderPage(fakeGateway(), {}, "/ui/goals/a");
+    expect(await screen.findByText("by a box")).toBeDefined();
+    const section = within(screen.getByRole("region", { name: "Notes" }));
+    expect(button("Add note").ariaDisabled).toBe("true");
+    await user.type(section.getByLabelText("New note"), "gone");
+    await user.type(section.getByLabelText("Your name"), "Ada");
+    await user.click(button("Add note"));
+    expect(await section.findByText("as Ada")).toBeDefined();
+    expect(await section.findByText("gone", { selector: "p" })).toBeDefined();
+    expect(section.getByLabelText<HTMLTextAreaElement>("New note").value).toBe("");
+    await user.type(section.getByRole("combobox", { name: "Tags" }), "late{Enter}");
+    expect(await section.findByText("late")).toBeDefined();
+    expect(sent).toEqual([{ by: "Ada", text: "gone" }, { tags: ["blocked", "late"] }]);
+    await user.click(button("Delete the note by Bob"));
+    expect(asked().some((each) => each.startsWith("DELETE"))).toBe(false);
+    await user.click(button("Really delete the note by Bob"));
+    await waitFor(() => expect(section.queryByText("by a box")).toBeNull());
+    expect(await violations()).toEqual([]);
+    localStorage.clear();
   });
 
   it("says that there is no such goal", async () => {

@@ -263,6 +263,38 @@ def test_the_list_is_live_and_its_filters_are_in_the_address(page: Page, gateway
     expect(page).to_have_url(re.compile(goal_id))
 
 
+def test_notes_and_tags(page: Page, browser: Browser, gateway: RunningGateway) -> None:
+    goal_id = count_of(2, gateway)
+    open_goal(page, gateway, goal_id)
+    other = browser.new_page(reduced_motion="reduce", viewport={"width": 390, "height": 844})
+    open_goal(other, gateway, goal_id)
+    notes, others = (each.get_by_role("region", name="Notes") for each in (page, other))
+    notes.get_by_label("New note").fill("wheel was blocked\nby a box")
+    notes.get_by_label("Your name").fill("Ada")
+    press(page, "Add note")
+    notes.get_by_role("combobox", name="Tags").fill("blocked")
+    page.keyboard.press("Enter")
+    for each in (notes, others):
+        expect(each.get_by_role("listitem")).to_have_text(re.compile("Ada.*wheel was blocked\nby a box", re.DOTALL))
+        expect(each.get_by_text("blocked", exact=True)).to_be_visible()
+    load_axe(page, "light")
+    assert find_violations(page) == []
+    page.get_by_role("link", name="Goals", exact=True).first.click()
+    expect(page.get_by_role("link", name="blocked")).to_have_count(1)
+    page.get_by_label("Tag", exact=True).select_option("blocked")
+    expect(page).to_have_url(re.compile(r"\?tag=blocked$"))
+    rows = page.get_by_role("table").locator("tbody tr")
+    expect(rows).to_have_count(1)
+    (row,) = csv.DictReader(io.StringIO(export(page, "CSV")))
+    assert (row["goal_id"], row["tags"]) == (goal_id, "blocked")
+    rows.get_by_role("link").first.click()
+    press(page, "Delete the note by Ada")
+    press(page, "Really delete the note by Ada")
+    for each in (notes, others):
+        expect(each.get_by_role("listitem")).to_have_count(0)
+    other.close()
+
+
 def test_a_goal_of_somebody_else(page: Page, gateway: RunningGateway, domain: int) -> None:
     page.goto(f"{gateway.url}/ui/goals?origin=external")
     with running_program(domain, "fibonacci_action_client"):

@@ -124,7 +124,7 @@ def test_exports(gateway: RunningGateway, shared_domain: int) -> None:
     exported = gateway.http.get(f"{export}?format=json").json()
     assert exported.pop("events") == gateway.http.get(f"/goals/{goal['goal_id']}/history").json()["events"]
     assert exported.pop("complete") is True
-    assert exported == goal
+    assert exported == goal | {"tags": [], "notes": []}
 
     listed = gateway.http.get("/goals?robot=/robot4").json()["goals"]
     answer = gateway.http.get("/goals/export?robot=/robot4&format=json")
@@ -144,9 +144,39 @@ def test_exports(gateway: RunningGateway, shared_domain: int) -> None:
     assert (missing.status_code, missing.json()["code"]) == (404, "goal_not_found")
 
 
+def test_notes_and_tags(gateway: RunningGateway, shared_domain: int) -> None:
+    http = gateway.http
+    with fibonacci(shared_domain, gateway, "/robot6") as path:
+        first, second = (http.post(path, json={"order": 3}, headers=ENDED).json()["goal_id"] for _ in range(2))
+        running = http.post(path, json={"order": 40}).json()["goal_id"]
+        http.put(f"/goals/{running}/tags", json={"tags": ["late"]}).raise_for_status()
+        assert ids(gateway, "?robot=/robot6&tag=late") == [running]
+        http.post(f"/goals/{running}/cancel").raise_for_status()
+    text = "wheel was blocked by a box"
+    answer = http.post(f"/goals/{first}/notes", json={"by": "Ada", "text": text})
+    assert (answer.status_code, answer.json()["notes"][0]["text"]) == (201, text)
+    http.put(f"/goals/{first}/tags", json={"tags": ["maintenance", "blocked"]}).raise_for_status()
+    http.put(f"/goals/{second}/tags", json={"tags": ["blocked"]}).raise_for_status()
+    assert http.get("/goals/tags").json()["tags"] == ["blocked", "late", "maintenance"]
+    assert ids(gateway, "?tag=blocked") == [second, first]
+    assert ids(gateway, "?tag=maintenance&tag=late") == [running, first]
+    listed = http.get("/goals?tag=maintenance").json()["goals"]
+    assert [goal["tags"] for goal in listed] == [["blocked", "maintenance"]]
+    assert http.get("/goals/export?tag=maintenance&format=json").json() == listed
+    (row,) = csv.DictReader(io.StringIO(http.get("/goals/export?tag=maintenance&format=csv").text, newline=""))
+    assert row["tags"] == "blocked; maintenance"
+    exported = http.get(f"/goals/{first}/export").json()
+    assert (exported["tags"], [note["text"] for note in exported["notes"]]) == (["blocked", "maintenance"], [text])
+    total = http.get("/statistics?tag=blocked").json()["total"]
+    assert total["ended"] == 2
+    assert len(http.get(total["goals_path"]).json()["goals"]) == 2
+
+
 @pytest.mark.parametrize(
     ("query", "field"),
     [
+        ("tag=", "query.tag.0"),
+        (f"tag={'x' * 31}", "query.tag.0"),
         ("actoin=/dock", "query.actoin"),
         ("robot=robot1", "query.robot"),
         ("status=done", "query.status.0"),

@@ -97,6 +97,7 @@ class GoalFilter:
         since: Created at this time or later; None means any time.
         until: Created before this time; None means any time.
         id_prefix: With an id that begins with this, in lower case.
+        tags: With one of these tags; empty means any, also none.
     """
 
     action_names: frozenset[str] = frozenset()
@@ -107,6 +108,7 @@ class GoalFilter:
     since: datetime | None = None
     until: datetime | None = None
     id_prefix: str = ""
+    tags: frozenset[str] = frozenset()
 
     @cached_property
     def prefix(self) -> str:
@@ -114,7 +116,7 @@ class GoalFilter:
         return prefix_of(self.namespace)
 
     def matches(self, goal: Goal) -> bool:
-        """Return whether a goal meets all conditions."""
+        """Return whether a goal meets all conditions but the tags, which only the history has."""
         return (
             (not self.action_names or goal.action_name in self.action_names)
             and goal.action_name.startswith(self.prefix)

@@ -1,37 +1,27 @@
 """Small tables of keyed entries, in a database that several gateways may share."""
 
-import asyncio
-import time
 from collections.abc import Callable, Mapping
 from typing import Any, Generic
 
 import sqlalchemy as sa
 
-from dock_gateway.core.errors import Unavailable
-from dock_gateway.history.database import DATABASE_ERRORS, Database
+from dock_gateway.history.immediate import ImmediateWriter
 from dock_gateway.history.protocol import EntryT
 from dock_gateway.history.queries import insert_into
-from dock_gateway.history.reader import AWAY, Reader
-from dock_gateway.history.writer import Writer
-
-WRITE_TIMEOUT = 1.0  # seconds
+from dock_gateway.history.reader import Reader
 
 
 class SqlEntries(Generic[EntryT]):
     """The entries of one table.
 
     Args:
-        database: The database.
-        reader: Reads from it.
-        writer: Is notified if it does not answer.
+        reader: Reads from the database.
+        writer: Writes to it.
         table: The key, then the fields of an entry in their order.
         make: Makes an entry from its fields.
     """
 
-    def __init__(
-        self, database: Database, reader: Reader, writer: Writer, table: sa.Table, make: Callable[..., EntryT]
-    ) -> None:
-        self._database = database
+    def __init__(self, reader: Reader, writer: ImmediateWriter, table: sa.Table, make: Callable[..., EntryT]) -> None:
         self._reader = reader
         self._writer = writer
         self._table = table
@@ -58,15 +48,7 @@ class SqlEntries(Generic[EntryT]):
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
         """
-        if not self._database.prepared:
-            raise Unavailable(AWAY, code="history_unavailable")
-        try:
-            async with asyncio.timeout(WRITE_TIMEOUT):
-                deadline = time.monotonic() + WRITE_TIMEOUT
-                await self._database.write(self._write, key, entry, check, deadline)
-        except DATABASE_ERRORS as error:
-            self._writer.doubt(error)
-            raise Unavailable(AWAY, code="history_unavailable") from error
+        await self._writer.write(self._write, key, entry, check)
 
     def _read(self, connection: sa.Connection) -> dict[str, EntryT]:
         return {key: self._make(*fields) for key, *fields in connection.execute(sa.select(self._table))}
@@ -77,10 +59,7 @@ class SqlEntries(Generic[EntryT]):
         key: str,
         entry: EntryT | None,
         check: Callable[[Mapping[str, EntryT]], None] | None,
-        deadline: float,
     ) -> None:
-        if time.monotonic() > deadline:
-            raise TimeoutError("the caller has given up")
         if check is not None:
             if connection.dialect.name == "postgresql":  # SQLite has only one writer at a time anyway
                 connection.execute(sa.text(f"LOCK TABLE {self._table.name} IN SHARE ROW EXCLUSIVE MODE"))

@@ -12,6 +12,7 @@ from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.history.battery import BatterySpan, Bucket, add_events
 from dock_gateway.history.merge import merge
+from dock_gateway.history.notes import MemoryNotes
 from dock_gateway.history.protocol import (
     KEY_LIFETIME,
     NEVER,
@@ -64,6 +65,7 @@ class MemoryHistory:
     def __init__(self, limit: int, event_limit: int = 10_000) -> None:
         self.acknowledgements = MemoryEntries[Acknowledgement]()
         self.labels = MemoryEntries[RobotLabel]()
+        self.notes = MemoryNotes()
         self.on_loss: Callable[[], None] = lambda: None
         self._limit = limit
         self._event_limit = event_limit
@@ -106,6 +108,7 @@ class MemoryHistory:
         oldest = next((goal_id for goal_id, goal in self._goals.items() if goal.status.terminal), None)
         if oldest is not None:
             del self._goals[oldest]
+            self.notes.forget(oldest)
             self._keys = {key: held for key, held in self._keys.items() if held[0] != oldest}
 
     def record_event(self, event: Event) -> None:
@@ -131,8 +134,14 @@ class MemoryHistory:
         if before is not None:
             position = next((i for i, goal in enumerate(newest_first) if goal.goal_id == before), len(newest_first))
             newest_first = newest_first[position + 1 :]
-        found = (copy(goal) for goal in newest_first if wanted.matches(goal))
+        tagged = self._tagged(wanted)
+        found = (copy(goal) for goal in newest_first if tagged(goal) and wanted.matches(goal))
         return [goal for goal, _ in zip(found, range(limit), strict=False)]
+
+    def _tagged(self, wanted: GoalFilter) -> Callable[[Goal], bool]:
+        """Return a function that says whether a goal has one of the wanted tags, if any are wanted."""
+        chosen = self.notes.with_one_of(wanted.tags)
+        return lambda goal: not wanted.tags or goal.goal_id in chosen
 
     async def get(self, goal_id: str) -> Goal | None:
         """Return a goal, or None if there is no such goal."""
@@ -192,7 +201,7 @@ class MemoryHistory:
 
     async def tally(self, wanted: GoalFilter, spans: Sequence[Span], *, by_action: bool) -> list[Tallies]:
         """Return how the wanted goals ended, for each span of the time when they were created."""
-        found = [copy(goal) for goal in self._goals.values()]
+        found = [copy(goal) for goal in filter(self._tagged(wanted), self._goals.values())]
         return await asyncio.to_thread(tally_goals, found, wanted, spans, by_action=by_action)
 
     def stats(self) -> HistoryStats:

@@ -63,6 +63,24 @@ class RobotLabel:
 
 
 @dataclass(frozen=True)
+class Note:
+    """What somebody wrote about a goal, and when."""
+
+    note_id: str
+    by: str
+    at: datetime
+    text: str
+
+
+@dataclass(frozen=True)
+class GoalNotes:
+    """The tags of a goal, sorted, and its notes, oldest first."""
+
+    tags: tuple[str, ...]
+    notes: tuple[Note, ...]
+
+
+@dataclass(frozen=True)
 class LaterEvents:
     """The events after a given one, ordered by id; `complete` if none of them was dropped."""
 
@@ -96,6 +114,40 @@ class Entries(Protocol[EntryT]):
         """
 
 
+class Notes(Protocol):
+    """Stores notes and tags of goals.
+
+    Every method raises `Unavailable` (`history_unavailable`) if the database does not answer in time; nothing has
+    changed then.
+    """
+
+    async def of(self, goal_id: str) -> GoalNotes:
+        """Return the notes and tags of a goal."""
+
+    async def tags_of(self, goal_ids: Collection[str]) -> dict[str, tuple[str, ...]]:
+        """Return the tags of those of the goals that have any, sorted."""
+
+    async def all_tags(self) -> list[str]:
+        """Return the tags of all goals, sorted."""
+
+    async def add(self, goal_id: str, note: Note) -> GoalNotes:
+        """Store a note; return what the goal has then.
+
+        Raises:
+            Conflict: The goal has too many notes (`too_many_notes`).
+        """
+
+    async def remove(self, goal_id: str, note_id: str) -> GoalNotes:
+        """Delete a note; return what the goal has then.
+
+        Raises:
+            NotFound: The goal has no such note (`note_not_found`).
+        """
+
+    async def replace_tags(self, goal_id: str, tags: Collection[str]) -> GoalNotes:
+        """Store the tags of a goal; return what it has then."""
+
+
 class History(Protocol):
     """Stores goals, their events and their idempotency keys. Goals are returned as copies.
 
@@ -110,6 +162,10 @@ class History(Protocol):
     @property
     def labels(self) -> Entries[RobotLabel]:
         """The labels of robots, by namespace."""
+
+    @property
+    def notes(self) -> Notes:
+        """The notes and tags of goals."""
 
     @property
     def incident(self) -> Incident | None:

@@ -15,7 +15,7 @@ from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.history.merge import merge
 from dock_gateway.history.rows import Batch, Key, event_of, event_row, goal_of, goal_row, key_row
-from dock_gateway.history.tables import events, goals, horizons, idempotency_keys
+from dock_gateway.history.tables import events, goal_tags, goals, horizons, idempotency_keys
 
 if TYPE_CHECKING:
     from sqlalchemy.dialects import postgresql, sqlite
@@ -149,10 +149,17 @@ def conditions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
         found.append(goals.c.created_at >= wanted.since)
     if wanted.until is not None:
         found.append(goals.c.created_at < wanted.until)
+    if wanted.tags:
+        found.append(goals.c.goal_id.in_(tagged(wanted.tags)))
     if wanted.id_prefix:  # a range of the primary key, as LIKE would not use it
         beyond = wanted.id_prefix[:-1] + chr(ord(wanted.id_prefix[-1]) + 1)
         found += [goals.c.goal_id >= wanted.id_prefix, goals.c.goal_id < beyond]
     return found
+
+
+def tagged(tags: Collection[str]) -> "sa.Select[tuple[str]]":
+    """Return a query for the ids of the goals that have one of these tags."""
+    return sa.select(goal_tags.c.goal_id).where(goal_tags.c.tag.in_(sorted(tags)))
 
 
 def unfinished(connection: sa.Connection) -> list[Goal]:

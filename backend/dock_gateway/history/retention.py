@@ -12,7 +12,7 @@ import sqlalchemy as sa
 
 from dock_gateway.core.event import time_id
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.history import queries
+from dock_gateway.history import notes, queries
 from dock_gateway.history.database import DATABASE_ERRORS, Database
 from dock_gateway.history.tables import IS_KEPT, events, goals, idempotency_keys
 
@@ -178,5 +178,6 @@ def _delete_goals(connection: sa.Connection, excess: int | None, before: datetim
     size = sum(row.size + OVERHEAD for row in rows if not row.droppable)
     if len(rows) == CHUNK:
         return Deleted(events=len(rows), size=size)
+    notes.delete_of(connection, doomed)
     connection.execute(sa.delete(goals).where(goals.c.goal_id.in_(doomed)))
     return Deleted(len(rows), len(doomed), size)

@@ -22,7 +22,9 @@ from dock_gateway.history.battery import BatterySpan, Bucket
 from dock_gateway.history.database import DATABASE_ERRORS, Database
 from dock_gateway.history.entries import SqlEntries
 from dock_gateway.history.event_reader import EventReader
+from dock_gateway.history.immediate import ImmediateWriter
 from dock_gateway.history.merge import merge
+from dock_gateway.history.notes import SqlNotes
 from dock_gateway.history.protocol import (
     KEY_LIFETIME,
     NEVER,
@@ -39,7 +41,7 @@ from dock_gateway.history.rows import Key
 from dock_gateway.history.seals import Sealer
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.statistics import Span, Tallies
-from dock_gateway.history.tables import acknowledgements, robot_labels
+from dock_gateway.history.tables import acknowledgements, goal_tags, robot_labels
 from dock_gateway.history.waiting import Waiting
 from dock_gateway.history.writer import Writer
 
@@ -73,9 +75,10 @@ class SqlHistory:
         self.newest = ""
         self.shared = self._database.shared
         self._reader = Reader(self._database, self._writer)
-        store = self._database, self._reader, self._writer
-        self.acknowledgements = SqlEntries(*store, acknowledgements, Acknowledgement)
-        self.labels = SqlEntries(*store, robot_labels, RobotLabel)
+        writer = ImmediateWriter(self._database, self._writer)
+        self.acknowledgements = SqlEntries(self._reader, writer, acknowledgements, Acknowledgement)
+        self.labels = SqlEntries(self._reader, writer, robot_labels, RobotLabel)
+        self.notes = SqlNotes(self._reader, writer)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
         self.on_loss: Callable[[], None] = lambda: None
@@ -314,9 +317,13 @@ def _page(
             return []
         limits = _position(known[before])
     found = queries.page(connection, wanted, limit=limit, before=limits, without=list(waiting))
+    candidates = list(waiting)
+    if wanted.tags and waiting:
+        tagged = queries.tagged(wanted.tags).where(goal_tags.c.goal_id.in_(candidates))
+        candidates = list(connection.scalars(tagged.distinct()))
     found += [
         known[goal_id]
-        for goal_id in waiting
+        for goal_id in candidates
         if wanted.matches(known[goal_id]) and (limits is None or _position(known[goal_id]) < limits)
     ]
     return sorted(found, key=_position, reverse=True)[:limit]

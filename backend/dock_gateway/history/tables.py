@@ -147,6 +147,25 @@ robot_labels = sa.Table(
     sa.Column("groups", Names, nullable=False),
 )
 
+goal_tags = sa.Table(
+    "goal_tags",
+    metadata,
+    sa.Column("goal_id", identity(), primary_key=True),
+    sa.Column("tag", identity(), primary_key=True),
+    sa.Index("goals_by_tag", "tag", "goal_id"),
+)
+
+goal_notes = sa.Table(
+    "goal_notes",
+    metadata,
+    sa.Column("note_id", identity(), primary_key=True),
+    sa.Column("goal_id", identity(), nullable=False),
+    sa.Column("author", sa.Text, nullable=False),
+    sa.Column("written_at", UtcTime, nullable=False),
+    sa.Column("text", sa.Text, nullable=False),
+    sa.Index("notes_by_goal", "goal_id", "written_at", "note_id"),
+)
+
 # The newest missing event of each topic, dropped by retention or because memory was full. The row with an empty topic
 # is the time when the tables were made: what is later is complete, even if no event is stored yet.
 BEGINNING = ""

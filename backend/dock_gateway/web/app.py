@@ -28,6 +28,7 @@ from dock_gateway.web.routes import (
     health,
     interfaces,
     labels,
+    notes,
     simulator,
     statistics,
     stop,
@@ -70,7 +71,8 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
     modules = (
         stop,
         events,
-        exports,  # before goals: `export` is not a goal id
+        exports,  # before goals: `export` and `tags` are not goal ids
+        notes,
         goals,
         statistics,
         actions,

@@ -14,9 +14,9 @@ from dock_gateway.core.goal import Origin
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
 from dock_gateway.robots.registry import NAME_PART, read_namespace
-from dock_gateway.web.requests import ROBOT_PATTERN, StatusQuery, TheGateway, read_goal_id
+from dock_gateway.web.requests import MAX_TAG, NAME, ROBOT_PATTERN, StatusQuery, TheGateway, read_goal_id
 
-QUERY = ("robot", "action", "status", "error", "origin", "since", "until", "id")
+QUERY = ("robot", "action", "status", "error", "origin", "since", "until", "id", "tag")
 # The range of ROS times, which are 64-bit nanoseconds.
 EARLIEST, LATEST = datetime(1970, 1, 1, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
 RFC_3339 = re.compile(
@@ -72,6 +72,8 @@ IdPrefixQuery = Annotated[
         json_schema_extra={"pattern": f"^{HEX_DIGITS.pattern}$"},
     ),
 ]
+Tag = Annotated[str, StringConstraints(max_length=MAX_TAG, pattern=f"^{NAME.pattern}$")]
+TagsQuery = Annotated[list[Tag] | None, Query(description="Only goals with one of these tags")]
 
 
 async def read_goal_filter(
@@ -85,6 +87,7 @@ async def read_goal_filter(
     since: SinceQuery = None,
     until: UntilQuery = None,
     id: IdPrefixQuery = None,  # noqa: A002 - it is what clients call it
+    tag: TagsQuery = None,
 ) -> GoalFilter:
     """Return the goal filter of a query. Its actions and robots may have left the graph.
 
@@ -102,6 +105,7 @@ async def read_goal_filter(
         since=since,
         until=until,
         id_prefix=id or "",
+        tags=frozenset(name.strip() for name in tag or ()),
     )
 
 

@@ -21,6 +21,7 @@ from dock_gateway.robots.registry import NAME_PART, NAMESPACE
 JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
 MAX_WAIT = 300.0
 MAX_KEY = 200
+MAX_TAG = 30  # characters
 MAX_DIGITS = 18  # enough for every number in a header
 # A line of text: no control, bidirectional or invisible characters; not blank.
 _UNSEEN = r"\x00-\x1f\x7f-\x9f\xad\u200b-\u200f\u2028-\u202f\u205f-\u206f\ufeff\ufff9-\uffff"
@@ -149,6 +150,19 @@ def read_name(value: object, longest: int, path: str = "by") -> str:
 def name_schema(longest: int) -> dict[str, Any]:
     """Return the schema of such a name for the OpenAPI document."""
     return {"type": "string", "maxLength": longest, "pattern": f"^{NAME.pattern}$"}
+
+
+def read_names(value: object, most: int, longest: int, path: str) -> tuple[str, ...]:
+    """Return names without surrounding spaces, and each of them once.
+
+    Raises:
+        InvalidField: It is not an array of at most `most` names.
+    """
+    if not isinstance(value, list) or len(value) > most:
+        detail = f"got {len(value)}" if isinstance(value, list) else got(value)
+        raise InvalidField([FieldError(path, f"an array of up to {most} names", detail)])
+    names = (read_name(name, longest, f"{path}.{index}") for index, name in enumerate(value))
+    return tuple(dict.fromkeys(names))
 
 
 def read_wait(request: Request) -> float:

@@ -297,6 +297,90 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/goals/tags": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Tags
+         * @description List the tags of all goals, the first 1000.
+         */
+        get: operations["list_tags"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/goals/{goal_id}/notes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Notes
+         * @description Return the tags and notes of a goal.
+         */
+        get: operations["list_notes"];
+        put?: never;
+        /**
+         * Add Note
+         * @description Add a note to a goal, which may have 100.
+         */
+        post: operations["add_note"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/goals/{goal_id}/notes/{note_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Delete Note
+         * @description Delete a note of a goal.
+         */
+        delete: operations["delete_note"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/goals/{goal_id}/tags": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Replace Tags
+         * @description Replace the tags of a goal.
+         */
+        put: operations["replace_tags"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/goals": {
         parameters: {
             query?: never;
@@ -306,7 +390,7 @@ export interface paths {
         };
         /**
          * List All Goals
-         * @description List the goals of all actions, newest first.
+         * @description List the goals of all actions with their tags, newest first.
          */
         get: operations["list_all_goals"];
         put?: never;
@@ -1565,7 +1649,7 @@ export interface components {
         Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * ExportedGoal
-         * @description A goal with its events, oldest first; `complete` is false if events are missing.
+         * @description A goal with its notes and events, oldest first; `complete` is false if events are missing.
          */
         ExportedGoal: {
             /** Goal Id */
@@ -1615,6 +1699,10 @@ export interface components {
             result: {
                 [key: string]: unknown;
             } | null;
+            /** Tags */
+            tags: string[];
+            /** Notes */
+            notes: components["schemas"]["Note"][];
             /** Complete */
             complete: boolean;
             /** Events */
@@ -1839,6 +1927,16 @@ export interface components {
             next_after: string | null;
             /** Complete */
             complete: boolean;
+        };
+        /**
+         * GoalNotes
+         * @description The tags of a goal in alphabetical order, and its notes, oldest first.
+         */
+        GoalNotes: {
+            /** Tags */
+            tags: string[];
+            /** Notes */
+            notes: components["schemas"]["Note"][];
         };
         /**
          * GoalPage
@@ -2131,6 +2229,23 @@ export interface components {
             lengths: {
                 [key: string]: number;
             };
+        };
+        /**
+         * Note
+         * @description What somebody wrote about a goal.
+         */
+        Note: {
+            /** Note Id */
+            note_id: string;
+            /** By */
+            by: string;
+            /**
+             * At
+             * Format: date-time
+             */
+            at: string;
+            /** Text */
+            text: string;
         };
         /**
          * PingAck
@@ -2838,6 +2953,79 @@ export interface components {
             id: string | null;
             /** Subscription */
             subscription: string;
+        };
+        /**
+         * TaggedGoal
+         * @description A goal on any action, with its tags in alphabetical order.
+         */
+        TaggedGoal: {
+            /** Goal Id */
+            goal_id: string;
+            /** Action Name */
+            action_name: string;
+            /** Action Type */
+            action_type: string;
+            status: components["schemas"]["GoalStatus"];
+            /** Stalled */
+            stalled: boolean;
+            /**
+             * Origin
+             * @enum {string}
+             */
+            origin: "gateway" | "external";
+            /** Stage */
+            stage: string | null;
+            /** Retries */
+            retries: number | null;
+            error: components["schemas"]["GoalError"] | null;
+            /**
+             * Created At
+             * Format: date-time
+             */
+            created_at: string;
+            /**
+             * Updated At
+             * Format: date-time
+             */
+            updated_at: string;
+            /** Finished At */
+            finished_at: string | null;
+            /** Feedback Count */
+            feedback_count: number;
+            /** Last Event Id */
+            last_event_id: string | null;
+            /** Goal */
+            goal: {
+                [key: string]: unknown;
+            } | null;
+            /** Feedback */
+            feedback: {
+                [key: string]: unknown;
+            } | null;
+            /** Result */
+            result: {
+                [key: string]: unknown;
+            } | null;
+            /** Tags */
+            tags: string[];
+        };
+        /**
+         * TaggedGoalPage
+         * @description Goals on any action with their tags, newest first.
+         */
+        TaggedGoalPage: {
+            /** Goals */
+            goals: components["schemas"]["TaggedGoal"][];
+            /** Next Cursor */
+            next_cursor: string | null;
+        };
+        /**
+         * Tags
+         * @description The tags of all goals, in alphabetical order.
+         */
+        Tags: {
+            /** Tags */
+            tags: string[];
         };
         /**
          * TopicEndpoint
@@ -3940,6 +4128,8 @@ export interface operations {
                 until?: string | null;
                 /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
                 id?: string | null;
+                /** @description Only goals with one of these tags */
+                tag?: string[] | null;
             };
             header?: never;
             path?: never;
@@ -3953,7 +4143,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ActionGoal"][];
+                    "application/json": components["schemas"]["TaggedGoal"][];
                     "text/csv": string;
                 };
             };
@@ -4030,6 +4220,337 @@ export interface operations {
             };
         };
     };
+    list_tags: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Tags"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_notes: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GoalNotes"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    add_note: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    /** @description Who writes it */
+                    by: string;
+                    text: string;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GoalNotes"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_note: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description `note_id` of the note */
+                note_id: string;
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GoalNotes"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    replace_tags: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                goal_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    tags: string[];
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["GoalNotes"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_all_goals: {
         parameters: {
             query?: {
@@ -4052,6 +4573,8 @@ export interface operations {
                 until?: string | null;
                 /** @description Only goals whose id begins with this: 4 or more hexadecimal digits */
                 id?: string | null;
+                /** @description Only goals with one of these tags */
+                tag?: string[] | null;
             };
             header?: never;
             path?: never;
@@ -4065,7 +4588,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ActionGoalPage"];
+                    "application/json": components["schemas"]["TaggedGoalPage"];
                 };
             };
             /** @description Unprocessable Entity */
@@ -4276,6 +4799,8 @@ export interface operations {
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */
                 until?: string | null;
+                /** @description Only goals with one of these tags */
+                tag?: string[] | null;
             };
             header?: never;
             path?: never;

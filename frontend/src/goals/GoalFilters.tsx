@@ -17,6 +17,7 @@ import {
   STATES,
 } from "./filter";
 import classes from "./goals.module.css";
+import { useTags } from "./useTags";
 
 interface GoalFiltersProps {
   filter: GoalFilter;
@@ -28,6 +29,7 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
   const change = (part: Partial<GoalFilter>) => onChange({ ...filter, ...part });
   const robots = useRobotOptions(filter.robot);
   const actions = useActionNames(filter.actions);
+  const tags = useTagOptions(filter.tags);
   return (
     <section aria-label="Filter the goals">
       <div className={classes.filters}>
@@ -64,6 +66,14 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
             ]}
           />
         )}
+        {tags.length > 0 && (
+          <NativeSelect
+            label="Tag"
+            value={filter.tags.join(SEVERAL)}
+            onChange={(event) => change({ tags: event.currentTarget.value.split(SEVERAL).filter(Boolean) })}
+            data={[{ value: "", label: "With and without" }, ...tags]}
+          />
+        )}
         <TimeFilter filter={filter} change={change} />
         <IdFilter id={filter.id} onId={(id) => change({ id })} />
       </div>
@@ -93,6 +103,18 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
       </Group>
     </section>
   );
+}
+
+/** Between the values of several, as no tag can have it. */
+const SEVERAL = "\n";
+
+/** The tags that goals have, with those that are chosen. */
+function useTagOptions(chosen: readonly string[]): { value: string; label: string }[] {
+  const tags = new Set([...useTags(), ...chosen]);
+  const options = [...tags].sort().map((tag) => ({ value: tag, label: tag }));
+  return chosen.length > 1
+    ? [{ value: chosen.join(SEVERAL), label: chosen.join(" or ") }, ...options]
+    : options;
 }
 
 /** Keeps what is typed to itself until it is the beginning of an id. */

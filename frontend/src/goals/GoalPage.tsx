@@ -8,6 +8,7 @@ import { GoalHead } from "./GoalHead";
 import { GoalMessages } from "./GoalMessages";
 import { GoalTimeline } from "./GoalTimeline";
 import classes from "./goalPage.module.css";
+import { NotesSection } from "./NotesSection";
 import { Replay } from "./Replay";
 import { Trouble } from "./Trouble";
 import { useGoalWatch, useWatched, useWatchTopic, WatchedContext } from "./useGoalWatch";
@@ -49,7 +50,10 @@ function WatchedGoal() {
       <GoalHead goal={goal} />
       {isTerminal(goal.status) && <Replay goal={goal} />}
       <div className={classes.grid}>
-        <GoalTimeline goal={goal} />
+        <Stack gap="md">
+          <GoalTimeline goal={goal} />
+          <NotesSection goalId={goal.goal_id} />
+        </Stack>
         <div className={classes.longest}>
           <FeedbackSection goal={goal} />
         </div>

@@ -1,8 +1,8 @@
-import { Table, Text } from "@mantine/core";
+import { Group, Table, Text } from "@mantine/core";
 import { type MouseEvent, memo } from "react";
 import { Link, useNavigate } from "react-router";
 import type { Verb } from "../api/client";
-import type { AnyGoal } from "../api/types";
+import type { ListedGoal } from "../api/types";
 import { useNaming } from "../fleet/useNaming";
 import { GoalDuration } from "../goal/GoalDuration";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
@@ -10,16 +10,17 @@ import { outcome } from "../goal/words";
 import { Breakable } from "../ui/Breakable";
 import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
+import { NO_FILTER, writeFilter } from "./filter";
 import classes from "./goals.module.css";
 import { OriginBadge } from "./OriginBadge";
 
 /** A goal as far as it is listed. */
-type ListedGoal = Omit<AnyGoal, "goal" | "feedback" | "result" | "feedback_count" | "last_event_id">;
+type RowGoal = Omit<ListedGoal, "goal" | "feedback" | "result" | "feedback_count" | "last_event_id">;
 
 interface GoalsTableProps {
-  goals: readonly ListedGoal[];
+  goals: readonly RowGoal[];
   /** What a goal is on: for the words of its outcome. */
-  verbOf: (goal: ListedGoal) => Verb | null;
+  verbOf: (goal: RowGoal) => Verb | null;
   /** Whether it is about one robot, whose actions need no names. */
   oneRobot?: boolean;
 }
@@ -61,7 +62,7 @@ export function GoalsHead({ oneRobot }: { oneRobot: boolean }) {
 }
 
 interface GoalRowProps {
-  goal: ListedGoal;
+  goal: RowGoal;
   verb: Verb | null;
   /** Whose action it is on; null where that has no display name. */
   robot: string | null;
@@ -92,6 +93,7 @@ const GoalRow = memo(function GoalRow({ goal, verb, robot, oneRobot }: GoalRowPr
             </Text>
           )}
           <Breakable text={goal.action_name} />
+          {goal.tags !== undefined && goal.tags.length > 0 && <Tags tags={goal.tags} />}
         </Table.Td>
       )}
       <Table.Td>
@@ -111,6 +113,23 @@ const GoalRow = memo(function GoalRow({ goal, verb, robot, oneRobot }: GoalRowPr
     </Table.Tr>
   );
 });
+
+/** Each leads to the goals that have it. */
+function Tags({ tags }: { tags: readonly string[] }) {
+  return (
+    <Group gap={4} mt={4}>
+      {tags.map((tag) => (
+        <Link
+          key={tag}
+          to={`/ui/goals?${writeFilter({ ...NO_FILTER, tags: [tag] })}`}
+          className={classes.tag}
+        >
+          {tag}
+        </Link>
+      ))}
+    </Group>
+  );
+}
 
 /** Where the page of a goal is. */
 export function goalPath(goalId: string): string {

@@ -1,5 +1,5 @@
 import type { GoalQuery } from "../api/goals";
-import type { AnyGoal, GoalStatus } from "../api/types";
+import type { AnyGoal, GoalStatus, ListedGoal } from "../api/types";
 
 /** The states that people tell apart; `running` are those before the end. */
 export const STATES = ["running", "succeeded", "canceled", "aborted", "rejected", "lost"] as const;
@@ -31,6 +31,8 @@ export interface GoalFilter {
   until: string | null;
   /** The beginning of the id; empty is any. */
   id: string;
+  /** None is all, with and without tags. */
+  tags: readonly string[];
 }
 
 /** As `GET /goals` takes the beginning of an id. */
@@ -46,6 +48,7 @@ export const NO_FILTER: GoalFilter = {
   since: null,
   until: null,
   id: "",
+  tags: [],
 };
 
 /** The filter in an address; what it does not understand is left out. Any state before the end counts as running. */
@@ -63,6 +66,7 @@ export function readFilter(parameters: URLSearchParams): GoalFilter {
     since: readTime(parameters.get("since")),
     until: readTime(parameters.get("until")),
     id: ID_BEGINNING.test(parameters.get("id") ?? "") ? (parameters.get("id") ?? "") : "",
+    tags: parameters.getAll("tag").filter((tag) => tag !== ""),
   };
 }
 
@@ -79,6 +83,7 @@ export function writeFilter(filter: GoalFilter): URLSearchParams {
     if (filter.until !== null) parameters.set("until", filter.until);
   }
   if (filter.id !== "") parameters.set("id", filter.id);
+  for (const tag of filter.tags) parameters.append("tag", tag);
   return parameters;
 }
 
@@ -98,11 +103,12 @@ export function toQuery(filter: GoalFilter, now: number): GoalQuery {
     ...(since === null ? {} : { since: new Date(since).toISOString() }),
     ...(until === null ? {} : { until: new Date(until).toISOString() }),
     ...(filter.id === "" ? {} : { id: filter.id }),
+    ...(filter.tags.length === 0 ? {} : { tag: [...filter.tags] }),
   };
 }
 
 /** Whether `GET /goals` would list it, too. */
-export function matches(goal: AnyGoal, filter: GoalFilter, now: number): boolean {
+export function matches(goal: ListedGoal, filter: GoalFilter, now: number): boolean {
   const { since, until } = timesOf(filter, now);
   const created = Date.parse(goal.created_at);
   return (
@@ -113,7 +119,8 @@ export function matches(goal: AnyGoal, filter: GoalFilter, now: number): boolean
     (filter.origin === null || goal.origin === filter.origin) &&
     (since === null || created >= since) &&
     (until === null || created < until) &&
-    digitsOf(goal.goal_id).startsWith(digitsOf(filter.id))
+    digitsOf(goal.goal_id).startsWith(digitsOf(filter.id)) &&
+    (filter.tags.length === 0 || filter.tags.some((tag) => goal.tags?.includes(tag)))
   );
 }
 

@@ -1,4 +1,4 @@
-import type { AnyGoal, AnyGoalPage } from "../api/types";
+import type { AnyGoal, AnyGoalPage, ListedGoal } from "../api/types";
 
 /**
  * The goals of the pages that are loaded, as they are by now, and those that came since; newest first. What the stream
@@ -10,9 +10,11 @@ import type { AnyGoal, AnyGoalPage } from "../api/types";
 export function mergeGoalList(
   pages: readonly AnyGoalPage[],
   known: Iterable<AnyGoal>,
-  matches: (goal: AnyGoal) => boolean,
-): AnyGoal[] {
-  const goals = new Map(pages.flatMap((page) => page.goals.map((goal) => [goal.goal_id, goal])));
+  matches: (goal: ListedGoal) => boolean,
+): ListedGoal[] {
+  const goals = new Map<string, ListedGoal>(
+    pages.flatMap((page) => page.goals.map((goal) => [goal.goal_id, goal])),
+  );
   const reach = reachOf(pages);
   for (const goal of known) {
     const listed = goals.get(goal.goal_id);
@@ -38,8 +40,8 @@ function isNewer(goal: AnyGoal, listed: AnyGoal): boolean {
 }
 
 /** A goal that the stream knows of one event alone has no type, and not the time when it was created. */
-function renewed(listed: AnyGoal, goal: AnyGoal): AnyGoal {
-  if (goal.action_type !== "") return goal;
+function renewed(listed: ListedGoal, goal: AnyGoal): ListedGoal {
+  if (goal.action_type !== "") return listed.tags?.length ? { ...goal, tags: listed.tags } : goal;
   const { status, error, stalled, updated_at, finished_at, feedback, result } = goal;
   return { ...listed, status, error, stalled, updated_at, finished_at, feedback, result };
 }

@@ -2,14 +2,16 @@ import { keepPreviousData, useInfiniteQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useRef } from "react";
 import { type CommandError, toCommandError } from "../api/errors";
 import { createGoalsApi } from "../api/goals";
-import type { AnyGoal, AnyGoalPage } from "../api/types";
+import type { AnyGoalPage, ListedGoal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { type GoalFilter, matches, toQuery, writeFilter } from "./filter";
 import { mergeGoalList } from "./list";
 
+const REFETCH_MS = 10_000;
+
 export interface GoalList {
   /** Newest first; null until the first page has come. */
-  goals: readonly AnyGoal[] | null;
+  goals: readonly ListedGoal[] | null;
   error: CommandError | null;
   /** Whether there are older ones. */
   more: boolean;
@@ -37,6 +39,8 @@ export function useGoalList(filter: GoalFilter): GoalList {
     initialPageParam: null,
     getNextPageParam: (page) => page.next_cursor,
     placeholderData: keepPreviousData,
+    // The stream does not tell of tags. All pages are asked for again, the more the less often.
+    refetchInterval: ({ state }) => REFETCH_MS * (state.data?.pages.length ?? 1),
   });
   const { data, refetch } = query;
   useAgainWhenBack(refetch);

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from dock_gateway.core.errors import Conflict, Unavailable
-from dock_gateway.history import History, RobotLabel, entries, sqlite
+from dock_gateway.history import History, RobotLabel, immediate, sqlite
 from tests.support.history import locked, open_place
 from tests.support.waiting import PATIENCE, until
 
@@ -20,7 +20,7 @@ BARE = RobotLabel("Bar\u00e9", ())
 @pytest.fixture
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine is no outage."""
-    monkeypatch.setattr(entries, "WRITE_TIMEOUT", PATIENCE)
+    monkeypatch.setattr(immediate, "WRITE_TIMEOUT", PATIENCE)
     monkeypatch.setattr(sqlite, "BUSY_TIMEOUT", PATIENCE)
 
 

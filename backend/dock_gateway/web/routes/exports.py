@@ -16,8 +16,9 @@ from dock_gateway.web.paced import PacedResponse
 from dock_gateway.web.problems import problems
 from dock_gateway.web.queries import QUERY, GoalFilterQuery
 from dock_gateway.web.requests import GoalId, TheGateway, known_query
+from dock_gateway.web.routes.goals import with_tags
 from dock_gateway.web.routes.sheets import GOAL_COLUMNS, FeedbackSheet, goal_row, rows_of
-from dock_gateway.web.schemas.goals import ActionGoal, ExportedGoal
+from dock_gateway.web.schemas.goals import ExportedGoal, TaggedGoal
 
 router = APIRouter(tags=["Goals"], prefix="/goals")
 
@@ -32,7 +33,7 @@ CSV = {"text/csv": {"schema": {"type": "string"}}}
 
 @router.get(
     "/export",
-    response_model=list[ActionGoal],
+    response_model=list[TaggedGoal],
     responses={200: {"description": "A file", "content": CSV}, **problems(422, 503)},
     dependencies=[Depends(known_query(*QUERY, "format"))],
 )
@@ -73,7 +74,8 @@ async def goals_as_csv(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[b
     """Yield a header row, then one row per goal."""
     head: list[list[object]] = [[*GOAL_COLUMNS]]
     async for goals in pages(gateway, wanted):
-        yield rows_of([*head, *map(goal_row, goals)])
+        tags = await gateway.history.notes.tags_of([goal.goal_id for goal in goals])
+        yield rows_of([*head, *(goal_row(goal, tags.get(goal.goal_id, ())) for goal in goals)])
         head = []
 
 
@@ -82,7 +84,7 @@ async def goals_as_json(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[
     before = b"[\n"
     async for goals in pages(gateway, wanted):
         if goals:
-            yield before + b",\n".join(encode(goal.document()) for goal in goals)
+            yield before + b",\n".join(map(encode, await with_tags(gateway, goals)))
             before = b",\n"
     yield b"\n]\n" if before == b",\n" else b"[]\n"
 
@@ -100,9 +102,10 @@ async def goal_as_csv(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
 
 
 async def goal_as_json(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
-    """Yield the goal with its `events`, and whether they are `complete`."""
+    """Yield the goal with its tags, notes and `events`, and whether these are `complete`."""
+    notes = await gateway.history.notes.of(goal.goal_id)
     complete = await gateway.history.knows_all_of(goal)
-    before = encode(goal.document() | {"complete": complete})[:-1] + b',"events":[\n'
+    before = encode(goal.document() | vars(notes) | {"complete": complete})[:-1] + b',"events":[\n'
     async for events in pieces(gateway, goal.goal_id, set(KINDS.values())):
         yield before + b",\n".join(event.data for event in events)
         before = b",\n"

@@ -27,7 +27,7 @@ from dock_gateway.web.requests import (
     read_key,
     read_wait,
 )
-from dock_gateway.web.schemas.goals import ActionGoal, ActionGoalPage, GoalHistory
+from dock_gateway.web.schemas.goals import ActionGoal, GoalHistory, TaggedGoalPage
 
 HEADERS = [
     {"name": "Prefer", "in": "header", "schema": {"type": "string"}, "example": "wait=30"},
@@ -83,15 +83,22 @@ NO_QUERY = Depends(known_query())
 
 @router.get(
     "",
-    response_model=ActionGoalPage,
+    response_model=TaggedGoalPage,
     responses=problems(422, 503),
     dependencies=[Depends(known_query(*QUERY, "limit", "cursor"))],
 )
 async def list_all_goals(
     gateway: TheGateway, wanted: GoalFilterQuery, limit: LimitQuery = 50, cursor: CursorQuery = None
 ) -> Response:
-    """List the goals of all actions, newest first."""
-    return await list_goals(gateway, wanted, limit, cursor)
+    """List the goals of all actions with their tags, newest first."""
+    goals, next_cursor = await gateway.page(wanted, limit, str(cursor) if cursor else None)
+    return json_response({"goals": await with_tags(gateway, goals), "next_cursor": next_cursor})
+
+
+async def with_tags(gateway: Gateway, goals: list[Goal]) -> list[dict[str, Any]]:
+    """Return the documents of goals, with their tags."""
+    tags = await gateway.history.notes.tags_of([goal.goal_id for goal in goals])
+    return [goal.document() | {"tags": tags.get(goal.goal_id, ())} for goal in goals]
 
 
 @router.get("/{goal_id}", response_model=ActionGoal, responses=problems(404, 422, 503), dependencies=[NO_QUERY])

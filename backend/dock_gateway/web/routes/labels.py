@@ -16,6 +16,7 @@ from dock_gateway.web.requests import (
     name_schema,
     read_json,
     read_name,
+    read_names,
     read_object,
 )
 from dock_gateway.web.schemas.robots import LABEL_EXAMPLE, Label
@@ -77,8 +78,4 @@ def read_label(value: object) -> tuple[str, RobotLabel]:
         raise InvalidField([FieldError("robot", f"a ROS namespace of up to {MAX_ROBOT} characters", got(robot))])
     robot = read_namespace(robot, "robot")
     display_name = None if name is None else read_name(name, MAX_DISPLAY_NAME, "display_name")
-    if not isinstance(groups, list) or len(groups) > MAX_GROUPS:
-        detail = f"got {len(groups)}" if isinstance(groups, list) else got(groups)
-        raise InvalidField([FieldError("groups", f"an array of up to {MAX_GROUPS} names", detail)])
-    names = (read_name(group, MAX_GROUP, f"groups.{index}") for index, group in enumerate(groups))
-    return robot, RobotLabel(display_name, tuple(dict.fromkeys(names)))
+    return robot, RobotLabel(display_name, read_names(groups, MAX_GROUPS, MAX_GROUP, "groups"))

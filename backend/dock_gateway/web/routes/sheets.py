@@ -37,6 +37,7 @@ GOAL_COLUMNS = (
     "duration_s",
     "feedback_count",
     "last_event_id",
+    "tags",
     "goal",
     "result",
 )
@@ -59,7 +60,7 @@ def cell(value: object) -> str:
     return f"'{text}" if text.startswith(FORMULA) and not NUMBER.fullmatch(text) else text
 
 
-def goal_row(goal: Goal) -> list[object]:
+def goal_row(goal: Goal, tags: Sequence[str]) -> list[object]:
     """Return a goal's values in the order of `GOAL_COLUMNS`."""
     error = goal.error
     ended = goal.finished_at
@@ -67,6 +68,7 @@ def goal_row(goal: Goal) -> list[object]:
     values["status"] = goal.status.value
     values["error_code"], values["error_detail"] = error and error.code, error and error.detail
     values["duration_s"] = None if ended is None else (ended - goal.created_at).total_seconds()
+    values["tags"] = "; ".join(tags)
     return list(values.values())
 
 

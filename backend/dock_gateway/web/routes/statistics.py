@@ -26,6 +26,7 @@ from dock_gateway.web.queries import (
     NamespaceQuery,
     OriginQuery,
     SinceQuery,
+    TagsQuery,
     UntilQuery,
     read_goal_filter,
 )
@@ -59,6 +60,7 @@ async def read_wanted(
     origin: OriginQuery = None,
     since: SinceQuery = None,
     until: UntilQuery = None,
+    tag: TagsQuery = None,
 ) -> GoalFilter:
     """Return the goal filter of a query, with both times set.
 
@@ -69,7 +71,9 @@ async def read_wanted(
     since = since or max(until - DEFAULT_SPAN, EARLIEST)
     if since >= until:
         raise InvalidField([FieldError("query.since", "a time before `until`", f"got {since.isoformat()}")])
-    return await read_goal_filter(gateway=gateway, robot=robot, action=action, origin=origin, since=since, until=until)
+    return await read_goal_filter(
+        gateway=gateway, robot=robot, action=action, origin=origin, since=since, until=until, tag=tag
+    )
 
 
 WantedQuery = Annotated[GoalFilter, Depends(read_wanted)]
@@ -79,7 +83,7 @@ WantedQuery = Annotated[GoalFilter, Depends(read_wanted)]
     "/statistics",
     response_model=Statistics,
     responses=problems(422, 503),
-    dependencies=[Depends(known_query("robot", "action", "origin", "since", "until", "by", "tz"))],
+    dependencies=[Depends(known_query("robot", "action", "origin", "since", "until", "tag", "by", "tz"))],
 )
 async def statistics(
     gateway: TheGateway, wanted: WantedQuery, *, by: ByQuery = "day", tz: ZoneQuery = "UTC"
@@ -200,6 +204,7 @@ def _path(chosen: GoalFilter) -> str:
         *([("robot", chosen.namespace)] if chosen.namespace != "/" else []),
         *(("action", name) for name in sorted(chosen.action_names)),
         *([("origin", chosen.origin)] if chosen.origin is not None else []),
+        *(("tag", tag) for tag in sorted(chosen.tags)),
         *zip(("since", "until"), (each.isoformat().replace("+00:00", "Z") for each in _span(chosen)), strict=True),
     ]
     return f"/goals?{urlencode(query, safe='/:')}"

@@ -6,6 +6,8 @@ Nothing is validated or encoded with them at run time: the ROS definitions decid
 from datetime import datetime
 from typing import Any, Literal
 
+from pydantic import JsonValue
+
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.web.schemas.common import Schema
 
@@ -70,6 +72,19 @@ class ActionGoal(GoalState):
     goal: dict[str, Any] | None
     feedback: dict[str, Any] | None
     result: dict[str, Any] | None
+
+
+class TaggedGoal(ActionGoal):
+    """A goal on any action, with its tags in alphabetical order."""
+
+    tags: list[str]
+
+
+class TaggedGoalPage(Schema):
+    """Goals on any action with their tags, newest first."""
+
+    goals: list[TaggedGoal]
+    next_cursor: str | None
 
 
 class ActionGoalPage(Schema):
@@ -140,8 +155,34 @@ class GoalHistory(Schema):
     complete: bool
 
 
-class ExportedGoal(ActionGoal):
-    """A goal with its events, oldest first; `complete` is false if events are missing."""
+NOTE_EXAMPLE: JsonValue = {"by": "Ada", "text": "A box stood in front of the left wheel."}
 
+
+class Note(Schema):
+    """What somebody wrote about a goal."""
+
+    note_id: str
+    by: str
+    at: datetime
+    text: str
+
+
+class GoalNotes(Schema):
+    """The tags of a goal in alphabetical order, and its notes, oldest first."""
+
+    tags: list[str]
+    notes: list[Note]
+
+
+class Tags(Schema):
+    """The tags of all goals, in alphabetical order."""
+
+    tags: list[str]
+
+
+class ExportedGoal(TaggedGoal):
+    """A goal with its notes and events, oldest first; `complete` is false if events are missing."""
+
+    notes: list[Note]
     complete: bool
     events: list[ActionStatusEvent | ActionFeedbackEvent | ActionResultEvent]

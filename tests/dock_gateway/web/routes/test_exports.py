@@ -68,9 +68,10 @@ async def a_goal(gateway: Gateway, feedback: int) -> Goal:
 @pytest.mark.parametrize("feedback", [0, 1, 499, 500, 1203])
 async def test_all_events_of_a_goal(gateway: Gateway, feedback: int) -> None:
     goal = await a_goal(gateway, feedback)
+    await gateway.history.notes.replace_tags(goal.goal_id, ["blocked"])
     exported = orjson.loads(await whole(exports.goal_as_json(gateway, goal)))
     events = exported.pop("events")
-    assert exported == orjson.loads(encode(goal.document())) | {"complete": True}
+    assert exported == orjson.loads(encode(goal.document())) | {"complete": True, "tags": ["blocked"], "notes": []}
     assert [event["type"] for event in events] == ["status", *["feedback"] * feedback, "result"]
 
     rows = table(await whole(exports.goal_as_csv(gateway, goal)))

@@ -57,14 +57,14 @@ def test_a_row_of_a_goal() -> None:
         finished_at=NOW + timedelta(seconds=3.5),
         result=b'{"a":[1]}',
     )
-    (row,) = read(rows_of([goal_row(goal)]))
+    (row,) = read(rows_of([goal_row(goal, ("blocked", "maintenance"))]))
     found = dict(zip(GOAL_COLUMNS, row, strict=True))
     assert found["goal_id"] == "goal-0001"
     assert (found["status"], found["stalled"], found["stage"]) == ("aborted", "false", "")
     assert (found["error_code"], found["error_detail"]) == ("failed_to_charge", '\'=HYPERLINK("x"), €')
     assert (found["created_at"], found["duration_s"]) == ("2026-11-21T00:00:01Z", "2.5")
     assert (found["goal"], found["result"]) == ('{"order":5}', '{"a":[1]}')
-    running = dict(zip(GOAL_COLUMNS, goal_row(make_goal(2, GoalStatus.EXECUTING)), strict=True))
+    running = dict(zip(GOAL_COLUMNS, goal_row(make_goal(2, GoalStatus.EXECUTING), ()), strict=True))
     assert (running["duration_s"], running["error_code"], running["finished_at"]) == (None, None, None)
 
 

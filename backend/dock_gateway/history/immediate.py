@@ -1,0 +1,49 @@
+"""Writes that a request waits for: stored on return, or refused."""
+
+import asyncio
+import time
+from collections.abc import Callable
+
+import sqlalchemy as sa
+
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.history.database import DATABASE_ERRORS, Database, T, Ts
+from dock_gateway.history.reader import AWAY
+from dock_gateway.history.writer import Writer
+
+WRITE_TIMEOUT = 1.0  # seconds
+
+
+class ImmediateWriter:
+    """Writes to the database at once, without the queue and the spool of goals and events.
+
+    Args:
+        database: The database.
+        writer: Is notified if it does not answer.
+    """
+
+    def __init__(self, database: Database, writer: Writer) -> None:
+        self._database = database
+        self._writer = writer
+
+    async def write(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
+        """Run a function of a connection in a transaction. What it raises is raised here, and nothing is stored.
+
+        Raises:
+            Unavailable: The database does not answer (`history_unavailable`).
+        """
+        if not self._database.prepared:
+            raise Unavailable(AWAY, code="history_unavailable")
+        deadline = time.monotonic() + WRITE_TIMEOUT
+
+        def write_in_time(connection: sa.Connection) -> T:
+            if time.monotonic() > deadline:
+                raise TimeoutError("the caller has given up")
+            return work(connection, *args)
+
+        try:
+            async with asyncio.timeout(WRITE_TIMEOUT):
+                return await self._database.write(write_in_time)
+        except DATABASE_ERRORS as error:
+            self._writer.doubt(error)
+            raise Unavailable(AWAY, code="history_unavailable") from error

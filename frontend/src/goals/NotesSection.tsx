@@ -1,0 +1,48 @@
+import { Skeleton, Stack } from "@mantine/core";
+import { useFleetLive } from "../fleet/context";
+import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { Section } from "../ui/Section";
+import { NoteForm } from "./NoteForm";
+import { NoteList } from "./NoteList";
+import { TagsField } from "./TagsField";
+import { Trouble } from "./Trouble";
+import { useNotes } from "./useNotes";
+
+/** What people say about a goal: its tags, and notes with their authors. */
+export function NotesSection({ goalId }: { goalId: string }) {
+  const { notes, error, refetch, change } = useNotes(goalId);
+  const live = useFleetLive();
+  const reason = live ? (change.isPending ? "The last change is being saved." : null) : NOT_LIVE;
+  return (
+    <Section title="Notes">
+      <Trouble what="The notes could not be loaded" error={error} onRetry={() => void refetch()} />
+      {notes === null ? (
+        error === null && <Skeleton height={110} />
+      ) : (
+        <Stack gap="sm">
+          <TagsField
+            tags={notes.tags}
+            reason={reason}
+            onTags={(tags) => change.mutate((api) => api.setTags(tags))}
+          />
+          <NoteList
+            notes={notes.notes}
+            reason={reason}
+            onRemove={(note) => change.mutate((api) => api.remove(note))}
+          />
+          <NoteForm
+            reason={reason}
+            onAdd={(by, text, done) =>
+              change.mutate((api) => api.add(by, text), {
+                onSuccess: done,
+              })
+            }
+          />
+        </Stack>
+      )}
+      <CommandErrorAlert command="Saving" error={change.error} onClose={change.reset} />
+    </Section>
+  );
+}
+
+const NOT_LIVE = "The gateway is not connected.";
