@@ -57,6 +57,16 @@ describe("commands", () => {
     ]);
   });
 
+  it("send each goal with a key of its own", async () => {
+    const fetch = answer(202, goal("a"));
+    await gateway.dock(1);
+    await gateway.dock(1);
+    await gateway.undock();
+    const keys = fetch.mock.calls.map(([request]) => request.headers.get("Idempotency-Key"));
+    expect(new Set(keys).size).toBe(3);
+    expect(keys.every((key) => key !== null && key.length > 10)).toBe(true);
+  });
+
   it("tell no simulator from one that does not answer", async () => {
     answer(404, { title: "t", status: 404, code: "simulator_not_found", detail: "none" });
     expect(await gateway.simulator()).toBeNull();

@@ -239,7 +239,7 @@ describe("the Stop of one robot of several", () => {
   it("that failed is said until all robots are stopped, also after a Stop of another one", async () => {
     await stopB();
     await screen.findByText("Stop was NOT delivered to /b");
-    act(() => showStopped(stopReport(), new Naming([]), "/a"));
+    act(() => showStopped(stopReport(), new Naming([]), ["/a"]));
     expect(await screen.findByText("Stopped /a")).toBeDefined();
     expect(screen.getByText("Stop was NOT delivered to /b")).toBeDefined();
     act(() => showStopped(stopReport(), new Naming([])));

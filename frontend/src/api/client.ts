@@ -27,20 +27,32 @@ export interface Gateway {
 /** The two things that the page asks of a robot, each an action with its own goals. */
 export type Verb = "dock" | "undock";
 
+/**
+ * A key for one request: where a proxy or the browser sends it twice, the gateway sends one goal. `crypto.randomUUID` is
+ * missing on pages without HTTPS.
+ */
+function newKey(): string {
+  return Array.from(crypto.getRandomValues(new Uint32Array(4)), (part) => part.toString(36)).join("-");
+}
+
 /** @param robot The robot's namespace; null for the one that the gateway is configured for (to stop: for all of them). */
 export function createGateway(http: Http, robot: string | null = null): Gateway {
   const query = robot === null ? {} : { robot };
   const options = () => ({ params: { query }, signal: deadline() });
+  const goalOptions = () => ({
+    params: { query, header: { "Idempotency-Key": newKey() } },
+    signal: deadline(),
+  });
 
   return {
     dock: (desiredStatus) =>
       settle(
         http.POST("/dock", {
           body: { desired_battery_state: { power_supply_status: desiredStatus } },
-          ...options(),
+          ...goalOptions(),
         }),
       ),
-    undock: () => settle(http.POST("/undock", options())),
+    undock: () => settle(http.POST("/undock", goalOptions())),
     cancel: (verb, goalId) =>
       settle(
         http.POST(`/${verb}/{goal_id}/cancel`, {

@@ -11,9 +11,14 @@ export interface Asking {
   change: (asks: boolean) => void;
 }
 
+/** Whether this browser asks before a real robot moves. */
+export function useAskingWanted() {
+  return useLocalStorage({ key: KEY, defaultValue: true, getInitialValueInEffect: false });
+}
+
 /** Whether to ask before this robot moves: a real one, until somebody switches that off in this browser. */
 export function useAsking(): Asking {
   const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
-  const [wanted, change] = useLocalStorage({ key: KEY, defaultValue: true, getInitialValueInEffect: false });
+  const [wanted, change] = useAskingWanted();
   return { asks: wanted && !simulated, simulated, change };
 }

@@ -1,19 +1,20 @@
 import type { Verb } from "../api/client";
-import type { ActionServer } from "../api/types";
-import type { GoalCourse } from "../store/goals";
+import type { ActionServer, Goal } from "../api/types";
 
-const NOT_CONNECTED = "The gateway is not connected.";
+export const NOT_CONNECTED = "The gateway is not connected.";
 
 const SERVERS: Record<Verb, string> = {
   dock: "connect_to_charging_dock_server or docking_server",
   undock: "docking_server",
 };
 
+type Running = Pick<Goal, "status">;
+
 export interface Situation {
   live: boolean;
   stopped: boolean;
   /** The goal that runs. */
-  running: GoalCourse | null;
+  running: Running | null;
   /** A goal was sent and is not answered. */
   sending: boolean;
   server: ActionServer | null;
@@ -34,7 +35,7 @@ export function whyNotSend(
 }
 
 /** Why nothing can be canceled now. */
-export function whyNotCancel(live: boolean, running: GoalCourse | null, pending: boolean): string | null {
+export function whyNotCancel(live: boolean, running: Running | null, pending: boolean): string | null {
   if (!live) return NOT_CONNECTED;
   if (running === null) return "No goal is running.";
   if (pending || running.status === "canceling") return "The goal is being canceled.";

@@ -3,6 +3,7 @@ import { type RefObject, Suspense, useEffect, useRef } from "react";
 import { Outlet, useLocation } from "react-router";
 import { openAlerts } from "../alerts/order";
 import { useFleetTopic } from "../fleet/context";
+import { OperationsProvider } from "../operations/context";
 import { StopBanner } from "../stop/StopBanner";
 import { Guarded } from "../ui/Guarded";
 import { TitlePrefixProvider } from "../ui/usePageTitle";
@@ -36,7 +37,9 @@ export function Shell() {
           <StopBanner />
           <Guarded of={pathname}>
             <Suspense fallback={<PageSkeleton />}>
-              <Outlet />
+              <OperationsProvider>
+                <Outlet />
+              </OperationsProvider>
             </Suspense>
           </Guarded>
         </Stack>

@@ -1,31 +1,19 @@
 import { Button, Paper, Table, Text } from "@mantine/core";
-import { useMemo } from "react";
+import { Fragment, useMemo, useRef, useState } from "react";
 import { useSearchParams } from "react-router";
 import { attentionOf } from "../alerts/order";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import type { Robot } from "../fleet/types";
 import { useNaming } from "../fleet/useNaming";
+import { useColumns } from "./columns";
 import { Filters } from "./Filters";
-import { listed, readView, type Sort, type View, writeView } from "./list";
+import { listed, readView, type View, writeView } from "./list";
 import classes from "./overview.module.css";
 import { RobotRow } from "./RobotRow";
-
-interface Column {
-  sort: Sort;
-  name: string;
-  /** Left out where the window is narrow: the robot's own cell says it there. */
-  wide?: boolean;
-}
-
-const COLUMNS: readonly Column[] = [
-  { sort: "name", name: "Robot" },
-  { sort: "place", name: "Dock status", wide: true },
-  { sort: "battery", name: "Battery" },
-  { sort: "goal", name: "Now" },
-  { sort: "last", name: "Last result", wide: true },
-  { sort: "groups", name: "Groups", wide: true },
-  { sort: "link", name: "Connection", wide: true },
-];
+import { TableBar } from "./TableBar";
+import { TableHead } from "./TableHead";
+import { useRowWindow } from "./useRowWindow";
+import { useSelection } from "./useSelection";
 
 /** All robots, a row each, those with alerts first; what is shown and in which order is in the page's address. */
 export function RobotTable({ robots }: { robots: readonly Robot[] }) {
@@ -36,43 +24,60 @@ export function RobotTable({ robots }: { robots: readonly Robot[] }) {
   const view = useMemo(() => readView(query), [query]);
   const naming = useNaming();
   const groups = useMemo(() => naming.groups(), [naming]);
-  const grouped = groups.length > 0;
+  const columns = useColumns(groups.length > 0);
+  const { shown } = columns;
   const rows = useMemo(() => listed(robots, view, attentions), [robots, view, attentions]);
+  const selection = useSelection(rows);
   const change = (next: Partial<View>) => setQuery(writeView({ ...view, ...next }), { replace: true });
+
+  const body = useRef<HTMLTableSectionElement>(null);
+  const keys = useMemo(() => rows.map(({ name }) => name), [rows]);
+  const [focused, setFocused] = useState<string | null>(null);
+  const onPage = useRowWindow(body, keys, focused === null ? -1 : keys.indexOf(focused));
 
   return (
     <>
       <Filters robots={robots} attentions={attentions} view={view} groups={groups} onChange={change} />
       <Paper withBorder radius="md" className={classes.paper}>
+        <TableBar listed={rows.length} all={robots.length} selection={selection} columns={columns} />
         <Table
           className={classes.table}
-          data-grouped={grouped || undefined}
+          aria-label="Robots"
+          aria-rowcount={rows.length + 1}
+          data-grouped={shown.has("groups") || undefined}
           verticalSpacing="xs"
           horizontalSpacing="sm"
           highlightOnHover
         >
-          <caption className={classes.caption}>
-            {rows.length === robots.length
-              ? `${rows.length} robots`
-              : `${rows.length} of ${robots.length} robots`}
-          </caption>
-          <Table.Thead>
-            <Table.Tr>
-              {COLUMNS.filter(({ sort }) => grouped || sort !== "groups").map((column) => (
-                <HeaderCell key={column.sort} column={column} view={view} onSort={change} />
-              ))}
-            </Table.Tr>
-          </Table.Thead>
-          <Table.Tbody>
-            {rows.map((robot) => (
-              <RobotRow
-                key={robot.name}
-                robot={robot}
-                attention={attentions.get(robot.name) ?? 0}
-                live={live}
-                grouped={grouped}
-              />
-            ))}
+          <TableHead shown={shown} view={view} selection={selection} listed={rows.length} onSort={change} />
+          <Table.Tbody
+            ref={body}
+            onFocus={(event) =>
+              setFocused(event.target.closest<HTMLElement>("[data-robot]")?.dataset.robot ?? null)
+            }
+            onBlur={() => setFocused(null)}
+          >
+            {onPage.rows.map(({ index, key, gap }) => {
+              const robot = rows[index];
+              return (
+                robot !== undefined && (
+                  <Fragment key={key}>
+                    <Gap height={gap} />
+                    <RobotRow
+                      robot={robot}
+                      index={index}
+                      attention={attentions.get(robot.name) ?? 0}
+                      live={live}
+                      shown={shown}
+                      selected={selection.has(robot.name)}
+                      onSelect={selection.toggle}
+                      measure={onPage.measure}
+                    />
+                  </Fragment>
+                )
+              );
+            })}
+            <Gap height={onPage.rest} />
           </Table.Tbody>
         </Table>
         {rows.length === 0 && (
@@ -92,33 +97,9 @@ export function RobotTable({ robots }: { robots: readonly Robot[] }) {
   );
 }
 
-interface HeaderCellProps {
-  column: Column;
-  view: View;
-  onSort: (change: Partial<View>) => void;
-}
-
-/** Sorts ascending, descending, and then no more. */
-function HeaderCell({ column: { sort, name, wide = false }, view, onSort }: HeaderCellProps) {
-  const sorted = view.sort === sort;
-  const direction = !sorted ? "none" : view.descending ? "descending" : "ascending";
-  const press = () => {
-    if (!sorted) onSort({ sort, descending: false });
-    else if (!view.descending) onSort({ descending: true });
-    else onSort({ sort: "attention", descending: false });
-  };
-  return (
-    <Table.Th
-      aria-sort={direction}
-      className={wide ? `${classes.column} ${classes.wide}` : classes.column}
-      data-column={sort}
-    >
-      <button type="button" className={classes.sort} onClick={press}>
-        {name}
-        <span aria-hidden="true" className={classes.arrow} data-direction={direction}>
-          {direction === "descending" ? "▼" : "▲"}
-        </span>
-      </button>
-    </Table.Th>
-  );
+/** As high as the rows that are not on the page. */
+function Gap({ height }: { height: number }) {
+  if (height === 0) return null;
+  // biome-ignore lint/a11y/noAriaHiddenOnFocusable: a row without cells cannot have the focus
+  return <tr aria-hidden="true" className={classes.gap} style={{ height }} />;
 }

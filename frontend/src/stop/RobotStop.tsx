@@ -24,7 +24,7 @@ export function RobotStopButton({ robot }: { robot: string }) {
   const { gateway, store } = useServices();
   const naming = useNaming();
   const { mutate, isPending } = useCommand(async () => {
-    showStopping(naming, robot);
+    showStopping(naming, [robot]);
     const report = await gateway.stop(whoStops());
     store.setStop(report.stop);
     return report;
@@ -38,8 +38,8 @@ export function RobotStopButton({ robot }: { robot: string }) {
       title={`Zero velocity at once, every goal of ${naming.fullNameOf(robot)} is canceled, and none is sent until the stop is released`}
       onClick={() =>
         mutate(undefined, {
-          onSuccess: (report) => showStopped(report, naming, robot),
-          onError: (error) => showFailed(error, naming, robot),
+          onSuccess: (report) => showStopped(report, naming, [robot]),
+          onError: (error) => showFailed(error, naming, [robot]),
         })
       }
     >

@@ -32,6 +32,7 @@ export function StopBanner() {
       radius="md"
       p="md"
       className={classes.banner}
+      ref={tellHeight}
       data-testid="stop-banner"
     >
       {held.length === 1 ? (
@@ -44,6 +45,20 @@ export function StopBanner() {
       )}
     </Paper>
   );
+}
+
+/** Tells the style sheets how high the banner is: what sticks below the header sticks below it, too. */
+function tellHeight(banner: HTMLElement | null) {
+  if (banner === null) return;
+  const root = document.documentElement.style;
+  const observer = new ResizeObserver(() =>
+    root.setProperty("--stop-height", `calc(${banner.offsetHeight}px + var(--mantine-spacing-xs))`),
+  );
+  observer.observe(banner);
+  return () => {
+    observer.disconnect();
+    root.removeProperty("--stop-height");
+  };
 }
 
 /** Several robots, each with a stop of its own. */

@@ -15,28 +15,31 @@ interface Notice {
   "data-undelivered"?: true;
 }
 
-/**
- * Shows what became of a Stop. It replaces what was said before of the same robot, and of every robot where it is about all.
- *
- * @param robot Null for all robots.
- */
-function show(robot: string | null, notice: Notice): void {
-  const id = idOf(robot);
+/** The robots that a Stop is for; null for all of them. */
+type Stopped = readonly string[] | null;
+
+/** Shows what became of a Stop. It replaces what was said before of the same robots, and of every robot where it is about all. */
+function show(robots: Stopped, notice: Notice): void {
+  const id = `${NOTICE}${robots?.join(" ") ?? ""}`;
   for (const { id: shown } of notificationsStore.getState().notifications)
-    if (shown !== undefined && (robot === null ? shown.startsWith(NOTICE) : shown === id))
+    if (shown !== undefined && (robots === null ? shown.startsWith(NOTICE) : shown === id))
       notifications.hide(shown);
   notifications.show({ id, closeButtonProps: { "aria-label": "Dismiss" }, ...notice });
 }
 
-function idOf(robot: string | null): string {
-  return `${NOTICE}${robot ?? ""}`;
+/** `Left forklift (/robot1)`, `12 robots`; null for all of them. */
+function wordsOf(robots: Stopped, naming: Naming): string | null {
+  const [only] = robots ?? [];
+  if (robots === null || only === undefined) return null;
+  return robots.length === 1 ? naming.fullNameOf(only) : `${robots.length} robots`;
 }
 
 /** At once, before anybody has answered. */
-export function showStopping(naming: Naming, robot: string | null = null): void {
-  show(robot, {
+export function showStopping(naming: Naming, robots: Stopped = null): void {
+  const what = wordsOf(robots, naming);
+  show(robots, {
     color: "red",
-    title: robot === null ? "Stopping …" : `Stopping ${naming.fullNameOf(robot)} …`,
+    title: what === null ? "Stopping …" : `Stopping ${what} …`,
     message: "Sent to the gateway.",
     autoClose: false,
     loading: true,
@@ -46,7 +49,7 @@ export function showStopping(naming: Naming, robot: string | null = null): void 
 export function showStopped(
   { canceling, failed, unconfirmed, warning }: StopReport,
   naming: Naming,
-  robot: string | null = null,
+  robots: Stopped = null,
 ): void {
   const warned = warning === null ? "" : ` Warning: ${warning.detail} (${warning.code}).`;
   if (failed.length > 0) {
@@ -55,7 +58,7 @@ export function showStopped(
       const { action_name, robot, detail, code } = failure;
       return `${action_name ?? naming.fullNameOf(robot ?? "/")}: ${detail} (${code})`;
     });
-    show(robot, {
+    show(robots, {
       color: "red",
       title: unreached
         ? "Not every robot was told to stand still"
@@ -72,8 +75,9 @@ export function showStopped(
         ? "One goal is being canceled."
         : `${canceling.length} goals are being canceled.`;
   const waiting = unconfirmed.length === 0 ? goals : `Not answered yet: ${unconfirmed.join(", ")}; retrying.`;
-  const stopped = robot === null ? "Stopped" : `Stopped ${naming.fullNameOf(robot)}`;
-  show(robot, {
+  const what = wordsOf(robots, naming);
+  const stopped = what === null ? "Stopped" : `Stopped ${what}`;
+  show(robots, {
     color: unconfirmed.length === 0 && warning === null ? "green" : "orange",
     title: warning === null ? stopped : `${stopped}, with a warning`,
     message: `Zero velocity was sent. ${waiting}${warned}`,
@@ -81,11 +85,12 @@ export function showStopped(
   });
 }
 
-/** @param robot The one that was to stop; null for all robots. */
-export function showFailed(error: CommandError, naming: Naming, robot: string | null = null): void {
-  show(robot, {
+/** @param robots Those that were to stop. */
+export function showFailed(error: CommandError, naming: Naming, robots: Stopped = null): void {
+  const what = wordsOf(robots, naming);
+  show(robots, {
     color: "red",
-    title: `Stop was NOT delivered to ${robot === null ? "any robot" : naming.fullNameOf(robot)}`,
+    title: `Stop was NOT delivered to ${what ?? "any robot"}`,
     message: `Use the robot's own emergency stop if it moves. ${error.title} (${error.code}): ${error.detail}`,
     autoClose: false,
     "data-undelivered": true,
