@@ -152,7 +152,6 @@ class Writer:
 
     async def flush(self, *, urgent: bool = False) -> bool:
         """Write all pending entries, or only the awaited goals if `urgent`; return False if the database fails."""
-        batch = Batch()
         try:
             if not self._database.prepared:
                 async with asyncio.timeout(WRITE_TIMEOUT):
@@ -160,28 +159,35 @@ class Writer:
             if self._database.lost:
                 self._database.lost = False
                 self._on_loss()
-            while len(batch := self._waiting.urgent(self._tickets.values()) if urgent else self._waiting.batch()) or (
-                not self.reachable
-            ):
-                self._in_flight = {goal.goal_id for goal in batch.goals}
-                await self._write(batch)
-                self._waiting.done(batch)
-                self._settle(batch, None)
-                self._say_reachable()
-                if not batch.full:
-                    break
+            await self._write_waiting(urgent=urgent)
             if not urgent:
                 await self._empty_spool()
         except Exception as error:
             if not isinstance(error, DATABASE_ERRORS):
                 log.exception("while writing the history")
-            self._settle(batch, error)
             self._say_unreachable(error)
             return False
         finally:
-            self._in_flight = set()
             self.answered.set()
         return True
+
+    async def _write_waiting(self, *, urgent: bool = False) -> None:
+        while len(batch := self._waiting.urgent(self._tickets.values()) if urgent else self._waiting.batch()) or (
+            not self.reachable
+        ):
+            self._in_flight = {goal.goal_id for goal in batch.goals}
+            try:
+                await self._write(batch)
+            except Exception as error:
+                self._settle(batch, error)
+                raise
+            finally:
+                self._in_flight = set()
+            self._waiting.done(batch)
+            self._settle(batch, None)
+            self._say_reachable()
+            if not batch.full:
+                break
 
     async def _write(self, batch: Batch) -> None:
         try:
@@ -204,11 +210,14 @@ class Writer:
                 log.error("the database refuses %s: %s", part, error)
 
     async def _empty_spool(self) -> None:
-        if not self._spool.count or (self._waiting.must_keep and not self.evicted):
+        """Remove the spool's files once the database has their entries."""
+        if not self._spool.count:
             return
         evicted, self.evicted = self.evicted, 0
         paths = await self._spool.rotate()
         try:
+            # An entry is in memory before it is in a file: what these files hold is written here, or was evicted.
+            await self._write_waiting()
             if evicted:
                 async for entries in self._spool.read(paths):
                     await self._write(batch_of(entries))
@@ -216,8 +225,8 @@ class Writer:
         except BaseException:
             self.evicted += evicted
             raise
-        if self._waiting.must_keep and not evicted:
-            return  # a new entry arrived meanwhile; it may be only in one of these files
+        if self.evicted:
+            return  # entries of these files were evicted meanwhile; they are read next time
         await self._spool.remove(paths)
         log.info("all spooled entries are in the database")
 

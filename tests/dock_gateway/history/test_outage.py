@@ -1,6 +1,7 @@
 """The database slow, locked, frozen, full or away: no goal waits for it, and none is lost."""
 
 import asyncio
+import itertools
 import shutil
 import time
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -14,6 +15,7 @@ import sqlalchemy as sa
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.tasks import cancel
 from dock_gateway.history import GoalFilter, queries
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.sqlite import SqliteDatabase
@@ -188,8 +190,13 @@ async def test_memory_is_bounded_and_drops_nothing_that_must_be_kept(
         assert count == 501
 
 
-def slowly(work: Callable[[sa.Connection, Any], Any], connection: sa.Connection, what: Any) -> Any:
-    time.sleep(1.5) if connection.dialect.name == "sqlite" else connection.execute(sa.text("SELECT pg_sleep(1.5)"))
+def slowly(
+    work: Callable[[sa.Connection, Any], Any], connection: sa.Connection, what: Any, seconds: float = 1.5
+) -> Any:
+    if connection.dialect.name == "sqlite":
+        time.sleep(seconds)
+    else:
+        connection.execute(sa.text(f"SELECT pg_sleep({seconds})"))
     return work(connection, what)
 
 
@@ -208,6 +215,25 @@ async def test_a_slow_database_delays_nobody(
         await written(history)
         assert history.stats().dropped == 0
         assert history.stats().database_reachable
+
+
+async def test_the_spool_is_emptied_while_goals_keep_coming(
+    database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def submit() -> None:
+        for number in itertools.count():
+            await history.add(make_goal(number))
+            await asyncio.sleep(0.01)
+
+    async with open_at(database_url, tmp_path, max_waiting=5000) as history:
+        monkeypatch.setattr(queries, "write", partial(slowly, queries.write, seconds=0.2))
+        submitting = asyncio.create_task(submit())
+        await until(lambda: history.stats().spooled >= 10)
+        files = list((tmp_path / "spool").glob("*.jsonl"))
+        await until(lambda: not any(file.exists() for file in files))
+        await cancel(submitting)
+        await written(history)
+        assert history.stats().spooled == 0
 
 
 async def test_a_full_database(sqlite_url: str, tmp_path: Path) -> None:
