@@ -5,6 +5,9 @@ import { START } from "./events";
 // On a busy machine seconds are not much.
 configure({ asyncUtilTimeout: 20_000 });
 
+// No gateway answers here, and parts of a page wait for one.
+vi.mock("../src/ui/lazyPart", async () => ({ lazyPart: (await import("react")).lazy }));
+
 // What jsdom lacks and the page's libraries ask for.
 window.matchMedia ??= (query: string) =>
   ({

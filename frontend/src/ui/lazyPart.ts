@@ -1,19 +1,28 @@
 import { type ComponentType, lazy } from "react";
 
+const ANSWER_MS = 5000;
 const RETRY_MS = 2000;
 
 /**
- * A part of the page whose code is loaded when it is first shown. If the gateway does not answer then, it is loaded as
- * soon as it does.
+ * A part of the page whose code is loaded when it is first shown, as soon as the gateway answers: a browser does not
+ * ask again for a module that it could not load.
  *
  * An error is thrown where the gateway answers and the code is not there, as after an update; `Guarded` shows it.
  */
 export function lazyPart<Props>(load: () => Promise<{ default: ComponentType<Props> }>) {
-  return lazy(() => load().catch(() => gatewayAnswers().then(load)));
+  return lazy(() => gatewayAnswers().then(load));
 }
 
 async function gatewayAnswers(): Promise<void> {
-  while (!(await fetch("/healthz").catch(() => null))?.ok) {
+  while (!(await answers())) {
     await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
   }
+}
+
+async function answers(): Promise<boolean> {
+  const signal = AbortSignal.timeout(ANSWER_MS);
+  return fetch("/healthz", { signal }).then(
+    ({ ok }) => ok,
+    () => false,
+  );
 }
