@@ -12,6 +12,10 @@ from typing import Protocol, TypeVar
 from dock_gateway.actions.cancellation import require_unfinished
 from dock_gateway.actions.liveness import ServerState
 from dock_gateway.actions.registry import Action, ActionRegistry
+from dock_gateway.automation.activity import Activity
+from dock_gateway.automation.decisions import DecisionLog
+from dock_gateway.automation.docking import AutomaticDocking
+from dock_gateway.automation.rules import RuleBook
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
 from dock_gateway.core.event import message_event, utc_now
 from dock_gateway.core.filters import EventFilter
@@ -64,6 +68,7 @@ class Gateway:
     fleet: Fleet
     labels: Labels
     alerts: AlertBoard
+    automation: AutomaticDocking
     graph: GraphCache
     echoes: EchoRegistry
     dock: Action
@@ -185,14 +190,18 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
         stack, Interlock(hub, LatchFile(settings.stop_file), normalize_namespace(settings.namespace))
     )
     last_goals = _closed_by(stack, LastGoals(history))
-    actions = _closed_by(
-        stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock, on_end=last_goals.take)
-    )
+    actions = _closed_by(stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock))
+    actions.on_end.append(last_goals.take)
     history.on_loss = lambda: _record_unfinished(actions, history)
     robots = _closed_by(stack, RobotRegistry(settings, bridge, hub, interlock, last_goals))
     stopper = _closed_by(stack, Stopper(robots, actions, interlock))
     simulators = _closed_by(stack, Simulators(settings, bridge, hub))
     _open_on_demand(settings, bridge, hub, stack)
+    activity = Activity(robots)
+    actions.on_end.append(activity.on_end)
+    stopper.on_stop.append(activity.intervened)
+    interlock.on_release.append(activity.intervened)
+    _watch_velocity(settings, bridge, activity, stack)
     graph = _closed_by(stack, GraphCache(bridge))
     echoes = _closed_by(stack, EchoRegistry(bridge, graph))
     await bridge.call(
@@ -210,6 +219,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
     undock = await actions.open(names.undock, settings.undock_action_type, pinned=True)
     labels = _closed_by(stack, Labels(history.labels, lambda: [robot.namespace for robot in robots.all()]))
     await labels.open()
+    decisions = DecisionLog(hub, history.automation_decisions)
     alerts = _closed_by(
         stack,
         AlertBoard(
@@ -217,6 +227,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
             SharedEntries(history.acknowledgements),
             low_battery=settings.low_battery,
             incident=lambda: history.incident,
+            given_up=decisions.given_up,
         ),
     )
     fleet = _closed_by(
@@ -231,6 +242,18 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
             last_goals=last_goals,
             labels=labels,
             alerts=alerts,
+        ),
+    )
+    automation = _closed_by(
+        stack,
+        AutomaticDocking(
+            settings,
+            fleet,
+            actions,
+            history,
+            activity=activity,
+            rules=RuleBook(history.automation_rules),
+            decisions=decisions,
         ),
     )
     departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
@@ -250,6 +273,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
         fleet,
         labels,
         alerts,
+        automation,
         graph,
         echoes,
         dock,
@@ -311,6 +335,16 @@ def _open_on_demand(settings: Settings, bridge: Bridge, hub: Hub, stack: AsyncEx
 
     _closed_by(stack, OnDemand(bridge, hub, "scene", make_scene))
     _closed_by(stack, OnDemand(bridge, hub, "cmd_vel", make_velocity))
+
+
+def _watch_velocity(settings: Settings, bridge: Bridge, activity: Activity, stack: AsyncExitStack) -> None:
+    """Subscribe to the velocity of the robots that are about to be docked automatically."""
+
+    def make(robot: str) -> VelocityListener:
+        topic = settings.resolve(settings.cmd_vel_topic, robot)
+        return VelocityListener(bridge, topic, lambda message, _: activity.on_velocity(robot, message))
+
+    _closed_by(stack, OnDemand(bridge, activity, "cmd_vel", make))
 
 
 async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, departures: Departures) -> None:

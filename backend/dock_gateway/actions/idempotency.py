@@ -7,7 +7,7 @@ from typing import Any
 from dock_gateway.actions.submission import Claim, Delivery, outcome
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.errors import Conflict, Unavailable
-from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.goal import Goal, GoalStatus, Origin
 from dock_gateway.history import History, fingerprint_of
 from dock_gateway.settings import Settings
 
@@ -25,12 +25,13 @@ class Submitter:
         self._submitting: dict[str, tuple[Any, asyncio.Task[Goal]]] = {}
         self._delivery = delivery
 
-    async def submit(self, message: Any, idempotency_key: str | None = None) -> Goal:
+    async def submit(self, message: Any, idempotency_key: str | None = None, *, origin: Origin = "gateway") -> Goal:
         """Send a goal and wait until the action server has accepted it.
 
         Args:
             message: The goal as a ROS message.
             idempotency_key: A later submission with this key gets the first one's goal, unless that was never sent.
+            origin: Who sends it.
 
         Raises:
             Conflict: A stop is latched (`stop_latched`) or was requested meanwhile (`stopped`), the server rejected the
@@ -40,7 +41,7 @@ class Submitter:
             TooManyRequests: Too many goals are waiting for an answer.
         """
         if idempotency_key is None:
-            return await asyncio.shield(self._delivery.start(message))
+            return await asyncio.shield(self._delivery.start(message, origin=origin))
         stops = self._delivery.stops
         again: Goal | None = None
         under_way = self._submitting.get(idempotency_key)
@@ -59,7 +60,7 @@ class Submitter:
                     return outcome(first)
             under_way = self._submitting.get(idempotency_key)
         if under_way is None:
-            task = self._delivery.start(message, self._claim_of(idempotency_key), stops, again)
+            task = self._delivery.start(message, self._claim_of(idempotency_key), stops, again, origin=origin)
             self._submitting[idempotency_key] = (message, task)
             task.add_done_callback(lambda _: self._submitting.pop(idempotency_key))
         else:

@@ -109,6 +109,8 @@ class ActionRegistry:
         history: Stores goals.
         reasons: Why goals were rejected or aborted.
         interlock: The latched stops.
+
+    Attributes:
         on_end: Called with a goal of any action when no further events of it are expected.
     """
 
@@ -121,13 +123,12 @@ class ActionRegistry:
         reasons: PendingFacts[GoalError],
         *,
         interlock: Interlock,
-        on_end: Callable[[Goal], None] = lambda _: None,
     ) -> None:
         self._settings = settings
         self._bridge = bridge
         self._parts = (settings, hub, history, reasons)
         self._interlock = interlock
-        self._on_end = on_end
+        self.on_end: list[Callable[[Goal], None]] = []
         self._hub = hub
         interlock.on_latch.append(self._stop_under)
         self._history = history
@@ -167,7 +168,7 @@ class ActionRegistry:
         kind = await asyncio.to_thread(ActionKind, type_name)
         port = await self._bridge.call(lambda: ActionPort(self._bridge, name, kind), undo=ActionPort.close)
         action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
-        action.tracker.on[News.RETIRED].append(self._on_end)
+        action.tracker.on[News.RETIRED].append(self._ended)
         self._actions[name] = action
         unfinished = self._unfinished.pop(name, {})
         try:
@@ -207,6 +208,10 @@ class ActionRegistry:
         finally:
             self._changed.set()
             self._changed.clear()
+
+    def _ended(self, goal: Goal) -> None:
+        for notify in self.on_end:
+            notify(goal)
 
     def _give_up(self) -> None:
         """Mark goals whose action has not come back as lost, until it does."""

@@ -12,7 +12,7 @@ from dock_gateway.actions.liveness import ServerWatch
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, TooManyRequests, Unavailable
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import History
 from dock_gateway.latch.interlock import Interlock
@@ -67,7 +67,13 @@ class Delivery:
         self.stops += 1
 
     def start(
-        self, message: Any, claim: Claim | None = None, stops: int | None = None, again: Goal | None = None
+        self,
+        message: Any,
+        claim: Claim | None = None,
+        stops: int | None = None,
+        again: Goal | None = None,
+        *,
+        origin: Origin = "gateway",
     ) -> "asyncio.Task[Goal]":
         """Deliver a goal in its own task, which continues if the client disconnects.
 
@@ -77,6 +83,7 @@ class Delivery:
             stops: The value of `stops` when the goal was requested; default: the current one.
             again: The goal itself, if it was stored before and never accepted. It keeps its id, which an action server
                 accepts only once.
+            origin: Who sends it.
 
         Raises:
             Conflict: A stop is latched (`stop_latched`). The task raises it too, also if a stop was requested meanwhile
@@ -89,18 +96,19 @@ class Delivery:
         if len(self._tasks) >= self._settings.max_pending_goals:
             raise TooManyRequests(f"{len(self._tasks)} goals already wait for the action server's answer")
         self._interlock.require_released(self._tracker.port.action_name)
-        task = asyncio.create_task(self._deliver(message, claim, self.stops if stops is None else stops, again))
+        stops = self.stops if stops is None else stops
+        task = asyncio.create_task(self._deliver(message, claim, stops, again, origin))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         return task
 
     # ------------------------------------------------------------------ sending
 
-    async def _deliver(self, message: Any, claim: Claim | None, stops: int, again: Goal | None) -> Goal:
+    async def _deliver(self, message: Any, claim: Claim | None, stops: int, again: Goal | None, origin: Origin) -> Goal:
         """Store a goal, then send it: if this process dies, a running goal is still known to be ours."""
         port = self._tracker.port
         await self._watch.require()
-        goal = again or Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now())
+        goal = again or Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now(), origin)
         if again is None:
             goal.goal = port.encode_goal(message)
             if claim is not None and (first := await claim.take(goal)):

@@ -235,7 +235,10 @@ def loss_event(goal_id: str, action_name: str, why: str, count: int, now: dateti
 
 
 def fleet_event(kind: str, now: datetime, **payload: Any) -> Event:
-    """Return the event of a change in the fleet: `robots` holds those that changed, `alerts` holds all alerts."""
+    """Return the event of a change in the fleet: `robots` holds those that changed, `alerts` all alerts.
+
+    `automation` holds a decision of automatic docking.
+    """
     return Event(encode({"type": kind, "time": now, **payload}), "robots")
 
 

@@ -10,7 +10,8 @@ import orjson
 # A ROS message encoded to JSON, once. It is embedded as it is in every document.
 Json = bytes
 
-Origin = Literal["gateway", "external"]
+# Who sent a goal: a client of a gateway, a rule of automatic docking, or a client of ROS.
+Origin = Literal["gateway", "automation", "external"]
 
 
 # A goal that has been lost for longer than this is not expected back.

@@ -7,6 +7,7 @@ from datetime import datetime, timedelta
 from enum import StrEnum
 from typing import Any
 
+from dock_gateway.core.automation import Decision
 from dock_gateway.core.filters import lineage, parent_of
 from dock_gateway.core.goal import LOST_FOR, Goal
 from dock_gateway.fleet.robot_state import CHARGES, RobotState
@@ -24,6 +25,7 @@ MARGIN = 0.05
 
 
 NO_DUPLICATES: Mapping[str, list[str]] = {}
+NOT_GIVEN_UP: Mapping[str, Decision] = {}
 
 
 class AlertKind(StrEnum):
@@ -36,6 +38,7 @@ class AlertKind(StrEnum):
     BATTERY_STALE = "battery_stale"
     HISTORY_LOST = "history_lost"
     DUPLICATE_ACTION_SERVER = "duplicate_action_server"
+    AUTOMATIC_DOCKING_FAILED = "automatic_docking_failed"
 
     @property
     def critical(self) -> bool:
@@ -101,6 +104,7 @@ class AlertRules:
         *,
         incident: Incident | None = None,
         duplicates: Mapping[str, list[str]] = NO_DUPLICATES,
+        given_up: Mapping[str, Decision] = NOT_GIVEN_UP,
     ) -> list[Alert]:
         """Return the alerts, critical ones first, then oldest first.
 
@@ -111,6 +115,7 @@ class AlertRules:
             seconds: The current time on a monotonic clock, in seconds.
             incident: The incident of the history, if there is one.
             duplicates: By robot, the actions that have more than one server.
+            given_up: By robot, the decisions of automatic docking to give up.
         """
         alerts = [*_stops(states), *_lost(states, strays, now), *self._duplicates(duplicates, now)]
         if incident is not None:
@@ -119,6 +124,8 @@ class AlertRules:
             alerts += self._discharging(state, now, seconds)
             alerts += self._low(state, now)
             alerts += _stale(state, now)
+            if state.name in given_up:
+                alerts.append(_undocked(given_up[state.name]))
         return sorted(alerts, key=lambda alert: (not alert.kind.critical, alert.since, alert.id))
 
     def _duplicates(self, duplicates: Mapping[str, list[str]], now: datetime) -> Iterator[Alert]:
@@ -167,6 +174,17 @@ class AlertRules:
             f"The battery of {state.name} has fallen below {self._low_battery:.0%} and is not charging. Send the "
             "robot to its dock.",
         )
+
+
+def _undocked(decision: Decision) -> Alert:
+    return Alert(
+        AlertKind.AUTOMATIC_DOCKING_FAILED,
+        decision.robot,
+        decision.at,
+        "Automatic docking gave up",
+        f"The rule {decision.rule_name!r} could not dock {decision.robot}, whose battery is low. Check what stopped "
+        "it, then send it to its dock.",
+    )
 
 
 def _stops(states: list[RobotState]) -> Iterator[Alert]:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from dock_gateway.core.automation import Decision
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.goal import Goal, encode
@@ -31,6 +32,7 @@ class AlertBoard:
         acknowledgements: The acknowledgements.
         low_battery: Charge (0 to 1) below which a battery is low.
         incident: Returns the incident of the history, or None.
+        given_up: Returns, by robot, the decisions of automatic docking to give up.
     """
 
     def __init__(
@@ -40,11 +42,13 @@ class AlertBoard:
         *,
         low_battery: float,
         incident: Callable[[], Incident | None] = lambda: None,
+        given_up: Callable[[], Mapping[str, Decision]] = dict,
     ) -> None:
         self._hub = hub
         self._acknowledgements = acknowledgements
         self._rules = AlertRules(low_battery)
         self._incident = incident
+        self._given_up = given_up
         self._alerts: dict[str, Alert] = {}
         self._published: bytes | None = None
         self._task = asyncio.create_task(self._sync())
@@ -60,7 +64,13 @@ class AlertBoard:
             duplicates: By robot, the actions that have more than one server.
         """
         found = self._rules.look(
-            states, strays, utc_now(), time.monotonic(), incident=self._incident(), duplicates=duplicates
+            states,
+            strays,
+            utc_now(),
+            time.monotonic(),
+            incident=self._incident(),
+            duplicates=duplicates,
+            given_up=self._given_up(),
         )
         alerts = {alert.id: alert for alert in found}
         for ended in self._alerts.keys() - alerts.keys():

@@ -39,6 +39,10 @@ class SharedEntries(Generic[EntryT]):
         """Return the keys of all entries."""
         return set(self._known)
 
+    def all(self) -> Mapping[str, EntryT]:
+        """Return all entries by their keys."""
+        return self._known
+
     def put(self, key: str, entry: EntryT | None) -> None:
         """Set an entry, or remove it with None. While the history does not answer, that applies to this process only.
 

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -107,9 +108,13 @@ class Stopper:
         robots: The robots.
         actions: The actions.
         interlock: Latches the stops.
+
+    Attributes:
+        on_stop: Called with the namespace of a robot that is stopped.
     """
 
     def __init__(self, robots: RobotRegistry, actions: ActionRegistry, interlock: Interlock) -> None:
+        self.on_stop: list[Callable[[str], None]] = []
         self._robots = robots
         self._actions = actions
         self._interlock = interlock
@@ -186,6 +191,9 @@ class Stopper:
         for action in self._actions.under(name):
             self._cancel(halt, action)
         self._tasks.spawn(self._carry_on(name, halt))
+        for robot in halt.robots:
+            for notify in self.on_stop:
+                notify(robot.namespace)
         return halt
 
     def _join(self, halt: Halt) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from copy import copy
 from typing import Generic
 
+from dock_gateway.core.automation import Decision, Rule
 from dock_gateway.core.event import FEEDBACK, Event, kind_of
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
@@ -66,6 +67,8 @@ class MemoryHistory:
         self.acknowledgements = MemoryEntries[Acknowledgement]()
         self.labels = MemoryEntries[RobotLabel]()
         self.notes = MemoryNotes()
+        self.automation_rules = MemoryEntries[Rule]()
+        self.automation_decisions = MemoryEntries[Decision]()
         self.on_loss: Callable[[], None] = lambda: None
         self._limit = limit
         self._event_limit = event_limit

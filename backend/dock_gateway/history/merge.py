@@ -33,7 +33,7 @@ def merge(stored: Goal, news: Goal) -> Goal:
     merged.updated_at = latest.updated_at
     if stored.origin == news.origin:
         merged.created_at = min(stored.created_at, news.created_at)
-    elif news.origin == "gateway":
+    elif news.origin != "external":
         merged.origin, merged.created_at = news.origin, news.created_at
     return merged
 

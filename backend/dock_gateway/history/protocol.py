@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Protocol, TypeVar
 
+from dock_gateway.core.automation import Decision, Rule
 from dock_gateway.core.event import Event, nanoseconds, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, Json
@@ -166,6 +167,14 @@ class History(Protocol):
     @property
     def notes(self) -> Notes:
         """The notes and tags of goals."""
+
+    @property
+    def automation_rules(self) -> Entries[Rule]:
+        """The rules of automatic docking, by id."""
+
+    @property
+    def automation_decisions(self) -> Entries[Decision]:
+        """The decisions of automatic docking, by id."""
 
     @property
     def incident(self) -> Incident | None:

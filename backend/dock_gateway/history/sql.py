@@ -9,9 +9,11 @@ from copy import copy
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import sqlalchemy as sa
 
+from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, time_id
 from dock_gateway.core.filters import GoalFilter
@@ -41,7 +43,13 @@ from dock_gateway.history.rows import Key
 from dock_gateway.history.seals import Sealer
 from dock_gateway.history.spool import Spool
 from dock_gateway.history.statistics import Span, Tallies
-from dock_gateway.history.tables import acknowledgements, goal_tags, robot_labels
+from dock_gateway.history.tables import (
+    acknowledgements,
+    automation_decisions,
+    automation_rules,
+    goal_tags,
+    robot_labels,
+)
 from dock_gateway.history.waiting import Waiting
 from dock_gateway.history.writer import Writer
 
@@ -79,6 +87,8 @@ class SqlHistory:
         self.acknowledgements = SqlEntries(self._reader, writer, acknowledgements, Acknowledgement)
         self.labels = SqlEntries(self._reader, writer, robot_labels, RobotLabel)
         self.notes = SqlNotes(self._reader, writer)
+        self.automation_rules = SqlEntries(self._reader, writer, automation_rules, _rule)
+        self.automation_decisions = SqlEntries(self._reader, writer, automation_decisions, _decision)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
         self.on_loss: Callable[[], None] = lambda: None
@@ -292,6 +302,14 @@ class SqlHistory:
         with suppress(*DATABASE_ERRORS):
             async with asyncio.timeout(CLOSE_TIMEOUT):
                 await self._database.close()
+
+
+def _rule(name: str, mode: str, *fields: Any) -> Rule:
+    return Rule(name, Mode(mode), *fields)
+
+
+def _decision(rule_id: str, rule_name: str, robot: str, at: datetime, outcome: str, *fields: Any) -> Decision:
+    return Decision(rule_id, rule_name, robot, at, Outcome(outcome), *fields)
 
 
 def open_database(url: str) -> Database:

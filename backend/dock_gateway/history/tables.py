@@ -166,6 +166,42 @@ goal_notes = sa.Table(
     sa.Index("notes_by_goal", "goal_id", "written_at", "note_id"),
 )
 
+automation_rules = sa.Table(
+    "automation_rules",
+    metadata,
+    sa.Column("rule_id", sa.Text, primary_key=True),
+    sa.Column("name", sa.Text, nullable=False),
+    sa.Column("mode", sa.Text, nullable=False),
+    sa.Column("every_robot", sa.Boolean, nullable=False),
+    sa.Column("robots", Names, nullable=False),
+    sa.Column("groups", Names, nullable=False),
+    sa.Column("below", sa.Float),
+    sa.Column("idle_s", sa.Float),
+    sa.Column("times", Names, nullable=False),
+    sa.Column("weekdays", Names, nullable=False),
+    sa.Column("time_zone", sa.Text),
+    sa.Column("changed_by", sa.Text),
+    sa.Column("changed_at", UtcTime, nullable=False),
+)
+
+automation_decisions = sa.Table(
+    "automation_decisions",
+    metadata,
+    sa.Column("decision_id", sa.Text, primary_key=True),
+    sa.Column("rule_id", sa.Text, nullable=False),
+    sa.Column("rule_name", sa.Text, nullable=False),
+    sa.Column("robot", sa.Text, nullable=False),
+    sa.Column("decided_at", UtcTime, nullable=False),
+    sa.Column("outcome", sa.Text, nullable=False),
+    sa.Column("battery", sa.Float),
+    sa.Column("idle_since", UtcTime),
+    sa.Column("scheduled_for", UtcTime),
+    sa.Column("goal_id", sa.Text),
+    sa.Column("code", sa.Text),
+    sa.Column("detail", sa.Text),
+    sa.Column("open", sa.Boolean, nullable=False),
+)
+
 # The newest missing event of each topic, dropped by retention or because memory was full. The row with an empty topic
 # is the time when the tables were made: what is later is complete, even if no event is stored yet.
 BEGINNING = ""

@@ -50,10 +50,12 @@ class Interlock:
 
     Attributes:
         on_latch: Called with the namespace of a robot that is held by another gateway's stop.
+        on_release: Called with the namespace of a robot whose stop is released, here or at another gateway.
     """
 
     def __init__(self, hub: Hub, file: LatchFile, default: str) -> None:
         self.on_latch: list[Callable[[str], None]] = []
+        self.on_release: list[Callable[[str], None]] = []
         self._hub = hub
         self._latches = Latches(file.read(default))
         self._writer = LatchWriter(file, self._show_soon)
@@ -219,7 +221,11 @@ class Interlock:
 
     def _let_go(self, namespace: str) -> bool:
         self._stop_published_at.pop(namespace, None)
-        return self._latches.release(namespace)
+        released = self._latches.release(namespace)
+        if released:
+            for notify in self.on_release:
+                notify(namespace)
+        return released
 
     def _echo(self, namespace: str) -> None:
         if (before := self._echoes.pop(namespace, None)) is not None:

@@ -33,6 +33,10 @@ class PowerSupply(IntEnum):
     FULL = 4
 
 
+# The goal of docking unless a client asks for another battery state.
+CHARGING = {"desired_battery_state": {"power_supply_status": PowerSupply.CHARGING}}
+
+
 @dataclass(frozen=True)
 class Reading:
     """The fields of a battery state that the gateway evaluates. `percentage` is 0 to 1, or None if not measured."""

@@ -6,7 +6,6 @@ from collections.abc import Awaitable, Callable
 from typing import Protocol
 
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.ros.bridge import Bridge
 
@@ -23,29 +22,39 @@ class Port(Protocol):
         """End the subscription."""
 
 
+class Demand(Protocol):
+    """Knows whose topics are wanted, such as the hub, by its subscribers."""
+
+    def watched(self, topic: str) -> set[str]:
+        """Return the robots whose topic is wanted."""
+
+    def on_watch(self, topic: str, changed: Callable[[], None]) -> None:
+        """Register `changed`, to be called whenever that changes."""
+
+
 class OnDemand:
     """Opens and closes ports of one kind as subscribers come and go.
 
     Args:
         bridge: Runs calls on the ROS thread.
-        hub: Knows the subscribers.
+        demand: Knows the subscribers.
         topic: Its name in `?include=`.
         make: Makes the port of a robot.
     """
 
-    def __init__(self, bridge: Bridge, hub: Hub, topic: str, make: Callable[[str], Port]) -> None:
+    def __init__(self, bridge: Bridge, demand: Demand, topic: str, make: Callable[[str], Port]) -> None:
         self._bridge = bridge
-        self._hub = hub
+        self._demand = demand
         self._topic = topic
         self._make = make
         self._ports: dict[str, Port] = {}
         self._changed = asyncio.Event()
         self._task = asyncio.create_task(self._run())
-        hub.on_watch(topic, self._changed.set)
+        demand.on_watch(topic, self._changed.set)
 
     @property
     def _wanted(self) -> set[str]:
-        return self._hub.watched(self._topic)
+        return self._demand.watched(self._topic)
 
     async def _run(self) -> None:
         while True:

@@ -18,6 +18,7 @@ from dock_gateway.web.origin import OriginGuard
 from dock_gateway.web.problems import install_problems
 from dock_gateway.web.routes import (
     actions,
+    automation,
     battery,
     battery_history,
     dock,
@@ -82,6 +83,7 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
         battery_history,
         fleet,
         labels,
+        automation,
         simulator,
         health,
         socket,

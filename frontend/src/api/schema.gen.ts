@@ -829,6 +829,72 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/automation/rules": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Rules
+         * @description List the rules by name, each with the robots that it applies to and what it waits for.
+         */
+        get: operations["list_rules"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/automation/rules/{rule_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Replace Rule
+         * @description Store a rule, new or changed, at every gateway that shares the history. It starts from the beginning.
+         *
+         *     A rule is off unless `mode` says otherwise. It has one condition, `battery` or `schedule`.
+         */
+        put: operations["replace_rule"];
+        post?: never;
+        /**
+         * Remove Rule
+         * @description Remove a rule. Goals that it sent go on.
+         */
+        delete: operations["remove_rule"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/automation/decisions": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Decisions
+         * @description List the decisions of all gateways that share the history, newest first. The last 1000 are kept.
+         */
+        get: operations["list_decisions"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/simulator": {
         parameters: {
             query?: never;
@@ -1015,7 +1081,7 @@ export interface components {
              * Origin
              * @enum {string}
              */
-            origin: "gateway" | "external";
+            origin: "gateway" | "automation" | "external";
             /** Stage */
             stage: string | null;
             /** Retries */
@@ -1191,7 +1257,7 @@ export interface components {
              * Origin
              * @enum {string}
              */
-            origin: "gateway" | "external";
+            origin: "gateway" | "automation" | "external";
             /** Stage */
             stage: string | null;
             /** Retries */
@@ -1266,7 +1332,7 @@ export interface components {
          * @description The kinds of alerts.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_stale" | "history_lost" | "duplicate_action_server";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_stale" | "history_lost" | "duplicate_action_server" | "automatic_docking_failed";
         /**
          * AlertList
          * @description The active alerts: critical ones first, then oldest first.
@@ -1296,6 +1362,23 @@ export interface components {
         /** @description The answer to a command of /ws. */
         Answer: components["schemas"]["GoalAck"] | components["schemas"]["PublisherAck"] | components["schemas"]["PublishedAck"] | components["schemas"]["StopAck"] | components["schemas"]["ReleaseAck"] | components["schemas"]["SubscriptionAck"] | components["schemas"]["PingAck"] | components["schemas"]["CommandError"];
         /**
+         * AutomationEvent
+         * @description A rule of automatic docking has decided, at any gateway that shares the history.
+         */
+        AutomationEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "automation";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            automation: components["schemas"]["Decision"];
+        };
+        /**
          * Battery
          * @description The latest battery state and its age. A charge below `low_below` (0 to 1) is low.
          */
@@ -1311,6 +1394,16 @@ export interface components {
             low_below: number;
             /** Received At */
             received_at: string | null;
+        };
+        /**
+         * BatteryCondition
+         * @description The battery has been below `below` (0 to 1), and the robot idle, for `idle_s` seconds.
+         */
+        BatteryCondition: {
+            /** Below */
+            below: number;
+            /** Idle S */
+            idle_s: number;
         };
         /**
          * BatteryEvent
@@ -1579,6 +1672,63 @@ export interface components {
             id: string | null;
         };
         /**
+         * Decision
+         * @description What a rule decided about a robot, and the facts that it went by.
+         *
+         *     `battery` is the charge (0 to 1); `idle_since` is when the robot was idle with a low battery, or stood still before
+         *     a time of day, which is `scheduled_for`. `code` and `detail` say why no goal was sent.
+         * @example {
+         *       "at": "2026-11-21T21:04:12.182Z",
+         *       "battery": 0.18,
+         *       "code": null,
+         *       "detail": null,
+         *       "goal_id": "6a8c2b0a-5c63-4d0e-9c1e-0d7a9c4d5e6f",
+         *       "id": "0b8f9b0e4e5c4c62a2ac3c2f5bd0a1f2",
+         *       "idle_since": "2026-11-21T21:03:12.182Z",
+         *       "outcome": "sent",
+         *       "robot": "/robot1",
+         *       "rule_id": "low-battery",
+         *       "rule_name": "Low battery",
+         *       "scheduled_for": null
+         *     }
+         */
+        Decision: {
+            /** Id */
+            id: string;
+            /** Rule Id */
+            rule_id: string;
+            /** Rule Name */
+            rule_name: string;
+            /** Robot */
+            robot: string;
+            /**
+             * At
+             * Format: date-time
+             */
+            at: string;
+            outcome: components["schemas"]["Outcome"];
+            /** Battery */
+            battery: number | null;
+            /** Idle Since */
+            idle_since: string | null;
+            /** Scheduled For */
+            scheduled_for: string | null;
+            /** Goal Id */
+            goal_id: string | null;
+            /** Code */
+            code: string | null;
+            /** Detail */
+            detail: string | null;
+        };
+        /**
+         * DecisionList
+         * @description Decisions, newest first.
+         */
+        DecisionList: {
+            /** Decisions */
+            decisions: components["schemas"]["Decision"][];
+        };
+        /**
          * DockFeedback
          * @description Feedback of ConnectToChargingDock and DisconnectFromChargingDock.
          */
@@ -1646,7 +1796,7 @@ export interface components {
             count: number;
         };
         /** @description A message of an event stream. */
-        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
+        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * ExportedGoal
          * @description A goal with its notes and events, oldest first; `complete` is false if events are missing.
@@ -1665,7 +1815,7 @@ export interface components {
              * Origin
              * @enum {string}
              */
-            origin: "gateway" | "external";
+            origin: "gateway" | "automation" | "external";
             /** Stage */
             stage: string | null;
             /** Retries */
@@ -1808,7 +1958,7 @@ export interface components {
              * Origin
              * @enum {string}
              */
-            origin: "gateway" | "external";
+            origin: "gateway" | "automation" | "external";
             /** Stage */
             stage: string | null;
             /** Retries */
@@ -1966,7 +2116,7 @@ export interface components {
              * Origin
              * @enum {string}
              */
-            origin: "gateway" | "external";
+            origin: "gateway" | "automation" | "external";
             /** Stage */
             stage: string | null;
             /** Retries */
@@ -2231,6 +2381,12 @@ export interface components {
             };
         };
         /**
+         * Mode
+         * @description What a rule does when its condition is met: nothing, record what it would do, or dock the robot.
+         * @enum {string}
+         */
+        Mode: "off" | "dry_run" | "on";
+        /**
          * Note
          * @description What somebody wrote about a goal.
          */
@@ -2247,6 +2403,14 @@ export interface components {
             /** Text */
             text: string;
         };
+        /**
+         * Outcome
+         * @description What came of a decision.
+         *
+         *     `sending` becomes another one within seconds, or a minute later if the gateway ended meanwhile.
+         * @enum {string}
+         */
+        Outcome: "dry_run" | "sending" | "sent" | "held" | "refused" | "skipped" | "gave_up";
         /**
          * PingAck
          * @description The answer to `ping`.
@@ -2552,6 +2716,60 @@ export interface components {
             gone: string[];
         };
         /**
+         * Rule
+         * @description A rule of automatic docking. Either `battery` or `schedule` is null.
+         *
+         *     `applies_to` lists the robots on the gateway that it applies to.
+         */
+        Rule: {
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            mode: components["schemas"]["Mode"];
+            robots: components["schemas"]["RuleRobots"];
+            battery: components["schemas"]["BatteryCondition"] | null;
+            schedule: components["schemas"]["Schedule"] | null;
+            /** Changed By */
+            changed_by: string | null;
+            /**
+             * Changed At
+             * Format: date-time
+             */
+            changed_at: string;
+            /** Applies To */
+            applies_to: components["schemas"]["RuleRobot"][];
+        };
+        /**
+         * RuleList
+         * @description The rules, by name.
+         */
+        RuleList: {
+            /** Rules */
+            rules: components["schemas"]["Rule"][];
+        };
+        /**
+         * RuleRobot
+         * @description A robot that a rule applies to now, and why it is not docked now.
+         */
+        RuleRobot: {
+            /** Robot */
+            robot: string;
+            waits_for: components["schemas"]["Wait"];
+        };
+        /**
+         * RuleRobots
+         * @description The robots that a rule applies to: all, or those named and those in the groups.
+         */
+        RuleRobots: {
+            /** All */
+            all: boolean;
+            /** Names */
+            names: string[];
+            /** Groups */
+            groups: string[];
+        };
+        /**
          * Scene
          * @description Poses of a robot and its dock, all in one frame.
          *
@@ -2589,6 +2807,18 @@ export interface components {
             /** Robot */
             robot: string;
             scene: components["schemas"]["Scene"];
+        };
+        /**
+         * Schedule
+         * @description Times of day, HH:MM, on some days of the week in a time zone.
+         */
+        Schedule: {
+            /** Times */
+            times: string[];
+            /** Weekdays */
+            weekdays: ("mon" | "tue" | "wed" | "thu" | "fri" | "sat" | "sun")[];
+            /** Time Zone */
+            time_zone: string;
         };
         /**
          * Simulator
@@ -2770,7 +3000,7 @@ export interface components {
              * Origin
              * @enum {string}
              */
-            origin: "gateway" | "external";
+            origin: "gateway" | "automation" | "external";
             /** Stage */
             stage: string | null;
             /** Retries */
@@ -2972,7 +3202,7 @@ export interface components {
              * Origin
              * @enum {string}
              */
-            origin: "gateway" | "external";
+            origin: "gateway" | "automation" | "external";
             /** Stage */
             stage: string | null;
             /** Retries */
@@ -3101,6 +3331,12 @@ export interface components {
             /** Z */
             z: number | null;
         };
+        /**
+         * Wait
+         * @description Why a rule does not dock a robot now.
+         * @enum {string}
+         */
+        Wait: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "goal_running" | "goal_lost" | "quiet_period" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
         /**
          * Time
          * @description This message communicates ROS Time defined here:
@@ -4121,7 +4357,7 @@ export interface operations {
                 /** @description Only goals with these error codes */
                 error?: string[] | null;
                 /** @description Only goals of this origin */
-                origin?: ("gateway" | "external") | null;
+                origin?: ("gateway" | "automation" | "external") | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */
@@ -4566,7 +4802,7 @@ export interface operations {
                 /** @description Only goals with these error codes */
                 error?: string[] | null;
                 /** @description Only goals of this origin */
-                origin?: ("gateway" | "external") | null;
+                origin?: ("gateway" | "automation" | "external") | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */
@@ -4794,7 +5030,7 @@ export interface operations {
                 /** @description Only goals on these actions */
                 action?: string[] | null;
                 /** @description Only goals of this origin */
-                origin?: ("gateway" | "external") | null;
+                origin?: ("gateway" | "automation" | "external") | null;
                 /** @description At this time or later, RFC 3339 */
                 since?: string | null;
                 /** @description Before this time, RFC 3339 */
@@ -5959,6 +6195,256 @@ export interface operations {
                 };
                 content: {
                     "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_rules: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RuleList"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    replace_rule: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Lower-case letters, digits and hyphens, up to 40 */
+                rule_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    name: string;
+                    /**
+                     * @description `off` by default
+                     * @enum {unknown}
+                     */
+                    mode?: "off" | "dry_run" | "on";
+                    /** @description `all`, or at least one robot or group */
+                    robots: {
+                        all?: boolean;
+                        names?: string[];
+                        groups?: string[];
+                    };
+                    /** @description Either this or `schedule` */
+                    battery?: {
+                        /** @description Charge, 0 to 1 */
+                        below: number;
+                        /** @description Seconds */
+                        idle_s: number;
+                    } | null;
+                    schedule?: {
+                        times: string[];
+                        weekdays: ("mon" | "tue" | "wed" | "thu" | "fri" | "sat" | "sun")[];
+                        /** @description IANA name, such as Europe/Berlin */
+                        time_zone: string;
+                    } | null;
+                    /** @description Who changes the rule */
+                    by?: string | null;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Rule"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    remove_rule: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Lower-case letters, digits and hyphens, up to 40 */
+                rule_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_decisions: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+                /** @description Id of a rule */
+                rule?: string | null;
+                /** @description Only the decision that sent this goal */
+                goal_id?: string | null;
+                limit?: number;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DecisionList"];
                 };
             };
             /** @description Unprocessable Entity */

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from dock_gateway.actions.liveness import ServerState
+from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.fleet.alert_rules import Alert, AlertKind, AlertRules, alert_id
 from dock_gateway.fleet.labels import NO_LABEL
@@ -229,3 +230,15 @@ def test_two_servers_of_one_robot_are_one_alert() -> None:
     assert look(6) == []
     (again,) = look(7, robot1=["/robot1/dock"])
     assert again.since == NOON + timedelta(seconds=7)
+
+
+def test_automatic_docking_that_gave_up_is_an_alert_of_a_robot_that_is_here() -> None:
+    decision = Decision(
+        "low", "Low battery", "/robot1", NOON, Outcome.GAVE_UP, 0.1, None, None, None, None, None, open=True
+    )
+    given_up = {"/robot1": decision, "/gone": decision}
+    states = [robot(), robot("/robot2")]
+    (alert,) = AlertRules(0.2).look(states, [], NOON, 0.0, given_up=given_up)
+    assert (alert.kind, alert.robot, alert.since) == (AlertKind.AUTOMATIC_DOCKING_FAILED, "/robot1", NOON)
+    assert alert.kind.critical
+    assert "'Low battery' could not dock /robot1" in alert.detail

@@ -3,10 +3,12 @@
 import asyncio
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
 
+from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.history import History, RobotLabel, immediate, sqlite
 from tests.support.history import locked, open_place
@@ -61,6 +63,25 @@ async def test_labels_are_stored_replaced_and_removed(place: str, tmp_path: Path
         await history.labels.write("/never", None)
         assert await labels_in(history) == {"/robot1": BARE, "/robot2": LEFT}
         assert await history.acknowledgements.read() == {}
+
+
+@pytest.mark.usefixtures("patient")
+async def test_rules_and_decisions_of_automatic_docking_are_what_they_were(place: str, tmp_path: Path) -> None:
+    at = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
+    low = Rule("Low", Mode.ON, False, ("/robot1",), ("hall 1",), 0.2, 60.0, (), (), None, None, at)
+    night = Rule("Nacht ü", Mode.DRY_RUN, True, (), (), None, None, ("22:00",), ("mon",), "Europe/Berlin", "Ada", at)
+    sent = Decision("low", "Low", "/robot1", at, Outcome.SENT, 0.1, at, at, "a", "b", "c", open=True)
+    bare = Decision("low", "Low", "/robot1", at, Outcome.GAVE_UP, None, None, None, None, None, None, open=False)
+    async with opened(place, tmp_path) as history:
+        for rule_id, rule in (("low", night), ("low", low), ("night", night)):
+            await history.automation_rules.write(rule_id, rule)
+        for identity, decision in (("a", bare), ("a", sent), ("b", bare)):
+            await history.automation_decisions.write(identity, decision)
+        rules, decisions = await history.automation_rules.read(), await history.automation_decisions.read()
+        assert rules == {"low": low, "night": night}
+        assert decisions == {"a": sent, "b": bare}
+        assert isinstance(rules["low"].mode, Mode)
+        assert isinstance(decisions["a"].outcome, Outcome)
 
 
 @pytest.mark.usefixtures("patient")

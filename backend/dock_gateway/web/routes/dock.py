@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from fastapi import APIRouter, Depends, Request
-from sensor_msgs.msg import BatteryState
 from starlette.responses import Response
 
 from dock_gateway.actions.registry import Action
 from dock_gateway.gateway import Gateway
+from dock_gateway.robots.battery import CHARGING
 from dock_gateway.web.openapi import battery_body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -25,7 +25,6 @@ from dock_gateway.web.requests import (
 from dock_gateway.web.routes import goals
 from dock_gateway.web.schemas.goals import Goal, GoalPage
 
-CHARGING = {"desired_battery_state": {"power_supply_status": BatteryState.POWER_SUPPLY_STATUS_CHARGING}}
 NOT_CHARGING: dict[str, Any] = {"desired_battery_state": {}}
 
 

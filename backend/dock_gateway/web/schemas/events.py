@@ -7,6 +7,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.web.schemas.actions import ActionServer
+from dock_gateway.web.schemas.automation import Decision
 from dock_gateway.web.schemas.common import Schema
 from dock_gateway.web.schemas.goals import (
     ActionGoal,
@@ -188,6 +189,14 @@ class AlertsEvent(Schema):
     alerts: list[Alert]
 
 
+class AutomationEvent(Schema):
+    """A rule of automatic docking has decided, at any gateway that shares the history."""
+
+    type: Literal["automation"]
+    time: datetime
+    automation: Decision
+
+
 class SceneEvent(Schema):
     """The poses of a robot and its dock, up to 20 times a second."""
 
@@ -262,6 +271,7 @@ EVENTS: tuple[type[BaseModel], ...] = (
     SimulatorEvent,
     RobotsEvent,
     AlertsEvent,
+    AutomationEvent,
     SceneEvent,
     HeartbeatEvent,
     DroppedEvent,

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from pydantic import JsonValue
 
-from dock_gateway.core.goal import GoalStatus
+from dock_gateway.core.goal import GoalStatus, Origin
 from dock_gateway.web.schemas.common import Schema
 
 
@@ -49,7 +49,7 @@ class GoalState(Schema):
     action_type: str
     status: GoalStatus
     stalled: bool
-    origin: Literal["gateway", "external"]
+    origin: Origin
     stage: str | None
     retries: int | None
     error: GoalError | None

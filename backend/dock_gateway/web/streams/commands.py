@@ -7,9 +7,9 @@ from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import fragment
 from dock_gateway.gateway import Gateway
+from dock_gateway.robots.battery import CHARGING
 from dock_gateway.web.requests import check_key, read_goal_id
 from dock_gateway.web.routes.battery import read_rate
-from dock_gateway.web.routes.dock import CHARGING
 from dock_gateway.web.routes.stop import stop_robot
 
 Fields = dict[str, Any]

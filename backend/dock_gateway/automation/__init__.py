@@ -1,0 +1,1 @@
+"""Automatic docking: rules that send robots to their docks."""

@@ -1,0 +1,77 @@
+"""Since when robots stand still, and when a person last intervened."""
+
+import time
+from collections.abc import Callable, Collection
+
+import orjson
+
+from dock_gateway.core.goal import Goal, GoalStatus, Json
+from dock_gateway.robots.registry import RobotRegistry
+
+
+class Activity:
+    """Notes what robots do, for automatic docking. Velocity is subscribed to only for robots that are about to dock.
+
+    Args:
+        robots: The robots.
+    """
+
+    def __init__(self, robots: RobotRegistry) -> None:
+        self._robots = robots
+        self._active_at: dict[str, float] = {}  # on the monotonic clock, as all times here
+        self._watched_since: dict[str, float] = {}
+        self._person_at: dict[str, float] = {}
+        self._changed: Callable[[], None] = lambda: None
+
+    def active(self, robot: str) -> None:
+        """Note that a robot moves or runs a goal now."""
+        self._active_at[robot] = time.monotonic()
+
+    def on_velocity(self, robot: str, message: Json) -> None:
+        """Note a message of a robot's velocity topic, unless it commands the robot to stand still."""
+        if any(value for vector in orjson.loads(message).values() for value in vector.values()):
+            self.active(robot)
+
+    def intervened(self, robot: str) -> None:
+        """Note that a person has stopped or released a robot, or canceled its goal."""
+        self._person_at[robot] = time.monotonic()
+        self.active(robot)
+
+    def on_end(self, goal: Goal) -> None:
+        """Note the end of a goal."""
+        if (robot := self._robots.owner(goal.action_name)) is None:
+            return
+        note = self.intervened if goal.status is GoalStatus.CANCELED else self.active
+        note(robot.namespace)
+
+    def still_since(self, robot: str) -> float | None:
+        """Return since when a robot has been still, as far as seen; None if its velocity is not watched."""
+        watched = self._watched_since.get(robot)
+        return None if watched is None else max(watched, self._active_at.get(robot, watched))
+
+    def person_at(self, robot: str) -> float | None:
+        """Return when a person last intervened; None if never."""
+        return self._person_at.get(robot)
+
+    def keep(self, robots: Collection[str]) -> None:
+        """Forget robots that have left."""
+        for times in (self._active_at, self._person_at):
+            for gone in times.keys() - robots:
+                del times[gone]
+
+    # ------------------------------------------------------------------ whose velocity is subscribed to
+
+    def watch(self, robots: set[str]) -> None:
+        """Watch the velocity of these robots, and of no others."""
+        now = time.monotonic()
+        if robots != self._watched_since.keys():
+            self._watched_since = {robot: self._watched_since.get(robot, now) for robot in robots}
+            self._changed()
+
+    def watched(self, topic: str) -> set[str]:
+        """Return the robots whose velocity is wanted."""
+        return set(self._watched_since)
+
+    def on_watch(self, topic: str, changed: Callable[[], None]) -> None:
+        """Register `changed`, to be called when other robots are wanted."""
+        self._changed = changed

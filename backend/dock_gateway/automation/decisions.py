@@ -1,0 +1,160 @@
+"""The decisions of all gateways that share the history: claimed before they are carried out, and published."""
+
+import logging
+from collections.abc import Mapping
+from dataclasses import replace
+from datetime import datetime
+from typing import Any
+
+from dock_gateway.automation.past import require_free
+from dock_gateway.core.automation import Decision, Outcome
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.event import fleet_event, utc_now
+from dock_gateway.core.hub import Hub
+from dock_gateway.fleet.shared_entries import SharedEntries
+from dock_gateway.history import Entries
+
+log = logging.getLogger(__name__)
+
+# Maximum number of decisions that are kept; the oldest are deleted.
+MAX_KEPT = 1000
+
+
+class DecisionLog:
+    """Stores decisions, and publishes each once it is final, whichever gateway made it.
+
+    Args:
+        hub: Receives events.
+        store: Stores them.
+    """
+
+    def __init__(self, hub: Hub, store: Entries[Decision]) -> None:
+        self._hub = hub
+        self._entries = SharedEntries(store)
+        self._published: set[str] | None = None  # None until they have been read once
+
+    def all(self) -> Mapping[str, Decision]:
+        """Return the decisions by their ids, as they were read last."""
+        return self._entries.all()
+
+    async def sync(self) -> bool:
+        """Read other gateways' decisions and publish the new ones; return False if the history is unavailable."""
+        if not await self._entries.sync():
+            return False
+        final = {identity for identity, decision in self.all().items() if decision.outcome is not Outcome.SENDING}
+        if self._published is not None:
+            for identity in final - self._published:
+                self._publish(identity)
+        self._published = final
+        return True
+
+    async def claim(self, identity: str, decision: Decision) -> None:
+        """Store a decision before it is carried out.
+
+        Raises:
+            Conflict: `already_decided`: another gateway was first.
+            Unavailable: The history does not answer (`history_unavailable`); nothing is to be done.
+        """
+        await self._entries.store(identity, decision, lambda stored: require_free(decision, stored))
+
+    def finish(self, identity: str, decision: Decision) -> None:
+        """Record what came of a claimed decision. `sync` stores it if the history does not answer now."""
+        if self.all().get(identity) != decision:
+            self._entries.put(identity, decision)
+        if self._published is not None:
+            self._published.add(identity)
+        _log(decision)
+        self._publish(identity)
+        for oldest in sorted(self.all(), key=lambda each: self.all()[each].at)[:-MAX_KEPT]:
+            self._entries.put(oldest, None)
+
+    def close_series(self, identities: list[str]) -> None:
+        """Let open decisions no longer count for later ones."""
+        for identity in identities:
+            self._entries.put(identity, replace(self.all()[identity], open=False))
+
+    def close_rule(self, rule_id: str) -> None:
+        """Let the open decisions of a rule no longer count for later ones."""
+        self.close_series(
+            [
+                identity
+                for identity, decision in self.all().items()
+                if decision.open and decision.rule_id == rule_id and decision.outcome is not Outcome.SENDING
+            ]
+        )
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether there are changes that are not stored yet."""
+        return self._entries.unsaved
+
+    async def save(self) -> None:
+        """Store pending changes, if the history answers."""
+        await self._entries.save()
+
+    def given_up(self) -> dict[str, Decision]:
+        """Return, by robot, the decisions to give up that still count."""
+        return {
+            decision.robot: decision
+            for decision in self.all().values()
+            if decision.open and decision.outcome is Outcome.GAVE_UP
+        }
+
+    def interrupted(self, before: datetime) -> dict[str, Decision]:
+        """Return the decisions older than this that no gateway has finished."""
+        return {
+            identity: decision
+            for identity, decision in self.all().items()
+            if decision.outcome is Outcome.SENDING and decision.at < before
+        }
+
+    async def newest(
+        self, *, robot: str | None, rule_id: str | None, goal_id: str | None, limit: int
+    ) -> list[dict[str, Any]]:
+        """Return decisions as `GET /automation/decisions` shows them, newest first.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        if not await self.sync():
+            raise Unavailable("the history does not answer; retry soon", code="history_unavailable")
+        found = [
+            (decision.at, identity)
+            for identity, decision in self.all().items()
+            if robot in (None, decision.robot)
+            and rule_id in (None, decision.rule_id)
+            and goal_id in (None, decision.goal_id)
+        ]
+        return [_document(identity, self.all()[identity]) for _, identity in sorted(found, reverse=True)[:limit]]
+
+    def _publish(self, identity: str) -> None:
+        self._hub.publish(fleet_event("automation", utc_now(), automation=_document(identity, self.all()[identity])))
+
+
+def _document(identity: str, decision: Decision) -> dict[str, Any]:
+    fields = dict(vars(decision))
+    del fields["open"]
+    return {"id": identity, **fields}
+
+
+def _log(decision: Decision) -> None:
+    """Write the one log line of a decision."""
+    battery = "unknown" if decision.battery is None else f"{decision.battery:.0%}"
+    condition = (
+        f"idle since {decision.idle_since:%H:%M:%S} UTC"
+        if decision.scheduled_for is None and decision.idle_since is not None
+        else f"due at {decision.scheduled_for:%H:%M} UTC"
+        if decision.scheduled_for is not None
+        else "idle"
+    )
+    reason = ", ".join(filter(None, (decision.goal_id and f"goal {decision.goal_id}", decision.code, decision.detail)))
+    log.log(
+        logging.WARNING if decision.outcome in (Outcome.GAVE_UP, Outcome.REFUSED) else logging.INFO,
+        "automatic docking of %s by the rule %r: %s (battery %s, %s)%s",
+        decision.robot,
+        decision.rule_name,
+        decision.outcome.value,
+        battery,
+        condition,
+        f": {reason}" if reason else "",
+    )

@@ -1,0 +1,293 @@
+"""Automatic docking: looks at the robots once a second, and docks those that a rule says should dock."""
+
+import asyncio
+import logging
+import time
+import uuid
+from collections.abc import Mapping
+from dataclasses import replace
+from datetime import timedelta
+from typing import Any
+
+from dock_gateway.actions.registry import ActionRegistry
+from dock_gateway.automation.activity import Activity
+from dock_gateway.automation.decisions import DecisionLog
+from dock_gateway.automation.policy import DockingPolicy, RobotFacts
+from dock_gateway.automation.rules import RuleBook
+from dock_gateway.core.automation import Decision, Mode, Outcome, Rule, Wait
+from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.goal import GoalStatus
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.robot_state import CHARGES, RobotState
+from dock_gateway.history import History
+from dock_gateway.robots.battery import CHARGING
+from dock_gateway.settings import Settings
+
+log = logging.getLogger(__name__)
+
+# Seconds between two looks at the robots.
+INTERVAL = 1.0
+# Looks between two reads of what other gateways have stored.
+SYNC_EVERY = 2
+# How long after a decision without an outcome its gateway must have ended.
+INTERRUPTED_AFTER = timedelta(minutes=1)
+STOPS = frozenset({"stop_latched", "stopped"})
+
+
+class AutomaticDocking:
+    """Applies the rules to the robots, and sends the goals.
+
+    Args:
+        settings: Names.
+        fleet: The state of the robots.
+        actions: The docking actions.
+        history: Finds goals that were sent before a restart.
+        activity: Since when robots stand still.
+        rules: The rules.
+        decisions: The decisions.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        fleet: Fleet,
+        actions: ActionRegistry,
+        history: History,
+        *,
+        activity: Activity,
+        rules: RuleBook,
+        decisions: DecisionLog,
+    ) -> None:
+        self._settings = settings
+        self._fleet = fleet
+        self._actions = actions
+        self._history = history
+        self._activity = activity
+        self._rules = rules
+        self.decisions = decisions
+        self._policy = DockingPolicy()
+        self._waits: dict[tuple[str, str], Wait] = {}
+        self._answers: bool | None = None  # whether the history does
+        self._deciding: set[str] = set()  # robots
+        self._looks = 0
+        self._tasks = Tasks("docking automatically")
+        self._tasks.spawn(self._run())
+
+    # ------------------------------------------------------------------ rules
+
+    async def documents(self) -> list[dict[str, Any]]:
+        """Return the rules as `GET /automation/rules` shows them, by name.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        rules = await self._rules.read()
+        states = self._fleet.states()
+        return [
+            self._document(rule_id, rule, states)
+            for rule_id, rule in sorted(rules.items(), key=lambda item: (item[1].name.casefold(), item[0]))
+        ]
+
+    async def replace(self, rule_id: str, rule: Rule) -> dict[str, Any]:
+        """Store a rule, new or changed, and return it. It starts from the beginning with each robot.
+
+        Raises:
+            Conflict: `too_many_rules`.
+            Unavailable: The history does not answer (`history_unavailable`); the rule is what it was.
+        """
+        await self._rules.replace(rule_id, rule)
+        await self._begin_anew(rule_id)
+        return self._document(rule_id, rule, self._fleet.states())
+
+    async def remove(self, rule_id: str) -> None:
+        """Remove a rule.
+
+        Raises:
+            NotFound: `rule_not_found`.
+            Unavailable: The history does not answer (`history_unavailable`); the rule is still there.
+        """
+        await self._rules.remove(rule_id)
+        await self._begin_anew(rule_id)
+
+    async def _begin_anew(self, rule_id: str) -> None:
+        self._waits = {key: wait for key, wait in self._waits.items() if key[0] != rule_id}
+        await self.decisions.sync()
+        self.decisions.close_rule(rule_id)
+        await self.decisions.save()
+
+    def _document(self, rule_id: str, rule: Rule, states: list[RobotState]) -> dict[str, Any]:
+        schedule = {"times": rule.times, "weekdays": rule.weekdays, "time_zone": rule.time_zone}
+        default = Wait.OFF if rule.mode is Mode.OFF else Wait.DECIDING
+        return {
+            "id": rule_id,
+            "name": rule.name,
+            "mode": rule.mode.value,
+            "robots": {"all": rule.every_robot, "names": rule.robots, "groups": rule.groups},
+            "battery": None if rule.below is None else {"below": rule.below, "idle_s": rule.idle_s},
+            "schedule": None if rule.below is not None else schedule,
+            "changed_by": rule.changed_by,
+            "changed_at": rule.changed_at,
+            "applies_to": [
+                {"robot": state.name, "waits_for": self._waits.get((rule_id, state.name), default).value}
+                for state in states
+                if rule.covers(state.name, tuple(state.label.groups))
+            ],
+        }
+
+    # ------------------------------------------------------------------ looking
+
+    async def _run(self) -> None:
+        while True:
+            try:
+                await self._look()
+            except Exception:
+                log.exception("while looking which robots should dock")
+            await asyncio.sleep(INTERVAL)
+
+    async def _look(self) -> None:
+        if self._looks % SYNC_EVERY == 0:
+            answers = await self._rules.sync()
+            if answers and (self._active or self._looks == 0 or self.decisions.unsaved or self.decisions.given_up()):
+                answers = await self.decisions.sync()
+            self._heard(answers=answers)
+        self._looks += 1
+        if not self._active:
+            self._activity.watch(set())
+            self._waits = {}
+            return
+        states = self._fleet.states()
+        self._activity.keep({state.name for state in states})
+        facts = [self._facts(state) for state in states]
+        if not self._answers:
+            self._waits = dict.fromkeys(self._waits, Wait.HISTORY_UNAVAILABLE)
+            return
+        verdict = self._policy.look(self._rules.all(), facts, self.decisions.all(), utc_now(), time.monotonic())
+        self._waits = verdict.waits
+        self._activity.watch(verdict.watched)
+        self.decisions.close_series(verdict.recovered)
+        for decision in verdict.decisions:
+            if decision.robot not in self._deciding:
+                self._deciding.add(decision.robot)
+                self._tasks.spawn(self._carry_out(decision))
+        for identity, decision in self.decisions.interrupted(utc_now() - INTERRUPTED_AFTER).items():
+            if decision.robot not in self._deciding:
+                self._deciding.add(decision.robot)
+                self._tasks.spawn(self._resolve(identity, decision))
+
+    @property
+    def _active(self) -> bool:
+        return any(rule.mode is not Mode.OFF for rule in self._rules.all().values())
+
+    def _heard(self, *, answers: bool) -> None:
+        if not answers and self._answers is not False and self._active:
+            log.warning("the history does not answer: no automatic docking until it does")
+        elif answers and self._answers is False and self._active:
+            log.info("the history answers again: automatic docking goes on")
+        self._answers = answers
+
+    def _facts(self, state: RobotState) -> RobotFacts:
+        name, reading, server = state.name, state.battery.reading, state.dock
+        heard = state.battery.age is not None
+        fresh = heard and state.battery.stale_since is None
+        if state.goals or state.lost:
+            self._activity.active(name)
+        last = state.last_goal
+        failed = last is not None and last.status is not GoalStatus.SUCCEEDED
+        return RobotFacts(
+            name=name,
+            groups=tuple(state.label.groups),
+            heard=heard or (server is not None and server.available),
+            fresh=fresh,
+            battery=reading.percentage,
+            docked=state.on_dock or (fresh and reading.power_supply in CHARGES),
+            reachable=server is not None and server.available and server.answering and not server.duplicate,
+            goal_running=bool(state.goals),
+            goal_lost=bool(state.lost),
+            stopped=_stopped(state.stop),
+            still_since=self._activity.still_since(name),
+            person_at=self._activity.person_at(name),
+            failed_at=last.finished_at if last is not None and failed else None,
+        )
+
+    # ------------------------------------------------------------------ carrying out
+
+    async def _carry_out(self, decision: Decision) -> None:
+        identity = uuid.uuid4().hex
+        try:
+            await self.decisions.claim(identity, decision)
+            if decision.outcome is Outcome.SENDING:
+                decision = await self._send(identity, decision)
+            self.decisions.finish(identity, decision)
+            await self.decisions.save()
+        except Conflict:
+            await self.decisions.sync()
+        except Unavailable:
+            self._heard(answers=False)
+        finally:
+            self._deciding.discard(decision.robot)
+
+    async def _send(self, identity: str, decision: Decision) -> Decision:
+        """Send the goal of a claimed decision, unless something has changed since; return what came of it."""
+        if not await self._rules.sync():
+            return replace(decision, outcome=Outcome.REFUSED, code="history_unavailable")
+        # No wait from here to the submission, which notices every stop that comes later.
+        facts = {state.name: self._facts(state) for state in self._fleet.states() if state.name == decision.robot}
+        obstacle = self._obstacle(decision, facts)
+        if obstacle is not None:
+            held = obstacle is Wait.STOP_LATCHED
+            return replace(
+                decision,
+                outcome=Outcome.HELD if held else Outcome.SKIPPED,
+                code=obstacle.value,
+                detail=facts[decision.robot].stopped if held else None,
+            )
+        try:
+            action = self._actions.get(self._settings.docking_actions(decision.robot).dock)
+            if action is None:
+                raise Unavailable(f"{decision.robot} has no docking server")
+            message = action.port.goal_codec.parse(CHARGING)
+            goal = await action.submitter.submit(message, _key(identity), origin="automation")
+        except GatewayError as error:
+            outcome = Outcome.HELD if error.code in STOPS else Outcome.REFUSED
+            goal_id = error.extra.get("goal_id")
+            return replace(decision, outcome=outcome, code=error.code, detail=error.detail, goal_id=goal_id)
+        return replace(decision, outcome=Outcome.SENT, goal_id=goal.goal_id)
+
+    def _obstacle(self, decision: Decision, facts: Mapping[str, RobotFacts]) -> Wait | None:
+        rule, robot = self._rules.all().get(decision.rule_id), facts.get(decision.robot)
+        if robot is None:
+            return Wait.SERVER_UNAVAILABLE
+        return self._policy.obstacle(decision.rule_id, rule, robot, time.monotonic())
+
+    async def _resolve(self, identity: str, decision: Decision) -> None:
+        """Find out what came of a decision whose gateway ended meanwhile."""
+        try:
+            goal = await self._history.by_key(_key(identity))
+            if goal is not None and not goal.unsent:
+                decision = replace(decision, outcome=Outcome.SENT, goal_id=goal.goal_id)
+            else:
+                detail = "the gateway ended before it sent the goal"
+                decision = replace(decision, outcome=Outcome.REFUSED, code="interrupted", detail=detail)
+            self.decisions.finish(identity, decision)
+        except Unavailable:
+            return  # later
+        finally:
+            self._deciding.discard(decision.robot)
+
+    async def close(self) -> None:
+        """Stop docking robots."""
+        await self._tasks.close()
+
+
+def _key(identity: str) -> str:
+    """Return the idempotency key of a decision's goal."""
+    return f"automatic-docking-{identity}"
+
+
+def _stopped(stop: Mapping[str, Any]) -> str | None:
+    if not stop["latched"]:
+        return None
+    by = f" by {stop['by']}" if stop["by"] else ""
+    return f"stopped{by} at {stop['since']:%H:%M:%S} UTC"

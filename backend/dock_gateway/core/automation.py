@@ -1,0 +1,126 @@
+"""Automatic docking: rules and decisions. Plain data."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+
+class Mode(StrEnum):
+    """What a rule does when its condition is met: nothing, record what it would do, or dock the robot."""
+
+    OFF = "off"
+    DRY_RUN = "dry_run"
+    ON = "on"
+
+
+WEEKDAYS = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
+
+
+@dataclass(frozen=True)
+class Rule:
+    """When which robots dock by themselves. It has one condition: `below` and `idle_s`, or `times`.
+
+    Attributes:
+        name: What people call it.
+        mode: What it does.
+        every_robot: Whether it applies to every robot; otherwise to those of `robots` and `groups`.
+        robots: Namespaces.
+        groups: Groups, as `PUT /robots/label` sets them.
+        below: Charge (0 to 1) below which a robot docks; None without this condition.
+        idle_s: Seconds for which the battery must have been low and the robot idle.
+        times: Times of day, HH:MM, in the time zone.
+        weekdays: The days on which they apply, of `WEEKDAYS`.
+        time_zone: IANA name.
+        changed_by: Who changed the rule last, if known.
+        changed_at: When that was.
+    """
+
+    name: str
+    mode: Mode
+    every_robot: bool
+    robots: tuple[str, ...]
+    groups: tuple[str, ...]
+    below: float | None
+    idle_s: float | None
+    times: tuple[str, ...]
+    weekdays: tuple[str, ...]
+    time_zone: str | None
+    changed_by: str | None
+    changed_at: datetime
+
+    def covers(self, robot: str, groups: tuple[str, ...]) -> bool:
+        """Return whether the rule applies to a robot that is in these groups."""
+        return self.every_robot or robot in self.robots or any(group in self.groups for group in groups)
+
+
+class Outcome(StrEnum):
+    """What came of a decision.
+
+    `sending` becomes another one within seconds, or a minute later if the gateway ended meanwhile.
+    """
+
+    DRY_RUN = "dry_run"
+    SENDING = "sending"
+    SENT = "sent"
+    HELD = "held"
+    REFUSED = "refused"
+    SKIPPED = "skipped"
+    GAVE_UP = "gave_up"
+
+
+# The outcomes of attempts to dock a robot.
+ATTEMPTS = frozenset({Outcome.SENDING, Outcome.SENT, Outcome.REFUSED})
+
+
+@dataclass(frozen=True)
+class Decision:
+    """One decision of a rule about a robot.
+
+    Attributes:
+        rule_id: The rule.
+        rule_name: Its name at that time.
+        robot: The namespace of the robot.
+        at: When it was made.
+        outcome: What came of it.
+        battery: The charge that it went by (0 to 1), if measured.
+        idle_since: Since when the robot was idle, and its battery low if that is the condition.
+        scheduled_for: The time of day that it went by, if that is the condition.
+        goal_id: The goal, if one was made.
+        code: Why no goal was sent, if none was.
+        detail: The same, in words.
+        open: Whether it counts for later decisions about this low battery.
+    """
+
+    rule_id: str
+    rule_name: str
+    robot: str
+    at: datetime
+    outcome: Outcome
+    battery: float | None
+    idle_since: datetime | None
+    scheduled_for: datetime | None
+    goal_id: str | None
+    code: str | None
+    detail: str | None
+    open: bool
+
+
+class Wait(StrEnum):
+    """Why a rule does not dock a robot now."""
+
+    OFF = "off"
+    BATTERY_OK = "battery_ok"
+    BATTERY_UNKNOWN = "battery_unknown"
+    NOT_DUE = "not_due"
+    DOCKED = "docked"
+    SERVER_UNAVAILABLE = "server_unavailable"
+    GOAL_RUNNING = "goal_running"
+    GOAL_LOST = "goal_lost"
+    QUIET_PERIOD = "quiet_period"
+    NOT_IDLE = "not_idle"
+    RETRY_LATER = "retry_later"
+    REPORTED = "reported"
+    STOP_LATCHED = "stop_latched"
+    GAVE_UP = "gave_up"
+    DECIDING = "deciding"
+    HISTORY_UNAVAILABLE = "history_unavailable"

@@ -1,0 +1,296 @@
+"""`/automation`: the rules of automatic docking, and their decisions."""
+
+import re
+from typing import Annotated, Any
+from zoneinfo import ZoneInfo
+
+from fastapi import APIRouter, Depends, Path, Query, Request
+from starlette.responses import Response
+
+from dock_gateway.core.automation import WEEKDAYS, Mode, Rule
+from dock_gateway.core.errors import FieldError, InvalidField, got
+from dock_gateway.core.event import utc_now
+from dock_gateway.robots.registry import read_namespace
+from dock_gateway.web.openapi import body
+from dock_gateway.web.problems import problems
+from dock_gateway.web.requests import (
+    GOAL_ID,
+    ROBOT_PATTERN,
+    LimitQuery,
+    RobotQuery,
+    TheGateway,
+    json_response,
+    known_query,
+    name_schema,
+    read_goal_id,
+    read_json,
+    read_name,
+    read_object,
+)
+from dock_gateway.web.routes.labels import MAX_GROUP, MAX_GROUPS, MAX_ROBOT
+from dock_gateway.web.schemas.automation import RULE_EXAMPLE, SCHEDULE_EXAMPLE, DecisionList, RuleList
+from dock_gateway.web.schemas.automation import Rule as RuleSchema
+
+router = APIRouter(tags=["Automatic docking"], prefix="/automation")
+
+NO_QUERY = Depends(known_query())
+FIELDS = ("name", "mode", "robots", "battery", "schedule", "by")
+MAX_NAME = 60
+MAX_ROBOTS = 500
+MAX_TIMES = 24
+MIN_IDLE, MAX_IDLE = 10.0, 86_400.0  # seconds
+SLUG = re.compile(r"[a-z0-9](?:[a-z0-9-]{0,38}[a-z0-9])?")
+TIME = re.compile(r"(?:[01][0-9]|2[0-3]):[0-5][0-9]")
+ZONE = re.compile(r"[A-Za-z][A-Za-z0-9_+-]*(?:/[A-Za-z0-9_+-]+){0,2}")
+MAX_ZONE = 60
+RULE_REQUEST = {
+    "type": "object",
+    "required": ["name", "robots"],
+    "additionalProperties": False,
+    "properties": {
+        "name": name_schema(MAX_NAME),
+        "mode": {"enum": [mode.value for mode in Mode], "description": "`off` by default"},
+        "robots": {
+            "type": "object",
+            "description": "`all`, or at least one robot or group",
+            "additionalProperties": False,
+            "properties": {
+                "all": {"type": "boolean"},
+                "names": {
+                    "type": "array",
+                    "maxItems": MAX_ROBOTS,
+                    "items": {"type": "string", "maxLength": MAX_ROBOT, **ROBOT_PATTERN},
+                },
+                "groups": {"type": "array", "maxItems": MAX_GROUPS, "items": name_schema(MAX_GROUP)},
+            },
+        },
+        "battery": {
+            "type": ["object", "null"],
+            "description": "Either this or `schedule`",
+            "required": ["below", "idle_s"],
+            "additionalProperties": False,
+            "properties": {
+                "below": {"type": "number", "exclusiveMinimum": 0, "maximum": 1, "description": "Charge, 0 to 1"},
+                "idle_s": {"type": "number", "minimum": MIN_IDLE, "maximum": MAX_IDLE, "description": "Seconds"},
+            },
+        },
+        "schedule": {
+            "type": ["object", "null"],
+            "required": ["times", "weekdays", "time_zone"],
+            "additionalProperties": False,
+            "properties": {
+                "times": {
+                    "type": "array",
+                    "minItems": 1,
+                    "maxItems": MAX_TIMES,
+                    "items": {"type": "string", "pattern": f"^{TIME.pattern}$"},
+                },
+                "weekdays": {"type": "array", "minItems": 1, "maxItems": 7, "items": {"enum": list(WEEKDAYS)}},
+                "time_zone": {
+                    "type": "string",
+                    "maxLength": MAX_ZONE,
+                    "pattern": f"^{ZONE.pattern}$",
+                    "description": "IANA name, such as Europe/Berlin",
+                },
+            },
+        },
+        "by": name_schema(MAX_NAME) | {"type": ["string", "null"], "description": "Who changes the rule"},
+    },
+    "examples": [RULE_EXAMPLE, SCHEDULE_EXAMPLE],
+}
+
+
+async def _rule_id_in_path(
+    rule_id: Annotated[
+        str,
+        Path(
+            description="Lower-case letters, digits and hyphens, up to 40",
+            json_schema_extra={"pattern": f"^{SLUG.pattern}$"},
+        ),
+    ],
+) -> str:
+    if not SLUG.fullmatch(rule_id):
+        expected = "up to 40 lower-case letters, digits and hyphens between them"
+        raise InvalidField([FieldError("rule_id", expected, got(rule_id))])
+    return rule_id
+
+
+RuleId = Annotated[str, Depends(_rule_id_in_path)]
+GoalIdQuery = Annotated[
+    str | None,
+    Query(description="Only the decision that sent this goal", json_schema_extra={"pattern": f"^{GOAL_ID.pattern}$"}),
+]
+
+
+@router.get("/rules", response_model=RuleList, responses=problems(422, 503), dependencies=[NO_QUERY])
+async def list_rules(gateway: TheGateway) -> Response:
+    """List the rules by name, each with the robots that it applies to and what it waits for."""
+    return json_response({"rules": await gateway.automation.documents()})
+
+
+@router.put(
+    "/rules/{rule_id}",
+    response_model=RuleSchema,
+    responses=problems(400, 408, 409, 413, 415, 422, 503),
+    dependencies=[NO_QUERY],
+    openapi_extra=body(RULE_REQUEST, required=True),
+)
+async def replace_rule(rule_id: RuleId, request: Request, gateway: TheGateway) -> Response:
+    """Store a rule, new or changed, at every gateway that shares the history. It starts from the beginning.
+
+    A rule is off unless `mode` says otherwise. It has one condition, `battery` or `schedule`.
+    """
+    rule = read_rule(await read_json(request))
+    return json_response(await gateway.automation.replace(rule_id, rule))
+
+
+@router.delete("/rules/{rule_id}", status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY])
+async def remove_rule(rule_id: RuleId, gateway: TheGateway) -> Response:
+    """Remove a rule. Goals that it sent go on."""
+    await gateway.automation.remove(rule_id)
+    return Response(status_code=204)
+
+
+@router.get(
+    "/decisions",
+    response_model=DecisionList,
+    responses=problems(422, 503),
+    dependencies=[Depends(known_query("robot", "rule", "goal_id", "limit"))],
+)
+async def list_decisions(
+    gateway: TheGateway,
+    robot: RobotQuery = None,
+    rule: Annotated[str | None, Query(description="Id of a rule")] = None,
+    goal_id: GoalIdQuery = None,
+    limit: LimitQuery = 50,
+) -> Response:
+    """List the decisions of all gateways that share the history, newest first. The last 1000 are kept."""
+    found = await gateway.automation.decisions.newest(
+        robot=None if robot is None else read_namespace(robot),
+        rule_id=rule,
+        goal_id=None if goal_id is None else read_goal_id(goal_id),
+        limit=limit,
+    )
+    return json_response({"decisions": found})
+
+
+# ---------------------------------------------------------------------- reading a rule
+
+
+def read_rule(value: object) -> Rule:
+    """Read a rule from a decoded body.
+
+    Raises:
+        InvalidField: It is not a rule.
+    """
+    fields = read_object(value, *FIELDS)
+    by = fields.get("by")
+    everyone, robots, groups = _read_robots(fields.get("robots"))
+    battery, schedule = fields.get("battery"), fields.get("schedule")
+    if (battery is None) is (schedule is None):
+        detail = "got neither" if battery is None else "got both"
+        raise InvalidField([FieldError("battery", "one condition, `battery` or `schedule`", detail)])
+    below, idle_s = (None, None) if battery is None else _read_battery(battery)
+    times, weekdays, zone = ((), (), None) if schedule is None else _read_schedule(schedule)
+    return Rule(
+        name=read_name(fields.get("name"), MAX_NAME, "name"),
+        mode=Mode(_read_choice(fields.get("mode", "off"), tuple(mode.value for mode in Mode), "mode")),
+        every_robot=everyone,
+        robots=robots,
+        groups=groups,
+        below=below,
+        idle_s=idle_s,
+        times=times,
+        weekdays=weekdays,
+        time_zone=zone,
+        changed_by=None if by is None else read_name(by, MAX_NAME),
+        changed_at=utc_now(),
+    )
+
+
+def _read_part(value: object, path: str, *fields: str) -> dict[str, Any]:
+    """Read an object within the body; its errors carry the path."""
+    if not isinstance(value, dict):
+        raise InvalidField([FieldError(path, f"an object with {', '.join(fields)}", got(value))])
+    if unknown := [name for name in value if name not in fields]:
+        errors = [
+            FieldError(f"{path}.{name[:100]}", f"one of {', '.join(fields)}", "got an unknown field")
+            for name in unknown[:20]
+        ]
+        raise InvalidField(errors)
+    return value
+
+
+def _read_robots(value: object) -> tuple[bool, tuple[str, ...], tuple[str, ...]]:
+    fields = _read_part(value, "robots", "all", "names", "groups")
+    everyone = fields.get("all", False)
+    if not isinstance(everyone, bool):
+        raise InvalidField([FieldError("robots.all", "true or false", got(everyone))])
+    names = _read_texts(fields.get("names", []), "robots.names", MAX_ROBOTS, "namespaces")
+    for index, name in enumerate(names):
+        if len(name) > MAX_ROBOT:
+            expected = f"a ROS namespace of up to {MAX_ROBOT} characters"
+            raise InvalidField([FieldError(f"robots.names.{index}", expected, got(name))])
+    robots = dict.fromkeys(read_namespace(name, f"robots.names.{index}") for index, name in enumerate(names))
+    texts = _read_texts(fields.get("groups", []), "robots.groups", MAX_GROUPS, "groups")
+    groups = dict.fromkeys(read_name(text, MAX_GROUP, f"robots.groups.{index}") for index, text in enumerate(texts))
+    if everyone is bool(robots or groups):
+        detail = "got both" if everyone else "got neither"
+        raise InvalidField([FieldError("robots", "either `all`, or robots or groups", detail)])
+    return everyone, tuple(robots), tuple(groups)
+
+
+def _read_battery(value: object) -> tuple[float, float]:
+    fields = _read_part(value, "battery", "below", "idle_s")
+    below = _read_number(fields.get("below"), "battery.below", 0.0, 1.0)
+    if below == 0:
+        raise InvalidField([FieldError("battery.below", "a number above 0, up to 1", "got 0")])
+    return below, _read_number(fields.get("idle_s"), "battery.idle_s", MIN_IDLE, MAX_IDLE)
+
+
+def _read_schedule(value: object) -> tuple[tuple[str, ...], tuple[str, ...], str]:
+    fields = _read_part(value, "schedule", "times", "weekdays", "time_zone")
+    times = _read_texts(fields.get("times"), "schedule.times", MAX_TIMES, "times of day", at_least=1)
+    for index, time in enumerate(times):
+        if not TIME.fullmatch(time):
+            raise InvalidField([FieldError(f"schedule.times.{index}", "HH:MM from 00:00 to 23:59", got(time))])
+    weekdays = _read_texts(fields.get("weekdays"), "schedule.weekdays", len(WEEKDAYS), "days", at_least=1)
+    for index, day in enumerate(weekdays):
+        _read_choice(day, WEEKDAYS, f"schedule.weekdays.{index}")
+    zone = fields.get("time_zone")
+    if not isinstance(zone, str) or not _is_zone(zone):
+        raise InvalidField([FieldError("schedule.time_zone", "an IANA time zone, such as Europe/Berlin", got(zone))])
+    ordered = tuple(day for day in WEEKDAYS if day in weekdays)
+    return tuple(sorted(set(times))), ordered, zone
+
+
+def _is_zone(name: str) -> bool:
+    if len(name) > MAX_ZONE or not ZONE.fullmatch(name):
+        return False
+    try:
+        ZoneInfo(name)
+    except (KeyError, ValueError, OSError):  # a folder or another file is not a time zone, either
+        return False
+    return True
+
+
+def _read_number(value: object, path: str, lowest: float, highest: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not lowest <= value <= highest:
+        raise InvalidField([FieldError(path, f"a number from {lowest:g} to {highest:g}", got(value))])
+    return float(value)
+
+
+def _read_choice(value: object, choices: tuple[str, ...], path: str) -> str:
+    if not isinstance(value, str) or value not in choices:
+        raise InvalidField([FieldError(path, f"one of {', '.join(choices)}", got(value))])
+    return value
+
+
+def _read_texts(value: object, path: str, longest: int, what: str, *, at_least: int = 0) -> list[str]:
+    if not isinstance(value, list) or not at_least <= len(value) <= longest:
+        detail = f"got {len(value)}" if isinstance(value, list) else got(value)
+        raise InvalidField([FieldError(path, f"an array of {at_least} to {longest} {what}", detail)])
+    for index, text in enumerate(value):
+        if not isinstance(text, str):
+            raise InvalidField([FieldError(f"{path}.{index}", "a string", got(text))])
+    return value

@@ -1,0 +1,285 @@
+"""Automatic docking with its parts: what is sent, what is recorded, and what happens without the history."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Mapping
+from dataclasses import replace
+from datetime import timedelta
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from dock_gateway.actions.liveness import ServerState
+from dock_gateway.actions.registry import ActionRegistry
+from dock_gateway.automation import decisions as decisions_module
+from dock_gateway.automation import docking as docking_module
+from dock_gateway.automation.activity import Activity
+from dock_gateway.automation.decisions import DecisionLog
+from dock_gateway.automation.docking import AutomaticDocking
+from dock_gateway.automation.rules import RuleBook
+from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
+from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.hub import Hub
+from dock_gateway.fleet.labels import NO_LABEL
+from dock_gateway.fleet.overview import Fleet
+from dock_gateway.history import EntryT, History
+from dock_gateway.history.memory import MemoryEntries, MemoryHistory
+from dock_gateway.robots.battery import Reading
+from dock_gateway.robots.registry import RobotRegistry
+from dock_gateway.settings import Settings
+from tests.dock_gateway.automation.examples import LOW_BATTERY
+from tests.support.waiting import until
+
+ROBOT = "/robot1"
+# Idle for no time at all: what counts here is what follows.
+AT_ONCE = replace(LOW_BATTERY, idle_s=0.0)
+
+
+class Store(MemoryEntries[EntryT]):
+    """Does not answer where the test says so."""
+
+    away = False
+
+    async def read(self) -> dict[str, EntryT]:
+        self.require()
+        return await super().read()
+
+    async def write(
+        self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None] | None = None
+    ) -> None:
+        self.require()
+        await asyncio.sleep(0)
+        await super().write(key, entry, check)
+
+    def require(self) -> None:
+        if self.away:
+            raise Unavailable("away", code="history_unavailable")
+
+
+class Robot:
+    """A robot with an empty battery, and what is sent to its dock server."""
+
+    def __init__(self) -> None:
+        self.stop: dict[str, Any] = {"latched": False, "since": utc_now(), "by": "Ada"}
+        self.sent: list[str | None] = []
+        self.refusal: GatewayError | None = None
+        self.on_submit: Callable[[], None] = lambda: None
+
+    def states(self) -> list[Any]:
+        battery = SimpleNamespace(reading=Reading(2, 0.1), age=0.1, stale_since=None)
+        return [
+            SimpleNamespace(
+                name=ROBOT,
+                label=NO_LABEL,
+                battery=battery,
+                on_dock=False,
+                dock=ServerState(f"{ROBOT}/dock", available=True, answering=True),
+                goals=[],
+                lost=[],
+                stop=self.stop,
+                last_goal=None,
+            )
+        ]
+
+    async def submit(self, _: object, key: str, *, origin: str) -> Goal:
+        assert origin == "automation"
+        self.on_submit()
+        if self.refusal is not None:
+            raise self.refusal
+        self.sent.append(key)
+        return Goal("a", f"{ROBOT}/dock", "pkg/action/Dock", utc_now(), origin="automation")
+
+    def get(self, _: str) -> Any:
+        codec = SimpleNamespace(parse=lambda message: message)
+        return SimpleNamespace(port=SimpleNamespace(goal_codec=codec), submitter=self)
+
+
+class Site:
+    """Gateways that share a history and see one robot."""
+
+    def __init__(self) -> None:
+        self.robot = Robot()
+        self.rules, self.stored = Store[Rule](), Store[Decision]()
+        self.gateways: list[AutomaticDocking] = []
+        self.history = MemoryHistory(100)
+        self.hub = Hub(queue_limit=10, max_subscribers=10)
+
+    def gateway(self) -> AutomaticDocking:
+        gateway = AutomaticDocking(
+            Settings(database_url="memory:"),
+            cast("Fleet", self.robot),
+            cast("ActionRegistry", self.robot),
+            cast("History", self.history),
+            activity=Activity(cast("RobotRegistry", SimpleNamespace(owner=lambda _: None))),
+            rules=RuleBook(self.rules),
+            decisions=DecisionLog(self.hub, self.stored),
+        )
+        self.gateways.append(gateway)
+        return gateway
+
+    async def decided(self, count: int = 1) -> list[Decision]:
+        def all_final() -> list[Decision]:
+            found = list(self.stored._known.values())
+            return [] if any(each.outcome is Outcome.SENDING for each in found) else found
+
+        await until(lambda: len(all_final()) >= count)
+        return sorted(all_final(), key=lambda decision: decision.at)
+
+
+@pytest.fixture
+async def site(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Site]:
+    monkeypatch.setattr(docking_module, "INTERVAL", 0.01)
+    site = Site()
+    yield site
+    for gateway in site.gateways:
+        await gateway.close()
+
+
+async def test_two_gateways_send_one_goal_and_both_publish_it_once(
+    site: Site, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level("INFO")
+    first, second = site.gateway(), site.gateway()
+    reader = site.hub.subscribe(EventFilter(frozenset({"robots"})))
+    await asyncio.sleep(0.1)
+    await first.replace("low", AT_ONCE)
+    (decision,) = await site.decided()
+    assert (decision.outcome, decision.goal_id) == (Outcome.SENT, "a")
+    await until(lambda: list(second.decisions.all().values()) == [decision])
+    assert len(site.robot.sent) == 1
+    events, _ = await reader.take(1.0)
+    assert len([event for event in events if b'"automation"' in event.data]) == 2  # one by each, here at one hub
+    assert sum("automatic docking of /robot1" in line for line in caplog.messages) == 1
+
+
+async def test_a_refused_goal_is_recorded_with_its_code(site: Site) -> None:
+    site.robot.refusal = Conflict("busy", code="dock_busy", goal_id="b")
+    await site.gateway().replace("low", AT_ONCE)
+    (decision,) = await site.decided()
+    assert (decision.outcome, decision.code, decision.goal_id) == (Outcome.REFUSED, "dock_busy", "b")
+
+
+@pytest.mark.parametrize("code", ["stop_latched", "stopped"])
+async def test_a_stop_between_the_decision_and_the_goal_wins(site: Site, code: str) -> None:
+    site.robot.refusal = Conflict("a stop", code=code)
+    await site.gateway().replace("low", AT_ONCE)
+    (decision,) = await site.decided()
+    assert (decision.outcome, decision.code) == (Outcome.HELD, code)
+
+
+async def test_what_changes_while_the_decision_is_stored_counts(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    claim = DecisionLog.claim
+
+    async def stopped_meanwhile(log: DecisionLog, identity: str, decision: Decision) -> None:
+        await claim(log, identity, decision)
+        site.robot.stop["latched"] = True
+
+    monkeypatch.setattr(decisions_module.DecisionLog, "claim", stopped_meanwhile)
+    await site.gateway().replace("low", AT_ONCE)
+    (decision,) = await site.decided()
+    assert (decision.outcome, decision.code) == (Outcome.HELD, "stop_latched")
+    assert site.robot.sent == []
+
+
+async def test_without_the_history_nothing_docks(site: Site, caplog: pytest.LogCaptureFixture) -> None:
+    await site.rules.write("low", AT_ONCE)
+    gateway = site.gateway()
+    await until(lambda: bool(site.stored._known))
+    site.stored._known.clear()
+    site.robot.sent.clear()
+    await gateway.decisions.sync()
+    site.rules.away = site.stored.away = True
+    await until(lambda: any("no automatic docking" in line for line in caplog.messages))
+    with pytest.raises(Unavailable):
+        await gateway.documents()
+    with pytest.raises(Unavailable):
+        await gateway.decisions.newest(robot=None, rule_id=None, goal_id=None, limit=1)
+    with pytest.raises(Unavailable):
+        await gateway.replace("low", replace(AT_ONCE, mode=Mode.OFF))
+    assert sum("no automatic docking" in line for line in caplog.messages) == 1
+
+
+async def test_a_decision_that_cannot_be_claimed_is_not_carried_out(site: Site) -> None:
+    site.stored.away = True
+    await site.rules.write("low", AT_ONCE)
+    site.gateway()
+    await asyncio.sleep(0.2)
+    assert site.robot.sent == []
+    site.stored.away = False
+    await site.decided()
+    assert len(site.robot.sent) == 1
+
+
+@pytest.mark.parametrize("sent", [True, False])
+async def test_what_an_ended_gateway_left_is_found_out(site: Site, sent: bool) -> None:
+    earlier = utc_now() - timedelta(minutes=2)
+    left = Decision("low", "Low", ROBOT, earlier, Outcome.SENDING, 0.1, earlier, None, None, None, None, open=True)
+    await site.stored.write("x", left)
+    await site.rules.write("low", AT_ONCE)
+    if sent:
+        goal = Goal("b", f"{ROBOT}/dock", "pkg/action/Dock", earlier)
+        goal.advance(GoalStatus.EXECUTING, earlier)
+        await site.history.add(goal, "automatic-docking-x")
+    site.gateway()
+    (decision,) = await site.decided()
+    assert (decision.outcome, decision.goal_id) == ((Outcome.SENT, "b") if sent else (Outcome.REFUSED, None))
+    assert decision.code == (None if sent else "interrupted")
+    assert site.robot.sent == []
+
+
+async def test_a_changed_rule_begins_anew_and_gives_up_no_more(site: Site) -> None:
+    gateway = site.gateway()
+    now = utc_now() - timedelta(hours=1)
+    gave_up = Decision("low", "Low", ROBOT, now, Outcome.GAVE_UP, 0.1, now, None, None, None, None, open=True)
+    await site.stored.write("x", gave_up)
+    await gateway.replace("low", AT_ONCE)
+    assert gateway.decisions.given_up() == {}
+    assert [decision.outcome for decision in await site.decided(2)] == [Outcome.GAVE_UP, Outcome.SENT]
+
+
+async def test_the_oldest_decisions_are_deleted(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(decisions_module, "MAX_KEPT", 2)
+    old = utc_now() - timedelta(hours=1)
+    log = DecisionLog(site.hub, site.stored)
+    for minute in range(4):
+        at = old + timedelta(minutes=minute)
+        log.finish(str(minute), Decision("low", "Low", ROBOT, at, Outcome.SENT, *[None] * 6, open=False))
+    await log.save()
+    assert sorted(await site.stored.read()) == ["2", "3"]
+    found = await log.newest(robot=None, rule_id=None, goal_id=None, limit=1)
+    assert [decision["id"] for decision in found] == ["3"]
+
+
+def test_what_counts_as_activity() -> None:
+    robots = SimpleNamespace(owner=lambda _: SimpleNamespace(namespace=ROBOT))
+    activity = Activity(cast("RobotRegistry", robots))
+    assert activity.still_since(ROBOT) is None
+    changes: list[set[str]] = []
+    activity.on_watch("cmd_vel", lambda: changes.append(activity.watched("cmd_vel")))
+    activity.watch({ROBOT})
+    activity.watch({ROBOT})
+    since = activity.still_since(ROBOT)
+    assert since is not None
+    still = b'{"linear":{"x":-0.0,"y":0.0,"z":null},"angular":{"x":0.0,"y":0.0,"z":0.0}}'
+    activity.on_velocity(ROBOT, still)
+    assert activity.still_since(ROBOT) == since
+    activity.on_velocity(ROBOT, still.replace(b"null", b"0.1"))
+    moved = activity.still_since(ROBOT)
+    assert moved is not None
+    assert moved > since
+    goal = Goal("a", f"{ROBOT}/dock", "pkg/action/Dock", utc_now())
+    goal.advance(GoalStatus.SUCCEEDED, utc_now())
+    activity.on_end(goal)
+    assert activity.person_at(ROBOT) is None
+    canceled = Goal("a", f"{ROBOT}/dock", "pkg/action/Dock", utc_now())
+    canceled.advance(GoalStatus.CANCELED, utc_now())
+    activity.on_end(canceled)
+    assert (activity.person_at(ROBOT) or 0.0) > moved
+    assert (activity.still_since(ROBOT) or 0.0) > moved
+    activity.keep(set())
+    activity.watch(set())
+    assert (activity.person_at(ROBOT), activity.still_since(ROBOT)) == (None, None)
+    assert changes == [{ROBOT}, set()]
