@@ -35,7 +35,7 @@ describe("the filter", () => {
   });
 
   it("asks the gateway for times in its own", () => {
-    expect(toQuery(read("last=1h"), START)).toEqual({ since: "2026-11-21T02:32:40.000Z" });
+    expect(toQuery(read("last=24h"), START)).toEqual({ since: "2026-11-20T03:32:40.000Z" });
     const query = toQuery(read("since=2026-11-21T04:00:00%2B01:00&until=2026-11-21T05:00:00Z"), START);
     expect(query).toEqual({ since: "2026-11-21T03:00:00.000Z", until: "2026-11-21T05:00:00.000Z" });
   });
@@ -44,7 +44,7 @@ describe("the filter", () => {
     const one = goal("a", { action_name: "/robot1/dock", status: "canceling", created_at: at(0) });
     const fits = (text: string) => matches(one, read(text), START + 60_000);
     expect(
-      ["robot=/robot1", "robot=/", "action=/robot1/dock", "status=running", "last=1h"].map(fits),
+      ["robot=/robot1", "robot=/", "action=/robot1/dock", "status=running", "last=24h"].map(fits),
     ).toEqual(Array(5).fill(true));
     expect(["robot=/robot", "action=/dock", "status=lost", "origin=external"].map(fits)).toEqual(
       Array(4).fill(false),

@@ -2,9 +2,10 @@ import { screen, waitFor, within } from "@testing-library/react";
 import axe from "axe-core";
 import { describe, expect, it, vi } from "vitest";
 import type { GoalCounts, GoalGroup, Statistics } from "../src/api/types";
-import { dayOf, readView, timeZone, toQuery, withRange, writeView } from "../src/statistics/view";
+import { readView, toQuery, writeView } from "../src/statistics/view";
 import { goalsLink, percent } from "../src/statistics/words";
-import { START } from "./events";
+import { dayOf } from "../src/ui/time";
+import { zoneName } from "../src/ui/zone";
 import { fakeGateway, renderPage } from "./page";
 
 const read = (text: string) => readView(new URLSearchParams(text));
@@ -69,41 +70,29 @@ const text = (element: HTMLElement) => element.textContent?.replaceAll("\u00a0",
 
 describe("the view", () => {
   it("is read from the address and written to it", () => {
-    for (const query of ["", "range=30d&by=robot&robot=%2Frobot1", "range=own&from=2026-11-01&to=2026-11-07"])
+    for (const query of [
+      "",
+      "last=30d&by=robot&robot=%2Frobot1",
+      "since=2026-11-01T00%3A00%3A00Z&until=2026-11-07T00%3A00%3A00Z",
+    ])
       expect(writeView(read(query)).toString()).toBe(query);
   });
 
-  it("replaces what it does not understand, and turns dates round", () => {
-    expect(read("range=2y&by=dock&robot=&from=yesterday")).toEqual(read(""));
-    expect(read("range=own&from=2026-13-01")).toEqual(read(""));
-    expect(read("range=own&from=2026-11-07&to=2026-11-01")).toMatchObject({
-      from: "2026-11-01",
-      to: "2026-11-07",
-    });
-    expect(read("range=own&from=2026-11-07")).toMatchObject({ from: "2026-11-07", to: "2026-11-07" });
+  it("replaces what it does not understand", () => {
+    expect(read("last=2y&by=dock&robot=&since=yesterday")).toEqual(read(""));
   });
 
   it("asks for whole days in the reader's zone", () => {
     const midnight = (day: number) =>
       new Date(`2026-11-${String(day).padStart(2, "0")}T00:00:00`).toISOString();
     const noon = Date.parse("2026-11-21T12:00:00");
-    expect(toQuery(read(""), noon)).toEqual({ by: "day", tz: timeZone(), since: midnight(15) });
-    expect(toQuery(read("range=today&by=action&robot=/r"), noon)).toEqual({
+    expect(toQuery(read(""), noon)).toEqual({ by: "day", tz: zoneName(), since: midnight(15) });
+    expect(toQuery(read("last=today&by=action&robot=/r"), noon)).toEqual({
       by: "action",
       robot: "/r",
-      tz: timeZone(),
+      tz: zoneName(),
       since: midnight(21),
     });
-    expect(toQuery(read("range=own&from=2026-11-03&to=2026-11-05"), noon)).toMatchObject({
-      since: midnight(3),
-      until: midnight(6),
-    });
-  });
-
-  it("begins own dates with those that were shown", () => {
-    const own = withRange(read(""), "own", START);
-    expect(own).toMatchObject({ range: "own", from: dayOf(START, -6), to: dayOf(START, 0) });
-    expect(withRange(own, "today", START)).toEqual(read("range=today"));
   });
 });
 
@@ -165,18 +154,18 @@ describe("the page", () => {
     const asked = answering((query) =>
       query.get("by") === "robot" ? statistics([{ key: "/robot1", ...counts() }], { by: "robot" }) : DAYS,
     );
-    const { user } = open("?range=30d");
+    const { user } = open("?last=30d");
     await screen.findByRole("region", { name: "By day" });
     await user.click(screen.getByRole("radio", { name: "Robot" }));
     expect(rows(await table("By robot")).map((row) => text(row)?.slice(0, 9))).toEqual(["/robot120"]);
     await user.click(screen.getByRole("radio", { name: "Dates" }));
-    expect(screen.getByLabelText<HTMLInputElement>("From").value).toBe(dayOf(Date.now(), -29));
+    expect(screen.getByLabelText<HTMLInputElement>("From, day").value).toBe(dayOf(Date.now(), -29));
     await waitFor(() => expect(asked.at(-1)).toMatch(/by=robot.*until=/));
   });
 
   it("does not ask for more days than the gateway tells", async () => {
     const asked = answering(() => statistics([], { by: "robot" }));
-    const { user } = open("?range=own&from=2020-01-01&to=2026-11-20");
+    const { user } = open("?since=2020-01-01T00:00:00Z&until=2026-11-20T00:00:00Z");
     expect(await screen.findByText(/at most 400 days/)).toBeDefined();
     expect(asked).toEqual([]);
     await user.click(screen.getByRole("radio", { name: "Robot" }));

@@ -263,6 +263,32 @@ def test_the_list_is_live_and_its_filters_are_in_the_address(page: Page, gateway
     expect(page).to_have_url(re.compile(goal_id))
 
 
+def test_views_are_kept_and_times_are_utc(page: Page, gateway: RunningGateway) -> None:
+    goal_id = count_of(2, gateway)
+    page.goto(f"{gateway.url}/ui/goals?id={goal_id[:8]}")
+    rows = page.get_by_role("table").locator("tbody tr")
+    page.get_by_text("24 h", exact=True).click()
+    page.get_by_text("UTC", exact=True).click()
+    created = gateway.http.get(f"/goals/{goal_id}").json()["created_at"]
+    expect(rows.get_by_role("link").first).to_have_text(re.compile(rf"{created[11:19]}$"))
+    press(page, "Views")
+    page.get_by_label("Name of the view").fill("The last one")
+    load_axe(page, "light")
+    assert find_violations(page) == []
+    page.keyboard.press("Enter")
+    page.keyboard.press("Escape")
+    page.get_by_text("Dates", exact=True).click()
+    page.get_by_label("Until, day").fill("2020-01-02")
+    expect(page.get_by_text("No goal fits")).to_be_visible()
+    page.reload()
+    press(page, "Views")
+    page.get_by_role("link", name="The last one").click()
+    expect(page).to_have_url(re.compile(rf"last=24h&id={goal_id[:8]}$"))
+    expect(rows).to_have_count(1)
+    open_goal(page, gateway, goal_id)
+    expect(page.get_by_test_id("timeline").locator("time").first).to_have_text(created[11:19])
+
+
 def test_notes_and_tags(page: Page, browser: Browser, gateway: RunningGateway) -> None:
     goal_id = count_of(2, gateway)
     open_goal(page, gateway, goal_id)

@@ -71,15 +71,18 @@ def test_numbers_lead_to_their_goals(page: Page, gateway: RunningGateway) -> Non
 
 
 def test_one_robot_at_any_dates(page: Page, gateway: RunningGateway) -> None:
-    page.goto(f"{gateway.url}/ui/statistics?robot=/robot1&range=30d")
+    page.goto(f"{gateway.url}/ui/statistics?robot=/robot1&last=30d")
     total = page.get_by_role("region", name="All goals")
     expect(total.get_by_role("link", name="9: goals that ended")).to_be_visible()
     page.get_by_text("Dates", exact=True).click()
-    page.get_by_label("From", exact=True).fill("2020-01-01")
-    page.get_by_label("To", exact=True).fill("2020-01-02")
+    page.get_by_text("UTC", exact=True).click()
+    page.get_by_label("From, day").fill("2020-01-01")
+    page.get_by_label("Until, day").fill("2020-01-02")
     expect(page.get_by_text("No goal ended")).to_be_visible()
-    page.get_by_label("From", exact=True).fill("2019-12-01")
-    expect(page).to_have_url(re.compile("from=2019-12-01"))
+    expect(page.get_by_text("days in UTC")).to_be_visible()
+    page.get_by_label("From, day").fill("2019-12-01")
+    page.get_by_label("From, time of day").fill("13:30")
+    expect(page).to_have_url(re.compile(r"since=2019-12-01T13%3A30%3A00.000Z&until=2020-01-03T00%3A00"))
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -91,7 +94,9 @@ def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None
 
 
 @pytest.mark.parametrize("width", [320, 768])
-@pytest.mark.parametrize(("by", "more"), [("day", ""), ("action", "&range=own&from=2026-01-01&to=2099-01-01")])
+@pytest.mark.parametrize(
+    ("by", "more"), [("day", ""), ("action", "&since=2026-01-01T00:00:00Z&until=2099-01-01T00:00:00Z")]
+)
 def test_a_narrow_window(page: Page, gateway: RunningGateway, width: int, by: str, more: str) -> None:
     """Nothing is cut off or scrolled sideways (WCAG 1.4.10)."""
     page.set_viewport_size({"width": width, "height": 1000})

@@ -4,6 +4,7 @@ import { type KeyboardEvent, useCallback, useEffect, useId, useRef, useState } f
 import { useLive, useServices } from "../store/context";
 import { onBeat } from "../ui/beat";
 import { watchSight } from "../ui/sight";
+import { useZone } from "../ui/zone";
 import classes from "./BatteryPlots.module.css";
 import { PlotBar } from "./PlotBar";
 import { type Places, PlotGroup } from "./plotGroup";
@@ -28,6 +29,7 @@ export default function BatteryPlots() {
   const { store, series } = useServices();
   const live = useLive();
   const scheme = useComputedColorScheme("light");
+  const zone = useZone();
   const reducedMotion = useReducedMotion();
   const [view, setView] = useState<View>(LIVE);
   const past = usePast(view);
@@ -65,13 +67,17 @@ export default function BatteryPlots() {
       if (!plot || !value || plot.clientWidth === 0) return;
       places[quantity] = { plot, value };
     }
-    const made = new PlotGroup(places, scheme, {
-      onMoment: (timeS) => {
-        if (moment.current !== null)
-          moment.current.textContent = timeS === null ? "" : formatMoment(timeS, now());
+    const made = new PlotGroup(
+      places,
+      { scheme, zone },
+      {
+        onMoment: (timeS) => {
+          if (moment.current !== null)
+            moment.current.textContent = timeS === null ? "" : formatMoment(timeS, now());
+        },
+        onSelect: (from, to) => change((_, at) => between(from, to, at)),
       },
-      onSelect: (from, to) => change((_, at) => between(from, to, at)),
-    });
+    );
     group.current = made;
     draw();
     const resized = new ResizeObserver(() => made.resize());
@@ -81,7 +87,7 @@ export default function BatteryPlots() {
       made.destroy();
       group.current = null;
     };
-  }, [scheme, change, draw, now]);
+  }, [scheme, zone, change, draw, now]);
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: what is drawn is read from `latest`
   useEffect(draw, [draw, view, past]);

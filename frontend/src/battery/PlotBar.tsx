@@ -4,6 +4,7 @@ import { useAtTime } from "../store/clock";
 import { useFreshness } from "../store/freshness";
 import { FreshnessBadge } from "../ui/FreshnessBadge";
 import { Tool } from "../ui/Tool";
+import { useZone } from "../ui/zone";
 import classes from "./BatteryPlots.module.css";
 import { edges, formatMoment, formatSpan, pan, pause, type View } from "./view";
 
@@ -22,6 +23,7 @@ interface PlotBarProps {
 
 /** Which part of time is shown, and how to get to another one. */
 export function PlotBar({ view, loading, momentRef, onChange, onZoom }: PlotBarProps) {
+  useZone();
   const following = view.endS === null;
   const range = useAtTime((ms) => rangeWords(view, ms / 1000));
   return (

@@ -1,6 +1,6 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { plotOptions } from "./plotOptions";
+import { type PlotLook, plotOptions } from "./plotOptions";
 import type { Points } from "./points";
 import { describe, noPoints } from "./points";
 import { formatValue, QUANTITIES, type Quantity } from "./quantities";
@@ -30,7 +30,7 @@ export class PlotGroup {
    */
   constructor(
     places: Places,
-    scheme: "light" | "dark",
+    look: PlotLook,
     handlers: { onMoment: (timeS: number | null) => void; onSelect: (from: number, to: number) => void },
   ) {
     groups += 1;
@@ -49,7 +49,7 @@ export class PlotGroup {
             handlers.onSelect(from, to);
         },
       };
-      return new uPlot(plotOptions(quantity, size, scheme, syncKey, events), undefined, place);
+      return new uPlot(plotOptions(quantity, size, look, syncKey, events), undefined, place);
     };
     this.#plots = {
       voltage: make("voltage"),

@@ -1,6 +1,7 @@
-import type uPlot from "uplot";
+import uPlot from "uplot";
 import { fixed } from "../ui/numbers";
 import { plotAxis } from "../ui/plotLook";
+import type { Zone } from "../ui/zone";
 import { marks, type Quantity, rangeOf, SHAPES } from "./quantities";
 import { formatMark } from "./view";
 
@@ -8,6 +9,11 @@ import { formatMark } from "./view";
 const BAND_ALPHA = "40";
 /** Room for `23:59:59` and some more, in CSS pixels. */
 const MARK_SPACE = 80;
+
+export interface PlotLook {
+  scheme: "light" | "dark";
+  zone: Zone;
+}
 
 export interface PlotEvents {
   /** The span that is shown, s since 1970. */
@@ -22,7 +28,7 @@ export interface PlotEvents {
 export function plotOptions(
   quantity: Quantity,
   size: { width: number; height: number },
-  scheme: "light" | "dark",
+  { scheme, zone }: PlotLook,
   syncKey: string,
   { span, onSelect, onCursor }: PlotEvents,
 ): uPlot.Options {
@@ -31,6 +37,8 @@ export function plotOptions(
   const edge = { width: 0, points: { show: false } };
   return {
     ...size,
+    // Where the marks of the time axis are.
+    ...(zone === "utc" ? { tzDate: (timeS: number) => uPlot.tzDate(new Date(timeS * 1000), "UTC") } : {}),
     legend: { show: false },
     padding: [8, 12, 0, 0],
     cursor: {

@@ -1,3 +1,5 @@
+import { formatTime, formatter } from "../ui/time";
+
 /** The part of time that the plots show. */
 export interface View {
   spanS: number;
@@ -56,31 +58,19 @@ function clamp(spanS: number): number {
   return Math.min(MAX_SPAN_S, Math.max(MIN_SPAN_S, spanS));
 }
 
-const second = formatter({ hour: "2-digit", minute: "2-digit", second: "2-digit" });
-const minute = formatter({ hour: "2-digit", minute: "2-digit" });
-const day = formatter({ day: "numeric", month: "short" });
-const dayAndSecond = formatter({
-  day: "numeric",
-  month: "short",
-  hour: "2-digit",
-  minute: "2-digit",
-  second: "2-digit",
-});
-
-function formatter(options: Intl.DateTimeFormatOptions): Intl.DateTimeFormat {
-  return new Intl.DateTimeFormat(undefined, options);
-}
+const bySecond = formatter({ hour: "2-digit", minute: "2-digit", second: "2-digit" });
+const byMinute = formatter({ hour: "2-digit", minute: "2-digit" });
+const byDay = formatter({ day: "numeric", month: "short" });
 
 /** What stands below a mark of the time axis, the marks being `stepS` apart. */
 export function formatMark(timeS: number, stepS: number): string {
-  const format = stepS < 60 ? second : stepS < 86_400 ? minute : day;
-  return format.format(timeS * 1000);
+  const format = stepS < 60 ? bySecond : stepS < 86_400 ? byMinute : byDay;
+  return format(timeS * 1000);
 }
 
-/** A moment of a view, in the reader's zone; with its day where that is not today's. */
+/** A moment of a view, with its day where that is not today's. */
 export function formatMoment(timeS: number, nowS: number): string {
-  const today = new Date(timeS * 1000).toDateString() === new Date(nowS * 1000).toDateString();
-  return (today ? second : dayAndSecond).format(timeS * 1000);
+  return formatTime(timeS * 1000, nowS * 1000);
 }
 
 /** `5 min`, `1 h`, `24 h`, `7 d` */

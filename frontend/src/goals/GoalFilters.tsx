@@ -1,11 +1,11 @@
 import { Button, Chip, Group, NativeSelect, TextInput } from "@mantine/core";
 import { useEffect, useState } from "react";
 import { useActions } from "../actions/useActions";
-import { useFleetTopic } from "../fleet/context";
+import { useFleet, useFleetTopic } from "../fleet/context";
 import { useRobotOptions } from "../fleet/useNaming";
 import { codeWords } from "../goal/words";
 import { sentence } from "../ui/sentence";
-import { fromLocalInput, toLocalInput } from "../ui/time";
+import { TimeRangeField } from "../ui/TimeRangeField";
 import {
   type GoalFilter,
   type GoalState,
@@ -13,7 +13,6 @@ import {
   isFiltered,
   NO_FILTER,
   type Origin,
-  type Span,
   STATES,
 } from "./filter";
 import classes from "./goals.module.css";
@@ -26,12 +25,14 @@ interface GoalFiltersProps {
 
 /** What to narrow the list by. */
 export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
+  const { store } = useFleet();
   const change = (part: Partial<GoalFilter>) => onChange({ ...filter, ...part });
   const robots = useRobotOptions(filter.robot);
   const actions = useActionNames(filter.actions);
   const tags = useTagOptions(filter.tags);
   return (
     <section aria-label="Filter the goals">
+      <TimeRangeField value={filter} onChange={change} now={() => store.gatewayNow()} any />
       <div className={classes.filters}>
         <NativeSelect
           label="Robot"
@@ -74,7 +75,6 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
             data={[{ value: "", label: "With and without" }, ...tags]}
           />
         )}
-        <TimeFilter filter={filter} change={change} />
         <IdFilter id={filter.id} onId={(id) => change({ id })} />
       </div>
       <Group gap="xs" mt="sm">
@@ -138,69 +138,6 @@ function IdFilter({ id, onId }: { id: string; onId: (id: string) => void }) {
       onBlur={() => !invalid && setText(id)}
     />
   );
-}
-
-const BETWEEN = "between";
-
-interface TimeFilterProps {
-  filter: GoalFilter;
-  change: (part: Partial<GoalFilter>) => void;
-}
-
-function TimeFilter({ filter: { last, since, until }, change }: TimeFilterProps) {
-  const between = last === null && (since !== null || until !== null);
-  const choose = (choice: string) => {
-    const none = { last: null, since: null, until: null };
-    if (choice === BETWEEN) change({ ...none, since: startOfToday() });
-    else change({ ...none, last: (choice || null) as Span | null });
-  };
-  return (
-    <>
-      <NativeSelect
-        label="Started"
-        value={between ? BETWEEN : (last ?? "")}
-        onChange={(event) => choose(event.currentTarget.value)}
-        data={[
-          { value: "", label: "At any time" },
-          { value: "1h", label: "Within the last hour" },
-          { value: "24h", label: "Within the last 24 hours" },
-          { value: "7d", label: "Within the last 7 days" },
-          { value: BETWEEN, label: "Between …" },
-        ]}
-      />
-      {between && (
-        <>
-          <TimeInput label="From" time={since} onTime={(time) => change({ since: time })} />
-          <TimeInput label="Until" time={until} onTime={(time) => change({ until: time })} />
-        </>
-      )}
-    </>
-  );
-}
-
-interface TimeInputProps {
-  label: string;
-  time: string | null;
-  onTime: (time: string | null) => void;
-}
-
-/** Keeps what is typed to itself until it is a time: half of one reads as nothing. */
-function TimeInput({ label, time, onTime }: TimeInputProps) {
-  return (
-    <TextInput
-      type="datetime-local"
-      label={label}
-      defaultValue={toLocalInput(time)}
-      onChange={(event) => event.currentTarget.value && onTime(fromLocalInput(event.currentTarget.value))}
-      onBlur={(event) => !event.currentTarget.value && onTime(null)}
-    />
-  );
-}
-
-function startOfToday(): string {
-  const today = new Date();
-  today.setHours(0, 0, 0, 0);
-  return today.toISOString();
 }
 
 /** The actions on the graph, and those of the goals that are known. */

@@ -5,6 +5,7 @@ import { goalsExportUrl } from "../api/goals";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { dockingVerb } from "../goal/words";
 import { Command } from "../ui/Command";
+import { SavedViews } from "../ui/SavedViews";
 import { usePageTitle } from "../ui/usePageTitle";
 import { Downloads } from "./Downloads";
 import { type GoalFilter, isFiltered, NO_FILTER, readFilter, toQuery, writeFilter } from "./filter";
@@ -27,10 +28,13 @@ export default function GoalsPage() {
         <Title order={1} size="h3">
           Goals
         </Title>
-        <Downloads
-          what="these goals"
-          url={(format) => goalsExportUrl(toQuery(filter, store.gatewayNow()), format)}
-        />
+        <Group gap="xs">
+          <SavedViews page="goals" query={writeFilter(filter).toString()} />
+          <Downloads
+            what="these goals"
+            url={(format) => goalsExportUrl(toQuery(filter, store.gatewayNow()), format)}
+          />
+        </Group>
       </Group>
       <GoalFilters filter={filter} onChange={setFilter} />
       <Trouble what="The list of goals could not be loaded" error={list.error} onRetry={list.retry} />

@@ -4,6 +4,7 @@ import { type CommandError, toCommandError } from "../api/errors";
 import { createGoalsApi } from "../api/goals";
 import type { AnyGoalPage, ListedGoal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
+import { useZone } from "../ui/zone";
 import { type GoalFilter, matches, toQuery, writeFilter } from "./filter";
 import { mergeGoalList } from "./list";
 
@@ -23,15 +24,16 @@ export interface GoalList {
 /** The goals that fit: what the gateway lists, kept up to date by the stream of all robots. */
 export function useGoalList(filter: GoalFilter): GoalList {
   const { http, store } = useFleet();
+  const zone = useZone();
   const api = useMemo(() => createGoalsApi(http), [http]);
   const query = useInfiniteQuery<
     AnyGoalPage,
     CommandError,
     { pages: AnyGoalPage[] },
-    string[],
+    readonly string[],
     string | null
   >({
-    queryKey: ["goals", writeFilter(filter).toString()],
+    queryKey: ["goals", zone, writeFilter(filter).toString()],
     queryFn: ({ pageParam }) =>
       api.list(toQuery(filter, store.gatewayNow()), pageParam).catch((error: unknown) => {
         throw toCommandError(error);

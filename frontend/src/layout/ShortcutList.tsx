@@ -1,7 +1,8 @@
-import { Kbd, Stack, Switch, Text, TextInput, Title } from "@mantine/core";
+import { Group, Kbd, Stack, Switch, Text, TextInput, Title } from "@mantine/core";
 import { Fragment, useState } from "react";
 import { TWICE_WITHIN_MS } from "../stop/keys";
 import { MAX_NAME, ownName, setOwnName } from "../stop/who";
+import { ZoneSwitch } from "../ui/ZoneSwitch";
 import classes from "./layout.module.css";
 import { lettersOn, setLettersOn } from "./letters";
 import { PAGES } from "./pages";
@@ -47,7 +48,7 @@ const GRAPH: readonly Shortcut[] = [
   { keys: ["+", "−", "0"], what: "Closer, farther, everything" },
 ];
 
-/** Everything that keys do, and the name of who presses them. */
+/** Everything that keys do, the name of who presses them, and the zone of the times. */
 export default function ShortcutList() {
   return (
     <Stack gap="md">
@@ -58,6 +59,10 @@ export default function ShortcutList() {
       <Shortcuts title="In the plots of a battery" shortcuts={PLOTS} />
       <Shortcuts title="In the picture of the graph" shortcuts={GRAPH} />
       <NameField />
+      <Group gap="sm">
+        <Text size="sm">Times on every page:</Text>
+        <ZoneSwitch />
+      </Group>
     </Stack>
   );
 }

@@ -1,13 +1,16 @@
-import { Group, NativeSelect, SegmentedControl, TextInput } from "@mantine/core";
+import { NativeSelect, SegmentedControl } from "@mantine/core";
 import { useFleet } from "../fleet/context";
 import { useRobotOptions } from "../fleet/useNaming";
+import { TimeRangeField } from "../ui/TimeRangeField";
 import classes from "./statistics.module.css";
-import { GROUPINGS, type Grouping, RANGES, type Range, type View, withRange } from "./view";
+import { GROUPINGS, type Grouping, type View } from "./view";
 
 interface ControlsProps {
   view: View;
   onChange: (view: View) => void;
 }
+
+const BY = Object.entries(GROUPINGS).map(([value, label]) => ({ value, label }));
 
 /** Which goals, and what they are grouped by. */
 export function Controls({ view, onChange }: ControlsProps) {
@@ -16,21 +19,14 @@ export function Controls({ view, onChange }: ControlsProps) {
   const robots = useRobotOptions(view.robot);
   return (
     <section aria-label="Choose goals" className={classes.controls}>
-      <SegmentedControl
-        aria-label="Time"
-        data={choices(RANGES)}
-        value={view.range}
-        onChange={(range) => onChange(withRange(view, range as Range, store.gatewayNow()))}
+      <TimeRangeField
+        value={view.time}
+        onChange={(time) => change({ time })}
+        now={() => store.gatewayNow()}
       />
-      {view.range === "own" && (
-        <Group gap="xs">
-          <DayInput label="From" value={view.from} onDay={(from) => change({ from })} />
-          <DayInput label="To" value={view.to} onDay={(to) => change({ to })} />
-        </Group>
-      )}
       <SegmentedControl
         aria-label="Group by"
-        data={choices(GROUPINGS)}
+        data={BY}
         value={view.by}
         onChange={(by) => change({ by: by as Grouping })}
       />
@@ -42,26 +38,4 @@ export function Controls({ view, onChange }: ControlsProps) {
       />
     </section>
   );
-}
-
-interface DayInputProps {
-  label: string;
-  value: string | null;
-  onDay: (day: string) => void;
-}
-
-/** An emptied or half typed date changes nothing. */
-function DayInput({ label, value, onDay }: DayInputProps) {
-  return (
-    <TextInput
-      type="date"
-      aria-label={label}
-      defaultValue={value ?? ""}
-      onChange={(event) => event.currentTarget.value && onDay(event.currentTarget.value)}
-    />
-  );
-}
-
-function choices<Value extends string>(words: Record<Value, string>): { value: Value; label: string }[] {
-  return (Object.keys(words) as Value[]).map((value) => ({ value, label: words[value] }));
 }

@@ -6,19 +6,20 @@ import { Trouble } from "../goals/Trouble";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { usePageTitle } from "../ui/usePageTitle";
+import { zoneName } from "../ui/zone";
 import { Controls } from "./Controls";
 import { ErrorTable } from "./ErrorTable";
 import { GroupTable } from "./GroupTable";
 import { Summary } from "./Summary";
 import { useStatistics } from "./useStatistics";
-import { GROUPINGS, isTooLong, MAX_DAYS, readView, timeZone, writeView } from "./view";
+import { GROUPINGS, MAX_DAYS, readView, writeView } from "./view";
 
 /** How goals ended, by day, robot or action; every number leads to its goals. */
 export default function StatisticsPage() {
   usePageTitle("Statistics");
   const [parameters, setParameters] = useSearchParams();
   const view = useMemo(() => readView(parameters), [parameters]);
-  const { data, error, isPlaceholderData, live, refetch, dataUpdatedAt } = useStatistics(view);
+  const { data, error, isPlaceholderData, tooLong, live, refetch, dataUpdatedAt } = useStatistics(view);
   return (
     <Stack gap="md">
       <Title order={1} size="h3">
@@ -26,7 +27,7 @@ export default function StatisticsPage() {
       </Title>
       <Controls view={view} onChange={(next) => setParameters(writeView(next), { replace: true })} />
       <Trouble what="The statistics could not be loaded" error={error} onRetry={() => void refetch()} />
-      {isTooLong(view) ? (
+      {tooLong ? (
         <Text role="status">
           Days are shown for at most {MAX_DAYS} days. Choose fewer, or group by robot or action.
         </Text>
@@ -35,7 +36,7 @@ export default function StatisticsPage() {
       ) : (
         <Stack gap="md" aria-busy={isPlaceholderData} data-testid="statistics">
           <Text size="sm" c="dimmed" role="status">
-            {live ? "As of" : "Not live: as of"} <Time value={dataUpdatedAt} />, days in {timeZone()}
+            {live ? "As of" : "Not live: as of"} <Time value={dataUpdatedAt} />, days in {zoneName()}
           </Text>
           {data.total.ended === 0 ? <NoGoals /> : <Shown statistics={data} />}
         </Stack>

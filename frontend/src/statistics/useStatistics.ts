@@ -4,6 +4,7 @@ import { type CommandError, toCommandError } from "../api/errors";
 import { fetchStatistics } from "../api/statistics";
 import type { Statistics } from "../api/types";
 import { useFleet, useFleetLive } from "../fleet/context";
+import { useZone } from "../ui/zone";
 import { isTooLong, toQuery, type View, writeView } from "./view";
 
 const EVERY_MS = 60_000;
@@ -12,9 +13,11 @@ const EVERY_MS = 60_000;
 export function useStatistics(view: View) {
   const { http, store } = useFleet();
   const live = useFleetLive();
-  const possible = !isTooLong(view);
+  const zone = useZone();
+  const tooLong = isTooLong(view, store.gatewayNow());
+  const possible = !tooLong;
   const query = useQuery<Statistics, CommandError>({
-    queryKey: ["statistics", writeView(view).toString()],
+    queryKey: ["statistics", zone, writeView(view).toString()],
     queryFn: ({ signal }) =>
       fetchStatistics(http, toQuery(view, store.gatewayNow()), signal).catch((error: unknown) => {
         throw toCommandError(error);
@@ -27,5 +30,5 @@ export function useStatistics(view: View) {
   useEffect(() => {
     if (live && possible) void refetch({ cancelRefetch: false });
   }, [live, possible, refetch]);
-  return { ...query, live };
+  return { ...query, live, tooLong };
 }

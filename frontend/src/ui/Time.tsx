@@ -1,7 +1,9 @@
 import { formatExact, formatPreciseTime, formatTime } from "./time";
+import { useZone } from "./zone";
 
-/** A moment in the reader's zone, `precise` to the millisecond; exact on hover. */
+/** A moment in the zone that is shown, `precise` to the millisecond; exact on hover. */
 export function Time({ value, precise = false }: { value: string | number; precise?: boolean }) {
+  useZone();
   const ms = typeof value === "number" ? value : Date.parse(value);
   return (
     <time dateTime={new Date(ms).toISOString()} title={formatExact(ms)}>

@@ -1,45 +1,46 @@
-const clock = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit" });
-const dayAndClock = new Intl.DateTimeFormat(undefined, {
-  day: "numeric",
-  month: "short",
-  hour: "2-digit",
-  minute: "2-digit",
-  second: "2-digit",
-});
-const millisecond = {
-  hour: "2-digit",
-  minute: "2-digit",
-  second: "2-digit",
-  fractionalSecondDigits: 3,
-} as const;
-const preciseClock = new Intl.DateTimeFormat(undefined, millisecond);
-const dayAndPreciseClock = new Intl.DateTimeFormat(undefined, {
-  day: "numeric",
-  month: "short",
-  ...millisecond,
-});
-const exact = new Intl.DateTimeFormat(undefined, {
-  dateStyle: "full",
-  timeStyle: "long",
-});
+import { shownZone, type Zone } from "./zone";
 
-/** A time in the reader's zone: the clock alone for today, with the day for any other. */
+const second = { hour: "2-digit", minute: "2-digit", second: "2-digit" } as const;
+const millisecond = { ...second, fractionalSecondDigits: 3 } as const;
+const day = { day: "numeric", month: "short" } as const;
+
+const clock = formatter(second);
+const dayAndClock = formatter({ ...day, ...second });
+const preciseClock = formatter(millisecond);
+const dayAndPreciseClock = formatter({ ...day, ...millisecond });
+const exact = formatter({ dateStyle: "full", timeStyle: "long" });
+
+/** Writes times (ms) in the zone that is shown, with 24 hours a day. */
+export function formatter(options: Intl.DateTimeFormatOptions): (ms: number) => string {
+  const formats: Partial<Record<Zone, Intl.DateTimeFormat>> = {};
+  return (ms) => {
+    const zone = shownZone();
+    formats[zone] ??= new Intl.DateTimeFormat(undefined, {
+      ...options,
+      hourCycle: "h23",
+      ...(zone === "utc" ? { timeZone: "UTC" } : {}),
+    });
+    return formats[zone].format(ms);
+  };
+}
+
+/** The clock alone for today, with the day for any other. */
 export function formatTime(ms: number, now: number = Date.now()): string {
-  return (isSameDay(ms, now) ? clock : dayAndClock).format(ms);
+  return isSameDay(ms, now) ? clock(ms) : dayAndClock(ms);
 }
 
 /** The same with milliseconds. */
 export function formatPreciseTime(ms: number, now: number = Date.now()): string {
-  return (isSameDay(ms, now) ? preciseClock : dayAndPreciseClock).format(ms);
+  return isSameDay(ms, now) ? preciseClock(ms) : dayAndPreciseClock(ms);
 }
 
 function isSameDay(ms: number, now: number): boolean {
-  return new Date(ms).toDateString() === new Date(now).toDateString();
+  return dayOf(ms) === dayOf(now);
 }
 
 /** A time to the millisecond with its day and zone. */
 export function formatExact(ms: number): string {
-  return `${exact.format(ms)} (${new Date(ms).toISOString()})`;
+  return `${exact(ms)} (${new Date(ms).toISOString()})`;
 }
 
 /** `0.4 s`, `12 s`, `3 min 05 s`, `2 h 07 min`. */
@@ -48,7 +49,6 @@ export function formatDuration(ms: number): string {
   if (seconds < 10) return `${seconds.toFixed(1)} s`;
   const whole = Math.floor(seconds);
   if (whole < 60) return `${whole} s`;
-  const two = (value: number) => String(value).padStart(2, "0");
   if (whole < 3600) return `${Math.floor(whole / 60)} min ${two(whole % 60)} s`;
   if (whole < 86_400) return `${Math.floor(whole / 3600)} h ${two(Math.floor((whole % 3600) / 60))} min`;
   return `${Math.floor(whole / 86_400)} d ${Math.floor((whole % 86_400) / 3600)} h`;
@@ -60,7 +60,6 @@ export function formatElapsed(seconds: number, decimals: number): string {
   const sign = seconds < 0 && Number(text) > 0 ? "−" : "";
   const whole = Math.floor(Number(text));
   if (whole < 60) return `${sign}${text} s`;
-  const two = (value: number) => String(value).padStart(2, "0");
   const [, fraction] = text.split(".");
   const rest = `${two(whole % 60)}${fraction === undefined ? "" : `.${fraction}`}`;
   const minutes = Math.floor(whole / 60);
@@ -68,15 +67,40 @@ export function formatElapsed(seconds: number, decimals: number): string {
   return `${sign}${Math.floor(minutes / 60)}:${two(minutes % 60)}:${rest}`;
 }
 
-/** A time for an `<input type="datetime-local">`, in the reader's zone. */
-export function toLocalInput(time: string | null): string {
-  if (time === null) return "";
-  const date = new Date(time);
-  return new Date(date.getTime() - date.getTimezoneOffset() * 60_000).toISOString().slice(0, 16);
+const DAY_MS = 86_400_000;
+
+/** The day of a time in the zone that is shown, or one some days later: `2026-11-22`. */
+export function dayOf(ms: number, later = 0): string {
+  if (shownZone() === "utc") return new Date(ms + later * DAY_MS).toISOString().slice(0, 10);
+  const date = new Date(ms);
+  date.setDate(date.getDate() + later);
+  return `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())}`;
 }
 
-/** The time (RFC 3339) in such an input; null where it is empty or not whole yet. */
-export function fromLocalInput(text: string): string | null {
-  const ms = Date.parse(text);
-  return Number.isNaN(ms) ? null : new Date(ms).toISOString();
+/** When a day begins in the zone that is shown, or one some days later (ms). */
+export function startOfDay(day: string, later = 0): number {
+  if (shownZone() === "utc") return Date.parse(`${day}T00:00:00Z`) + later * DAY_MS;
+  const date = new Date(`${day}T00:00:00`);
+  date.setDate(date.getDate() + later);
+  return date.getTime();
+}
+
+/** The clock of a time in the zone that is shown: `23:59`. */
+export function clockOf(ms: number): string {
+  const date = new Date(ms);
+  if (shownZone() === "utc") return date.toISOString().slice(11, 16);
+  return `${two(date.getHours())}:${two(date.getMinutes())}`;
+}
+
+/** The time (ms) of a day at a clock, up to `24:00`; null where that is none. */
+export function timeAt(day: string, clock: string): number | null {
+  if (!/^(?:19[7-9]|2[01]\d)\d-\d\d-\d\d$/.test(day)) return null;
+  if (!/^(?:[01]?\d|2[0-3]):[0-5]\d$|^24:00$/.test(clock)) return null;
+  if (clock === "24:00") return startOfDay(day, 1);
+  const ms = Date.parse(`${day}T${clock.padStart(5, "0")}:00${shownZone() === "utc" ? "Z" : ""}`);
+  return Number.isNaN(ms) ? null : ms;
+}
+
+function two(value: number): string {
+  return String(value).padStart(2, "0");
 }

@@ -1,0 +1,175 @@
+import { Anchor, Button, Group, Popover, Stack, Text, TextInput } from "@mantine/core";
+import { type FormEvent, useState } from "react";
+import { Link } from "react-router";
+import { ReasonButton } from "./ReasonButton";
+import classes from "./SavedViews.module.css";
+import {
+  MAX_VIEW_NAME,
+  MAX_VIEWS,
+  readViews,
+  renamed,
+  type SavedView,
+  withoutView,
+  withView,
+  writeViews,
+} from "./savedViews";
+
+interface SavedViewsProps {
+  /** What they are kept under. */
+  page: string;
+  /** The query of the address now. */
+  query: string;
+}
+
+/** What the page's address holds, under names that are kept in this browser: save, open, rename and delete. */
+export function SavedViews({ page, query }: SavedViewsProps) {
+  const [opened, setOpened] = useState(false);
+  const [views, setViews] = useState(() => readViews(page));
+  const [kept, setKept] = useState(true);
+  const change = (next: (views: SavedView[]) => SavedView[]) => {
+    const changed = next(readViews(page)); // another tab may have changed them
+    setKept(writeViews(page, changed));
+    setViews(changed);
+  };
+  const toggle = (open: boolean) => {
+    if (open) setViews(readViews(page));
+    setOpened(open);
+  };
+  return (
+    <Popover
+      opened={opened}
+      onChange={toggle}
+      position="bottom-end"
+      width="min(22rem, 100vw - 2rem)"
+      trapFocus
+      withinPortal={false}
+      shadow="md"
+    >
+      <Popover.Target>
+        <Button variant="default" size="compact-sm" aria-haspopup="dialog" onClick={() => toggle(!opened)}>
+          Views
+        </Button>
+      </Popover.Target>
+      <Popover.Dropdown aria-label="Saved views">
+        <Stack gap="xs">
+          {views.length === 0 ? (
+            <Text size="sm" c="dimmed">
+              Save the filters that are set now under a name, in this browser.
+            </Text>
+          ) : (
+            <ul className={classes.list} aria-label="Saved views">
+              {views.map((view) => (
+                <ViewItem
+                  key={view.name}
+                  view={view}
+                  current={view.query === query}
+                  onOpen={() => setOpened(false)}
+                  onRename={(name) => change((all) => renamed(all, view.name, name))}
+                  onDelete={() => change((all) => withoutView(all, view.name))}
+                />
+              ))}
+            </ul>
+          )}
+          <NameForm
+            label="Name of the view"
+            verb="Save view"
+            reason={views.length >= MAX_VIEWS ? `There are ${MAX_VIEWS} views. Delete one first.` : null}
+            onName={(name) => change((all) => withView(all, { name, query }))}
+          />
+          {!kept && (
+            <Text size="sm" role="alert">
+              This browser does not keep them: its storage is blocked or full.
+            </Text>
+          )}
+        </Stack>
+      </Popover.Dropdown>
+    </Popover>
+  );
+}
+
+interface ViewItemProps {
+  view: SavedView;
+  current: boolean;
+  onOpen: () => void;
+  onRename: (name: string) => void;
+  onDelete: () => void;
+}
+
+function ViewItem({ view: { name, query }, current, onOpen, onRename, onDelete }: ViewItemProps) {
+  const [renaming, setRenaming] = useState(false);
+  if (renaming) {
+    const rename = (to: string) => {
+      setRenaming(false);
+      onRename(to);
+    };
+    return (
+      <li>
+        <NameForm label={`New name of ${name}`} verb="Rename" name={name} reason={null} onName={rename} />
+      </li>
+    );
+  }
+  return (
+    <li className={classes.item}>
+      <Anchor
+        component={Link}
+        to={{ search: query }}
+        size="sm"
+        className={classes.name ?? ""}
+        aria-current={current || undefined}
+        fw={current ? 600 : undefined}
+        onClick={onOpen}
+      >
+        {name}
+      </Anchor>
+      <Button
+        variant="subtle"
+        size="compact-xs"
+        aria-label={`Rename ${name}`}
+        onClick={() => setRenaming(true)}
+      >
+        Rename
+      </Button>
+      <Button variant="subtle" size="compact-xs" aria-label={`Delete ${name}`} onClick={onDelete}>
+        Delete
+      </Button>
+    </li>
+  );
+}
+
+interface NameFormProps {
+  label: string;
+  verb: string;
+  name?: string;
+  reason: string | null;
+  onName: (name: string) => void;
+}
+
+function NameForm({ label, verb, name = "", reason, onName }: NameFormProps) {
+  const [text, setText] = useState(name);
+  const missing = reason ?? (text.trim() === "" ? "Enter a name first." : null);
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    if (missing !== null) return;
+    onName(text);
+    setText("");
+  };
+  return (
+    <form onSubmit={submit}>
+      <Group gap="xs" wrap="nowrap">
+        <TextInput
+          aria-label={label}
+          placeholder="Name"
+          size="xs"
+          flex={1}
+          maxLength={MAX_VIEW_NAME}
+          value={text}
+          onChange={(event) => setText(event.currentTarget.value)}
+          data-autofocus={name !== "" || undefined}
+        />
+        <ReasonButton type="submit" variant="default" size="xs" reason={missing}>
+          {verb}
+        </ReasonButton>
+      </Group>
+    </form>
+  );
+}

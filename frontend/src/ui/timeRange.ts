@@ -1,0 +1,71 @@
+import { dayOf, startOfDay } from "./time";
+
+/** How far back, in the words of its choice. */
+export const LASTS = { today: "Today", "24h": "24 h", "7d": "7 d", "30d": "30 d" } as const;
+export type Last = keyof typeof LASTS;
+
+/** Days, of which today is the last. */
+const DAYS: Partial<Record<Last, number>> = { today: 1, "7d": 7, "30d": 30 };
+
+/** A part of time as it stands in an address. */
+export interface TimeRange {
+  /** Goes before `since` and `until`. */
+  last: Last | null;
+  /** RFC 3339. */
+  since: string | null;
+  until: string | null;
+}
+
+export const ANY_TIME: TimeRange = { last: null, since: null, until: null };
+
+/** What it does not understand is left out. */
+export function readTimeRange(parameters: URLSearchParams): TimeRange {
+  const last = parameters.get("last");
+  if (last !== null && last in LASTS) return { ...ANY_TIME, last: last as Last };
+  return { last: null, since: readTime(parameters.get("since")), until: readTime(parameters.get("until")) };
+}
+
+export function writeTimeRange({ last, since, until }: TimeRange, parameters: URLSearchParams): void {
+  if (last !== null) parameters.set("last", last);
+  else {
+    if (since !== null) parameters.set("since", since);
+    if (until !== null) parameters.set("until", until);
+  }
+}
+
+/** From `since` up to but not including `until` (ms); null is without an end. @param now In the gateway's time (ms). */
+export function boundsOf(
+  { last, since, until }: TimeRange,
+  now: number,
+): { since: number | null; until: number | null } {
+  if (last === "24h") return { since: now - 86_400_000, until: null };
+  if (last !== null) return { since: startOfDay(dayOf(now, 1 - (DAYS[last] ?? 1))), until: null };
+  return {
+    since: since === null ? null : Date.parse(since),
+    until: until === null ? null : Date.parse(until),
+  };
+}
+
+/** As the gateway is asked. */
+export function timeQuery(range: TimeRange, now: number): { since?: string; until?: string } {
+  const { since, until } = boundsOf(range, now);
+  return {
+    ...(since === null ? {} : { since: new Date(since).toISOString() }),
+    ...(until === null ? {} : { until: new Date(until).toISOString() }),
+  };
+}
+
+/** Dates to begin with: those that a range has been until now, to the end of today. */
+export function ownDates(range: TimeRange, now: number): TimeRange {
+  const since = boundsOf(range, now).since ?? startOfDay(dayOf(now));
+  const whole = startOfDay(dayOf(since));
+  return {
+    last: null,
+    since: new Date(whole).toISOString(),
+    until: new Date(startOfDay(dayOf(now), 1)).toISOString(),
+  };
+}
+
+function readTime(text: string | null): string | null {
+  return text === null || Number.isNaN(Date.parse(text)) ? null : text;
+}
