@@ -108,7 +108,7 @@ describe("the display name", () => {
   });
 
   it("is in alerts, and to choose by in lists of goals and in the statistics", async () => {
-    answers({ goals: [], next_cursor: null });
+    answers({ goals: [], next_cursor: null, tags: [] });
     const label = "Left forklift (/robot1)";
     const robots = [named, plain];
     renderPage(fakeGateway(), { robots, alerts: [alert("low")] });
@@ -124,7 +124,7 @@ describe("the display name", () => {
 
   it("is above the action in a list of goals", async () => {
     const listed = goal("g1", { action_name: "/robot1/dock", status: "succeeded" });
-    answers({ goals: [{ ...listed, origin: "gateway" }], next_cursor: null });
+    answers({ goals: [{ ...listed, origin: "gateway" }], next_cursor: null, tags: [] });
     renderPage(fakeGateway(), { robots: [named, plain] }, "/ui/goals");
     const cell = await screen.findByRole("cell", { name: /\/robot1\/dock$/ }, { timeout: 5000 });
     expect(cell.textContent).toBe("Left forklift/robot1/dock");
