@@ -1,4 +1,4 @@
-"""Commands for robots from the overview: by row, by selection and by group, among many robots."""
+"""Many robots: their list, commands for several of them, and the search that Ctrl+K opens."""
 
 import re
 from collections.abc import Iterator
@@ -87,6 +87,7 @@ def test_the_robots_of_a_group_are_docked_canceled_and_stopped(page: Page, gatew
     row(page, "/robot1").get_by_role("button", name="Commands for /robot1").press("Enter")
     item = page.get_by_role("menuitem", name="Cancel")
     expect(page.get_by_role("menuitem", name="Dock", exact=True)).to_be_disabled()
+    expect(item).to_be_enabled()
     item.press("Enter")
     expect(row(page, "/robot1")).to_contain_text("Dock canceled")
 
@@ -99,6 +100,55 @@ def test_the_robots_of_a_group_are_docked_canceled_and_stopped(page: Page, gatew
     expect(page.get_by_test_id("stop-banner")).to_contain_text("2 robots are stopped")
     stops = {robot: gateway.http.get("/stop", params={"robot": robot}).json()["latched"] for robot in GROUP}
     assert stops == {"/robot1": True, "/robot2": True, "/robot3": False}
+
+
+def test_the_search_leads_everywhere_by_keyboard_alone(page: Page, gateway: RunningGateway) -> None:
+    search = page.get_by_role("dialog", name="Search and commands")
+    found = search.get_by_role("listbox", name="Found")
+
+    def choose(text: str, first: str) -> None:
+        page.keyboard.press("Control+k")
+        expect(search.get_by_role("combobox")).to_be_focused()
+        page.keyboard.type(text)
+        expect(found.get_by_role("option", selected=True)).to_have_text(re.compile(f"^{first}"))
+        page.keyboard.press("Enter")
+        expect(search).to_be_hidden()
+
+    expect(row(page, "/robot1")).to_be_visible()
+    choose("robot2", "/robot2")
+    expect(page.get_by_role("heading", level=1, name="/robot2")).to_be_visible()
+    choose("stati", "Statistics")
+    expect(page.get_by_role("heading", level=1, name="Statistics")).to_be_visible()
+    choose("robot2/connect", "/robot2/connect_to_charging_dock")
+    expect(page.get_by_role("heading", level=1)).to_contain_text("/robot2/connect_to_charging_dock")
+
+    choose("dock robot2", "Dock /robot2")
+    dialog = page.get_by_role("dialog", name="Dock /robot2?")
+    expect(dialog.get_by_role("button", name="Leave it where it is")).to_be_focused()
+    page.keyboard.press("Tab")
+    page.keyboard.press("Enter")
+    expect(page.get_by_text("Dock: /robot2 accepted")).to_be_visible()
+    goals = gateway.http.get("/goals", params={"robot": "/robot2", "limit": 1}).json()["goals"]
+    choose(goals[0]["goal_id"][:8], "Goal ")
+    expect(page).to_have_url(re.compile(goals[0]["goal_id"]))
+    gateway.wait_for_goal(goals[0]["goal_id"], "executing")
+    expect(page.get_by_text("executing").first).to_be_visible()
+    choose("cancel robot2", "Cancel /robot2")
+    expect(page.get_by_text("Cancel: /robot2 accepted")).to_be_visible()
+    gateway.wait_for_goal(goals[0]["goal_id"], "canceled")
+
+    # One Escape closes it and stops nothing; two stop, also while it is open.
+    page.keyboard.press("Control+k")
+    expect(search.get_by_role("combobox")).to_be_focused()
+    page.keyboard.press("Escape")
+    expect(search).to_be_hidden()
+    page.keyboard.press("Tab")
+    assert gateway.http.get("/stop").json()["latched"] is False
+    page.keyboard.press("Control+k")
+    expect(search.get_by_role("combobox")).to_be_focused()
+    page.keyboard.press("Escape")
+    page.keyboard.press("Escape")
+    expect(page.get_by_test_id("stop-banner")).to_be_visible()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
@@ -115,4 +165,9 @@ def test_accessibility(page: Page, scheme: str) -> None:
     selected = page.get_by_role("group", name="Commands for the selected robots")
     selected.get_by_role("button", name="Dock", exact=True).click()
     expect(page.get_by_role("dialog", name="Dock 1 robot?")).to_be_visible()
+    assert find_violations(page) == []
+    page.keyboard.press("Escape")
+    page.keyboard.press("Control+k")
+    page.get_by_role("combobox", name="Search and commands").fill("robot80")
+    expect(page.get_by_role("option", name=re.compile("^Dock .robot80"))).to_be_visible()
     assert find_violations(page) == []

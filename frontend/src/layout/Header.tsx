@@ -1,5 +1,6 @@
 import { Anchor, Container, Group } from "@mantine/core";
 import { Link } from "react-router";
+import { SearchButton } from "../search/SearchButton";
 import { StopButton } from "../stop/StopButton";
 import { ColorSchemeSwitch } from "./ColorSchemeSwitch";
 import { ConnectionStatus } from "./ConnectionStatus";
@@ -21,6 +22,7 @@ export function Header() {
             <Anchor href="/docs" size="sm" visibleFrom="md">
               API
             </Anchor>
+            <SearchButton />
             <ShortcutsButton />
             <ColorSchemeSwitch />
             <StopButton />

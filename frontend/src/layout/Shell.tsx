@@ -19,31 +19,31 @@ export function Shell() {
   const alerts = openAlerts(useFleetTopic("alerts")).length;
   return (
     <TitlePrefixProvider value={alerts === 0 ? "" : `(${alerts}) `}>
-      <a className={classes.skip} href="#main">
-        Skip to the page
-      </a>
-      <Header />
-      <Container
-        component="main"
-        id="main"
-        size="xl"
-        py="md"
-        ref={main}
-        tabIndex={-1}
-        className={classes.main}
-      >
-        <Stack gap="md">
-          <ConnectionBanner />
-          <StopBanner />
-          <Guarded of={pathname}>
-            <Suspense fallback={<PageSkeleton />}>
-              <OperationsProvider>
+      <OperationsProvider>
+        <a className={classes.skip} href="#main">
+          Skip to the page
+        </a>
+        <Header />
+        <Container
+          component="main"
+          id="main"
+          size="xl"
+          py="md"
+          ref={main}
+          tabIndex={-1}
+          className={classes.main}
+        >
+          <Stack gap="md">
+            <ConnectionBanner />
+            <StopBanner />
+            <Guarded of={pathname}>
+              <Suspense fallback={<PageSkeleton />}>
                 <Outlet />
-              </OperationsProvider>
-            </Suspense>
-          </Guarded>
-        </Stack>
-      </Container>
+              </Suspense>
+            </Guarded>
+          </Stack>
+        </Container>
+      </OperationsProvider>
     </TitlePrefixProvider>
   );
 }
@@ -55,7 +55,8 @@ function useFocusOnNavigation(main: RefObject<HTMLDivElement | null>, pathname: 
     if (shown.current === pathname) return;
     shown.current = pathname;
     window.scrollTo(0, 0);
-    main.current?.focus({ preventScroll: true });
+    // The page may come later than a dialog that was opened meanwhile.
+    if (document.querySelector("[aria-modal=true]") === null) main.current?.focus({ preventScroll: true });
   }, [main, pathname]);
 }
 

@@ -18,6 +18,7 @@ const EVERYWHERE: readonly Shortcut[] = [
     what: `Stop every robot: Escape twice within ${TWICE_WITHIN_MS / 1000} s`,
   },
   { keys: ["Ctrl", "Shift", "X"], what: "Stop every robot, also while you type" },
+  { keys: ["Ctrl", "K"], what: "Search and commands: robots, pages, goals, actions" },
   { keys: ["Tab", "Enter"], what: "To the next control; press it" },
 ];
 

@@ -5,9 +5,7 @@ import { CHARGING } from "../battery/words";
 import { useAskingWanted } from "../docking/asking";
 import { MoveDialog } from "../docking/MoveDialog";
 import { useFleet, useFleetLive, useFleetPart } from "../fleet/context";
-import { stopThese } from "../stop/everywhere";
-import { showFailed, showStopped, showStopping } from "../stop/notices";
-import { whoStops } from "../stop/who";
+import { useStopping } from "../stop/useStopping";
 import { ManyDialog } from "./ManyDialog";
 import { cancelable, fewAtOnce, moveOf, type Operation, type Refusal, whyNot } from "./operation";
 import { ResultsNotice } from "./results";
@@ -36,12 +34,12 @@ export function OperationsProvider({ children }: { children: ReactNode }) {
   const [question, setQuestion] = useState<Question | null>(null);
   const [opened, setOpened] = useState(false);
   const run = useRun();
-  const stop = useStop();
+  const stop = useStopping();
 
   const operate = useCallback<Operate>(
     (operation, names) => {
       if (names.length === 0) return;
-      if (operation === "stop") return stop(names);
+      if (operation === "stop") return void stop(names);
       const real = names.some((name) => store.get("robots").get(name)?.simulated === false);
       const asks = names.length > 1 || (moveOf(operation) !== null && wanted && real);
       if (!asks) return run(operation, names);
@@ -141,24 +139,5 @@ function useRun(): Operate {
       }
     },
     [http, gatewayOf, store],
-  );
-}
-
-/** Stops robots at once, without a question. */
-function useStop(): (names: readonly string[]) => void {
-  const { gatewayOf, store } = useFleet();
-  return useCallback(
-    (names) => {
-      showStopping(store.get("naming"), names);
-      stopThese(async (robot) => {
-        const report = await gatewayOf(robot).stop(whoStops());
-        store.setStop(report.stop, robot);
-        return report;
-      }, names).then(
-        (report) => showStopped(report, store.get("naming"), names),
-        (error: unknown) => showFailed(toCommandError(error), store.get("naming"), names),
-      );
-    },
-    [gatewayOf, store],
   );
 }

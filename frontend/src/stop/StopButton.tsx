@@ -1,39 +1,27 @@
 import { Button, Group, Kbd } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
-import { useCallback, useEffect } from "react";
+import { useCallback, useEffect, useState } from "react";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
-import { useCommand } from "../ui/useCommand";
-import { stopEverywhere } from "./everywhere";
 import { heldStops } from "./held";
 import { CHORD, DoubleEscape } from "./keys";
-import { showFailed, showRecovered, showStopped, showStopping } from "./notices";
+import { showRecovered } from "./notices";
 import classes from "./stop.module.css";
-import { whoStops } from "./who";
+import { useStopping } from "./useStopping";
 
 /**
  * Stops every robot, and keeps them stopped. Enabled always: also while disconnected, while a Stop is under way, and in
  * dialogs.
  */
 export function StopButton() {
-  const { gateway, gatewayOf, store } = useFleet();
+  const { store } = useFleet();
   const live = useFleetLive();
   const stop = useFleetTopic("stop");
-  const { mutate, isPending } = useCommand(() => {
-    showStopping(store.get("naming"));
-    return stopEverywhere(async (robot) => {
-      const report = await (robot === null ? gateway : gatewayOf(robot)).stop(whoStops());
-      store.setStop(report.stop, robot);
-      return report;
-    }, store.get("robots"));
-  });
-  const press = useCallback(
-    () =>
-      mutate(undefined, {
-        onSuccess: (report) => showStopped(report, store.get("naming")),
-        onError: (error) => showFailed(error, store.get("naming")),
-      }),
-    [mutate, store],
-  );
+  const stopNow = useStopping();
+  const [underWay, setUnderWay] = useState(0);
+  const press = useCallback(() => {
+    setUnderWay((count) => count + 1);
+    void stopNow(null).finally(() => setUnderWay((count) => count - 1));
+  }, [stopNow]);
   useHotkeys([[CHORD, press]], [], true);
 
   useEffect(() => {
@@ -65,7 +53,7 @@ export function StopButton() {
         size="lg"
         color="red"
         className={classes.stop}
-        data-stopping={isPending || undefined}
+        data-stopping={underWay > 0 || undefined}
         aria-keyshortcuts="Control+Shift+X"
         title="Zero velocity at once, every goal is canceled, and none is sent until the stop is released (Esc twice, or Ctrl+Shift+X)"
         onClick={press}
