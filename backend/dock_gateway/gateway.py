@@ -26,6 +26,7 @@ from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
 from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.pose_recorder import PoseRecorder
 from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.fleet.stop import Stopper
 from dock_gateway.history import GoalFilter, History, open_history
@@ -38,7 +39,7 @@ from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, scan
 from dock_gateway.ros.robot_ports import DiagnosticsPort, VelocityListener
-from dock_gateway.ros.scene_port import ScenePort
+from dock_gateway.ros.scene_port import OnPoses, PosePort, ScenePort
 from dock_gateway.settings import DockingActions, Settings
 from dock_gateway.topics.graph_cache import GraphCache
 from dock_gateway.topics.registry import EchoRegistry
@@ -256,6 +257,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
             decisions=decisions,
         ),
     )
+    _record_poses(settings, bridge, history, actions=actions, robots=robots, stack=stack)
     departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
     tasks = _closed_by(stack, Tasks("running the gateway"))
     tasks.spawn(_watch_graph(bridge, actions, robots, departures))
@@ -345,6 +347,32 @@ def _watch_velocity(settings: Settings, bridge: Bridge, activity: Activity, stac
         return VelocityListener(bridge, topic, lambda message, _: activity.on_velocity(robot, message))
 
     _closed_by(stack, OnDemand(bridge, activity, "cmd_vel", make))
+
+
+def _record_poses(
+    settings: Settings,
+    bridge: Bridge,
+    history: History,
+    *,
+    actions: ActionRegistry,
+    robots: RobotRegistry,
+    stack: AsyncExitStack,
+) -> None:
+    """Store the poses of robots while their goals run."""
+    if not settings.store_poses:
+        return
+
+    def running() -> dict[str, list[Goal]]:
+        found: dict[str, list[Goal]] = {}
+        for goal in actions.running():
+            if (robot := robots.owner(goal.action_name)) is not None:
+                found.setdefault(robot.namespace, []).append(goal)
+        return found
+
+    def make(robot: str, on_poses: OnPoses) -> PosePort:
+        return PosePort(bridge, robot, lambda name: settings.resolve(name, robot), on_poses)
+
+    _closed_by(stack, PoseRecorder(bridge, running, make, history.record_event))
 
 
 async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, departures: Departures) -> None:

@@ -122,6 +122,11 @@ class Settings(BaseSettings):
         description="Seconds after which a robot that has left the ROS graph is removed from `/robots`; 0: never. "
         "The configured robot is never removed.",
     )
+    store_poses: bool = Field(
+        True,
+        description="Whether to store where a robot is while a goal on one of its actions runs, for the map of the "
+        "goal's replay.",
+    )
     low_battery: float = Field(
         0.2,
         ge=0,

@@ -108,6 +108,32 @@ def test_dock_and_undock(page: Page, gateway: RunningGateway) -> None:
     expect(page.get_by_role("row").filter(has_text="Off the dock")).to_be_visible()
 
 
+def test_a_goal_is_replayed_on_the_map(page: Page, gateway: RunningGateway) -> None:
+    goal = gateway.http.post("/dock", headers={"Prefer": "wait=90"}, timeout=100).raise_for_status().json()
+    assert goal["status"] == "succeeded"
+    page.goto(f"{gateway.url}/ui/goals/{goal['goal_id']}")
+    words = page.get_by_test_id("replay-map-words")
+
+    def x() -> float:
+        match = WORDS.search(words.inner_text())
+        assert match
+        return float(match.group(1).replace(MINUS, "-"))
+
+    expect(words).to_have_text(WORDS)
+    assert x() > -0.3, "at its dock in the end"
+    scrubber = page.get_by_role("slider", name="Moment of the goal")
+    scrubber.focus()
+    page.keyboard.press("Home")
+    page.keyboard.press("ArrowRight")
+    wait_until(lambda: x() < -0.9, "the robot where it began")
+    drawn = page.get_by_test_id("scene").evaluate(FIND_ROBOT)
+    assert drawn["x"] > 0, "the robot is in the picture"
+    press(page, "Play")
+    wait_until(lambda: x() > -0.9, "the robot on its way")
+    load_axe(page, "light")
+    assert find_violations(page) == []
+
+
 def test_stop_by_keyboard_and_release(page: Page, gateway: RunningGateway) -> None:
     start_docking(page)
     page.keyboard.press("Escape")

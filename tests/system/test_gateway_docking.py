@@ -89,6 +89,20 @@ def test_undocking(gateway: RunningGateway) -> None:
         left = stream.until(lambda e: e["type"] == "simulator" and not e["simulator"]["docked"])["simulator"]
         assert left["contact"] is False
         stream.until(lambda e: e["type"] == "scene" and e["scene"]["robot"]["x"] < -0.6)
+    history = f"/goals/{goal['goal_id']}/history"
+    poses = gateway.http.get(f"{history}?type=pose").json()["events"]
+    scenes = [event["scene"] for event in poses]
+    assert {scene["frame"] for scene in scenes} == {"world"}
+    first, last = scenes[0]["robot"]["x"], scenes[-1]["robot"]["x"]
+    assert -0.6 < first < -0.1, "at its dock"
+    assert last < -0.6, "off its dock"
+    assert scenes[-1]["dock"] == {"x": 0.0, "y": 0.0, "theta": 0.0}
+    slots = [int(event["id"][:20]) for event in poses]
+    assert len(set(slots)) == len(slots)
+    assert all(slot % 200_000_000 == 0 for slot in slots)
+    assert {event["type"] for event in gateway.http.get(history).json()["events"]} == {"status", "feedback", "result"}
+    exported = gateway.http.get(f"/goals/{goal['goal_id']}/export").json()["events"]
+    assert [event for event in exported if event["type"] == "pose"] == poses
     assert do(gateway, "undock")["status"] == "succeeded"
     assert [entry["goal_id"] for entry in gateway.http.get("/undock").json()["goals"]][1] == goal["goal_id"]
     assert gateway.http.get(f"/undock/{goal['goal_id']}").json() == goal

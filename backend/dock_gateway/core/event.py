@@ -63,6 +63,9 @@ EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 # The kind in the id of a goal's event, by the event's type.
 STATUS, FEEDBACK, RESULT = "s", "f", "z"
 KINDS = {"status": STATUS, "feedback": FEEDBACK, "result": RESULT}
+# Those of a goal that the history has: poses are stored, but not sent on streams.
+POSE = "p"
+STORED_KINDS = KINDS | {"pose": POSE}
 STAMP_DIGITS = 20
 # Maximum difference between the clocks of two gateways, in nanoseconds.
 CLOCK_TOLERANCE = 5_000_000_000
@@ -196,6 +199,20 @@ def _goal_event(
         ends_goal=ends_goal,
         key=f"{what}-{goal.goal_id}" if once else event_id(source_ns, what, goal.goal_id),
     )
+
+
+def pose_event(goal: Goal, scene: dict[str, Any], stamp_ns: int, source_ns: int) -> Event:
+    """Return the event with the poses of a robot and its dock while a goal runs. Arguments as for `status_event`."""
+    identity = event_id(stamp_ns, POSE, goal.goal_id)
+    document = {
+        "type": "pose",
+        "id": identity,
+        "time": moment(source_ns),
+        "goal_id": goal.goal_id,
+        "action_name": goal.action_name,
+        "scene": scene,
+    }
+    return Event(encode(document), "poses", goal.goal_id, goal.action_name, droppable=True, id=identity, key=identity)
 
 
 def message_event(kind: str, message: Json, stamp_ns: int, source_ns: int | None = None, *, robot: str = "/") -> Event:

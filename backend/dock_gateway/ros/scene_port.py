@@ -1,14 +1,16 @@
 """The topics with the poses of a robot and its dock. They are many and fast; subscribed to only while watched."""
 
 import math
+import struct
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 from geometry_msgs.msg import Pose as RosPose
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.serialization import deserialize_message
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Range
 
@@ -17,15 +19,15 @@ from dock_gateway.core.scene import ODOM, PLACED_FOR, WORLD, Pace, Pose, Scene, 
 from dock_gateway.ros.bridge import Bridge, guard
 from dock_gateway.ros.robot_ports import LATCHED
 
+# The stamp of a message, which its header begins with, in little-endian CDR.
+STAMP, CDR_HEADER = struct.Struct("<iI"), 4
+SLOT_NS = 100_000_000
+
 # Only the newest message counts.
 LATEST = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
-MAX_RATE = 20.0  # Hz
-
-# Topic of a pose → its name in the scene.
-POSES = {"detected_dock_pose": "marker", "filtered_dock_pose": "docked", "staging_pose": "staging"}
-RECEIVERS = ("left", "center", "right")
-
 OnScene = Callable[[Event], None]
+OnOdometry = Callable[[Odometry, dict[str, Any]], None]
+OnPoses = Callable[[str, dict[str, Any], int], None]
 
 
 class ScenePort:
@@ -40,24 +42,37 @@ class ScenePort:
         on_scene: Called on the loop with an event, at most 20 times a second.
     """
 
-    def __init__(self, bridge: Bridge, namespace: str, resolve: Callable[[str], str], on_scene: OnScene) -> None:
+    # Topic of a pose → its name in the scene.
+    poses: ClassVar = {"detected_dock_pose": "marker", "filtered_dock_pose": "docked", "staging_pose": "staging"}
+    receivers: ClassVar[tuple[str, ...]] = ("left", "center", "right")
+    max_rate = 20.0  # Hz
+
+    def __init__(
+        self, bridge: Bridge, namespace: str, resolve: Callable[[str], str], on_scene: Callable[..., None]
+    ) -> None:
         self._bridge = bridge
         self._namespace = namespace
         self._on_scene = on_scene
         self._scene = Scene()
-        self._pace = Pace(MAX_RATE)
+        self._pace = Pace(self.max_rate)
         self._truth_at = time.monotonic()  # wait for ground truth before odometry alone is shown
         listen = bridge.node.create_subscription
         self._subscriptions: list[Subscription] = [
-            listen(Odometry, resolve("odom"), guard(self._hear_odometry), LATEST),
-            listen(Odometry, resolve("ground_truth"), guard(self._hear_truth), LATEST),
+            self._listen_to_odometry(resolve("odom"), self._hear_odometry),
+            self._listen_to_odometry(resolve("ground_truth"), self._hear_truth),
             listen(PoseStamped, resolve("true_dock_pose"), guard(self._hear_dock), LATCHED),
             *(
                 listen(PoseStamped, resolve(topic), guard(self._hear_pose(name)), LATEST)
-                for topic, name in POSES.items()
+                for topic, name in self.poses.items()
             ),
-            *(listen(Range, resolve(f"infrared/{name}"), guard(self._hear_range(name)), LATEST) for name in RECEIVERS),
+            *(
+                listen(Range, resolve(f"infrared/{name}"), guard(self._hear_range(name)), LATEST)
+                for name in self.receivers
+            ),
         ]
+
+    def _listen_to_odometry(self, topic: str, hear: OnOdometry) -> Subscription:
+        return self._bridge.node.create_subscription(Odometry, topic, guard(hear), LATEST)
 
     def close(self) -> None:
         """Leave the topics."""
@@ -83,8 +98,10 @@ class ScenePort:
 
     def _show(self, now: float, info: dict[str, Any]) -> None:
         if self._pace.due(now) and (document := self._scene.document(now)) is not None:
-            event = scene_event(document, moment(info["source_timestamp"]), robot=self._namespace)
-            self._bridge.to_loop(self._on_scene, event)
+            self._tell(document, info["source_timestamp"])
+
+    def _tell(self, document: dict[str, Any], source_ns: int) -> None:
+        self._bridge.to_loop(self._on_scene, scene_event(document, moment(source_ns), robot=self._namespace))
 
     def _hear_dock(self, message: PoseStamped, _: dict[str, Any]) -> None:
         if message.header.frame_id in (WORLD, "") and (pose := read_pose(message.pose)) is not None:
@@ -103,6 +120,37 @@ class ScenePort:
             self._scene.set_range(name, message.range, time.monotonic())
 
         return hear
+
+
+class PosePort(ScenePort):
+    """The part of a scene that is stored while a goal runs: without what the robot's sensors see.
+
+    Args as for `ScenePort`, but `on_scene` is an `OnPoses`: called with the robot, the scene and the time (ns).
+    """
+
+    poses: ClassVar = {"filtered_dock_pose": "docked", "staging_pose": "staging"}
+    receivers: ClassVar[tuple[str, ...]] = ()
+    max_rate = 10.0
+
+    def _listen_to_odometry(self, topic: str, hear: OnOdometry) -> Subscription:
+        """Decode one message in each 0.1 s: decoding is what odometry costs.
+
+        They are chosen by their stamps, so that those of both topics belong together.
+        """
+        last = -1
+
+        def hear_some(raw: bytes, info: dict[str, Any]) -> None:
+            nonlocal last
+            seconds, nanoseconds = STAMP.unpack_from(raw, CDR_HEADER) if raw[1] & 1 else (0, 0)
+            slot = (seconds * 10**9 + nanoseconds or time.time_ns()) // SLOT_NS
+            if slot != last:
+                last = slot
+                hear(deserialize_message(raw, Odometry), info)
+
+        return self._bridge.node.create_subscription(Odometry, topic, guard(hear_some), LATEST, raw=True)
+
+    def _tell(self, document: dict[str, Any], source_ns: int) -> None:
+        self._bridge.to_loop(self._on_scene, self._namespace, document, source_ns)
 
 
 def read_pose(pose: RosPose) -> Pose | None:

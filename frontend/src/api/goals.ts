@@ -1,6 +1,6 @@
 import { deadline, type Http, settle } from "./http";
 import type { paths } from "./schema.gen";
-import type { AnyGoal, AnyGoalPage, GoalHistory } from "./types";
+import type { AnyGoal, AnyGoalPage, GoalHistory, PoseEvent } from "./types";
 
 /** What `GET /goals` can be narrowed by. */
 export type GoalQuery = Omit<NonNullable<paths["/goals"]["get"]["parameters"]["query"]>, "limit" | "cursor">;
@@ -12,6 +12,8 @@ export interface GoalsApi {
   cancel(goalId: string): Promise<AnyGoal>;
   /** A page of what happened to a goal, oldest first, after an event, from the beginning for null. */
   history(goalId: string, after: string | null): Promise<GoalHistory>;
+  /** Where the robot was while a goal ran, oldest first; all that is stored. */
+  poses(goalId: string): Promise<PoseEvent[]>;
 }
 
 /** Of the goals of a list, and of the events of a history, that come at once. */
@@ -40,6 +42,24 @@ export function createGoalsApi(http: Http): GoalsApi {
           signal: deadline(),
         }),
       ),
+    poses: async (goalId) => {
+      const poses: PoseEvent[] = [];
+      let after: string | null = null;
+      do {
+        const page: GoalHistory = await settle(
+          http.GET("/goals/{goal_id}/history", {
+            params: {
+              path: { goal_id: goalId },
+              query: { type: ["pose"], limit: EVENTS, ...(after === null ? {} : { after }) },
+            },
+            signal: deadline(),
+          }),
+        );
+        poses.push(...page.events.filter((event) => event.type === "pose"));
+        after = page.next_after;
+      } while (after !== null);
+      return poses;
+    },
   };
 }
 

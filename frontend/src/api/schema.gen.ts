@@ -450,7 +450,7 @@ export interface paths {
         };
         /**
          * Goal History
-         * @description List the events of a goal as they were sent on the streams, oldest first.
+         * @description List the events of a goal as they were sent on the streams, oldest first; or the stored poses of its robot.
          */
         get: operations["goal_history"];
         put?: never;
@@ -1856,7 +1856,7 @@ export interface components {
             /** Complete */
             complete: boolean;
             /** Events */
-            events: (components["schemas"]["ActionStatusEvent"] | components["schemas"]["ActionFeedbackEvent"] | components["schemas"]["ActionResultEvent"])[];
+            events: (components["schemas"]["ActionStatusEvent"] | components["schemas"]["ActionFeedbackEvent"] | components["schemas"]["ActionResultEvent"] | components["schemas"]["PoseEvent"])[];
         };
         /**
          * FeedbackDroppedEvent
@@ -2072,7 +2072,7 @@ export interface components {
          */
         GoalHistory: {
             /** Events */
-            events: (components["schemas"]["ActionStatusEvent"] | components["schemas"]["ActionFeedbackEvent"] | components["schemas"]["ActionResultEvent"])[];
+            events: (components["schemas"]["ActionStatusEvent"] | components["schemas"]["ActionFeedbackEvent"] | components["schemas"]["ActionResultEvent"] | components["schemas"]["PoseEvent"])[];
             /** Next After */
             next_after: string | null;
             /** Complete */
@@ -2440,6 +2440,29 @@ export interface components {
             y: number;
             /** Theta */
             theta: number;
+        };
+        /**
+         * PoseEvent
+         * @description Where the robot and its dock were while the goal ran; stored, not sent on streams. Sensors' data are null.
+         */
+        PoseEvent: {
+            /**
+             * Type
+             * @constant
+             */
+            type: "pose";
+            /** Id */
+            id: string;
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Goal Id */
+            goal_id: string;
+            /** Action Name */
+            action_name: string;
+            scene: components["schemas"]["Scene"];
         };
         /**
          * Problem
@@ -4966,8 +4989,8 @@ export interface operations {
     goal_history: {
         parameters: {
             query?: {
-                /** @description Only events of these types */
-                type?: ("status" | "feedback" | "result")[] | null;
+                /** @description Only events of these types; by default all but `pose` */
+                type?: ("status" | "feedback" | "result" | "pose")[] | null;
                 /** @description Id of the event that they follow */
                 after?: string | null;
                 limit?: number;

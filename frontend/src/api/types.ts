@@ -12,6 +12,7 @@ export type ActionInfo = Schemas["ActionInfo"];
 export type GoalHistory = Schemas["GoalHistory"];
 /** What a goal's history is made of. */
 export type GoalEvent = GoalHistory["events"][number];
+export type PoseEvent = Schemas["PoseEvent"];
 export type GoalStatus = Schemas["GoalStatus"];
 export type GoalError = Schemas["GoalError"];
 export type BatteryState = Schemas["BatteryState"];

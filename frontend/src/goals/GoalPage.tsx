@@ -1,7 +1,10 @@
 import { Skeleton, Stack, Text, Title } from "@mantine/core";
+import { Suspense } from "react";
 import { useParams } from "react-router";
 import { isTerminal } from "../store/goals";
 import { Command } from "../ui/Command";
+import { Guarded } from "../ui/Guarded";
+import { lazyPart } from "../ui/lazyPart";
 import { usePageTitle } from "../ui/usePageTitle";
 import { FeedbackSection } from "./FeedbackSection";
 import { GoalHead } from "./GoalHead";
@@ -12,6 +15,8 @@ import { NotesSection } from "./NotesSection";
 import { Replay } from "./Replay";
 import { Trouble } from "./Trouble";
 import { useGoalWatch, useWatched, useWatchTopic, WatchedContext } from "./useGoalWatch";
+
+const ReplayMap = lazyPart(() => import("./ReplayMap"));
 
 /** One goal, whatever its action: what was asked, what happened and how it ended, as it happens. */
 export default function GoalPage() {
@@ -51,6 +56,13 @@ function WatchedGoal() {
       {isTerminal(goal.status) && <Replay goal={goal} />}
       <div className={classes.grid}>
         <Stack gap="md">
+          {isTerminal(goal.status) && (
+            <Guarded of={goal.goal_id}>
+              <Suspense fallback={null}>
+                <ReplayMap goal={goal} />
+              </Suspense>
+            </Guarded>
+          )}
           <GoalTimeline goal={goal} />
           <NotesSection goalId={goal.goal_id} />
         </Stack>

@@ -1,16 +1,16 @@
 import { useComputedColorScheme } from "@mantine/core";
 import { useElementSize, useReducedMotion } from "@mantine/hooks";
 import { useEffect, useRef } from "react";
-import { useServices } from "../store/context";
 import { watchSight } from "../ui/sight";
 import { Tool } from "../ui/Tool";
 import { SCENE_COLORS } from "./colors";
 import type { Pose } from "./geometry";
 import { Gestures } from "./gestures";
-import { Painter } from "./painter";
+import { Painter, type SceneSource } from "./painter";
 import classes from "./scene.module.css";
 
 interface SceneCanvasProps {
+  scene: SceneSource;
   /** Whether the robot can be dragged. */
   placeable: boolean;
   /** The id of the picture in words. */
@@ -24,8 +24,7 @@ interface SceneCanvasProps {
 const ZOOM_STEP = 1.4;
 
 /** The robot and its dock from above. Draws outside of React. */
-export function SceneCanvas({ placeable, describedBy, onPlace, onGhost }: SceneCanvasProps) {
-  const { scene } = useServices();
+export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }: SceneCanvasProps) {
   const scheme = useComputedColorScheme("light");
   const reducedMotion = useReducedMotion();
   const { ref: boxRef, width, height } = useElementSize<HTMLDivElement>();

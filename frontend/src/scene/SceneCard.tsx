@@ -17,7 +17,7 @@ import { describePose, describeScene } from "./words";
 
 /** The robot and its dock from above, in a picture and in words. */
 export function SceneCard() {
-  const { gateway } = useServices();
+  const { gateway, scene } = useServices();
   const freshness = useFreshness("scene");
   const simulated = useTopicPart("simulator", (simulator) => simulator !== null);
   const known = useScene((scene) => scene !== null);
@@ -33,6 +33,7 @@ export function SceneCard() {
       ) : (
         <Stack gap="xs">
           <SceneCanvas
+            scene={scene}
             placeable={placeable}
             describedBy={wordsId}
             onGhost={setGhost}

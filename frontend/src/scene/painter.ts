@@ -15,6 +15,12 @@ const STILL_PX = 0.5;
 const CALM_MS = 200;
 const EMPTY: Size = { width: 0, height: 0 };
 
+/** A scene as a painter reads it; times are those of `performance.now()`. */
+export type SceneSource = Pick<
+  SceneBuffer,
+  "latest" | "robotAt" | "detectionsAt" | "changesAt" | "subscribe"
+> & { trail: Pick<SceneBuffer["trail"], "points"> };
+
 interface Drawn {
   view: View;
   robot: Pose;
@@ -54,7 +60,7 @@ export class Painter {
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
-    private readonly buffer: SceneBuffer,
+    private readonly buffer: SceneSource,
     private readonly colors: SceneColors,
     private readonly reducedMotion: boolean,
     /** The one that drew before, whose view goes on. */

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Depends, Query
 from starlette.responses import Response
 
-from dock_gateway.core.event import FEEDBACK, KINDS, Event, utc_now
+from dock_gateway.core.event import FEEDBACK, STORED_KINDS, Event, utc_now
 from dock_gateway.core.goal import Goal, encode
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
@@ -106,7 +106,7 @@ async def goal_as_json(gateway: Gateway, goal: Goal) -> AsyncGenerator[bytes]:
     notes = await gateway.history.notes.of(goal.goal_id)
     complete = await gateway.history.knows_all_of(goal)
     before = encode(goal.document() | vars(notes) | {"complete": complete})[:-1] + b',"events":[\n'
-    async for events in pieces(gateway, goal.goal_id, set(KINDS.values())):
+    async for events in pieces(gateway, goal.goal_id, set(STORED_KINDS.values())):
         yield before + b",\n".join(event.data for event in events)
         before = b",\n"
     yield b"\n]}\n" if before == b",\n" else before + b"]}\n"

@@ -9,7 +9,7 @@ from starlette.responses import Response
 
 from dock_gateway.actions.registry import Action
 from dock_gateway.core.errors import NotFound
-from dock_gateway.core.event import KINDS
+from dock_gateway.core.event import KINDS, STORED_KINDS
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
@@ -120,7 +120,8 @@ async def cancel_any_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
 
 
 TypeQuery = Annotated[
-    list[Literal["status", "feedback", "result"]] | None, Query(description="Only events of these types")
+    list[Literal["status", "feedback", "result", "pose"]] | None,
+    Query(description="Only events of these types; by default all but `pose`"),
 ]
 AfterQuery = Annotated[
     str | None, Query(pattern=f"^{EVENT_ID.pattern}$", description="Id of the event that they follow")
@@ -141,9 +142,9 @@ async def goal_history(
     after: AfterQuery = None,
     limit: Annotated[int, Query(ge=1, le=5000)] = 1000,
 ) -> Response:
-    """List the events of a goal as they were sent on the streams, oldest first."""
+    """List the events of a goal as they were sent on the streams, oldest first; or the stored poses of its robot."""
     goal = await gateway.goal(goal_id)
-    kinds = frozenset(KINDS[name] for name in type or KINDS)
+    kinds = frozenset(STORED_KINDS[name] for name in type or KINDS)
     complete = await gateway.history.knows_all_of(goal)
     events = await gateway.history.events_of(goal_id, kinds=kinds, after=after or "", limit=limit + 1)
     page = events[:limit]

@@ -10,6 +10,7 @@ from pydantic import JsonValue
 
 from dock_gateway.core.goal import GoalStatus, Origin
 from dock_gateway.web.schemas.common import Schema
+from dock_gateway.web.schemas.scene import Scene
 
 
 class BatteryState(Schema):
@@ -141,7 +142,21 @@ class ActionResultEvent(Schema):
     error: GoalError | None
 
 
+class PoseEvent(Schema):
+    """Where the robot and its dock were while the goal ran; stored, not sent on streams. Sensors' data are null."""
+
+    type: Literal["pose"]
+    id: str
+    time: datetime
+    goal_id: str
+    action_name: str
+    scene: Scene
+
+
 ACTION_EVENTS = (ActionStatusEvent, ActionFeedbackEvent, ActionResultEvent)
+
+
+StoredEvent = ActionStatusEvent | ActionFeedbackEvent | ActionResultEvent | PoseEvent
 
 
 class GoalHistory(Schema):
@@ -150,7 +165,7 @@ class GoalHistory(Schema):
     `next_after` is null on the last page. `complete` is false if events are missing.
     """
 
-    events: list[ActionStatusEvent | ActionFeedbackEvent | ActionResultEvent]
+    events: list[StoredEvent]
     next_after: str | None
     complete: bool
 
@@ -185,4 +200,4 @@ class ExportedGoal(TaggedGoal):
 
     notes: list[Note]
     complete: bool
-    events: list[ActionStatusEvent | ActionFeedbackEvent | ActionResultEvent]
+    events: list[StoredEvent]

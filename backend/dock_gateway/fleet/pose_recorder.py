@@ -1,0 +1,130 @@
+"""Stores where a robot is while a goal on one of its actions runs, so that the goal can be replayed on a map."""
+
+import asyncio
+import logging
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.event import Event, pose_event
+from dock_gateway.core.goal import Goal
+from dock_gateway.core.tasks import cancel
+from dock_gateway.robots.on_demand import Port
+from dock_gateway.ros.bridge import Bridge
+
+log = logging.getLogger(__name__)
+
+LOOK_INTERVAL = 0.25  # seconds between two looks at the running goals
+# Nanoseconds between two stored poses of a goal, which double each time that so many are stored.
+INTERVAL_NS, THIN_AFTER = 200_000_000, 1500
+# What has moved by less, in metres and radians, is where it was.
+MOVED_M, TURNED_RAD = 0.005, 0.01
+
+Scene = dict[str, Any]
+
+
+class GoalPoses:
+    """Decides which poses of one goal are stored."""
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._slot = 0
+        self._last: Scene | None = None
+
+    def take(self, scene: Scene, source_ns: int) -> int | None:
+        """Return the stamp to store a scene under, or None if it is too early or nothing has changed.
+
+        Stamps are multiples of the interval, so that gateways that share a history store a pose once.
+        """
+        interval = INTERVAL_NS << (self._count // THIN_AFTER)
+        slot = source_ns // interval * interval
+        if slot <= self._slot or (self._last is not None and not differs(self._last, scene)):
+            return None
+        self._slot, self._last = slot, scene
+        self._count += 1
+        return slot
+
+
+def differs(one: Scene, other: Scene) -> bool:
+    """Return whether anything has moved from one scene to the other, has appeared or is gone."""
+    if one["frame"] != other["frame"]:
+        return True
+    return any(_moved(one[name], other[name]) for name in ("robot", "dock", "docked", "staging"))
+
+
+def _moved(one: dict[str, float] | None, other: dict[str, float] | None) -> bool:
+    if one is None or other is None:
+        return one is not other
+    turned = abs(math.remainder(one["theta"] - other["theta"], math.tau))
+    return math.hypot(one["x"] - other["x"], one["y"] - other["y"]) > MOVED_M or turned > TURNED_RAD
+
+
+class PoseRecorder:
+    """Subscribes to the poses of a robot while a goal on its actions runs, whoever sent it, and stores them.
+
+    Args:
+        bridge: Runs calls on the ROS thread.
+        running: Returns the goals that run, by robot.
+        make: Makes the port of a robot, on the ROS thread.
+        store: Stores an event.
+    """
+
+    def __init__(
+        self,
+        bridge: Bridge,
+        running: Callable[[], dict[str, list[Goal]]],
+        make: Callable[[str, Callable[[str, Scene, int], None]], Port],
+        store: Callable[[Event], None],
+    ) -> None:
+        self._bridge = bridge
+        self._running = running
+        self._make = make
+        self._store = store
+        self._ports: dict[str, Port] = {}
+        self._goals: dict[str, list[Goal]] = {}
+        self._poses: dict[str, GoalPoses] = {}
+        self._task = asyncio.create_task(self._run())
+
+    async def _run(self) -> None:
+        while True:
+            await asyncio.sleep(LOOK_INTERVAL)
+            try:
+                await self.look()
+            except GatewayError as error:
+                log.warning("cannot subscribe to the poses of a robot: %s", error.detail)
+            except Exception:
+                log.exception("while recording poses")
+
+    async def look(self) -> None:
+        """Open the ports of robots that have running goals, and close the others.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+        self._goals = self._running()
+        known = {goal.goal_id for goals in self._goals.values() for goal in goals}
+        self._poses = {goal_id: poses for goal_id, poses in self._poses.items() if goal_id in known}
+        for robot in self._ports.keys() - self._goals.keys():
+            self._bridge.to_ros(self._ports.pop(robot).close)
+        for robot in self._goals.keys() - self._ports.keys():
+            await self._open(robot)
+
+    async def _open(self, robot: str) -> None:
+        self._ports[robot] = await self._bridge.call(
+            lambda: self._make(robot, self.hear), undo=lambda port: port.close()
+        )
+
+    def hear(self, robot: str, scene: Scene, source_ns: int) -> None:
+        """Store a scene with the robot's running goals, if it is due."""
+        for goal in self._goals.get(robot, ()):
+            if goal.status.terminal:
+                continue
+            poses = self._poses.setdefault(goal.goal_id, GoalPoses())
+            if (stamp_ns := poses.take(scene, min(source_ns, time.time_ns()))) is not None:
+                self._store(pose_event(goal, scene, stamp_ns, source_ns))
+
+    async def close(self) -> None:
+        """Stop recording."""
+        await cancel(self._task)
