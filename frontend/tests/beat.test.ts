@@ -22,6 +22,16 @@ describe("a beat", () => {
     }
   });
 
+  it("comes on when the computer's clock is set back", () => {
+    vi.spyOn(performance, "timeOrigin", "get").mockReturnValue(START + 30);
+    const listener = vi.fn();
+    const stop = onBeat(200, listener);
+    vi.setSystemTime(START - 3_600_000);
+    vi.advanceTimersByTime(850);
+    stop();
+    expect(listener).toHaveBeenCalledTimes(4);
+  });
+
   it("is in one frame with those of other intervals", () => {
     const [often, seldom, once]: number[][] = [[], [], []];
     const stops = [

@@ -42,6 +42,10 @@ globalThis.Date = class extends RealDate {
     return RealDate.now() + shift;
   }
 } as DateConstructor;
+Object.defineProperty(performance, "timeOrigin", {
+  configurable: true,
+  get: () => Date.now() - performance.now(),
+});
 
 // React reports mistakes, such as a <div> in a <p>, on the console only. That updates come from timers and not from
 // act() is how the page works.

@@ -4,6 +4,7 @@ import { type KeyboardEvent, useCallback, useEffect, useId, useRef, useState } f
 import { useLive, useServices } from "../store/context";
 import { onBeat } from "../ui/beat";
 import { watchSight } from "../ui/sight";
+import { steadyNow } from "../ui/steadyClock";
 import { useZone } from "../ui/zone";
 import classes from "./BatteryPlots.module.css";
 import { PlotBar } from "./PlotBar";
@@ -96,13 +97,13 @@ export default function BatteryPlots() {
     const element = frame.current;
     if (element === null || view.endS !== null || !live) return;
     let drawnVersion = series.version;
-    let drawnAt = Date.now();
+    let drawnAt = steadyNow();
     let inSight = true;
     const renew = () => {
-      const age = Date.now() - drawnAt;
+      const age = steadyNow() - drawnAt;
       if (inSight ? series.version === drawnVersion && age < SCROLL_MS : age < UNSEEN_MS) return;
       drawnVersion = series.version;
-      drawnAt = Date.now();
+      drawnAt = steadyNow();
       draw();
     };
     const unwatch = watchSight(element, (now) => {

@@ -1,6 +1,7 @@
 import type { GatewayEvent, StopState } from "../api/types";
 import { StreamStore } from "../store/streamStore";
 import type { Connection } from "../stream/connection";
+import { steadyNow } from "../ui/steadyClock";
 import { reduceFleet, withStop } from "./reducer";
 import { type FleetState, type FleetTopics, initialFleet } from "./state";
 import type { Alert } from "./types";
@@ -14,7 +15,7 @@ function topicsOf(
 
 /** Holds what is known of all robots. */
 export class FleetStore extends StreamStore<FleetState, FleetTopics> {
-  constructor(now: () => number = Date.now) {
+  constructor(now: () => number = steadyNow) {
     super(initialFleet, reduceFleet, topicsOf, now);
   }
 

@@ -12,6 +12,7 @@ import {
   nextConnection,
 } from "../stream/connection";
 import type { StreamHandlers } from "../stream/stream";
+import { steadyNow } from "../ui/steadyClock";
 import { FeedbackLog, type FeedbackRow } from "./feedbackLog";
 
 /** How far the past of the goal is here. */
@@ -63,7 +64,7 @@ export class GoalWatch {
     readonly goalId: string,
     private readonly api: GoalsApi,
     private readonly openEvents: (handlers: StreamHandlers) => () => void,
-    private readonly now: () => number = Date.now,
+    private readonly now: () => number = steadyNow,
   ) {
     this.#shown = new Shown(() => this.#topics(), now);
   }

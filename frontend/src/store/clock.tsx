@@ -1,12 +1,13 @@
 import { createContext, useCallback, useContext, useEffect, useRef, useSyncExternalStore } from "react";
 import { onBeat } from "../ui/beat";
+import { steadyNow } from "../ui/steadyClock";
 
 /** Tells now in the gateway's time (ms), which its timestamps are compared with. */
 export interface Clock {
   gatewayNow(): number;
 }
 
-const ClockContext = createContext<Clock>({ gatewayNow: Date.now });
+const ClockContext = createContext<Clock>({ gatewayNow: steadyNow });
 
 export const ClockProvider = ClockContext.Provider;
 

@@ -1,5 +1,6 @@
 import type { EventOf, GatewayEvent, Simulator, StopState } from "../api/types";
 import type { Connection } from "../stream/connection";
+import { steadyNow } from "../ui/steadyClock";
 import { courseLister, type GoalCourse } from "./goals";
 import { reduce } from "./reducer";
 import { type PastOfWay, withPast } from "./stages";
@@ -20,7 +21,7 @@ export class Store extends StreamStore<State, Topics> {
   readonly #batteryListeners = new Set<(event: EventOf<"battery">) => void>();
   readonly #sceneListeners = new Set<(event: EventOf<"scene">) => void>();
 
-  constructor(now: () => number = Date.now) {
+  constructor(now: () => number = steadyNow) {
     const courses = courseLister();
     const topicsOf = ({ seen: _seen, ...state }: State, connection: Connection): Topics => ({
       ...state,

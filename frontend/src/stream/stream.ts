@@ -1,5 +1,6 @@
 import ReconnectingWebSocket, { type Options } from "partysocket/ws";
 import type { GatewayEvent } from "../api/types";
+import { steadyNow } from "../ui/steadyClock";
 import { type ConnectionInput, SILENCE_MS } from "./connection";
 
 const WATCH_INTERVAL_MS = 500;
@@ -40,14 +41,14 @@ export function openStream(url: string, handlers: StreamHandlers, options: Optio
   const merged = Object.create(backoff, Object.getOwnPropertyDescriptors(options)) as Options;
   const position = new Position();
   const socket = new ReconnectingWebSocket(() => position.resume(url), null, merged);
-  let lastHeard = Date.now();
+  let lastHeard = steadyNow();
 
   socket.addEventListener("open", () => {
-    lastHeard = Date.now();
+    lastHeard = steadyNow();
   });
   socket.addEventListener("close", () => handlers.onConnection({ kind: "closed" }));
   socket.addEventListener("message", (message) => {
-    lastHeard = Date.now();
+    lastHeard = steadyNow();
     const event = parse(message.data);
     if (event === null) return;
     position.take(event);
@@ -58,8 +59,8 @@ export function openStream(url: string, handlers: StreamHandlers, options: Optio
 
   const watch = setInterval(() => {
     handlers.onConnection({ kind: "tick" });
-    if (socket.readyState === socket.OPEN && Date.now() - lastHeard >= SILENCE_MS) {
-      lastHeard = Date.now();
+    if (socket.readyState === socket.OPEN && steadyNow() - lastHeard >= SILENCE_MS) {
+      lastHeard = steadyNow();
       socket.reconnect();
     }
   }, WATCH_INTERVAL_MS);

@@ -1,3 +1,5 @@
+import { steadyNow } from "./steadyClock";
+
 /*
  * What changes by itself does so on common beats: a frame costs much more than what is drawn in it, so that all that is due
  * is shown in one. The browser draws no frames while nobody can see the page: then nothing beats.
@@ -38,9 +40,9 @@ export function atBeat(intervalMs: number, callback: () => void): () => void {
   return cancel;
 }
 
-/** Beats are counted from 1970: those of 200 ms are the moments of this computer's clock that 200 ms divide. */
+/** Beats are counted from 1970: those of 200 ms are the moments that 200 ms divide. */
 function beatNow(): number {
-  return Math.floor(Date.now() / BEAT_MS + 1e-3);
+  return Math.floor(steadyNow() / BEAT_MS + 1e-3);
 }
 
 function nextOf(every: number): number {
@@ -52,7 +54,7 @@ function arm(): void {
   clearTimeout(timer);
   if (waiting.size === 0) return;
   const due = Math.min(...[...waiting].map((one) => one.due));
-  timer = setTimeout(() => requestAnimationFrame(beat), Math.ceil(due * BEAT_MS) - Date.now());
+  timer = setTimeout(() => requestAnimationFrame(beat), Math.ceil(due * BEAT_MS) - steadyNow());
 }
 
 function beat(): void {
