@@ -3,7 +3,7 @@ import axe from "axe-core";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { ActionInfo, Goal } from "../src/api/types";
 import { openStream } from "../src/stream/stream";
-import { at, feedback, goal, latched, result, status } from "./events";
+import { at, feedback, fibonacciAction, goal, latched, result, status } from "./events";
 import schemas from "./form/schemas.json";
 import { fakeGateway, renderPage } from "./page";
 
@@ -13,17 +13,7 @@ vi.mock("../src/stream/stream", async (actual) => ({
 }));
 
 const TYPES = "action_tutorials_interfaces/action";
-const fibonacci: ActionInfo = {
-  action_name: "/robot1/fibonacci",
-  action_type: `${TYPES}/Fibonacci`,
-  available: true,
-  answering: true,
-  duplicate: false,
-  installed: true,
-  hint: null,
-  running_goals: 0,
-  feedback_dropped: 0,
-};
+const fibonacci = fibonacciAction("/robot1/fibonacci");
 const dock: ActionInfo = {
   ...fibonacci,
   action_name: "/dock",

@@ -1,4 +1,5 @@
 import type {
+  ActionInfo,
   ActionServer,
   BatteryState,
   EventOf,
@@ -115,6 +116,20 @@ export function robot(name: string, change: Partial<Robot> = {}): Robot {
     goals: [],
     last_goal: null,
     ...change,
+  };
+}
+
+export function fibonacciAction(name: string): ActionInfo {
+  return {
+    action_name: name,
+    action_type: "action_tutorials_interfaces/action/Fibonacci",
+    available: true,
+    answering: true,
+    duplicate: false,
+    installed: true,
+    hint: null,
+    running_goals: 0,
+    feedback_dropped: 0,
   };
 }
 

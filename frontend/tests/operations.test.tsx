@@ -23,9 +23,11 @@ const box = (name: string) => screen.getByRole<HTMLInputElement>("checkbox", { n
 /** The page with these robots, and the gateway of each. */
 function open(robots: readonly Robot[], path = "/", change: Record<string, Partial<Gateway>> = {}) {
   const gateways = new Map(robots.map(({ name }) => [name, fakeGateway(change[name])]));
-  const page = renderPage(fakeGateway(), { robots: [...robots] }, path, (name) => gatewayOf(name ?? "/"));
+  const gateway = fakeGateway();
+  const root = robot("/", { dock: null, undock: null, battery: { ...one.battery, state: null } });
+  const page = renderPage(gateway, { robots: [root, ...robots] }, path, (name) => gatewayOf(name ?? "/"));
   const gatewayOf = (name: string) => gateways.get(name) ?? fakeGateway();
-  return { ...page, gatewayOf };
+  return { ...page, gateway, gatewayOf };
 }
 
 async function openMenu(user: ReturnType<typeof open>["user"], name: string) {
@@ -164,6 +166,14 @@ describe("the robots that are selected", () => {
     expect(gatewayOf("/robot1").stop).toHaveBeenCalledTimes(1);
     expect(await screen.findByText("Not every robot was told to stand still")).toBeDefined();
     expect(screen.getByText(/^\/robot2: none came/)).toBeDefined();
+  });
+
+  it("are stopped by one request where they are all robots", async () => {
+    const { user, gateway, gatewayOf } = open([one, two]);
+    await user.click(selectAll(2));
+    await user.click(within(screen.getByRole("group", { name: /selected robots/ })).getByText("Stop"));
+    expect(gateway.stop).toHaveBeenCalledTimes(1);
+    expect(gatewayOf("/robot1").stop).not.toHaveBeenCalled();
   });
 
   it("are not sent what a Stop in between has made wrong", async () => {

@@ -1,7 +1,7 @@
 import { MantineProvider } from "@mantine/core";
 import { Notifications } from "@mantine/notifications";
 import { QueryClientProvider } from "@tanstack/react-query";
-import { render, screen } from "@testing-library/react";
+import { act, render, screen } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import type { ReactNode } from "react";
 import { MemoryRouter } from "react-router";
@@ -92,6 +92,13 @@ export function isDisabled(name: string): boolean {
 export function descriptionOf(button: HTMLElement): string {
   const ids = button.getAttribute("aria-describedby")?.split(" ") ?? [];
   return ids.map((id) => document.getElementById(id)?.textContent ?? "").join(" ");
+}
+
+/** Presses Escape, at a time of the browser's (ms): whether two are one Stop does not depend on a busy machine. */
+export function pressEscape(time: number): void {
+  const event = new KeyboardEvent("keydown", { key: "Escape", bubbles: true, cancelable: true });
+  Object.defineProperty(event, "timeStamp", { value: time });
+  act(() => void (document.activeElement ?? document.body).dispatchEvent(event));
 }
 
 /** Renders something within all that a page has. */

@@ -4,8 +4,8 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { find, goalIdOf, type Sources } from "../src/search/items";
 // Loaded on first use by the page.
 import "../src/search/Palette";
-import { goal, latched, robot } from "./events";
-import { fakeGateway, renderPage } from "./page";
+import { fibonacciAction, goal, latched, robot } from "./events";
+import { fakeGateway, pressEscape, renderPage } from "./page";
 
 beforeEach(() => localStorage.clear());
 afterEach(() => act(() => notifications.clean()));
@@ -17,19 +17,7 @@ const twenty = robot("/robot20");
 const sources: Sources = {
   robots: [ten, twenty, two, left],
   groups: ["Hall 1"],
-  actions: [
-    {
-      action_name: "/fibonacci",
-      action_type: "action_tutorials_interfaces/action/Fibonacci",
-      available: true,
-      answering: true,
-      duplicate: false,
-      installed: true,
-      hint: null,
-      running_goals: 0,
-      feedback_dropped: 0,
-    },
-  ],
+  actions: [fibonacciAction("/fibonacci")],
   goals: [],
   pages: [
     { to: "/", name: "Overview" },
@@ -92,7 +80,6 @@ describe("the search", () => {
     list()
       .getAllByRole("option")
       .map(({ textContent }) => textContent);
-  const pressEscape = () => fireEvent.keyDown(document.activeElement ?? document.body, { key: "Escape" });
 
   function open(answers: (url: URL) => unknown = () => ({ actions: [], goals: [] })) {
     const fetched: string[] = [];
@@ -157,15 +144,14 @@ describe("the search", () => {
   it("closes with one Escape, and stops with two, as everywhere", async () => {
     const { user, gateway } = open();
     await user.type(await box(), "left");
-    pressEscape();
+    pressEscape(1e9);
     await waitFor(() => expect(screen.queryByRole("combobox", { name: "Search and commands" })).toBeNull());
     expect(gateway.stop).not.toHaveBeenCalled();
-    await new Promise((resolve) => setTimeout(resolve, 800));
     await user.click(screen.getByRole("button", { name: "Search and commands" }));
     await box();
-    pressEscape();
+    pressEscape(2e9);
     expect(gateway.stop).not.toHaveBeenCalled();
-    pressEscape();
+    pressEscape(2e9 + 500);
     expect(gateway.stop).toHaveBeenCalledTimes(1);
   });
 });

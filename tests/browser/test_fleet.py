@@ -1,4 +1,4 @@
-"""Many robots: their list, commands for several of them, and the search that Ctrl+K opens."""
+"""Many robots: their list, commands for several of them, the search that Ctrl+K opens, and the wall."""
 
 import re
 from collections.abc import Iterator
@@ -7,7 +7,7 @@ from contextlib import ExitStack
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.axe import find_violations, load_axe
+from tests.browser.axe import AXE, find_violations, load_axe
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
 from tests.support.processes import ForkedProcess, ros_environment
 from tests.support.waiting import wait_until
@@ -149,6 +149,41 @@ def test_the_search_leads_everywhere_by_keyboard_alone(page: Page, gateway: Runn
     page.keyboard.press("Escape")
     page.keyboard.press("Escape")
     expect(page.get_by_test_id("stop-banner")).to_be_visible()
+
+
+@pytest.mark.expect_page_errors
+def test_the_wall_needs_no_hand(page: Page, gateway: RunningGateway) -> None:
+    """It fits the screen, says what is wrong, comes back after an outage and with a new build; Escape leaves it."""
+    page.get_by_role("link", name="Wall").press("Enter")
+    expect(page.get_by_role("heading", level=1)).to_have_text(re.compile(f"^All robots{COUNT}, page 1 of"))
+    expect(page.get_by_test_id("tile /robot1")).to_contain_text("50 %")
+    assert page.evaluate("document.documentElement.scrollHeight") == page.evaluate("innerHeight")
+
+    page.goto(f"{gateway.url}/ui/wall?group=Hall+1")
+    expect(page.get_by_role("heading", level=2)).to_have_text(GROUP)
+    gateway.http.post("/stop", params={"robot": "/robot1"}, json={"by": "Ada"}).raise_for_status()
+    expect(page.get_by_role("status")).to_have_text("/robot1 stopped by Ada")
+    expect(page.get_by_test_id("tile /robot1")).to_contain_text("Stopped by Ada")
+    page.evaluate(AXE.read_text(encoding="utf-8"))
+    assert find_violations(page, buttons=False) == []
+
+    page.evaluate("document.body.dataset.before = 'yes'")
+    page.context.set_offline(True)
+    expect(page.get_by_role("status")).to_contain_text("Reconnecting to the gateway")
+    other = '<script type="module" crossorigin src="/assets/another.js"></script>'
+    page.route(f"{gateway.url}/", lambda route: route.fulfill(body=other, content_type="text/html"))
+    page.context.set_offline(False)
+    expect(page.locator("body:not([data-before])")).to_be_attached()
+    expect(page.get_by_role("status")).to_have_text("/robot1 stopped by Ada")
+    page.unroute(f"{gateway.url}/")
+
+    leave = page.get_by_role("link", name="Leave (Esc)")
+    expect(leave).to_have_css("opacity", "0")
+    page.mouse.move(200, 300)
+    page.mouse.move(220, 300)
+    expect(leave).to_have_css("opacity", "1")
+    page.keyboard.press("Escape")
+    expect(page.get_by_role("rowheader")).to_have_count(len(GROUP))
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -1,6 +1,8 @@
+import { Suspense } from "react";
 import { Route, Routes } from "react-router";
 import OverviewPage from "../overview/OverviewPage";
 import RobotPage from "../robot/RobotPage";
+import { Guarded } from "../ui/Guarded";
 import { lazyPart } from "../ui/lazyPart";
 import { NotFoundPage } from "./NotFoundPage";
 import { Shell } from "./Shell";
@@ -11,11 +13,24 @@ const ActionsPage = lazyPart(() => import("../actions/ActionsPage"));
 const ActionPage = lazyPart(() => import("../actions/ActionPage"));
 const StatisticsPage = lazyPart(() => import("../statistics/StatisticsPage"));
 const GraphPage = lazyPart(() => import("../graph/GraphPage"));
+const WallPage = lazyPart(() => import("../wall/WallPage"));
+
+/** Without a header: nothing on it is pressed. */
+function Wall() {
+  return (
+    <Guarded of="wall">
+      <Suspense fallback={null}>
+        <WallPage />
+      </Suspense>
+    </Guarded>
+  );
+}
 
 /** The pages, in what they have in common. */
 export function App() {
   return (
     <Routes>
+      <Route path="ui/wall" element={<Wall />} />
       <Route element={<Shell />}>
         <Route index element={<OverviewPage />} />
         <Route path="ui">

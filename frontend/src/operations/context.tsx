@@ -5,6 +5,8 @@ import { CHARGING } from "../battery/words";
 import { useAskingWanted } from "../docking/asking";
 import { MoveDialog } from "../docking/MoveDialog";
 import { useFleet, useFleetLive, useFleetPart } from "../fleet/context";
+import type { Robot } from "../fleet/types";
+import { isThere } from "../fleet/words";
 import { useStopping } from "../stop/useStopping";
 import { ManyDialog } from "./ManyDialog";
 import { cancelable, fewAtOnce, moveOf, type Operation, type Refusal, whyNot } from "./operation";
@@ -39,7 +41,7 @@ export function OperationsProvider({ children }: { children: ReactNode }) {
   const operate = useCallback<Operate>(
     (operation, names) => {
       if (names.length === 0) return;
-      if (operation === "stop") return void stop(names);
+      if (operation === "stop") return void stop(isEvery(names, store.get("robots")) ? null : names);
       const real = names.some((name) => store.get("robots").get(name)?.simulated === false);
       const asks = names.length > 1 || (moveOf(operation) !== null && wanted && real);
       if (!asks) return run(operation, names);
@@ -65,6 +67,12 @@ export function OperationsProvider({ children }: { children: ReactNode }) {
         ))}
     </OperateContext.Provider>
   );
+}
+
+/** Whether these are all robots: one request stops them sooner than many. */
+function isEvery(names: readonly string[], robots: ReadonlyMap<string, Robot>): boolean {
+  const there = [...robots.values()].filter(isThere);
+  return names.length > 1 && there.every(({ name }) => names.includes(name));
 }
 
 interface OneDialogProps {

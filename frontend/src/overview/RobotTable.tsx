@@ -39,7 +39,13 @@ export function RobotTable({ robots }: { robots: readonly Robot[] }) {
     <>
       <Filters robots={robots} attentions={attentions} view={view} groups={groups} onChange={change} />
       <Paper withBorder radius="md" className={classes.paper}>
-        <TableBar listed={rows.length} all={robots.length} selection={selection} columns={columns} />
+        <TableBar
+          listed={rows.length}
+          all={robots.length}
+          group={view.group}
+          selection={selection}
+          columns={columns}
+        />
         <Table
           className={classes.table}
           aria-label="Robots"

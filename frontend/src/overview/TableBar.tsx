@@ -1,4 +1,5 @@
 import { Button, CloseButton } from "@mantine/core";
+import { Link } from "react-router";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import type { Robot } from "../fleet/types";
 import { useOperate } from "../operations/context";
@@ -13,12 +14,14 @@ interface TableBarProps {
   /** How many robots are listed, and how many there are. */
   listed: number;
   all: number;
+  /** The group that the list is narrowed to. */
+  group: string | null;
   selection: Selection;
   columns: ColumnChoice;
 }
 
 /** Above the table, and always as high: how many robots there are, or what can be done to those that are selected. */
-export function TableBar({ listed, all, selection, columns }: TableBarProps) {
+export function TableBar({ listed, all, group, selection, columns }: TableBarProps) {
   const count = selection.names.length;
   return (
     <div className={classes.bar} data-selected={count > 0 || undefined}>
@@ -41,6 +44,16 @@ export function TableBar({ listed, all, selection, columns }: TableBarProps) {
         </>
       ) : (
         <div className={classes.end}>
+          <Button
+            component={Link}
+            to={group === null ? "/ui/wall" : `/ui/wall?group=${encodeURIComponent(group)}`}
+            variant="subtle"
+            size="compact-sm"
+            color="gray"
+            title="Large tiles for a screen on a wall"
+          >
+            Wall
+          </Button>
           <ColumnsMenu choice={columns} />
         </div>
       )}

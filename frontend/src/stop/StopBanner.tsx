@@ -36,8 +36,8 @@ export function StopBanner() {
       data-testid="stop-banner"
     >
       {held.length === 1 ? (
-        <Held stop={only} what={all ? "All robots" : listed(only.holds, naming)} large>
-          {all && `${listed(only.holds, naming)}: `}
+        <Held stop={only} what={all ? "All robots" : listNames(only.holds, naming)} large>
+          {all && `${listNames(only.holds, naming)}: `}
           Zero velocity was sent, goals are canceled, and none is sent until the stop is released.
         </Held>
       ) : (
@@ -83,7 +83,7 @@ function Several({ held, all }: { held: readonly HeldStop[]; all: boolean }) {
       <ul className={classes.held}>
         {held.map((stop) => (
           <li key={stop.robot}>
-            <Held stop={stop} what={listed(stop.holds, naming)} />
+            <Held stop={stop} what={listNames(stop.holds, naming)} />
           </li>
         ))}
       </ul>
@@ -199,7 +199,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
 }
 
 /** `/robot1, /robot2 and 7 more` */
-function listed(names: readonly string[], naming: Naming): string {
+export function listNames(names: readonly string[], naming: Naming): string {
   const shown = names.map((name) => naming.nameOf(name));
   if (shown.length <= NAMES) return shown.join(", ");
   return `${shown.slice(0, NAMES - 1).join(", ")} and ${shown.length - NAMES + 1} more`;

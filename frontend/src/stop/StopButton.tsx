@@ -1,11 +1,10 @@
 import { Button, Group, Kbd } from "@mantine/core";
-import { useHotkeys } from "@mantine/hooks";
 import { useCallback, useEffect, useState } from "react";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { heldStops } from "./held";
-import { CHORD, DoubleEscape } from "./keys";
 import { showRecovered } from "./notices";
 import classes from "./stop.module.css";
+import { useStopKeys } from "./useStopKeys";
 import { useStopping } from "./useStopping";
 
 /**
@@ -22,17 +21,7 @@ export function StopButton() {
     setUnderWay((count) => count + 1);
     void stopNow(null).finally(() => setUnderWay((count) => count - 1));
   }, [stopNow]);
-  useHotkeys([[CHORD, press]], [], true);
-
-  useEffect(() => {
-    const twice = new DoubleEscape();
-    const hear = (event: KeyboardEvent) => {
-      if (twice.press(event)) press();
-    };
-    // Before anything that Escape closes can keep the key to itself.
-    window.addEventListener("keydown", hear, true);
-    return () => window.removeEventListener("keydown", hear, true);
-  }, [press]);
+  useStopKeys(press);
 
   useEffect(() => {
     if (!live) return;
