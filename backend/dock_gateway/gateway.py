@@ -344,7 +344,9 @@ def _watch_velocity(settings: Settings, bridge: Bridge, activity: Activity, stac
 
     def make(robot: str) -> VelocityListener:
         topic = settings.resolve(settings.cmd_vel_topic, robot)
-        return VelocityListener(bridge, topic, lambda message, _: activity.on_velocity(robot, message))
+        listener = VelocityListener(bridge, topic, lambda message, _: activity.on_velocity(robot, message))
+        activity.subscribed(robot)
+        return listener
 
     _closed_by(stack, OnDemand(bridge, activity, "cmd_vel", make))
 

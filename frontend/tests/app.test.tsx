@@ -334,7 +334,9 @@ describe("publishing", () => {
           ? { node: "/dock_gateway" }
           : request.url.endsWith("/graph/topics/battery_status")
             ? topic("/dock_gateway", "/driver")
-            : {},
+            : request.url.endsWith("/automation/rules")
+              ? { rules: [] }
+              : {},
       ),
     );
     vi.stubGlobal("fetch", fetch);

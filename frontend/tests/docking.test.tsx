@@ -68,7 +68,7 @@ describe("a goal that ran when the page was opened", () => {
       { type: "status", time: ago(13), stage: "CONTROLLING" },
     ];
     const fetch = vi.fn(async (_: Request) =>
-      Response.json({ events: statuses, next_after: null, complete: true, node: "/dock_gateway" }),
+      Response.json({ events: statuses, next_after: null, complete: true, node: "/dock_gateway", rules: [] }),
     );
     vi.stubGlobal("fetch", fetch);
     renderPage(fakeGateway(), {

@@ -81,7 +81,7 @@ describe("the search", () => {
       .getAllByRole("option")
       .map(({ textContent }) => textContent);
 
-  function open(answers: (url: URL) => unknown = () => ({ actions: [], goals: [] })) {
+  function open(answers: (url: URL) => unknown = () => ({ actions: [], goals: [], rules: [] })) {
     const fetched: string[] = [];
     vi.stubGlobal("fetch", async (request: Request) => {
       const url = new URL(request.url);

@@ -20,8 +20,13 @@ class Activity:
         self._robots = robots
         self._active_at: dict[str, float] = {}  # on the monotonic clock, as all times here
         self._watched_since: dict[str, float] = {}
+        self._subscribed_at: dict[str, float] = {}
         self._person_at: dict[str, float] = {}
         self._changed: Callable[[], None] = lambda: None
+
+    def subscribed(self, robot: str) -> None:
+        """Note that the velocity of a robot is heard from now on. Called on the ROS thread."""
+        self._subscribed_at[robot] = time.monotonic()
 
     def active(self, robot: str) -> None:
         """Note that a robot moves or runs a goal now."""
@@ -46,8 +51,10 @@ class Activity:
 
     def still_since(self, robot: str) -> float | None:
         """Return since when a robot has been still, as far as seen; None if its velocity is not watched."""
-        watched = self._watched_since.get(robot)
-        return None if watched is None else max(watched, self._active_at.get(robot, watched))
+        watched, subscribed = self._watched_since.get(robot), self._subscribed_at.get(robot)
+        if watched is None or subscribed is None:
+            return None
+        return max(watched, subscribed, self._active_at.get(robot, watched))
 
     def person_at(self, robot: str) -> float | None:
         """Return when a person last intervened; None if never."""
@@ -55,7 +62,7 @@ class Activity:
 
     def keep(self, robots: Collection[str]) -> None:
         """Forget robots that have left."""
-        for times in (self._active_at, self._person_at):
+        for times in (self._active_at, self._person_at, self._subscribed_at):
             for gone in times.keys() - robots:
                 del times[gone]
 
@@ -64,7 +71,7 @@ class Activity:
     def watch(self, robots: set[str]) -> None:
         """Watch the velocity of these robots, and of no others."""
         now = time.monotonic()
-        if robots != self._watched_since.keys():
+        if robots != self._watched_since.keys() or robots - self._subscribed_at.keys():
             self._watched_since = {robot: self._watched_since.get(robot, now) for robot in robots}
             self._changed()
 

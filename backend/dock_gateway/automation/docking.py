@@ -160,12 +160,12 @@ class AutomaticDocking:
         states = self._fleet.states()
         self._activity.keep({state.name for state in states})
         facts = [self._facts(state) for state in states]
-        if not self._answers:
-            self._waits = dict.fromkeys(self._waits, Wait.HISTORY_UNAVAILABLE)
-            return
         verdict = self._policy.look(self._rules.all(), facts, self.decisions.all(), utc_now(), time.monotonic())
         self._waits = verdict.waits
         self._activity.watch(verdict.watched)
+        if not self._answers:
+            self._waits |= {(each.rule_id, each.robot): Wait.HISTORY_UNAVAILABLE for each in verdict.decisions}
+            return
         self.decisions.close_series(verdict.recovered)
         for decision in verdict.decisions:
             if decision.robot not in self._deciding:

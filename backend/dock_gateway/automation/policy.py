@@ -82,13 +82,18 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Case:
-    """A rule that applies to a robot, now; arguments as for `DockingPolicy.look`."""
+    """A rule that applies to a robot, now; arguments as for `DockingPolicy.look`.
+
+    `last_due` and `next_due` are the last and the next time of day of the rule, if it has any.
+    """
 
     key: Key
     rule: Rule
     robot: RobotFacts
     now: datetime
     seconds: float
+    last_due: datetime | None
+    next_due: datetime | None
 
 
 class DockingPolicy:
@@ -127,10 +132,12 @@ class DockingPolicy:
         ]
         looked_at: set[Key] = set()
         for rule_id, rule in sorted(rules.items()):
+            timed = rule.mode is not Mode.OFF and rule.below is None
+            last, coming = (last_due(rule, now), next_due(rule, now)) if timed else (None, None)
             for robot in known.values():
                 if rule.mode is not Mode.OFF and rule.covers(robot.name, robot.groups):
                     looked_at.add((rule_id, robot.name))
-                    self._decide(verdict, past, Case((rule_id, robot.name), rule, robot, now, seconds))
+                    self._decide(verdict, past, Case((rule_id, robot.name), rule, robot, now, seconds, last, coming))
         memories: tuple[dict[Key, Any], ...] = (self._low_since, self._late, self._at_dock)
         for memory in memories:
             for key in memory.keys() - looked_at:
@@ -204,8 +211,8 @@ class DockingPolicy:
 
     def _due(self, verdict: Verdict, past: Past, case: Case) -> datetime | None:
         """Return the time of day that is still to be decided on, or None."""
-        coming, due = next_due(case.rule, case.now), last_due(case.rule, case.now)
-        if coming is not None and coming - case.now <= WATCHED_BEFORE:
+        due = case.last_due
+        if case.next_due is not None and case.next_due - case.now <= WATCHED_BEFORE:
             verdict.watched.add(case.robot.name)
         if due is None or case.now - due > DUE_FOR + RECORDED_FOR or due < case.rule.changed_at:
             return None

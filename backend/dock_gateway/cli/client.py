@@ -117,7 +117,8 @@ def show(event: dict[str, Any], *, as_json: bool) -> None:
         running = [goal for goal in event["goals"] if goal["status"] not in TERMINAL]
         for goal in running or event["goals"][:1]:
             click.echo(
-                f"{goal['goal_id'][:8]} {goal['status']}" + (" (external)" if goal["origin"] == "external" else "")
+                f"{goal['goal_id'][:8]} {goal['status']}"
+                + (f" ({goal['origin']})" if goal["origin"] != "gateway" else "")
             )
     elif kind == "status":
         running = event["status"] == "executing" and event["stage"]

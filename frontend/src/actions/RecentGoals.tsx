@@ -1,10 +1,11 @@
-import { Anchor, Badge, Button, Table, Text, VisuallyHidden } from "@mantine/core";
+import { Anchor, Button, Table, Text, VisuallyHidden } from "@mantine/core";
 import { useEffect, useMemo } from "react";
 import { Link } from "react-router";
 import type { AnyGoal, Goal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { GoalDuration } from "../goal/GoalDuration";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
+import { OriginBadge } from "../goals/OriginBadge";
 import { newestFirst } from "../store/goals";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
@@ -100,9 +101,7 @@ function GoalRow({ goal, form }: { goal: AnyGoal; form: RecentGoalsProps["form"]
         <GoalStatusBadge status={goal.status} />
       </Table.Td>
       <Table.Td visibleFrom="sm">
-        <Badge variant="outline" color={goal.origin === "external" ? "grape" : "blue"}>
-          {goal.origin}
-        </Badge>
+        <OriginBadge origin={goal.origin} />
       </Table.Td>
       <Table.Td visibleFrom="sm" className="tabular">
         <GoalDuration goal={goal} />

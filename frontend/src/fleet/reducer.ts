@@ -32,6 +32,8 @@ function apply(state: FleetState, event: GatewayEvent, now: number): FleetState 
     }
     case "alerts":
       return { ...state, alerts: event.alerts };
+    case "automation":
+      return { ...state, decision: event.automation.id };
     default:
       return state;
   }

@@ -11,6 +11,8 @@ export interface FleetState extends StreamState {
   /** Their names and groups: another object only when one of these changes. */
   naming: Naming;
   alerts: readonly Alert[];
+  /** The id of the last decision of automatic docking that the stream told of; null before the first. */
+  decision: string | null;
   /** That of the robot that the gateway is configured for. */
   stop: StopState;
   /** The stream goes on after an event, and what is not replayed has still to come. */
@@ -32,6 +34,7 @@ export const initialFleet: FleetState = {
   robots: new Map(),
   naming: new Naming([]),
   alerts: [],
+  decision: null,
   stop: NO_STOP,
   clockSkew: 0,
   seen: new Set(),

@@ -53,6 +53,7 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
           data={[
             { value: "", label: "Anyone" },
             { value: "gateway", label: "This gateway" },
+            { value: "automation", label: "Automatic docking" },
             { value: "external", label: "Someone else (external)" },
           ]}
         />

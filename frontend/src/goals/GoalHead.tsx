@@ -1,6 +1,7 @@
 import { Anchor, Badge, Code, Group, Stack, Title } from "@mantine/core";
 import { Link } from "react-router";
 import type { AnyGoal } from "../api/types";
+import { SentByRule } from "../automation/SentByRule";
 import { useNaming } from "../fleet/useNaming";
 import { GoalDuration } from "../goal/GoalDuration";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
@@ -54,7 +55,11 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
         )}
         {goal.retries !== null && <Fact name="Retries">{goal.retries}</Fact>}
         <Fact name="Origin">
-          <OriginBadge origin={goal.origin} />
+          {goal.origin === "automation" ? (
+            <SentByRule goalId={goal.goal_id} />
+          ) : (
+            <OriginBadge origin={goal.origin} />
+          )}
         </Fact>
         {robot !== null && <Fact name="Robot">{robot}</Fact>}
         <Fact name="Action">

@@ -16,6 +16,7 @@ export type GoalState = (typeof STATES)[number];
 const RUNNING: readonly GoalStatus[] = ["pending", "accepted", "executing", "canceling"];
 
 export type Origin = AnyGoal["origin"];
+const ORIGINS: readonly Origin[] = ["gateway", "automation", "external"];
 
 /** Which goals to list; lives in the page's address. */
 export interface GoalFilter extends TimeRange {
@@ -58,7 +59,7 @@ export function readFilter(parameters: URLSearchParams): GoalFilter {
     actions: parameters.getAll("action").filter((name) => name !== ""),
     states: STATES.filter((state) => told.includes(state)),
     errors: parameters.getAll("error").filter((code) => code !== ""),
-    origin: origin === "gateway" || origin === "external" ? origin : null,
+    origin: ORIGINS.find((each) => each === origin) ?? null,
     id: ID_BEGINNING.test(parameters.get("id") ?? "") ? (parameters.get("id") ?? "") : "",
     tags: parameters.getAll("tag").filter((tag) => tag !== ""),
   };

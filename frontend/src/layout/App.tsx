@@ -12,6 +12,7 @@ const GoalPage = lazyPart(() => import("../goals/GoalPage"));
 const ActionsPage = lazyPart(() => import("../actions/ActionsPage"));
 const ActionPage = lazyPart(() => import("../actions/ActionPage"));
 const StatisticsPage = lazyPart(() => import("../statistics/StatisticsPage"));
+const AutomationPage = lazyPart(() => import("../automation/AutomationPage"));
 const GraphPage = lazyPart(() => import("../graph/GraphPage"));
 const WallPage = lazyPart(() => import("../wall/WallPage"));
 
@@ -40,6 +41,7 @@ export function App() {
           <Route path="actions" element={<ActionsPage />} />
           <Route path="actions/*" element={<ActionPage />} />
           <Route path="statistics" element={<StatisticsPage />} />
+          <Route path="automation" element={<AutomationPage />} />
           <Route path="graph" element={<GraphPage />} />
         </Route>
         <Route path="*" element={<NotFoundPage />} />

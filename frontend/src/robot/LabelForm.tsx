@@ -1,10 +1,10 @@
-import { Button, Group, Stack, TagsInput, TextInput } from "@mantine/core";
+import { Stack, TagsInput, TextInput } from "@mantine/core";
 import { type FormEvent, useEffect, useRef, useState } from "react";
 import { putLabel } from "../api/labels";
 import { useFleet } from "../fleet/context";
 import { namespaceWords } from "../fleet/names";
 import { useNaming } from "../fleet/useNaming";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { SaveBar } from "../ui/SaveBar";
 import { useCommand } from "../ui/useCommand";
 
 /** As the gateway allows. */
@@ -46,15 +46,7 @@ export default function LabelForm({ robot, onDone }: { robot: string; onDone: ()
           onChange={setGroups}
           acceptValueOnBlur
         />
-        <CommandErrorAlert command="Saving" error={save.error} onClose={save.reset} />
-        <Group justify="flex-end" gap="sm">
-          <Button variant="default" onClick={onDone}>
-            Cancel
-          </Button>
-          <Button type="submit" loading={save.isPending}>
-            Save
-          </Button>
-        </Group>
+        <SaveBar save={save} onCancel={onDone} />
       </Stack>
     </form>
   );

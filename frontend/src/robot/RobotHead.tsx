@@ -1,5 +1,6 @@
 import { Anchor, Badge, Text, Title } from "@mantine/core";
 import { Link } from "react-router";
+import { RobotRules } from "../automation/RobotRules";
 import { useFleetLive, useFleetPart } from "../fleet/context";
 import { LinkState } from "../fleet/LinkState";
 import { useNaming } from "../fleet/useNaming";
@@ -54,6 +55,7 @@ function Facts({ name }: { name: string }) {
           simulated
         </Badge>
       )}
+      <RobotRules robot={name} />
       {live && link !== null && link !== "connected" && <LinkState link={link} live />}
     </>
   );

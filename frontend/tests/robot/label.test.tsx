@@ -12,7 +12,9 @@ const plain = robot("/robot2");
 const PAGE = "/ui/robot?robot=/robot1";
 
 function answers(body: unknown, status = 200) {
-  const fetched = vi.fn(async (_request: Request) => Response.json(body, { status }));
+  const fetched = vi.fn(async ({ url }: Request) =>
+    url.endsWith("/automation/rules") ? Response.json({ rules: [] }) : Response.json(body, { status }),
+  );
   vi.stubGlobal("fetch", fetched);
   return fetched;
 }

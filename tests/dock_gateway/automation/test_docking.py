@@ -1,7 +1,7 @@
 """Automatic docking with its parts: what is sent, what is recorded, and what happens without the history."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable
 from dataclasses import replace
 from datetime import timedelta
 from types import SimpleNamespace
@@ -25,38 +25,18 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.hub import Hub
 from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.overview import Fleet
-from dock_gateway.history import EntryT, History
-from dock_gateway.history.memory import MemoryEntries, MemoryHistory
+from dock_gateway.history import History
+from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.robots.battery import Reading
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.settings import Settings
 from tests.dock_gateway.automation.examples import LOW_BATTERY
+from tests.support.entries import SharedStore
 from tests.support.waiting import until
 
 ROBOT = "/robot1"
 # Idle for no time at all: what counts here is what follows.
 AT_ONCE = replace(LOW_BATTERY, idle_s=0.0)
-
-
-class Store(MemoryEntries[EntryT]):
-    """Does not answer where the test says so."""
-
-    away = False
-
-    async def read(self) -> dict[str, EntryT]:
-        self.require()
-        return await super().read()
-
-    async def write(
-        self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None] | None = None
-    ) -> None:
-        self.require()
-        await asyncio.sleep(0)
-        await super().write(key, entry, check)
-
-    def require(self) -> None:
-        if self.away:
-            raise Unavailable("away", code="history_unavailable")
 
 
 class Robot:
@@ -102,10 +82,15 @@ class Site:
 
     def __init__(self) -> None:
         self.robot = Robot()
-        self.rules, self.stored = Store[Rule](), Store[Decision]()
+        self.rules, self.stored = SharedStore[Rule](), SharedStore[Decision]()
         self.gateways: list[AutomaticDocking] = []
         self.history = MemoryHistory(100)
         self.hub = Hub(queue_limit=10, max_subscribers=10)
+
+    def activity(self) -> Activity:
+        activity = Activity(cast("RobotRegistry", SimpleNamespace(owner=lambda _: None)))
+        activity.on_watch("cmd_vel", lambda: [activity.subscribed(robot) for robot in activity.watched("cmd_vel")])
+        return activity
 
     def gateway(self) -> AutomaticDocking:
         gateway = AutomaticDocking(
@@ -113,7 +98,7 @@ class Site:
             cast("Fleet", self.robot),
             cast("ActionRegistry", self.robot),
             cast("History", self.history),
-            activity=Activity(cast("RobotRegistry", SimpleNamespace(owner=lambda _: None))),
+            activity=self.activity(),
             rules=RuleBook(self.rules),
             decisions=DecisionLog(self.hub, self.stored),
         )
@@ -164,8 +149,10 @@ async def test_a_refused_goal_is_recorded_with_its_code(site: Site) -> None:
 
 @pytest.mark.parametrize("code", ["stop_latched", "stopped"])
 async def test_a_stop_between_the_decision_and_the_goal_wins(site: Site, code: str) -> None:
+    gateway = site.gateway()
     site.robot.refusal = Conflict("a stop", code=code)
-    await site.gateway().replace("low", AT_ONCE)
+    site.robot.on_submit = lambda: gateway._activity.intervened(ROBOT)
+    await gateway.replace("low", AT_ONCE)
     (decision,) = await site.decided()
     assert (decision.outcome, decision.code) == (Outcome.HELD, code)
 
@@ -260,6 +247,9 @@ def test_what_counts_as_activity() -> None:
     changes: list[set[str]] = []
     activity.on_watch("cmd_vel", lambda: changes.append(activity.watched("cmd_vel")))
     activity.watch({ROBOT})
+    activity.watch({ROBOT})  # it is not subscribed to yet: that may have failed
+    assert activity.still_since(ROBOT) is None
+    activity.subscribed(ROBOT)
     activity.watch({ROBOT})
     since = activity.still_since(ROBOT)
     assert since is not None
@@ -282,4 +272,4 @@ def test_what_counts_as_activity() -> None:
     activity.keep(set())
     activity.watch(set())
     assert (activity.person_at(ROBOT), activity.still_since(ROBOT)) == (None, None)
-    assert changes == [{ROBOT}, set()]
+    assert changes == [{ROBOT}, {ROBOT}, set()]

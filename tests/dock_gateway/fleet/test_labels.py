@@ -1,6 +1,6 @@
 """Display names and groups: whose a name is, what other gateways see, and what an outage leaves as it is."""
 
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator
 
 import pytest
 
@@ -8,40 +8,17 @@ from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.fleet import labels as labels_module
 from dock_gateway.fleet.labels import NO_LABEL, Labels
 from dock_gateway.history import RobotLabel
-from dock_gateway.history.memory import MemoryEntries
+from tests.support.entries import SharedStore
 from tests.support.waiting import until
 
 LEFT = RobotLabel("Left forklift", ("hall 1",))
-
-
-class Store(MemoryEntries[RobotLabel]):
-    """Does not answer where the test says so."""
-
-    away = False
-
-    async def read(self) -> dict[str, RobotLabel]:
-        self.require()
-        return await super().read()
-
-    async def write(
-        self,
-        key: str,
-        entry: RobotLabel | None,
-        check: Callable[[Mapping[str, RobotLabel]], None] | None = None,
-    ) -> None:
-        self.require()
-        await super().write(key, entry, check)
-
-    def require(self) -> None:
-        if self.away:
-            raise Unavailable("away", code="history_unavailable")
 
 
 class Site:
     """Gateways that share a history."""
 
     def __init__(self) -> None:
-        self.store = Store()
+        self.store = SharedStore[RobotLabel]()
         self.robots = ["/", "/robot1", "/robot2"]
         self.gateways: list[Labels] = []
 

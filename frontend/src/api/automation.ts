@@ -1,0 +1,36 @@
+import { deadline, type Http, settle } from "./http";
+import type { components, paths } from "./schema.gen";
+
+type Schemas = components["schemas"];
+
+/** A rule of automatic docking. */
+export type Rule = Schemas["Rule"];
+export type RuleMode = Schemas["Mode"];
+/** What a client says of a rule; the gateway adds who changed it, and the robots that it applies to. */
+export type RuleBody =
+  paths["/automation/rules/{rule_id}"]["put"]["requestBody"]["content"]["application/json"];
+/** What a rule decided about a robot. */
+export type Decision = Schemas["Decision"];
+/** Why a rule does not dock a robot now. */
+export type Wait = Schemas["Wait"];
+
+export async function listRules(http: Http): Promise<Rule[]> {
+  return (await settle(http.GET("/automation/rules", { signal: deadline() }))).rules;
+}
+
+export function putRule(http: Http, id: string, body: RuleBody): Promise<Rule> {
+  const params = { path: { rule_id: id } };
+  return settle(http.PUT("/automation/rules/{rule_id}", { params, body, signal: deadline() }));
+}
+
+export async function deleteRule(http: Http, id: string): Promise<void> {
+  const params = { path: { rule_id: id } };
+  await settle(http.DELETE("/automation/rules/{rule_id}", { params, signal: deadline() }));
+}
+
+/** The newest first. @param goalId Only the decision that sent this goal. */
+export async function listDecisions(http: Http, goalId?: string): Promise<Decision[]> {
+  const query = goalId === undefined ? { limit: 50 } : { goal_id: goalId };
+  return (await settle(http.GET("/automation/decisions", { params: { query }, signal: deadline() })))
+    .decisions;
+}

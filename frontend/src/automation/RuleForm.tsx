@@ -1,0 +1,99 @@
+import { Alert, SegmentedControl, Stack, Text, TextInput } from "@mantine/core";
+import { type FormEvent, useState } from "react";
+import type { Rule } from "../api/automation";
+import { useFleetTopic } from "../fleet/context";
+import { useNaming } from "../fleet/useNaming";
+import { ownName, setOwnName } from "../stop/who";
+import { SaveBar } from "../ui/SaveBar";
+import { BatteryFields } from "./BatteryFields";
+import { bodyOf, type Draft, draftOf, errorsOf, MAX_NAME, newId } from "./draft";
+import { NameInput } from "./NameInput";
+import { RobotFields } from "./RobotFields";
+import { ScheduleFields } from "./ScheduleFields";
+import { useRuleCommands } from "./useAutomation";
+
+interface RuleFormProps {
+  /** Null for a new one. */
+  rule: Rule | null;
+  /** All of them. */
+  rules: readonly Rule[];
+  onDone: () => void;
+}
+
+/** Adds a rule, which is off, or changes one, which keeps its mode. */
+export function RuleForm({ rule, rules, onDone }: RuleFormProps) {
+  const [draft, setDraft] = useState(() => draftOf(rule));
+  const [by, setBy] = useState(ownName);
+  const [tried, setTried] = useState(false);
+  const { save } = useRuleCommands();
+  const errors = errorsOf(draft);
+  const shown = tried ? errors : {};
+  const change = (part: Partial<Draft>) => setDraft((before) => ({ ...before, ...part }));
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    setTried(true);
+    if (Object.keys(errors).length > 0) return;
+    setOwnName(by.trim());
+    const id =
+      rule?.id ??
+      newId(
+        draft.name,
+        rules.map((each) => each.id),
+      );
+    const body = bodyOf(draft, rule?.mode ?? "off", by.trim() || null);
+    save.mutate({ id, body }, { onSuccess: onDone });
+  };
+  return (
+    <form onSubmit={submit} noValidate>
+      <Stack gap="md">
+        <TextInput
+          label="Name"
+          placeholder="Low battery"
+          maxLength={MAX_NAME}
+          value={draft.name}
+          error={shown.name}
+          onChange={(event) => change({ name: event.currentTarget.value })}
+          data-autofocus
+        />
+        <SegmentedControl
+          aria-label="Condition"
+          data={[
+            { value: "battery", label: "Low battery" },
+            { value: "schedule", label: "Times of day" },
+          ]}
+          value={draft.condition}
+          onChange={(value) => change({ condition: value as Draft["condition"] })}
+        />
+        {draft.condition === "battery" ? (
+          <BatteryFields draft={draft} errors={shown} onChange={change} />
+        ) : (
+          <ScheduleFields draft={draft} errors={shown} onChange={change} />
+        )}
+        <RobotFields draft={draft} errors={shown} onChange={change} />
+        <Covered draft={draft} />
+        {rule?.mode === "on" && (
+          <Alert color="orange" title="This rule is on">
+            What you save applies at once.
+          </Alert>
+        )}
+        <NameInput value={by} onChange={setBy} />
+        <SaveBar save={save} onCancel={onDone} />
+      </Stack>
+    </form>
+  );
+}
+
+/** The robots that the rule would apply to now. */
+function Covered({ draft }: { draft: Draft }) {
+  const naming = useNaming();
+  const robots = [...useFleetTopic("robots").values()].filter(
+    ({ name, groups }) =>
+      draft.all || draft.names.includes(name) || groups.some((group) => draft.groups.includes(group)),
+  );
+  const names = robots.map(({ name }) => naming.nameOf(name)).join(", ");
+  return (
+    <Text size="sm" c="dimmed" aria-live="polite">
+      {robots.length === 0 ? "Applies to no robot now" : `Applies now to ${names}`}
+    </Text>
+  );
+}

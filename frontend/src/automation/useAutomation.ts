@@ -1,0 +1,87 @@
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useEffect } from "react";
+import {
+  type Decision,
+  deleteRule,
+  listDecisions,
+  listRules,
+  putRule,
+  type Rule,
+  type RuleBody,
+} from "../api/automation";
+import { type CommandError, toCommandError } from "../api/errors";
+import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
+import { useCommand } from "../ui/useCommand";
+
+const KEY = ["automation"] as const;
+const RULES = [...KEY, "rules"] as const;
+/** How often it is asked what rules wait for, and what others have changed (ms). */
+const REFETCH_MS = 5000;
+
+function failing(error: unknown): never {
+  throw toCommandError(error);
+}
+
+/** The rules, as they are now. @param refetchMs How often they are asked for. */
+export function useRules(refetchMs = REFETCH_MS) {
+  const { http } = useFleet();
+  const live = useFleetLive();
+  return useQuery<Rule[], CommandError>({
+    queryKey: RULES,
+    queryFn: () => listRules(http).catch(failing),
+    enabled: live,
+    refetchInterval: refetchMs,
+  });
+}
+
+/** The latest decisions of all rules. */
+export function useDecisions() {
+  const { http } = useFleet();
+  return useQuery<Decision[], CommandError>({
+    queryKey: [...KEY, "decisions"],
+    queryFn: () => listDecisions(http).catch(failing),
+  });
+}
+
+/** The decision that sent a goal; null while it is not known. */
+export function useDecisionOf(goalId: string): Decision | null {
+  const { http } = useFleet();
+  const { data } = useQuery<Decision | null, CommandError>({
+    queryKey: [...KEY, "goal", goalId],
+    queryFn: async () => (await listDecisions(http, goalId).catch(failing))[0] ?? null,
+  });
+  return data ?? null;
+}
+
+/** Asks again for rules and decisions whenever the gateway tells of a decision, or is back. */
+export function useFreshAutomation(): void {
+  const client = useQueryClient();
+  const live = useFleetLive();
+  const decision = useFleetTopic("decision");
+  // biome-ignore lint/correctness/useExhaustiveDependencies: a new decision is why it is asked again
+  useEffect(() => {
+    if (live) void client.invalidateQueries({ queryKey: KEY });
+  }, [client, live, decision]);
+}
+
+/** What changes rules. */
+export function useRuleCommands() {
+  const { http } = useFleet();
+  const client = useQueryClient();
+  const change = async (edit: (rules: Rule[]) => Rule[]) => {
+    await client.cancelQueries({ queryKey: RULES }); // what it reads is outdated
+    client.setQueryData<Rule[]>(RULES, (rules) => edit(rules ?? []));
+    void client.invalidateQueries({ queryKey: KEY });
+  };
+  const save = useCommand(async ({ id, body }: { id: string; body: RuleBody }) => {
+    const saved = await putRule(http, id, body);
+    await change((rules) =>
+      [...rules.filter((rule) => rule.id !== id), saved].sort((a, b) => a.name.localeCompare(b.name)),
+    );
+  });
+  const remove = useCommand(async (id: string) => {
+    await deleteRule(http, id);
+    await change((rules) => rules.filter((rule) => rule.id !== id));
+  });
+  return { save, remove };
+}
