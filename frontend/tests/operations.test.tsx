@@ -1,13 +1,14 @@
 import { notifications } from "@mantine/notifications";
 import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
-import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { afterEach, beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Gateway } from "../src/api/client";
 import { CommandError } from "../src/api/errors";
 import type { Robot } from "../src/fleet/types";
 import { divide, fewAtOnce, whyNot } from "../src/operations/operation";
 import { at, goal, latched, robot } from "./events";
-import { descriptionOf, fakeGateway, renderPage } from "./page";
+import { descriptionOf, fakeGateway, loadRobotTable, renderPage } from "./page";
 
+beforeAll(loadRobotTable);
 beforeEach(() => localStorage.clear());
 afterEach(() => act(() => notifications.clean()));
 

@@ -1,10 +1,11 @@
 import { act, screen, waitFor, within } from "@testing-library/react";
-import { beforeEach, describe, expect, it, vi } from "vitest";
+import { beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Robot } from "../src/fleet/types";
 import { listed, readView, writeView } from "../src/overview/list";
 import { alert, at, battery, goal, latched, robot } from "./events";
-import { fakeGateway, renderPage } from "./page";
+import { fakeGateway, loadRobotTable, renderPage } from "./page";
 
+beforeAll(loadRobotTable);
 beforeEach(() => localStorage.clear());
 
 const one = robot("/robot1", {

@@ -1,7 +1,7 @@
 import { MantineProvider } from "@mantine/core";
 import { Notifications } from "@mantine/notifications";
 import { QueryClientProvider } from "@tanstack/react-query";
-import { act, render, screen } from "@testing-library/react";
+import { act, cleanup, render, screen } from "@testing-library/react";
 import userEvent from "@testing-library/user-event";
 import type { ReactNode } from "react";
 import { MemoryRouter } from "react-router";
@@ -22,7 +22,7 @@ import { SceneBuffer } from "../src/scene/buffer";
 import type { Services } from "../src/store/context";
 import { Store } from "../src/store/store";
 import type { ConnectionInput } from "../src/stream/connection";
-import { goal, idlePublisher, latched, released, snapshot, stopReport, undockGoal } from "./events";
+import { goal, idlePublisher, latched, released, robot, snapshot, stopReport, undockGoal } from "./events";
 
 /** A gateway that does what it is told, and remembers. */
 export function fakeGateway(change: Partial<Gateway> = {}) {
@@ -125,4 +125,11 @@ export function renderPage(
   const { store, fleet } = robotServices(gateway, first, gatewayOf);
   renderWithin(fleet, <App />, path);
   return { store, user: userEvent.setup() };
+}
+
+/** Shows the table of robots once: it is loaded when it is first shown. */
+export async function loadRobotTable(): Promise<void> {
+  renderPage(fakeGateway(), { robots: [robot("/robot1"), robot("/robot2")] });
+  await screen.findByRole("table");
+  cleanup();
 }

@@ -1,12 +1,28 @@
 import { cleanup, configure } from "@testing-library/react";
+import type { ComponentType } from "react";
 import { afterEach, beforeEach, vi } from "vitest";
 import { START } from "./events";
 
 // On a busy machine seconds are not much.
 configure({ asyncUtilTimeout: 20_000 });
 
-// No gateway answers here, and parts of a page wait for one.
-vi.mock("../src/ui/lazyPart", async () => ({ lazyPart: (await import("react")).lazy }));
+// No gateway answers here, and parts of a page wait for one. What a file's tests have shown before is there at once.
+vi.mock("../src/ui/lazyPart", async () => {
+  const { createElement, lazy, useState } = await import("react");
+  const lazyPart = (load: () => Promise<{ default: ComponentType<object> }>) => {
+    let loaded: ComponentType<object> | null = null;
+    const first = lazy(async () => {
+      const part = await load();
+      loaded = part.default;
+      return part;
+    });
+    return function Part(props: object) {
+      const [part] = useState(() => ({ component: loaded ?? first }));
+      return createElement(part.component, props);
+    };
+  };
+  return { lazyPart };
+});
 
 // What jsdom lacks and the page's libraries ask for.
 window.matchMedia ??= (query: string) =>

@@ -237,7 +237,7 @@ def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None
 def test_the_pages_are_in_one_row(page: Page, width: int) -> None:
     page.set_viewport_size({"width": width, "height": 900})
     links = page.get_by_role("navigation", name="Pages").get_by_role("link")
-    expect(links).to_have_count(5)
+    expect(links).to_have_count(6)
     assert len(set(links.evaluate_all("(links) => links.map((link) => link.getBoundingClientRect().top)"))) == 1
 
 
@@ -246,7 +246,7 @@ def test_on_a_phone_the_pages_are_in_a_menu_and_none_scrolls_sideways(page: Page
     page.set_viewport_size({"width": width, "height": 800})
     pages = page.get_by_role("navigation", name="Pages")
     menu = pages.get_by_role("button", name="Pages")
-    for name in ("Goals", "Actions", "Statistics", "Graph", "Overview"):
+    for name in ("Goals", "Actions", "Statistics", "Automatic docking", "Graph", "Overview"):
         expect(pages.get_by_role("link")).to_have_count(0)
         menu.press("Enter")
         pages.get_by_role("link", name=name).press("Enter")

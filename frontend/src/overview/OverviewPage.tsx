@@ -1,13 +1,15 @@
 import { Button, Group, Paper, Skeleton, Stack, Text, VisuallyHidden } from "@mantine/core";
-import { useMemo, useState } from "react";
+import { Suspense, useMemo, useState } from "react";
 import { AlertList } from "../alerts/AlertList";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import type { Robot } from "../fleet/types";
 import { isThere } from "../fleet/words";
 import { RobotView } from "../robot/RobotView";
+import { lazyPart } from "../ui/lazyPart";
 import { usePageTitle } from "../ui/usePageTitle";
 import { NoRobot } from "./NoRobot";
-import { RobotTable } from "./RobotTable";
+
+const RobotTable = lazyPart(() => import("./RobotTable"));
 
 /** All robots; where there is a single one, the page of that. */
 export default function OverviewPage() {
@@ -35,7 +37,9 @@ function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
       <>
         <Heading />
         <AlertList />
-        <RobotTable robots={there} />
+        <Suspense fallback={<Skeleton height={360} />}>
+          <RobotTable robots={there} />
+        </Suspense>
       </>
     );
   }

@@ -16,7 +16,7 @@ import { useRowWindow } from "./useRowWindow";
 import { useSelection } from "./useSelection";
 
 /** All robots, a row each, those with alerts first; what is shown and in which order is in the page's address. */
-export function RobotTable({ robots }: { robots: readonly Robot[] }) {
+export default function RobotTable({ robots }: { robots: readonly Robot[] }) {
   const alerts = useFleetTopic("alerts");
   const live = useFleetLive();
   const attentions = useMemo(() => attentionOf(alerts), [alerts]);
