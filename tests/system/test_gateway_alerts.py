@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from tests.support.gateway import CHARGING, LOW, RunningGateway, Stream, running_dock_server, running_gateway
-from tests.support.waiting import wait_until
+from tests.support.waiting import PATIENCE, wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
 
@@ -41,7 +41,7 @@ def alerts(gateway: RunningGateway) -> list[dict[str, Any]]:
     return found
 
 
-def until_alerts(stream: Stream, *kinds: str, timeout: float = 20.0) -> list[dict[str, Any]]:
+def until_alerts(stream: Stream, *kinds: str, timeout: float = PATIENCE) -> list[dict[str, Any]]:
     """Read on until these are the alerts."""
 
     def matches(event: dict[str, Any]) -> bool:

@@ -16,7 +16,7 @@ NODES = 60
 Graph = dict[str, list[dict[str, Any]]]
 
 
-def wait_for_graph(gateway: RunningGateway, matches: Callable[[Graph], bool], timeout: float = 20.0) -> Graph:
+def wait_for_graph(gateway: RunningGateway, matches: Callable[[Graph], bool], timeout: float = PATIENCE) -> Graph:
     deadline = time.monotonic() + timeout
     while not matches(graph := gateway.http.get("/graph").raise_for_status().json()):
         assert time.monotonic() < deadline, {kind: [entry["name"] for entry in found] for kind, found in graph.items()}

@@ -27,7 +27,7 @@ class Socket:
         self.events: list[dict[str, Any]] = []
         self._numbers = itertools.count(1)
 
-    def receive(self, timeout: float = 10.0) -> dict[str, Any]:
+    def receive(self, timeout: float = PATIENCE) -> dict[str, Any]:
         message: dict[str, Any] = orjson.loads(self.connection.recv(timeout))
         if "op" not in message:
             self.events.append(message)

@@ -15,6 +15,7 @@ from std_srvs.srv import SetBool
 
 from dock_gateway.ros.bridge import guard
 from dock_gateway.ros.listener import AnswerListener, ListeningNode, MessageListener, Unread
+from tests.support.waiting import PATIENCE
 
 pytestmark = pytest.mark.ros
 
@@ -37,7 +38,7 @@ def node(domain: int) -> Iterator[ListeningNode]:
     context.try_shutdown()
 
 
-def wait_for(condition: Callable[[], bool], timeout: float = 10.0) -> None:
+def wait_for(condition: Callable[[], bool], timeout: float = PATIENCE) -> None:
     deadline = time.monotonic() + timeout
     while not condition():
         assert time.monotonic() < deadline
@@ -227,7 +228,13 @@ def test_a_second_answer_is_noticed(domain: int, node: ListeningNode, server: An
     other.create_service(SetBool, "opposite", lambda _, response: response)
     executor = rclpy.executors.SingleThreadedExecutor(context=node.context)
     executor.add_node(other)
-    thread = threading.Thread(target=executor.spin, daemon=True)
+    enough = threading.Event()
+
+    def answer() -> None:
+        while not enough.is_set():
+            executor.spin_once(timeout_sec=0.1)
+
+    thread = threading.Thread(target=answer, daemon=True)
     thread.start()
 
     def noticed() -> bool:
@@ -235,6 +242,7 @@ def test_a_second_answer_is_noticed(domain: int, node: ListeningNode, server: An
         return node.answers.answered_twice_at(client) > 0
 
     wait_for(noticed)
+    enough.set()
+    thread.join()
     executor.shutdown()
-    thread.join(5)
     other.destroy_node()
