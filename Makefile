@@ -27,10 +27,10 @@ INTERFACES := backend/action_tutorials_interfaces
 INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard format lock interfaces-wheel clean
+.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots format lock interfaces-wheel clean
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-18s %s\n", $$1, $$2}'
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
 
 run: setup ## start the gateway and a simulated robot, then open http://127.0.0.1:8000 (UP_ARGS=--no-sim: no robot)
 	@exec $(BIN)/dock-gateway up $(UP_ARGS)
@@ -57,6 +57,12 @@ bench-docking: setup ## dock from 1,000 random starts with each controller, in s
 
 bench-dashboard: setup ## what the dashboard costs a browser (BENCH_ARGS='--minutes 30' watches its memory); see docs/performance.md
 	@$(BIN)/python -m benchmarks.dashboard $(BENCH_ARGS)
+
+screenshots: setup ## renew the pictures in docs/images
+	@$(BIN)/python -m scripts.screenshots
+
+compare-screenshots: setup ## each page of the dashboard beside that of BASE=main, with the same data: what differs?
+	@$(BIN)/python -m scripts.screenshots --compare $(or $(BASE),main)
 
 $(BENCH)/installed: benchmarks/install benchmarks/requirements.txt benchmarks/peers.txt | setup
 	@benchmarks/install $(BENCH)
