@@ -87,7 +87,9 @@ def top(locator: Locator) -> float:
 
 
 def start_docking(page: Page) -> None:
-    press(page, "Dock")
+    dock = page.get_by_role("button", name="Dock", exact=True)
+    expect(dock).to_be_enabled()
+    dock.press("Enter")  # a click would miss it while the stop's banner goes away above
     expect(page.get_by_test_id("stages").get_by_role("listitem").filter(has_text="now")).to_be_visible()
 
 
