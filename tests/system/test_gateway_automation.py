@@ -126,7 +126,7 @@ def test_a_gateway_that_is_killed_while_it_sends_a_goal_sends_no_other(domain: i
             gateway.wait_until_ready()
             gateway.publish(LOW)
             put(gateway, mode="on")
-            # With pings this seldom it takes a minute to find that the server answers, if the first ping came too early.
+            # Pinged this seldom, the server is known to answer a minute later if the first ping came too early.
             wait_until(lambda: waits_for(gateway) == ["not_idle"], "a low battery", 3 * PATIENCE)
             server.send_signal(signal.SIGSTOP)
             try:
