@@ -128,6 +128,7 @@ class Bridge:
         self._executor.add_node(self.node)
         self._thread = RosThread("ros", self._executor.spin)
         self._waiting: deque[Callable[[], object]] = deque()
+        self._adding = threading.Lock()  # guards the end of the executor, which takes no task afterwards
         self._inboxes = Inboxes(self.to_loop)
         self.max_message_bytes = max_message_bytes
 
@@ -152,7 +153,8 @@ class Bridge:
             thread.join(1.0)
 
     def _leave(self) -> None:
-        self._thread.stopping = True
+        with self._adding:
+            self._thread.stopping = True
         self._executor.shutdown(timeout_sec=0.5)
         ended = [self._messages.close(), self._answers.close(), self._thread.end()]
         if not all(ended):
@@ -208,9 +210,15 @@ class Bridge:
     # ------------------------------------------------------------------ calls
 
     def to_ros(self, function: Callable[[], object]) -> None:
-        """Schedule a function on the ROS thread, in the order of the calls; its exceptions are logged."""
-        self._waiting.append(function)
-        self._executor.create_task(self._run_next)
+        """Schedule a function on the ROS thread, in the order of the calls; its exceptions are logged.
+
+        Does nothing once the bridge closes, as all that the node has is destroyed with it.
+        """
+        with self._adding:
+            if self._thread.stopping:
+                return
+            self._waiting.append(function)
+            self._executor.create_task(self._run_next)
 
     def _run_next(self) -> None:
         """Run the oldest pending call, because the executor takes its newest task first."""

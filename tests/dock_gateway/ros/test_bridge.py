@@ -91,6 +91,31 @@ async def test_what_comes_of_a_call_too_late_is_undone(bridge: Bridge) -> None:
     assert undone == ["port"]
 
 
+async def test_what_comes_of_a_call_while_the_bridge_closes_goes_with_it(
+    bridge: Bridge, caplog: pytest.LogCaptureFixture
+) -> None:
+    begun, released = threading.Event(), threading.Event()
+    errors: list[dict[str, object]] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, context: errors.append(context))
+
+    def make() -> str:
+        begun.set()
+        released.wait(30)
+        return "port"
+
+    call = asyncio.create_task(bridge.call(make, undo=lambda _: None))
+    await asyncio.to_thread(begun.wait, 10)
+    call.cancel()
+    closing = bridge.close_soon()
+    await until(lambda: not bridge.alive)
+    released.set()
+    await asyncio.to_thread(closing.join, 10)
+    bridge.to_ros(lambda: None)
+    await asyncio.sleep(0)
+    assert errors == []
+    assert caplog.records == []
+
+
 async def test_a_call_that_fails_says_why(bridge: Bridge) -> None:
     with pytest.raises(ZeroDivisionError):
         await bridge.call(lambda: 1 // 0)
