@@ -4,20 +4,21 @@ import asyncio
 import logging
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
-from contextlib import AsyncExitStack, asynccontextmanager, contextmanager, suppress
+from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, contextmanager, suppress
 from dataclasses import dataclass
-from datetime import datetime
+from functools import partial
 from typing import Protocol, TypeVar
 
 from dock_gateway.actions.cancellation import require_unfinished
 from dock_gateway.actions.liveness import ServerState
 from dock_gateway.actions.registry import Action, ActionRegistry
+from dock_gateway.actions.unfinished import store_unfinished, take_over_unfinished
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import AutomaticDocking
 from dock_gateway.automation.rules import RuleBook
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
-from dock_gateway.core.event import message_event, utc_now
+from dock_gateway.core.event import message_event
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalError, Json
 from dock_gateway.core.hub import Hub
@@ -39,7 +40,7 @@ from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, scan
 from dock_gateway.ros.robot_ports import DiagnosticsPort, VelocityListener
-from dock_gateway.ros.scene_port import OnPoses, PosePort, ScenePort
+from dock_gateway.ros.scene_port import PosePort, ScenePort
 from dock_gateway.settings import DockingActions, Settings
 from dock_gateway.topics.graph_cache import GraphCache
 from dock_gateway.topics.registry import EchoRegistry
@@ -193,16 +194,17 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
     last_goals = _closed_by(stack, LastGoals(history))
     actions = _closed_by(stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock))
     actions.on_end.append(last_goals.take)
-    history.on_loss = lambda: _record_unfinished(actions, history)
+    history.on_loss = lambda: store_unfinished(actions, history)
     robots = _closed_by(stack, RobotRegistry(settings, bridge, hub, interlock, last_goals))
     stopper = _closed_by(stack, Stopper(robots, actions, interlock))
     simulators = _closed_by(stack, Simulators(settings, bridge, hub))
-    _open_on_demand(settings, bridge, hub, stack)
     activity = Activity(robots)
     actions.on_end.append(activity.on_end)
     stopper.on_stop.append(activity.intervened)
     interlock.on_release.append(activity.intervened)
-    _watch_velocity(settings, bridge, activity, stack)
+    _subscribe_on_demand(settings, bridge, hub, activity, stack)
+    if settings.store_poses:
+        _store_poses(settings, bridge, PoseRecorder(actions.running, robots.owner, history.record_event), stack)
     graph = _closed_by(stack, GraphCache(bridge))
     echoes = _closed_by(stack, EchoRegistry(bridge, graph))
     await bridge.call(
@@ -257,11 +259,10 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
             decisions=decisions,
         ),
     )
-    _record_poses(settings, bridge, history, actions=actions, robots=robots, stack=stack)
     departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
     tasks = _closed_by(stack, Tasks("running the gateway"))
     tasks.spawn(_watch_graph(bridge, actions, robots, departures))
-    tasks.spawn(_take_up_unfinished(actions, history))
+    tasks.spawn(take_over_unfinished(actions, history))
     stack.callback(hub.close)
     return Gateway(
         settings,
@@ -295,86 +296,42 @@ def _closed_by(stack: AsyncExitStack, part: PartT) -> PartT:
     return part
 
 
-async def _take_up_unfinished(actions: ActionRegistry, history: History) -> None:
-    """Take over goals that were running when the gateway ended; those in an unavailable database once it is back."""
-    began = utc_now()
-    try:
-        if not await _expect(actions, history, began, complete=True):
-            await _expect(actions, history, began)
-            while not await _expect(actions, history, began, complete=True):  # noqa: ASYNC110 - there is no event for it
-                await asyncio.sleep(SCAN_INTERVAL)
-    except Exception:
-        log.exception("while restoring earlier goals")
+def _subscribe_on_demand(
+    settings: Settings, bridge: Bridge, hub: Hub, activity: Activity, stack: AsyncExitStack
+) -> None:
+    """Set up the topics that are subscribed to only on demand."""
 
+    def scene(robot: str) -> ScenePort:
+        return ScenePort(bridge, robot, partial(settings.resolve, namespace=robot), hub.publish)
 
-async def _expect(actions: ActionRegistry, history: History, began: datetime, *, complete: bool = False) -> bool:
-    """Expect earlier goals that have not ended; return False if the history does not answer."""
-    try:
-        unfinished = await history.unfinished(complete=complete)
-    except Unavailable:
-        return False
-    actions.expect([goal for goal in unfinished if goal.created_at < began])
-    return True
-
-
-def _record_unfinished(actions: ActionRegistry, history: History) -> None:
-    """Store the unfinished goals again, after the history lost its data."""
-    for goal in (*actions.running(), *actions.lost()):
-        history.record(goal)
-
-
-def _open_on_demand(settings: Settings, bridge: Bridge, hub: Hub, stack: AsyncExitStack) -> None:
-    """Set up the topics that are subscribed to only on demand: a robot's scene and velocity."""
-
-    def make_scene(robot: str) -> ScenePort:
-        return ScenePort(bridge, robot, lambda name: settings.resolve(name, robot), hub.publish)
-
-    def make_velocity(robot: str) -> VelocityListener:
+    def velocity(robot: str) -> VelocityListener:
         def hear(message: Json, stamp_ns: int) -> None:
             hub.publish(message_event("cmd_vel", message, hub.clock.stamp(stamp_ns), stamp_ns, robot=robot))
 
         return VelocityListener(bridge, settings.resolve(settings.cmd_vel_topic, robot), hear)
 
-    _closed_by(stack, OnDemand(bridge, hub, "scene", make_scene))
-    _closed_by(stack, OnDemand(bridge, hub, "cmd_vel", make_velocity))
-
-
-def _watch_velocity(settings: Settings, bridge: Bridge, activity: Activity, stack: AsyncExitStack) -> None:
-    """Subscribe to the velocity of the robots that are about to be docked automatically."""
-
-    def make(robot: str) -> VelocityListener:
+    def motion(robot: str) -> ExitStack:
         topic = settings.resolve(settings.cmd_vel_topic, robot)
         listener = VelocityListener(bridge, topic, lambda message, _: activity.on_velocity(robot, message))
         activity.subscribed(robot)
-        return listener
+        port = ExitStack()
+        port.callback(listener.close)
+        port.callback(activity.unsubscribed, robot)
+        return port
 
-    _closed_by(stack, OnDemand(bridge, activity, "cmd_vel", make))
+    _closed_by(stack, OnDemand(bridge, hub, "scene", scene))
+    _closed_by(stack, OnDemand(bridge, hub, "cmd_vel", velocity))
+    _closed_by(stack, OnDemand(bridge, activity, "motion", motion))
 
 
-def _record_poses(
-    settings: Settings,
-    bridge: Bridge,
-    history: History,
-    *,
-    actions: ActionRegistry,
-    robots: RobotRegistry,
-    stack: AsyncExitStack,
-) -> None:
-    """Store the poses of robots while their goals run."""
-    if not settings.store_poses:
-        return
+def _store_poses(settings: Settings, bridge: Bridge, recorder: PoseRecorder, stack: AsyncExitStack) -> None:
+    """Subscribe to the poses of robots while their goals run."""
 
-    def running() -> dict[str, list[Goal]]:
-        found: dict[str, list[Goal]] = {}
-        for goal in actions.running():
-            if (robot := robots.owner(goal.action_name)) is not None:
-                found.setdefault(robot.namespace, []).append(goal)
-        return found
+    def poses(robot: str) -> PosePort:
+        return PosePort(bridge, robot, partial(settings.resolve, namespace=robot), recorder.hear)
 
-    def make(robot: str, on_poses: OnPoses) -> PosePort:
-        return PosePort(bridge, robot, lambda name: settings.resolve(name, robot), on_poses)
-
-    _closed_by(stack, PoseRecorder(bridge, running, make, history.record_event))
+    _closed_by(stack, recorder)
+    _closed_by(stack, OnDemand(bridge, recorder, "poses", poses))
 
 
 async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, departures: Departures) -> None:

@@ -1,5 +1,6 @@
 """Keyed entries in memory that several gateways of a test share."""
 
+import asyncio
 from collections.abc import Callable, Mapping
 
 from dock_gateway.core.errors import Unavailable
@@ -8,13 +9,19 @@ from dock_gateway.history.memory import MemoryEntries
 
 
 class SharedStore(MemoryEntries[EntryT]):
-    """Does not answer where the test says so."""
+    """Does not answer, or slowly, where the test says so."""
 
-    away = False
+    def __init__(self) -> None:
+        super().__init__()
+        self.away = False
+        self.gate = asyncio.Event()
+        self.gate.set()
 
     async def read(self) -> dict[str, EntryT]:
         self.require()
-        return await super().read()
+        found = await super().read()
+        await self.gate.wait()
+        return found
 
     async def write(
         self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None] | None = None

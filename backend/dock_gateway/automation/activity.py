@@ -28,6 +28,10 @@ class Activity:
         """Note that the velocity of a robot is heard from now on. Called on the ROS thread."""
         self._subscribed_at[robot] = time.monotonic()
 
+    def unsubscribed(self, robot: str) -> None:
+        """Note that the velocity of a robot is no longer heard. Called on the ROS thread."""
+        self._subscribed_at.pop(robot, None)
+
     def active(self, robot: str) -> None:
         """Note that a robot moves or runs a goal now."""
         self._active_at[robot] = time.monotonic()
@@ -50,7 +54,7 @@ class Activity:
         note(robot.namespace)
 
     def still_since(self, robot: str) -> float | None:
-        """Return since when a robot has been still, as far as seen; None if its velocity is not watched."""
+        """Return since when a robot has been still, as far as seen; None if its velocity is not heard."""
         watched, subscribed = self._watched_since.get(robot), self._subscribed_at.get(robot)
         if watched is None or subscribed is None:
             return None
@@ -62,7 +66,7 @@ class Activity:
 
     def keep(self, robots: Collection[str]) -> None:
         """Forget robots that have left."""
-        for times in (self._active_at, self._person_at, self._subscribed_at):
+        for times in (self._active_at, self._person_at):
             for gone in times.keys() - robots:
                 del times[gone]
 
@@ -71,7 +75,7 @@ class Activity:
     def watch(self, robots: set[str]) -> None:
         """Watch the velocity of these robots, and of no others."""
         now = time.monotonic()
-        if robots != self._watched_since.keys() or robots - self._subscribed_at.keys():
+        if robots != self._watched_since.keys():
             self._watched_since = {robot: self._watched_since.get(robot, now) for robot in robots}
             self._changed()
 

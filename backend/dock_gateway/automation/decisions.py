@@ -39,14 +39,25 @@ class DecisionLog:
 
     async def sync(self) -> bool:
         """Read other gateways' decisions and publish the new ones; return False if the history is unavailable."""
-        if not await self._entries.sync():
+        try:
+            await self.read()
+        except Unavailable:
             return False
-        final = {identity for identity, decision in self.all().items() if decision.outcome is not Outcome.SENDING}
+        return True
+
+    async def read(self) -> Mapping[str, Decision]:
+        """Read other gateways' decisions, publish the new ones, and return all by their ids.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        decisions = await self._entries.read()
+        final = {identity for identity, decision in decisions.items() if decision.outcome is not Outcome.SENDING}
         if self._published is not None:
             for identity in final - self._published:
                 self._publish(identity)
         self._published = final
-        return True
+        return decisions
 
     async def claim(self, identity: str, decision: Decision) -> None:
         """Store a decision before it is carried out.
@@ -116,16 +127,15 @@ class DecisionLog:
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        if not await self.sync():
-            raise Unavailable("the history does not answer; retry soon", code="history_unavailable")
+        decisions = await self.read()
         found = [
             (decision.at, identity)
-            for identity, decision in self.all().items()
+            for identity, decision in decisions.items()
             if robot in (None, decision.robot)
             and rule_id in (None, decision.rule_id)
             and goal_id in (None, decision.goal_id)
         ]
-        return [_document(identity, self.all()[identity]) for _, identity in sorted(found, reverse=True)[:limit]]
+        return [_document(identity, decisions[identity]) for _, identity in sorted(found, reverse=True)[:limit]]
 
     def _publish(self, identity: str) -> None:
         self._hub.publish(fleet_event("automation", utc_now(), automation=_document(identity, self.all()[identity])))

@@ -42,7 +42,7 @@ class RobotFacts:
         goal_lost: Whether contact was lost during a goal, so that it may run.
         stopped: Which stop is latched for it, in words; None if none is.
         still_since: Since when it has not moved and has run no goal, as far as seen, in seconds on a monotonic clock;
-            None if nobody watches.
+            None if its velocity is not heard.
         person_at: When a person last canceled, stopped or released it, on the same clock; None if never.
         failed_at: When its last docking goal ended, if it did not succeed.
     """

@@ -4,7 +4,7 @@ import logging
 from collections.abc import Mapping
 
 from dock_gateway.core.automation import Rule
-from dock_gateway.core.errors import Conflict, NotFound, Unavailable
+from dock_gateway.core.errors import Conflict, NotFound
 from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.history import Entries
 
@@ -37,9 +37,7 @@ class RuleBook:
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        if not await self.sync():
-            raise Unavailable("the history does not answer; retry soon", code="history_unavailable")
-        return self.all()
+        return await self._entries.read()
 
     async def replace(self, rule_id: str, rule: Rule) -> None:
         """Store a rule, new or changed.

@@ -1,20 +1,15 @@
 """Stores where a robot is while a goal on one of its actions runs, so that the goal can be replayed on a map."""
 
 import asyncio
-import logging
 import math
 import time
 from collections.abc import Callable
 from typing import Any
 
-from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, pose_event
 from dock_gateway.core.goal import Goal
-from dock_gateway.core.tasks import cancel
-from dock_gateway.robots.on_demand import Port
-from dock_gateway.ros.bridge import Bridge
-
-log = logging.getLogger(__name__)
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.robots.registry import Robot
 
 LOOK_INTERVAL = 0.25  # seconds between two looks at the running goals
 # Nanoseconds between two stored poses of a goal, which double each time that so many are stored.
@@ -62,59 +57,53 @@ def _moved(one: dict[str, float] | None, other: dict[str, float] | None) -> bool
 
 
 class PoseRecorder:
-    """Subscribes to the poses of a robot while a goal on its actions runs, whoever sent it, and stores them.
+    """Stores the poses of a robot while a goal on its actions runs, whoever sent it.
 
     Args:
-        bridge: Runs calls on the ROS thread.
-        running: Returns the goals that run, by robot.
-        make: Makes the port of a robot, on the ROS thread.
+        running: Returns the goals that run.
+        owner: Returns the robot of an action.
         store: Stores an event.
     """
 
     def __init__(
         self,
-        bridge: Bridge,
-        running: Callable[[], dict[str, list[Goal]]],
-        make: Callable[[str, Callable[[str, Scene, int], None]], Port],
+        running: Callable[[], list[Goal]],
+        owner: Callable[[str], Robot | None],
         store: Callable[[Event], None],
     ) -> None:
-        self._bridge = bridge
         self._running = running
-        self._make = make
+        self._owner = owner
         self._store = store
-        self._ports: dict[str, Port] = {}
-        self._goals: dict[str, list[Goal]] = {}
+        self._goals: dict[str, list[Goal]] = {}  # by robot
         self._poses: dict[str, GoalPoses] = {}
-        self._task = asyncio.create_task(self._run())
+        self._changed: Callable[[], None] = lambda: None
+        self._tasks = Tasks("recording poses")
+        self._tasks.spawn(self._run())
 
     async def _run(self) -> None:
         while True:
+            self.look()
             await asyncio.sleep(LOOK_INTERVAL)
-            try:
-                await self.look()
-            except GatewayError as error:
-                log.warning("cannot subscribe to the poses of a robot: %s", error.detail)
-            except Exception:
-                log.exception("while recording poses")
 
-    async def look(self) -> None:
-        """Open the ports of robots that have running goals, and close the others.
-
-        Raises:
-            Unavailable: The ROS thread is down.
-        """
-        self._goals = self._running()
-        known = {goal.goal_id for goals in self._goals.values() for goal in goals}
+    def look(self) -> None:
+        """Find the running goals."""
+        before, self._goals = self._goals.keys(), {}
+        running = self._running()
+        for goal in running:
+            if (robot := self._owner(goal.action_name)) is not None:
+                self._goals.setdefault(robot.namespace, []).append(goal)
+        known = {goal.goal_id for goal in running}
         self._poses = {goal_id: poses for goal_id, poses in self._poses.items() if goal_id in known}
-        for robot in self._ports.keys() - self._goals.keys():
-            self._bridge.to_ros(self._ports.pop(robot).close)
-        for robot in self._goals.keys() - self._ports.keys():
-            await self._open(robot)
+        if before != self._goals.keys():
+            self._changed()
 
-    async def _open(self, robot: str) -> None:
-        self._ports[robot] = await self._bridge.call(
-            lambda: self._make(robot, self.hear), undo=lambda port: port.close()
-        )
+    def watched(self, topic: str) -> set[str]:
+        """Return the robots that have running goals."""
+        return set(self._goals)
+
+    def on_watch(self, topic: str, changed: Callable[[], None]) -> None:
+        """Register `changed`, to be called when other robots have running goals."""
+        self._changed = changed
 
     def hear(self, robot: str, scene: Scene, source_ns: int) -> None:
         """Store a scene with the robot's running goals, if it is due."""
@@ -127,4 +116,4 @@ class PoseRecorder:
 
     async def close(self) -> None:
         """Stop recording."""
-        await cancel(self._task)
+        await self._tasks.close()

@@ -13,7 +13,7 @@ SYNC_INTERVAL = 2.0
 
 
 class SharedEntries(Generic[EntryT]):
-    """Entries by key: read without waiting, stored in the history, and updated from it by `sync`.
+    """Entries by key: read without waiting, stored in the history, and updated from it by `sync` and `read`.
 
     Args:
         store: Stores them.
@@ -76,14 +76,23 @@ class SharedEntries(Generic[EntryT]):
     async def sync(self) -> bool:
         """Store pending changes and read those of other gateways; return False if the history is unavailable."""
         try:
-            await self._save()
-            changes = self._changes
-            kept = await self._store.read()
+            await self.read()
         except Unavailable:
             return False
-        if changes == self._changes:  # else what was read may be outdated
-            self._known = kept
         return True
+
+    async def read(self) -> Mapping[str, EntryT]:
+        """Store pending changes, read those of other gateways, and return all entries by their keys.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        await self._save()
+        changes = self._changes
+        stored = await self._store.read()
+        if changes == self._changes:  # else what was read may be outdated
+            self._known = stored
+        return self._known
 
     async def save(self) -> None:
         """Store pending changes, if the history answers."""

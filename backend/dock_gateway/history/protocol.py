@@ -65,7 +65,7 @@ class RobotLabel:
 
 @dataclass(frozen=True)
 class Note:
-    """What somebody wrote about a goal, and when."""
+    """A note on a goal."""
 
     note_id: str
     by: str

@@ -1,8 +1,10 @@
-"""Topics of robots that are subscribed to only while a client wants them, and `LINGER` seconds longer."""
+"""Topics of robots that are subscribed to only while they are wanted, and `LINGER` seconds longer."""
 
 import asyncio
 import logging
+import time
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from typing import Protocol
 
 from dock_gateway.core.errors import GatewayError
@@ -11,7 +13,8 @@ from dock_gateway.ros.bridge import Bridge
 
 log = logging.getLogger(__name__)
 
-# Seconds that an unwanted port stays open, as a reloaded page soon returns.
+# Seconds that an unwanted port stays open, as a reloaded page soon returns; and seconds before a port that could not be
+# opened is tried again.
 LINGER = 3.0
 
 
@@ -33,12 +36,12 @@ class Demand(Protocol):
 
 
 class OnDemand:
-    """Opens and closes ports of one kind as subscribers come and go.
+    """Opens and closes ports of one kind as they are wanted.
 
     Args:
         bridge: Runs calls on the ROS thread.
-        demand: Knows the subscribers.
-        topic: Its name in `?include=`.
+        demand: Knows which are wanted.
+        topic: The kind: a name of `?include=`, or what the demand calls it.
         make: Makes the port of a robot.
     """
 
@@ -57,15 +60,17 @@ class OnDemand:
         return self._demand.watched(self._topic)
 
     async def _run(self) -> None:
+        unwanted: dict[str, float] = {}  # since when, on the monotonic clock
         while True:
-            unwanted = self._ports.keys() - self._wanted
-            try:
-                async with asyncio.timeout(LINGER if unwanted else None):
-                    await self._changed.wait()
-            except TimeoutError:
-                await self._change(self._close, self._ports.keys() - self._wanted)
             self._changed.clear()
             await self._change(self._open, self._wanted - self._ports.keys())
+            now = time.monotonic()
+            unwanted = {robot: unwanted.get(robot, now) for robot in self._ports.keys() - self._wanted}
+            await self._change(self._close, {robot for robot, since in unwanted.items() if now - since >= LINGER})
+            settled = self._ports.keys() == self._wanted
+            with suppress(TimeoutError):
+                async with asyncio.timeout(None if settled else LINGER):
+                    await self._changed.wait()
 
     async def _change(self, change: Callable[[str], Awaitable[None]], robots: set[str]) -> None:
         for robot in robots:

@@ -2388,7 +2388,7 @@ export interface components {
         Mode: "off" | "dry_run" | "on";
         /**
          * Note
-         * @description What somebody wrote about a goal.
+         * @description A note on a goal.
          */
         Note: {
             /** Note Id */

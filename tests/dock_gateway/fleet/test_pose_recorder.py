@@ -1,6 +1,5 @@
 """Which poses of a goal are stored, and when a robot is listened to."""
 
-from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -11,7 +10,7 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.fleet import pose_recorder
 from dock_gateway.fleet.pose_recorder import INTERVAL_NS, GoalPoses, PoseRecorder, differs
-from dock_gateway.ros.bridge import Bridge
+from dock_gateway.robots.registry import Robot
 from tests.support.history import START_NS, make_goal
 
 SLOT = START_NS // INTERVAL_NS * INTERVAL_NS
@@ -64,31 +63,18 @@ def test_a_long_goal_is_stored_more_thinly(monkeypatch: pytest.MonkeyPatch) -> N
     assert stored[-1] > times[-300]
 
 
-class FakeBridge:
-    """Runs everything at once."""
-
-    async def call(self, make: Callable[[], Any], undo: Callable[[Any], None]) -> Any:
-        return make()
-
-    def to_ros(self, work: Callable[[], None]) -> None:
-        work()
-
-
 async def test_robots_with_running_goals_are_listened_to() -> None:
-    running: dict[str, list[Goal]] = {}
-    opened: set[str] = set()
+    running: list[Goal] = []
+    changes: list[set[str]] = []
     stored: list[Event] = []
-
-    def make(robot: str, _: object) -> SimpleNamespace:
-        opened.add(robot)
-        return SimpleNamespace(close=lambda: opened.discard(robot))
-
-    recorder = PoseRecorder(cast("Bridge", FakeBridge()), lambda: running, make, stored.append)
+    robots = {"/robot1/dock": cast("Robot", SimpleNamespace(namespace="/robot1"))}
+    recorder = PoseRecorder(lambda: running, robots.get, stored.append)
+    recorder.on_watch("poses", lambda: changes.append(recorder.watched("poses")))
     external = make_goal(1, GoalStatus.EXECUTING, "/robot1/dock", origin="external")
-    running["/robot1"] = [external]
-    await recorder.look()
-    await recorder.look()
-    assert opened == {"/robot1"}
+    running += [external, make_goal(2, GoalStatus.EXECUTING, "/elsewhere/dock")]
+    recorder.look()
+    recorder.look()
+    assert changes == [{"/robot1"}]
     recorder.hear("/robot1", scene(), START_NS)
     recorder.hear("/robot2", scene(), START_NS)
     (event,) = stored
@@ -99,6 +85,6 @@ async def test_robots_with_running_goals_are_listened_to() -> None:
     recorder.hear("/robot1", scene(5.0), START_NS + 10 * INTERVAL_NS)
     assert len(stored) == 1
     running.clear()
-    await recorder.look()
-    assert opened == set()
+    recorder.look()
+    assert changes == [{"/robot1"}, set()]
     await recorder.close()

@@ -1,7 +1,7 @@
 """Entries are shared by gateways that share a history, and hold while it is away."""
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -10,39 +10,12 @@ import pytest
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.history import Acknowledgement, MemoryHistory
-from dock_gateway.history.memory import MemoryEntries
+from tests.support.entries import SharedStore
 from tests.support.history import open_at
 from tests.support.waiting import until
 
 NOON = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
 ADA, BOB = Acknowledgement("Ada", NOON), Acknowledgement("Bo\u0308b", NOON)
-
-
-class Store(MemoryEntries[Acknowledgement]):
-    """Does not answer, or slowly, where the test says so."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.away = False
-        self.gate = asyncio.Event()
-        self.gate.set()
-
-    async def read(self) -> dict[str, Acknowledgement]:
-        if self.away:
-            raise Unavailable("away", code="history_unavailable")
-        found = await super().read()
-        await self.gate.wait()
-        return found
-
-    async def write(
-        self,
-        key: str,
-        entry: Acknowledgement | None,
-        check: Callable[[Mapping[str, Acknowledgement]], None] | None = None,
-    ) -> None:
-        if self.away:
-            raise Unavailable("away", code="history_unavailable")
-        await super().write(key, entry, check)
 
 
 async def test_they_are_kept_in_both_databases(database_url: str, tmp_path: Path) -> None:
@@ -67,7 +40,7 @@ async def test_they_are_kept_in_both_databases(database_url: str, tmp_path: Path
 
 
 async def test_they_hold_while_the_history_is_away() -> None:
-    store = Store()
+    store = SharedStore[Acknowledgement]()
     here, there = SharedEntries(store), SharedEntries(store)
     store.away = True
     here.put("a", ADA)
@@ -83,7 +56,7 @@ async def test_they_hold_while_the_history_is_away() -> None:
 
 
 async def test_what_must_be_stored_first_is_set_then() -> None:
-    store = Store()
+    store = SharedStore[Acknowledgement]()
     here = SharedEntries(store)
     stored: list[Mapping[str, Acknowledgement]] = []
     store.gate.clear()
@@ -104,7 +77,7 @@ async def test_what_must_be_stored_first_is_set_then() -> None:
 
 
 async def test_what_is_read_meanwhile_does_not_undo_anything() -> None:
-    store = Store()
+    store = SharedStore[Acknowledgement]()
     here = SharedEntries(store)
     store.gate.clear()
     reading = asyncio.create_task(here.sync())

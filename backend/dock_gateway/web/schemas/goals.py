@@ -174,7 +174,7 @@ NOTE_EXAMPLE: JsonValue = {"by": "Ada", "text": "A box stood in front of the lef
 
 
 class Note(Schema):
-    """What somebody wrote about a goal."""
+    """A note on a goal."""
 
     note_id: str
     by: str
