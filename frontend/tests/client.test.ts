@@ -42,6 +42,8 @@ describe("commands", () => {
     const stopping = answer(200, stopReport());
     expect(await gateway.stop("Ada")).toEqual(stopReport());
     expect(await stopping.mock.calls[0]?.[0].json()).toEqual({ by: "Ada" });
+    await gateway.stop("Ada", ["/a", "/b"]);
+    expect(decodeURIComponent(stopping.mock.calls[1]?.[0].url ?? "")).toMatch(/\/stop\?robot=\/a&robot=\/b$/);
     const releasing = answer(200, released);
     expect(await gateway.release()).toEqual(released);
     expect(releasing.mock.calls[0]?.[0]).toMatchObject({ method: "DELETE", url: "http://gateway:8000/stop" });

@@ -5,7 +5,7 @@ import type { Gateway } from "../src/api/client";
 import { CommandError } from "../src/api/errors";
 import type { Robot } from "../src/fleet/types";
 import { divide, fewAtOnce, whyNot } from "../src/operations/operation";
-import { at, goal, latched, robot } from "./events";
+import { at, goal, latched, robot, stopReport } from "./events";
 import { descriptionOf, fakeGateway, loadRobotTable, renderPage } from "./page";
 
 beforeAll(loadRobotTable);
@@ -122,9 +122,9 @@ describe("the menu of a row", () => {
   });
 
   it("stops at once, and cancels what runs", async () => {
-    const { user, gatewayOf } = open(robots);
+    const { user, gateway } = open(robots);
     await user.click((await openMenu(user, "/robot2"))("Stop"));
-    expect(gatewayOf("/robot2").stop).toHaveBeenCalledTimes(1);
+    expect(gateway.stop).toHaveBeenCalledExactlyOnceWith(expect.any(String), ["/robot2"]);
     expect(await screen.findByText("Stopped /robot2")).toBeDefined();
     const fetched = vi.fn(async (_: Request) => Response.json(goal("g4", { status: "canceling" })));
     vi.stubGlobal("fetch", fetched);
@@ -157,24 +157,24 @@ describe("the robots that are selected", () => {
     expect(gatewayOf("/robot3").dock).not.toHaveBeenCalled();
   });
 
-  it("are stopped at once, and what did not work is said for each", async () => {
-    const stop = vi.fn().mockRejectedValue(new CommandError("gateway_timeout", "No answer", "none came"));
-    const { user, gatewayOf } = open(robots, "/", { "/robot2": { stop } });
+  it("are stopped at once by one request, and what did not work is said for each", async () => {
+    const { user, gateway } = open(robots);
+    const failed = [{ action_name: null, robot: "/robot2", code: "publish_failed", detail: "no publisher" }];
+    vi.mocked(gateway.stop).mockResolvedValueOnce(stopReport({ failed }));
     await user.click(box("Select Left forklift"));
     await user.click(box("Select /robot2"));
     await user.click(within(screen.getByRole("group", { name: /selected robots/ })).getByText("Stop"));
     expect(screen.queryByRole("dialog")).toBeNull();
-    expect(gatewayOf("/robot1").stop).toHaveBeenCalledTimes(1);
+    expect(gateway.stop).toHaveBeenCalledExactlyOnceWith(expect.any(String), ["/robot1", "/robot2"]);
     expect(await screen.findByText("Not every robot was told to stand still")).toBeDefined();
-    expect(screen.getByText(/^\/robot2: none came/)).toBeDefined();
+    expect(screen.getByText(/^\/robot2: no publisher/)).toBeDefined();
   });
 
-  it("are stopped by one request where they are all robots", async () => {
-    const { user, gateway, gatewayOf } = open([one, two]);
+  it("are stopped as everything else is where they are all robots", async () => {
+    const { user, gateway } = open([one, two]);
     await user.click(selectAll(2));
     await user.click(within(screen.getByRole("group", { name: /selected robots/ })).getByText("Stop"));
-    expect(gateway.stop).toHaveBeenCalledTimes(1);
-    expect(gatewayOf("/robot1").stop).not.toHaveBeenCalled();
+    expect(gateway.stop).toHaveBeenCalledExactlyOnceWith(expect.any(String), []);
   });
 
   it("are not sent what a Stop in between has made wrong", async () => {

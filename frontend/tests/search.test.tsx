@@ -119,15 +119,15 @@ describe("the search", () => {
   });
 
   it("stops a robot without a question, and every robot", async () => {
-    const { user, one, gateway } = open();
+    const { user, gateway } = open();
     await user.type(await box(), "stop robot2");
     await waitFor(() => expect(options()).toHaveLength(2));
     await user.keyboard("{Enter}");
-    expect(one.stop).toHaveBeenCalledTimes(1);
     await user.click(screen.getByRole("button", { name: "Search and commands" }));
     await user.type(await box(), "stop");
     await user.keyboard("{Enter}");
-    await waitFor(() => expect(gateway.stop).toHaveBeenCalledTimes(1));
+    await waitFor(() => expect(gateway.stop).toHaveBeenCalledTimes(2));
+    expect(vi.mocked(gateway.stop).mock.calls.map(([, robots]) => robots)).toEqual([["/robot2"], []]);
   });
 
   it("asks the gateway for goals by the beginning of their id", async () => {

@@ -26,9 +26,9 @@ ANSWERED_WITHIN = 2.0
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-def stop_timed(gateway: RunningGateway, **body: object) -> tuple[dict, float]:
+def stop_timed(gateway: RunningGateway, query: str = "", **body: object) -> tuple[dict, float]:
     started = time.monotonic()
-    report = gateway.http.post("/stop", json=body).raise_for_status().json()
+    report = gateway.http.post(f"/stop{query}", json=body).raise_for_status().json()
     return report, time.monotonic() - started
 
 
@@ -222,3 +222,8 @@ def test_sixty_robots_are_stopped_together_by_many(domain: int) -> None:
         robots.wait_for("halted 60 latched 60")
         gateway.http.delete("/stop").raise_for_status()
         robots.wait_for("halted 60 latched 0")
+        query = "&".join(f"robot=/robot{number}" for number in range(21, 61))
+        report, took = stop_timed(gateway, f"?{query}")
+        assert (report["failed"], report["unconfirmed"], len(report["stop"]["robots"])) == ([], [], 40)
+        assert took < 1.0
+        robots.wait_for("halted 60 latched 40")

@@ -222,12 +222,15 @@ def cancel(url: str, goal_id: str | None) -> None:
 @click.command()
 @click.option("--by", help="Your name, shown to others.")
 @click.option("--no-latch", is_flag=True, help="Accept new goals again immediately.")
-@robot_option
+@click.option(
+    "--robot", "robots", multiple=True, help="Namespace of a robot, such as /robot1; several to stop several."
+)
 @url_option
-def stop(url: str, robot: str | None, no_latch: bool, by: str | None) -> None:
+def stop(url: str, robots: tuple[str, ...], no_latch: bool, by: str | None) -> None:
     """Stop the robot: zero velocity, every goal is canceled, and none is sent until `dock-gateway release`."""
     body = {"latch": not no_latch, "by": by}
-    report = call(url, "POST", f"/stop{robot_query(robot)}", body, {"Prefer": "wait=2"})
+    query = f"?{urlencode({'robot': robots}, doseq=True)}" if robots else ""
+    report = call(url, "POST", f"/stop{query}", body, {"Prefer": "wait=2"})
     click.echo(f"zero velocity published; canceling {', '.join(report['canceling']) or 'no goal'}")
     if warning := report.get("warning"):
         click.echo(f"warning: {warning['detail']}", err=True)

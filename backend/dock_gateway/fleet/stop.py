@@ -9,6 +9,7 @@ from typing import Any
 
 from dock_gateway.actions.registry import Action, ActionRegistry
 from dock_gateway.core.errors import GatewayError, Unavailable
+from dock_gateway.core.filters import lineage
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.registry import Robot, RobotRegistry
@@ -44,6 +45,12 @@ class StopReport:
     unconfirmed: list[str] = field(default_factory=list)
     stop: dict[str, Any] = field(default_factory=dict)
     problem: GatewayError | None = None
+
+    def add(self, other: "StopReport") -> None:
+        """Add what was done to other robots."""
+        self.canceling += other.canceling
+        self.failed += other.failed
+        self.unconfirmed += other.unconfirmed
 
 
 class Halt:
@@ -140,48 +147,76 @@ class Stopper:
         await self._interlock.release(name)
         return self._interlock.document(name)
 
-    async def stop(
-        self, namespace: str | None = None, *, latch: bool = True, by: str | None = None, wait: float = 0.0
-    ) -> StopReport:
-        """Publish zero velocity, cancel every goal on every action of the robot, publish zero velocity again.
+    async def stop(self, *namespaces: str, latch: bool = True, by: str | None = None, wait: float = 0.0) -> StopReport:
+        """Publish zero velocity, cancel every goal on every action of the robots, publish zero velocity again.
 
         All requests are sent before it waits: less than 100 ms for action servers and the disk, unless `wait` is
-        longer. A request for a stop that has just begun joins it, and the stop is repeated.
+        longer. A request for a stop that has just begun joins it, and the stop is repeated. A robot that is not known
+        does not keep the others from being stopped.
 
         Args:
-            namespace: The robot; None means the configured one. Robots in namespaces below it are stopped, too.
+            namespaces: The robots; none means the configured one. Robots in namespaces below them are stopped, too.
             latch: Refuse goals until the stop is released.
             by: Who requested it.
             wait: Seconds to wait for the action servers' answers, if longer than `CONFIRM_WITHIN`.
 
         Raises:
-            NotFound: There is no such robot.
+            NotFound: None of the robots is known.
             Unavailable: `ros_unavailable`: zero velocity could not be published to any robot. Goals are canceled and
                 the stop is latched nevertheless, as the report in `extra` says.
         """
         began = time.monotonic()
-        name = self._robots.get(namespace).namespace
-        if (halt := self._halts.get(name)) is None:
-            halt = self._begin(name)
-        else:
-            self._join(halt)
-        if new := latch and not (halt.latched and self._interlock.holds(name)):
-            halt.latched = True
-            self._interlock.latch(name, by)
-        await halt.confirmed.wait()
-        await halt.ended(began + CONFIRM_WITHIN - time.monotonic())
-        if new:
+        names, unknown = self._known(namespaces)
+        halts = {name: self._halt(name) for name in names}
+        new = [name for name, halt in halts.items() if latch and self._latch(name, halt, by)]
+        for halt in halts.values():
+            await halt.confirmed.wait()
+            await halt.ended(began + CONFIRM_WITHIN - time.monotonic())
+        for name in new:
             self._interlock.publish(name)
         problem = await self._interlock.stored(began + STORE_WITHIN - time.monotonic()) if latch else None
         if wait > CONFIRM_WITHIN:
-            await halt.ended(began + wait - time.monotonic())
-        report = halt.report()
-        report.stop, report.problem = self._interlock.document(name), problem
-        if len(halt.unreached) == len(halt.robots):
+            for halt in halts.values():
+                await halt.ended(began + wait - time.monotonic())
+        report = StopReport(
+            failed=unknown, stop=_together([self._interlock.document(name) for name in names]), problem=problem
+        )
+        for halt in halts.values():
+            report.add(halt.report())
+        if all(len(halt.unreached) == len(halt.robots) for halt in halts.values()):
             detail = "zero velocity could not be published; use the robot's own emergency stop if it moves"
             done_all_the_same = {key: value for key, value in vars(report).items() if key != "problem"}
             raise Unavailable(detail, code="ros_unavailable", **done_all_the_same)
         return report
+
+    def _known(self, namespaces: tuple[str, ...]) -> tuple[list[str], list[dict[str, str | None]]]:
+        """Return the robots to stop but those below others of them, and the failures of those that are not known."""
+        names: set[str] = set()
+        refused: dict[str, GatewayError] = {}
+        for namespace in namespaces or (None,):
+            try:
+                names.add(self._robots.get(namespace).namespace)
+            except GatewayError as error:
+                refused[namespace or ""] = error
+        if not names:
+            raise next(iter(refused.values()))
+        outermost = [name for name in sorted(names) if not names & (set(lineage(name)) - {name})]
+        return outermost, [_not_known(robot, error) for robot, error in refused.items()]
+
+    def _halt(self, name: str) -> Halt:
+        """Begin a stop, or join one that has just begun."""
+        if (halt := self._halts.get(name)) is None:
+            return self._begin(name)
+        self._join(halt)
+        return halt
+
+    def _latch(self, name: str, halt: Halt, by: str | None) -> bool:
+        """Latch a stop; return False if it is latched already."""
+        if halt.latched and self._interlock.holds(name):
+            return False
+        halt.latched = True
+        self._interlock.latch(name, by)
+        return True
 
     # ------------------------------------------------------------------ execution
 
@@ -240,9 +275,26 @@ class Stopper:
         await self._tasks.close()
 
 
+def _together(stops: list[dict[str, Any]]) -> dict[str, Any]:
+    """Return the latch of several robots: latched if each of them is, since the first was."""
+    latched = all(stop["latched"] for stop in stops)
+    first = min(stops, key=lambda stop: stop["since"]) if latched else {"since": None, "by": None}
+    return {
+        "latched": latched,
+        "since": first["since"],
+        "by": first["by"],
+        "robots": sorted({robot for stop in stops for robot in stop["robots"]}),
+        "persisted": all(stop["persisted"] for stop in stops),
+    }
+
+
 def _not_stopped(robot: str, error: Exception) -> dict[str, str | None]:
     detail = f"zero velocity could not be published to {robot}: {error!r:.200}"
     return {"action_name": None, "robot": robot, "code": "publish_failed", "detail": detail}
+
+
+def _not_known(robot: str, error: GatewayError) -> dict[str, str | None]:
+    return {"action_name": None, "robot": robot, "code": error.code, "detail": error.detail}
 
 
 def _not_canceled(action_name: str, error: BaseException) -> dict[str, str | None]:

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import orjson
 from fastapi import Depends, Path, Query, Request
+from pydantic import WithJsonSchema
 from starlette.requests import ClientDisconnect, HTTPConnection
 from starlette.responses import Response
 
@@ -223,6 +224,10 @@ GraphName = Annotated[
 ROBOT_PATTERN = {"pattern": f"^{NAMESPACE.pattern}$"}
 RobotQuery = Annotated[
     str | None, Query(description="Namespace of the robot, such as `/robot1`", json_schema_extra=ROBOT_PATTERN)
+]
+RobotsQuery = Annotated[
+    list[Annotated[str, WithJsonSchema({"type": "string", **ROBOT_PATTERN})]] | None,
+    Query(description="Namespaces of the robots, such as `/robot1`"),
 ]
 StatusQuery = Annotated[list[GoalStatus] | None, Query(description="Only goals in these states")]
 LimitQuery = Annotated[int, Query(ge=1, le=500)]

@@ -11,8 +11,8 @@ export interface Gateway {
   dock(desiredStatus: number): Promise<Goal>;
   undock(): Promise<Goal>;
   cancel(verb: Verb, goalId: string): Promise<Goal>;
-  /** Stops, and lets nobody go on until `release`. */
-  stop(by: string): Promise<StopReport>;
+  /** Stops, and lets nobody go on until `release`; also several robots with one request. */
+  stop(by: string, robots?: readonly string[]): Promise<StopReport>;
   release(): Promise<StopState>;
   publishOnce(state: BatteryStateInput): Promise<void>;
   publishRepeatedly(state: BatteryStateInput, rateHz: number): Promise<Publisher>;
@@ -60,7 +60,10 @@ export function createGateway(http: Http, robot: string | null = null): Gateway 
           signal: deadline(),
         }),
       ),
-    stop: (by) => settle(http.POST("/stop", { body: { by }, ...options() })),
+    stop: (by, robots = robot === null ? [] : [robot]) =>
+      settle(
+        http.POST("/stop", { body: { by }, params: { query: { robot: [...robots] } }, signal: deadline() }),
+      ),
     release: () => settle(http.DELETE("/stop", options())),
     publishOnce: async (state) => {
       await settle(http.POST("/battery", { body: state, ...options() }));

@@ -158,6 +158,8 @@ export interface paths {
          *     without a namespace, a request without `robot` stops all robots. The response comes within 100 ms; action servers
          *     that have not answered by then are listed in `unconfirmed`. `Prefer: wait=2` waits up to 2 s for them.
          *
+         *     `robot` may be repeated, to stop several at once. Those that are not known are in `failed`, the others are stopped.
+         *
          *     A malformed request still stops the robot, unless it is unclear which robot is meant. What cannot be read is
          *     ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would lose the stop.
          *     If the body comes late, the robot is stopped before, and the stop is latched as the body says, or after 2 s.
@@ -4021,8 +4023,8 @@ export interface operations {
     stop: {
         parameters: {
             query?: {
-                /** @description Namespace of the robot, such as `/robot1` */
-                robot?: string | null;
+                /** @description Namespaces of the robots, such as `/robot1` */
+                robot?: string[] | null;
             };
             header?: {
                 /** @example wait=2 */

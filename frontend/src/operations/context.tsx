@@ -69,7 +69,7 @@ export function OperationsProvider({ children }: { children: ReactNode }) {
   );
 }
 
-/** Whether these are all robots: one request stops them sooner than many. */
+/** Whether these are all robots: one stop then holds them all, and one release ends it. */
 function isEvery(names: readonly string[], robots: ReadonlyMap<string, Robot>): boolean {
   const there = [...robots.values()].filter(isThere);
   return names.length > 1 && there.every(({ name }) => names.includes(name));

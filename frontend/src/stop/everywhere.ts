@@ -3,20 +3,23 @@ import type { StopReport } from "../api/types";
 import type { Robot } from "../fleet/types";
 import { defaultRobot, isUnder } from "./held";
 
-/** Stops one robot and those in namespaces below it; null for the one that the gateway is configured for. */
-type StopRobot = (robot: string | null) => Promise<StopReport>;
+/** Stops robots and those in namespaces below them; null for the one that the gateway is configured for. */
+type StopRobots = (robots: readonly string[] | null) => Promise<StopReport>;
+
+/** The longest query, in characters: well below what the gateway and proxies take. */
+const MAX_LENGTH = 4000;
 
 /**
  * Stops every robot that is known, all at once: the gateway's stop holds for the configured robot and those below it,
  * which is all of them unless it is configured for one of several.
  */
 export function stopEverywhere(
-  stopRobot: StopRobot,
+  stopRobots: StopRobots,
   robots: ReadonlyMap<string, Robot>,
 ): Promise<StopReport> {
   const configured = defaultRobot(robots);
   const beside = [...robots.keys()].filter((name) => !isUnder(name, configured));
-  return stopEach(stopRobot, [null, ...outermost(beside)], configured);
+  return stopEach(stopRobots, [null, ...inRequests(beside)], configured);
 }
 
 /**
@@ -24,13 +27,24 @@ export function stopEverywhere(
  *
  * @param robots At least one.
  */
-export function stopThese(stopRobot: StopRobot, robots: readonly string[]): Promise<StopReport> {
-  return stopEach(stopRobot, outermost(robots), "/");
+export function stopThese(stopRobots: StopRobots, robots: readonly string[]): Promise<StopReport> {
+  return stopEach(stopRobots, inRequests(robots), "/");
 }
 
-/** The names that are not below another one of them. */
-function outermost(names: readonly string[]): string[] {
-  return names.filter((name) => !names.some((other) => other !== name && isUnder(name, other)));
+/** As few requests as their names fit into. */
+function inRequests(names: readonly string[]): string[][] {
+  const requests: string[][] = [];
+  let room = 0;
+  for (const name of names) {
+    const length = `robot=${encodeURIComponent(name)}&`.length;
+    if (length > room) {
+      requests.push([]);
+      room = MAX_LENGTH;
+    }
+    room -= length;
+    requests.at(-1)?.push(name);
+  }
+  return requests;
 }
 
 /**
@@ -39,18 +53,18 @@ function outermost(names: readonly string[]): string[] {
  * @param configured The robot that null stands for.
  */
 async function stopEach(
-  stopRobot: StopRobot,
-  targets: readonly (string | null)[],
+  stopRobots: StopRobots,
+  targets: readonly (readonly string[] | null)[],
   configured: string,
 ): Promise<StopReport> {
-  const answers = await Promise.allSettled(targets.map((robot) => stopRobot(robot)));
+  const answers = await Promise.allSettled(targets.map((robots) => stopRobots(robots)));
   const reports = answers.flatMap((answer) => (answer.status === "fulfilled" ? [answer.value] : []));
   const [first] = reports;
   if (first === undefined) throw (answers[0] as PromiseRejectedResult).reason;
   const refused = answers.flatMap((answer, index) => {
     if (answer.status === "fulfilled") return [];
     const { code, detail } = toCommandError(answer.reason);
-    return [{ action_name: null, robot: targets[index] ?? configured, code, detail }];
+    return (targets[index] ?? [configured]).map((robot) => ({ action_name: null, robot, code, detail }));
   });
   return {
     canceling: reports.flatMap((report) => report.canceling),

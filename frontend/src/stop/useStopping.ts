@@ -7,24 +7,25 @@ import { whoStops } from "./who";
 
 /** Stops robots at once, all of them for null, and says what came of it. */
 export function useStopping(): (robots: readonly string[] | null) => Promise<void> {
-  const { gateway, gatewayOf, store } = useFleet();
+  const { gateway, store } = useFleet();
   return useCallback(
     async (robots) => {
       showStopping(store.get("naming"), robots);
-      const stopOne = async (robot: string | null) => {
-        const report = await (robot === null ? gateway : gatewayOf(robot)).stop(whoStops());
-        store.setStop(report.stop, robot);
+      const stop = async (some: readonly string[] | null) => {
+        const report = await gateway.stop(whoStops(), some ?? []);
+        const [first = null, ...others] = some ?? [];
+        if (others.length === 0) store.setStop(report.stop, first); // what holds for several comes as an event
         return report;
       };
       try {
         const report = await (robots === null
-          ? stopEverywhere(stopOne, store.get("robots"))
-          : stopThese(stopOne, robots));
+          ? stopEverywhere(stop, store.get("robots"))
+          : stopThese(stop, robots));
         showStopped(report, store.get("naming"), robots);
       } catch (error) {
         showFailed(toCommandError(error), store.get("naming"), robots);
       }
     },
-    [gateway, gatewayOf, store],
+    [gateway, store],
   );
 }

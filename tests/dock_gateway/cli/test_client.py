@@ -67,6 +67,7 @@ def test_ctrl_c_while_the_goal_is_sent_cancels_it(gateway: Gateway, verb: str, o
     [
         (["stop"], "POST", "stop", {"latch": True, "by": None}),
         (["stop", "--no-latch", "--by", "Ada"], "POST", "stop", {"latch": False, "by": "Ada"}),
+        (["stop", "--robot", "/a", "--robot", "/b"], "POST", "stop?robot=%2Fa&robot=%2Fb", {"latch": True, "by": None}),
         (["stop", "--robot", "/fleet/robot1"], "POST", "stop?robot=%2Ffleet%2Frobot1", {"latch": True, "by": None}),
         (["release", "--robot", "/robot1"], "DELETE", "stop?robot=%2Frobot1", None),
     ],

@@ -55,6 +55,33 @@ async def test_all_that_a_stop_does(fleet: FakeFleet, monkeypatch: pytest.Monkey
     await until(lambda: fleet.zeros() == [2, 2, 2])
 
 
+async def test_several_robots_are_stopped_by_one_request(fleet: FakeFleet) -> None:
+    fleet.goals["/robot1"].running = ["a"]
+    fleet.goals["/robot2"].running = ["b"]
+    await fleet.stopper.stop("/robot2", by="Bob")
+    report = await fleet.stopper.stop("/robot2", "/robot9", "/robot1", by="Ada")
+    assert (sorted(report.canceling), report.unconfirmed) == (["a", "b"], [])
+    assert failed(report) == [("/robot9", "robot_not_found")]
+    assert (report.stop["latched"], report.stop["by"], report.stop["robots"]) == (True, "Bob", ["/robot1", "/robot2"])
+    assert fleet.zeros()[0] == 0
+    assert not fleet.interlock.holds("/")
+    await fleet.stopper.release("/robot2")
+    together = (await fleet.stopper.stop("/robot1", "/robot2", latch=False)).stop
+    assert (together["latched"], together["since"], together["robots"]) == (False, None, ["/robot1"])
+
+
+async def test_several_robots_of_which_one_cannot_be_reached(fleet: FakeFleet) -> None:
+    fleet.robots["/robot1"].velocity.failures = 1
+    assert failed(await fleet.stopper.stop("/robot1", "/robot2")) == [("/robot1", "publish_failed")]
+    await until(lambda: fleet.zeros()[1:] == [1, 2])
+    for name in ("/robot1", "/robot2"):
+        fleet.robots[name].velocity.failures = 1
+    await until(lambda: not fleet.stopper._halts)
+    with pytest.raises(Unavailable) as refused:
+        await fleet.stopper.stop("/robot1", "/robot2")
+    assert [failure["robot"] for failure in refused.value.problem()["failed"]] == ["/robot1", "/robot2"]
+
+
 async def test_a_robot_that_cannot_be_reached_keeps_none_of_the_others_from_being_stopped(fleet: FakeFleet) -> None:
     fleet.robots["/"].velocity.failures = 1
     fleet.robots["/"].topic.failures = 2

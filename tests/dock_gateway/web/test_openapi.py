@@ -115,7 +115,9 @@ def test_names_and_ids_have_patterns(document: dict[str, Any]) -> None:
         for operation in item.values():
             for parameter in operation.get("parameters", ()):
                 if parameter["name"] in {"robot", "goal_id", "since", "until"}:
-                    assert parameter["schema"]["pattern"], (path, parameter["name"])
+                    schema = parameter["schema"]
+                    kinds = [schema, *schema.get("anyOf", ())]
+                    assert any("pattern" in {**kind, **kind.get("items", {})} for kind in kinds), (path, schema)
     for path, method in (("/stop", "post"), ("/alerts/{alert_id}/acknowledgement", "put")):
         by = document["paths"][path][method]["requestBody"]["content"]["application/json"]["schema"]["properties"]["by"]
         assert by["pattern"]

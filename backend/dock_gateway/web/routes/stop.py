@@ -21,6 +21,7 @@ from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
     ROBOT_PATTERN,
     RobotQuery,
+    RobotsQuery,
     TheGateway,
     json_response,
     known_query,
@@ -62,14 +63,14 @@ STOP_REQUEST = {
 PREFER = [{"name": "Prefer", "in": "header", "schema": {"type": "string"}, "example": "wait=2"}]
 
 
-async def stop_robot(
-    gateway: Gateway, robot: str | None, value: object, *, wait: float = 0.0, wrong: list[GatewayError] | None = None
+async def stop_robots(
+    gateway: Gateway, robots: list[str], value: object, *, wait: float = 0.0, wrong: list[GatewayError] | None = None
 ) -> dict[str, Any]:
-    """Stop a robot as requested, or by the defaults if the request cannot be read.
+    """Stop robots as requested, or by the defaults if the request cannot be read.
 
     Args:
         gateway: The gateway.
-        robot: The robot; None is the configured one.
+        robots: The robots; none is the configured one.
         value: The decoded body, or the fields of a command.
         wait: Seconds that action servers may take to answer.
         wrong: Errors already found in the request.
@@ -78,7 +79,7 @@ async def stop_robot(
         The report, with the errors as `warning`.
 
     Raises:
-        NotFound: There is no such robot.
+        NotFound: There is none of these robots.
         Unavailable: Zero velocity could not be published.
     """
     wrong = [] if wrong is None else wrong
@@ -87,7 +88,7 @@ async def stop_robot(
         how = _read_stop(read_object(value, *FIELDS))
     if wrong:
         log.warning("a stop is carried out although parts of the request are invalid: %s", _warning(wrong)["detail"])
-    report = vars(await gateway.stopper.stop(robot, **how, wait=wait))
+    report = vars(await gateway.stopper.stop(*robots, **how, wait=wait))
     if (problem := report.pop("problem")) is not None:
         wrong.insert(0, problem)
     return {**report, "warning": _warning(wrong) if wrong else None}
@@ -119,25 +120,27 @@ def _read_stop(fields: dict[str, Any]) -> dict[str, Any]:
     return {"latch": latch, "by": None if by is None else read_name(by, MAX_NAME)}
 
 
-def _read_robot(query: QueryParams, value: object, wrong: list[GatewayError]) -> str | None:
-    """Return the robot to stop (None is the configured one), and remove its name from the body.
+def _read_robots(query: QueryParams, value: object, wrong: list[GatewayError]) -> list[str]:
+    """Return the robots to stop (none is the configured one), and remove a name from the body.
 
     Raises:
-        InvalidField: It is unclear which: two are named, or none is and an unknown parameter may be a misspelt `robot`.
+        InvalidField: It is unclear which: the body names another than the query, or none is named and an unknown
+            parameter may be a misspelt `robot`.
     """
-    named = set(query.getlist("robot"))
-    if isinstance(value, dict) and (isinstance(value.get("robot"), str) or not named):
-        named |= {name for name in [value.pop("robot", None)] if name is not None}
-    if len(named) > 1 or not all(isinstance(name, str) for name in named):
-        raise InvalidField([FieldError("query.robot", "one robot, such as /robot1", got(sorted(named, key=str)))])
+    robots: list[Any] = query.getlist("robot")
+    if isinstance(value, dict) and (isinstance(value.get("robot"), str) or not robots):
+        named = value.pop("robot", None)
+        if (named is not None and set(robots) - {named}) or not isinstance(named, str | None):
+            raise InvalidField([FieldError("robot", "one robot, that of the query if it has one", got(named))])
+        robots = [] if named is None else [named]
     unknown = [name for name in query if name != "robot"]
     if unknown:
         expected, detail = "robot and nothing else", "got an unknown parameter"
         error = InvalidField([FieldError(f"query.{name[:100]}", expected, detail) for name in unknown[:20]])
-        if not named:
+        if not robots:
             raise error
         wrong.append(error)
-    return next(iter(named), None)
+    return robots
 
 
 @router.post(
@@ -146,13 +149,15 @@ def _read_robot(query: QueryParams, value: object, wrong: list[GatewayError]) ->
     responses=problems(404, 422) | problems(503, schema="StopProblem"),
     openapi_extra={**body(STOP_REQUEST, required=False), "parameters": PREFER},
 )
-async def stop(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def stop(request: Request, gateway: TheGateway, robot: RobotsQuery = None) -> Response:
     """Stop the robot: publish zero velocity at once, cancel all goals on all its actions, and refuse new ones.
 
     Goals of other clients are canceled, too. New goals are refused (`409 stop_latched`) until `DELETE /stop` releases
     the stop; with `{"latch": false}` they are not refused. Robots in namespaces below are stopped, too: on a gateway
     without a namespace, a request without `robot` stops all robots. The response comes within 100 ms; action servers
     that have not answered by then are listed in `unconfirmed`. `Prefer: wait=2` waits up to 2 s for them.
+
+    `robot` may be repeated, to stop several at once. Those that are not known are in `failed`, the others are stopped.
 
     A malformed request still stops the robot, unless it is unclear which robot is meant. What cannot be read is
     ignored, and `warning` says what is wrong. `warning` also says if a restart of the gateway would lose the stop.
@@ -165,8 +170,8 @@ async def stop(request: Request, gateway: TheGateway, robot: RobotQuery = None) 
         value = await _read_body(request, gateway)
     with _noting(wrong):
         wait = read_wait(request)
-    robot = _read_robot(request.query_params, value, wrong)
-    return json_response(await stop_robot(gateway, robot, value, wait=wait, wrong=wrong))
+    robots = _read_robots(request.query_params, value, wrong)
+    return json_response(await stop_robots(gateway, robots, value, wait=wait, wrong=wrong))
 
 
 async def _read_body(request: Request, gateway: Gateway) -> Any:
@@ -175,7 +180,7 @@ async def _read_body(request: Request, gateway: Gateway) -> Any:
     await asyncio.wait({reading}, timeout=BEGIN_WITHIN)
     if not reading.done():
         with _noting([]):
-            await gateway.stopper.stop(_read_robot(request.query_params, {}, []), latch=False)
+            await gateway.stopper.stop(*_read_robots(request.query_params, {}, []), latch=False)
     return await reading
 
 

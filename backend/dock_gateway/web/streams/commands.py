@@ -10,7 +10,7 @@ from dock_gateway.gateway import Gateway
 from dock_gateway.robots.battery import CHARGING
 from dock_gateway.web.requests import check_key, read_goal_id
 from dock_gateway.web.routes.battery import read_rate
-from dock_gateway.web.routes.stop import stop_robot
+from dock_gateway.web.routes.stop import stop_robots
 
 Fields = dict[str, Any]
 Command = Callable[[Gateway, Fields], Awaitable[Fields]]
@@ -95,7 +95,7 @@ async def _stop(gateway: Gateway, fields: Fields) -> Fields:
     check_fields({"robot": robot}, ("robot",))
     if robot is None:  # an unknown field may be a misspelt `robot`
         check_fields(fields, (), ("latch", "by", "id"))
-    return await stop_robot(gateway, robot, fields)
+    return await stop_robots(gateway, [] if robot is None else [robot], fields)
 
 
 async def _release_stop(gateway: Gateway, fields: Fields) -> Fields:

@@ -218,11 +218,23 @@ def test_all_that_was_wrong_is_one_warning() -> None:
         (b"robot=/robot2", b'{"robot": "/robot2"}', ONE),
         (b"robot=/robot2", b'{"robot": 7}', ONE),
         (b"robot=/robot1/arm", b"", ["/robot1/arm"]),
+        (b"robot=/robot1/arm&robot=/robot2&robot=/robot2", b"", ["/robot1/arm", *ONE]),
+        (b"robot=/robot1/arm&robot=/robot1", b"", ALL),
     ],
 )
 def test_the_robot_that_is_meant(query: bytes, body: bytes, robots: list[str]) -> None:
     status, _, still, held = stopped(Asked(query, body=(body,)))
     assert (status, still, held) == (200, robots, robots)
+
+
+def test_a_robot_that_is_not_known_keeps_none_of_the_others_from_being_stopped() -> None:
+    status, document, still, held = stopped(Asked(b"robot=/robot7&robot=/robot2&robot=/robot1/arm&robot=x"))
+    assert (status, still, held) == (200, ["/robot1/arm", *ONE], ["/robot1/arm", *ONE])
+    assert [(each["robot"], each["code"]) for each in document["failed"]] == [
+        ("/robot7", "robot_not_found"),
+        ("x", "invalid_field"),
+    ]
+    assert (document["stop"]["latched"], document["stop"]["robots"]) == (True, ["/robot1/arm", *ONE])
 
 
 @pytest.mark.parametrize(
@@ -232,6 +244,7 @@ def test_the_robot_that_is_meant(query: bytes, body: bytes, robots: list[str]) -
         (b"robot=/robot2", b'{"by": "Ada"}', (ONE, ONE), "Ada"),
         (b"robot=/robot2", b'{"latch": false}', (ONE, []), None),
         (b"", b'{"robot": "/robot2", "by": "Ada"}', ([*NAMES], ONE), "Ada"),
+        (b"robot=/robot2&robot=/robot1/arm", b'{"by": "Ada"}', (["/robot1/arm", *ONE],) * 2, "Ada"),
     ],
 )
 def test_a_stop_does_not_wait_for_its_body_and_obeys_it_when_it_comes(
@@ -246,8 +259,9 @@ def test_a_stop_does_not_wait_for_its_body_and_obeys_it_when_it_comes(
 @pytest.mark.parametrize(
     ("query", "body", "status"),
     [
-        (b"robot=/robot1&robot=/robot2", b"", 422),
         (b"robot=/robot1", b'{"robot": "/robot2"}', 422),
+        (b"robot=/robot1&robot=/robot2", b'{"robot": "/robot2"}', 422),
+        (b"robot=/robot7&robot=", b"", 404),
         (b"robto=/robot2", b"", 422),
         (b"", b'{"robot": 7}', 422),
         (b"robot=", b"", 422),
