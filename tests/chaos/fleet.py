@@ -8,7 +8,6 @@ import socket
 from collections import Counter
 from typing import Self
 
-from tests.support.clients import HttpClient
 from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.processes import Process
 from tests.support.waiting import wait_until
@@ -78,5 +77,6 @@ class Fleet:
 
 
 def wait_for_action(fleet: Fleet) -> None:
-    with HttpClient() as http:
-        wait_until(lambda: http.get(f"{fleet.url()}/actions/fibonacci").status_code == 200, "the action")
+    """Wait until each gateway has found the action."""
+    for gateway in fleet.running.values():
+        wait_until(lambda http=gateway.http: http.get("/actions/fibonacci").status_code == 200, "the action")

@@ -83,6 +83,7 @@ def test_a_robot_is_a_namespace(gateway: RunningGateway, shared_domain: int) -> 
     ):
         wait_for_action(gateway, f"/robot1{ACTION}")
         wait_for_action(gateway, f"/fleet/robot2{ACTION}")
+        wait_until(lambda: gateway.http.get("/stop?robot=/robot1").is_success, "the robot is known")
         with gateway.stream("?robot=/robot1&include=battery,cmd_vel,system") as stream:
             snapshot = stream.next()
             assert snapshot["goals"] == []
