@@ -3,7 +3,7 @@
 import os
 import re
 from pathlib import Path
-from typing import Annotated, NamedTuple, Self
+from typing import Annotated, Literal, NamedTuple, Self
 
 import platformdirs
 from pydantic import Field, field_validator, model_validator
@@ -303,6 +303,16 @@ class Settings(BaseSettings):
         under = self.namespace if namespace is None else namespace
         return name if name.startswith("/") else f"/{under.strip('/')}/{name}".replace("//", "/")
 
+    def verb_of(self, action_name: str) -> Literal["dock", "undock"] | None:
+        """Which of a robot's two docking actions an action is, by its absolute name; None for any other."""
+        if _is_named(action_name, self.dock_action):
+            return "dock"
+        return "undock" if _is_named(action_name, self.undock_action) else None
+
     def docking_actions(self, namespace: str | None = None) -> DockingActions:
         """The docking and the undocking action of a robot, of the configured one where none is named."""
         return DockingActions(self.resolve(self.dock_action, namespace), self.resolve(self.undock_action, namespace))
+
+
+def _is_named(action_name: str, name: str) -> bool:
+    return action_name == name or action_name.endswith(f"/{name}")

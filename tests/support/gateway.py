@@ -73,7 +73,7 @@ class RunningGateway:
             yield stream
 
     def goal(self, goal_id: str) -> dict[str, Any]:
-        answer: dict[str, Any] = self.http.get(f"/dock/{goal_id}").raise_for_status().json()
+        answer: dict[str, Any] = self.http.get(f"/goals/{goal_id}").raise_for_status().json()
         return answer
 
     def wait_until_stored(self) -> None:

@@ -51,6 +51,9 @@ def test_goals_of_every_action(gateway: RunningGateway, shared_domain: int) -> N
         for beginning in (known[:9], known, known.replace("-", "")[:14].upper()):
             assert ids(gateway, f"?id={beginning}") == [known]
         assert ids(gateway, f"?id={known}&robot=/robot2") == []
+        for other in (("GET", f"/dock/{running}"), ("POST", f"/undock/{running}/cancel")):
+            elsewhere = gateway.http.request(*other)
+            assert (elsewhere.status_code, elsewhere.json()["code"]) == (404, "goal_not_found")
 
         path = f"/goals/{running}"
         assert gateway.http.get(path).json()["action_name"] == "/robot2/fibonacci"

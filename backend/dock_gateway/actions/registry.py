@@ -236,9 +236,8 @@ class ActionRegistry:
     def _docking_type(self, name: str) -> str | None:
         """Return the type of a docking or undocking action by its name, or None for other actions."""
         settings = self._settings
-        if name.endswith(f"/{settings.dock_action}"):
-            return settings.dock_action_type
-        return settings.undock_action_type if name.endswith(f"/{settings.undock_action}") else None
+        types = {"dock": settings.dock_action_type, "undock": settings.undock_action_type, None: None}
+        return types[settings.verb_of(name)]
 
     async def _forget(self, action: Action) -> None:
         log.info("action %s left the ROS graph", action.name)

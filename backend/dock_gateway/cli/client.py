@@ -156,7 +156,7 @@ def follow(url: str, goal_id: str, *, as_json: bool) -> dict[str, Any]:
             break
         if event["type"] == "result" or event.get("status") in ("rejected", "lost"):
             break
-    goal: dict[str, Any] = call(url, "GET", f"/dock/{goal_id}")
+    goal: dict[str, Any] = call(url, "GET", f"/goals/{goal_id}")
     return goal
 
 
@@ -215,7 +215,7 @@ def cancel(url: str, goal_id: str | None) -> None:
         if not running:
             raise click.ClickException("no goal is running")
         goal_id = running[0]["goal_id"]
-    goal = call(url, "POST", f"/dock/{goal_id}/cancel")
+    goal = call(url, "POST", f"/goals/{goal_id}/cancel")
     click.echo(f"goal {goal['goal_id']} {goal['status']}")
 
 

@@ -55,7 +55,7 @@ def test_ctrl_c_while_the_goal_is_sent_cancels_it(gateway: Gateway, verb: str, o
         ("POST", verb),
         ("POST", verb),
         ("POST", f"{verb}/{GOAL['goal_id']}/cancel"),
-        ("GET", f"dock/{GOAL['goal_id']}"),
+        ("GET", f"goals/{GOAL['goal_id']}"),
     ]
     first, second = (options for _, _, options in gateway.requests[:2])
     assert first["content"] == second["content"]

@@ -8,6 +8,8 @@ from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
 from dock_gateway.actions.registry import Action
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.goal import Goal as GoalRecord
 from dock_gateway.gateway import Gateway
 from dock_gateway.robots.battery import CHARGING
 from dock_gateway.web.openapi import battery_body
@@ -107,10 +109,16 @@ def goal_routes(verb: Verb) -> APIRouter:
         wanted = goals.on_action(await verb.action_of(gateway, robot), status)
         return await goals.list_goals(gateway, wanted, limit, cursor)
 
+    async def find_goal(gateway: Gateway, goal_id: str) -> GoalRecord:
+        goal = await gateway.goal(goal_id)
+        if gateway.settings.verb_of(goal.action_name) != verb.name:
+            raise NotFound(f"goal {goal_id} is on {goal.action_name}: see /goals/{goal_id}", code="goal_not_found")
+        return goal
+
     @router.get("/{goal_id}", name=f"get_{verb.prefix}goal", response_model=Goal, responses=problems(404, 422))
     async def get_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
         """Return one goal, of any robot."""
-        return goal_response(await gateway.goal(goal_id), f"{verb.path}/{goal_id}")
+        return goal_response(await find_goal(gateway, goal_id), f"{verb.path}/{goal_id}")
 
     @router.post(
         "/{goal_id}/cancel",
@@ -121,6 +129,7 @@ def goal_routes(verb: Verb) -> APIRouter:
     )
     async def cancel_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
         """Ask the action server to cancel a goal, whoever sent it."""
+        await find_goal(gateway, goal_id)
         return goal_response(await gateway.cancel(goal_id), f"{verb.path}/{goal_id}", 202)
 
     return router
