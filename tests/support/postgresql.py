@@ -13,6 +13,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from tests.support.waiting import PATIENCE
+
 # PostgreSQL refuses to run as root.
 USER = "nobody" if os.geteuid() == 0 else None
 
@@ -56,10 +58,9 @@ class PostgreSQL:
                     "127.0.0.1",
                     "-p",
                     str(self.port),
-                    "-c",
-                    "max_connections=60",
-                    "-c",
-                    "shared_buffers=16MB",
+                    *("-c", "max_connections=60"),
+                    *("-c", "shared_buffers=16MB"),
+                    *("-c", "fsync=off"),  # which only a crash of the machine would need
                 ],
                 user=USER,
                 stdout=log,
@@ -67,7 +68,7 @@ class PostgreSQL:
                 cwd="/",
                 start_new_session=True,
             )
-        deadline = time.monotonic() + 20
+        deadline = time.monotonic() + PATIENCE
         ready = False
         while not ready:
             assert time.monotonic() < deadline, (self.folder / "log").read_text()
