@@ -7,7 +7,7 @@ from contextlib import ExitStack
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.axe import find_violations, load_axe
+from tests.browser.axe import find_violations
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
 
@@ -186,22 +186,18 @@ def test_a_server_that_goes_takes_no_form_with_it(page: Page, gateway: RunningGa
     expect(page.get_by_role("button", name="Send goal")).to_be_disabled()
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None:
+def test_accessibility(page: Page, gateway: RunningGateway) -> None:
     gateway.publish(LOW)
     show(page, gateway)
-    load_axe(page, scheme)
     expect(page.get_by_role("row").filter(has_text=COUNTED)).to_be_visible()
     assert find_violations(page) == []
     show(page, gateway, COUNTED)
-    load_axe(page, scheme)
     page.get_by_label("order").fill("46")
     press(page, "Send goal")
     expect(page.get_by_role("list", name="partial_sequence")).to_be_visible()
     page.get_by_label("order").fill("many")
     assert find_violations(page) == []
     show(page, gateway, DOCK)
-    load_axe(page, scheme)
     page.locator("form summary").filter(has_text="std_msgs/Header").click()
     page.get_by_label("voltage in V", exact=True).fill("much")
     expect(page.get_by_text("1 not valid")).to_be_visible()

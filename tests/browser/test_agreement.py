@@ -45,9 +45,9 @@ class Site:
     domain: int
     database: str
 
-    def dock(self) -> str:
-        """Send the robot to its dock, far away."""
-        return str(self.gateway.http.post("/dock", params=AT).raise_for_status().json()["goal_id"])
+    def dock(self, name: str = ROBOT) -> str:
+        """Send a robot to its dock, far away."""
+        return str(self.gateway.http.post("/dock", params={"robot": name}).raise_for_status().json()["goal_id"])
 
     def robot(self, name: str = ROBOT) -> dict[str, Any]:
         robots = self.gateway.http.get("/robots").raise_for_status().json()["robots"]
@@ -92,6 +92,7 @@ class Views:
     robot: Page
     goals: Page
     goal: Page
+    name: str = ROBOT
 
     @property
     def all(self) -> tuple[Page, ...]:
@@ -99,7 +100,7 @@ class Views:
 
     @property
     def row(self) -> Locator:
-        return self.overview.get_by_test_id(f"robot {ROBOT}")
+        return self.overview.get_by_test_id(f"robot {self.name}")
 
     def expect_goal(self, status: str) -> None:
         """Every page and the API agree on how the goal stands."""
@@ -115,17 +116,17 @@ class Views:
 
 
 @contextmanager
-def views(browser: Browser | BrowserContext, site: Site, goal_id: str) -> Iterator[Views]:
+def views(browser: Browser | BrowserContext, site: Site, goal_id: str, name: str = ROBOT) -> Iterator[Views]:
     with ExitStack() as stack:
         if isinstance(browser, Browser):
             browser = stack.enter_context(browser.new_context(reduced_motion="reduce"))
         pages = []
-        for path in ("", f"ui/robot?robot={ROBOT}", "ui/goals", f"ui/goals/{goal_id}"):
+        for path in ("", f"ui/robot?robot={name}", "ui/goals", f"ui/goals/{goal_id}"):
             page = stack.enter_context(browser.new_page())
             page.set_default_timeout(PATIENCE_MS)
             page.goto(f"{site.gateway.url}/{path}")
             pages.append(page)
-        seen = Views(site, goal_id, *pages)
+        seen = Views(site, goal_id, *pages, name=name)
         seen.expect_live()
         yield seen
 
@@ -167,6 +168,30 @@ def test_the_clock_of_the_browser_is_wrong_and_then_corrected(browser: Browser, 
             seen.expect_goal("canceled")
             expect(seen.goal.get_by_role("main")).not_to_contain_text(re.compile(r"59 min|\b1 h"))
             assert not site.robot()["battery"]["stale"]
+
+
+def test_a_robot_without_a_simulator(browser: Browser, site: Site) -> None:
+    http, at = site.gateway.http, {"robot": OTHER}
+    with views(browser, site, site.dock(OTHER), OTHER) as seen:
+        seen.expect_goal("executing")
+        main = seen.robot.get_by_role("main")
+        expect(main).to_contain_text("No battery state yet")
+        expect(main).to_contain_text("Nothing to draw yet")
+        expect(seen.row).not_to_contain_text("%")
+        assert http.get("/simulator", params=at).json()["code"] == "simulator_not_found"
+        low = {"percentage": 0.24, "power_supply_status": "DISCHARGING"}
+        http.put("/battery/publisher", params=at, json={"state": low, "rate_hz": 5}).raise_for_status()
+        expect(main).to_contain_text("24 %")
+        expect(seen.row).to_contain_text(re.compile("24 %.*now.*Dock: .*Connected"))
+        charging = {"percentage": 0.25, "power_supply_status": "CHARGING"}
+        http.put("/battery/publisher", params=at, json={"state": charging, "rate_hz": 5}).raise_for_status()
+        seen.expect_goal("succeeded")
+        expect(seen.row).to_contain_text(re.compile("25 %.*Charging", re.IGNORECASE))
+        seen.robot.get_by_role("tab", name="Developer").click()
+        expect(main).to_contain_text("Publish a battery state")
+        expect(main).not_to_contain_text("Simulator")
+        http.delete("/battery/publisher", params=at).raise_for_status()
+        expect(seen.row).to_contain_text("ago")
 
 
 @pytest.fixture

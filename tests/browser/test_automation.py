@@ -1,12 +1,11 @@
 """Automatic docking by clicking: a rule is added, tried out, switched on and removed; its goal names it."""
 
 import re
-from typing import Any
 
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.browser.axe import find_violations, load_axe
+from tests.browser.axe import find_violations
 from tests.support.gateway import LOW, RunningGateway
 
 pytestmark = pytest.mark.timeout(200)
@@ -36,13 +35,13 @@ def test_a_rule_from_its_beginning_to_its_end(page: Page, gateway: RunningGatewa
     mode.get_by_text("On", exact=True).click()
     expect(dialog).to_contain_text("This robot will drive to its dock without being asked")
     expect(dialog.get_by_role("listitem")).to_have_text(["Robot"])
-    assert find_violations_of(page) == []
+    assert find_violations(page) == []
     dialog.get_by_role("button", name="Switch on").click()
     expect(decisions).to_have_count(2)
     expect(decisions.first).to_contain_text("Sent to dock")
     rule.get_by_text("Applies to one robot now").click()
     expect(rule).to_contain_text("A goal is running")
-    assert find_violations_of(page) == []
+    assert find_violations(page) == []
     for width in (390, 768):
         page.set_viewport_size({"width": width, "height": 900})
         assert page.evaluate("document.documentElement.scrollWidth") == width
@@ -56,9 +55,3 @@ def test_a_rule_from_its_beginning_to_its_end(page: Page, gateway: RunningGatewa
     dialog.get_by_role("button", name="Remove", exact=True).click()
     expect(page.get_by_text("No rules")).to_be_visible()
     assert gateway.http.get("/automation/rules").json() == {"rules": []}
-
-
-def find_violations_of(page: Page) -> list[Any]:
-    """What axe finds on the page as it is."""
-    load_axe(page, "light")
-    return find_violations(page)

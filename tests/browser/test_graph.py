@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, Page, Route, expect
 
-from tests.browser.axe import find_violations, load_axe
+from tests.browser.axe import find_violations
 from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
 from tests.support.waiting import wait_until
 
@@ -247,7 +247,6 @@ def test_the_picture_is_loaded_when_it_is_asked_for(page: Page, gateway: Running
     assert len(page.evaluate(scripts)) > 0
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize(
     "query",
     [
@@ -259,9 +258,8 @@ def test_the_picture_is_loaded_when_it_is_asked_for(page: Page, gateway: Running
         "?search=odom",
     ],
 )
-def test_accessibility(page: Page, scheme: str, query: str, open_graph: Callable[..., None]) -> None:
+def test_accessibility(page: Page, query: str, open_graph: Callable[..., None]) -> None:
     open_graph(query)
-    load_axe(page, scheme)
     if "view=list" not in query:
         expect(page.get_by_test_id("graph-picture")).to_be_visible()
     assert find_violations(page) == []
@@ -271,7 +269,6 @@ def test_a_narrow_window(page: Page, open_graph: Callable[..., None]) -> None:
     """At 320 CSS pixels nothing is cut off or scrolled sideways (WCAG 1.4.10)."""
     page.set_viewport_size({"width": 320, "height": 1000})
     open_graph()
-    load_axe(page, "light")
     assert find_violations(page) == []
     assert page.locator("main").evaluate("(main) => main.scrollWidth") <= 320
 

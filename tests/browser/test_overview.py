@@ -9,7 +9,7 @@ from contextlib import ExitStack
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
-from tests.browser.axe import find_violations, load_axe
+from tests.browser.axe import find_violations
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
 from tests.support.waiting import wait_until
 
@@ -219,9 +219,7 @@ def test_a_frozen_gateway_is_said_within_seconds(page: Page, gateway: RunningGat
     expect(page.get_by_test_id("connection")).to_have_text("live")
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None:
-    load_axe(page, scheme)
+def test_accessibility(page: Page, gateway: RunningGateway) -> None:
     expect(page.get_by_role("region", name="Alerts").get_by_role("listitem")).to_have_count(1)
     assert find_violations(page) == []
     gateway.http.post("/dock", params={"robot": "/robot2"})

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 from sensor_msgs.msg import BatteryState
 
-from tests.browser.axe import find_violations, load_axe
+from tests.browser.axe import find_violations
 from tests.support.docking import battery_state
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.observer import ros_observer
@@ -223,9 +223,7 @@ def test_who_else_publishes(page: Page, domain: int) -> None:
     expect(warning).to_be_hidden()
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_accessibility(page: Page, scheme: str) -> None:
-    load_axe(page, scheme)
+def test_accessibility(page: Page) -> None:
     plots(page)
     press(page, "Pause")
     press(page, "More values")

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.browser.axe import SETTLED, find_violations, load_axe
+from tests.browser.axe import SETTLED, find_violations
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
 
@@ -132,7 +132,6 @@ def test_a_goal_is_replayed_on_the_map(page: Page, gateway: RunningGateway) -> N
     assert drawn["x"] > 0, "the robot is in the picture"
     press(page, "Play")
     wait_until(lambda: x() > -0.9, "the robot on its way")
-    load_axe(page, "light")
     assert find_violations(page) == []
 
 
@@ -231,9 +230,7 @@ def test_a_fault_ends_the_goal_with_its_code(page: Page) -> None:
     expect(fault).not_to_be_checked()
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_accessibility(page: Page, gateway: RunningGateway, scheme: str) -> None:
-    load_axe(page, scheme)
+def test_accessibility(page: Page, gateway: RunningGateway) -> None:
     start_docking(page)
     assert find_violations(page) == []
     press(page, "Stop")
