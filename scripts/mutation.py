@@ -33,6 +33,10 @@ AREAS = {
         [f"dock_gateway/latch/{name}.py" for name in ("interlock", "latch_file", "latches")],
         ["tests/dock_gateway/latch"],
     ),
+    "automation": (
+        [f"dock_gateway/automation/{name}.py" for name in ("policy", "past", "schedule")],
+        [f"tests/dock_gateway/automation/test_{name}.py" for name in ("policy", "policy_properties", "schedule")],
+    ),
     "stop": (["dock_gateway/fleet/stop.py"], ["tests/dock_gateway/fleet/test_stop.py"]),
     "docking": (
         [f"docking/{name}.py" for name in ("goal", "limiter", "motion")],

@@ -178,6 +178,23 @@ async def test_an_action_server_that_does_not_answer_is_named_and_zero_comes_aga
     await until(lambda: fleet.zeros() == [3, 3, 3])
 
 
+async def test_who_asked_and_left_has_stopped_the_robot_all_the_same(fleet: FakeFleet) -> None:
+    stopped: list[str] = []
+    fleet.stopper.on_stop.append(stopped.append)
+    asking = asyncio.create_task(fleet.stopper.stop("/robot1", "/robot2"))
+    await asyncio.sleep(0)
+    asking.cancel()
+    await until(lambda: fleet.said()[1:] == [[True], [True]])
+    assert stopped == ["/robot1", "/robot2"]
+
+
+async def test_each_action_server_that_does_not_answer_is_named(fleet: FakeFleet) -> None:
+    for name in ("/robot1", "/robot2"):
+        fleet.goals[name].answers.clear()
+    report = await fleet.stopper.stop("/robot2", "/robot1")
+    assert report.unconfirmed == ["/robot1/dock", "/robot2/dock"]
+
+
 async def test_who_waits_for_action_servers_hears_of_them(fleet: FakeFleet) -> None:
     goals = fleet.goals["/robot1"]
     goals.running = ["a"]
