@@ -55,6 +55,10 @@ def send_dock_goal(observer: Observer, status: int = 1, action: str = ACTION) ->
     return observer.send_goal(ConnectToChargingDock, action, dock_goal(status))
 
 
+# A busy machine is no broken odometry.
+PATIENT = "odometry_timeout:=10.0"
+
+
 @contextmanager
 def docking_servers(
     domain: int,
@@ -68,7 +72,7 @@ def docking_servers(
         parameters: As on the command line: `name:=value`.
         make_plan: In place of what the parameters ask for.
     """
-    arguments = [text for parameter in parameters for text in ("-p", parameter)]
+    arguments = [text for parameter in (PATIENT, *parameters) for text in ("-p", parameter)]
     with ros_nodes(domain, *arguments) as context:
         battery, helm = Battery(), Helm()
         dock = DockServer(battery, helm=helm, make_plan=make_plan, context=context)
