@@ -12,6 +12,7 @@ import runpy
 import signal
 import subprocess
 import sys
+import threading
 from importlib import import_module
 from multiprocessing.connection import Connection
 
@@ -57,6 +58,14 @@ class Fork:
         self.send_signal(signal.SIGKILL)
 
 
+def _end_with_parent() -> None:
+    """A test run that is killed must not leave programs behind, which the next one on their ROS domain would meet."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
 def _run(command: tuple[str, ...], env: dict[str, str], output: Connection) -> None:
     """Become the program, in the new process."""
     for descriptor in (1, 2):
@@ -65,6 +74,7 @@ def _run(command: tuple[str, ...], env: dict[str, str], output: Connection) -> N
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(line_buffering=True)
     faulthandler.enable()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     os.environ.clear()
     os.environ.update(env)
     name, *arguments = command
