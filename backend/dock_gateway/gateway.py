@@ -15,8 +15,7 @@ from dock_gateway.actions.registry import Action, ActionRegistry
 from dock_gateway.actions.unfinished import store_unfinished, take_over_unfinished
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
-from dock_gateway.automation.docking import AutomaticDocking
-from dock_gateway.automation.rules import RuleBook
+from dock_gateway.automation.docking import MAX_RULES, AutomaticDocking
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, NotFound, Unavailable
 from dock_gateway.core.event import message_event
 from dock_gateway.core.filters import EventFilter
@@ -28,11 +27,14 @@ from dock_gateway.fleet.departures import Departures
 from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.pose_recorder import PoseRecorder
+from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.fleet.stop import Stopper
 from dock_gateway.history import GoalFilter, History, open_history
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
+from dock_gateway.notifications.notifier import MAX_WEBHOOKS, Notifier
+from dock_gateway.notifications.outbox import Outbox
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.on_demand import OnDemand
 from dock_gateway.robots.registry import RobotRegistry, normalize_namespace
@@ -71,6 +73,7 @@ class Gateway:
     labels: Labels
     alerts: AlertBoard
     automation: AutomaticDocking
+    notifier: Notifier
     graph: GraphCache
     echoes: EchoRegistry
     dock: Action
@@ -255,10 +258,13 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
             actions,
             history,
             activity=activity,
-            rules=RuleBook(history.automation_rules),
+            rules=SharedBook(history.automation_rules, "rule", MAX_RULES),
             decisions=decisions,
         ),
     )
+    webhooks = SharedBook(history.webhooks, "webhook", MAX_WEBHOOKS)
+    outbox = Outbox(webhooks, SharedEntries(history.webhook_deliveries))
+    notifier = _closed_by(stack, Notifier(alerts, labels, webhooks=webhooks, outbox=outbox))
     departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
     tasks = _closed_by(stack, Tasks("running the gateway"))
     tasks.spawn(_watch_graph(bridge, actions, robots, departures))
@@ -277,6 +283,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
         labels,
         alerts,
         automation,
+        notifier,
         graph,
         echoes,
         dock,

@@ -13,7 +13,6 @@ from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.policy import DockingPolicy, RobotFacts
-from dock_gateway.automation.rules import RuleBook
 from dock_gateway.core.automation import Decision, Mode, Outcome, Rule, Wait
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
@@ -21,6 +20,7 @@ from dock_gateway.core.goal import GoalStatus
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.robot_state import CHARGES, RobotState
+from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.history import History
 from dock_gateway.robots.battery import CHARGING
 from dock_gateway.settings import Settings
@@ -29,6 +29,7 @@ log = logging.getLogger(__name__)
 
 # Seconds between two looks at the robots.
 INTERVAL = 1.0
+MAX_RULES = 50
 # Looks between two reads of what other gateways have stored.
 SYNC_EVERY = 2
 # How long after a decision without an outcome its gateway must have ended.
@@ -57,7 +58,7 @@ class AutomaticDocking:
         history: History,
         *,
         activity: Activity,
-        rules: RuleBook,
+        rules: SharedBook[Rule],
         decisions: DecisionLog,
     ) -> None:
         self._settings = settings
@@ -98,6 +99,7 @@ class AutomaticDocking:
             Unavailable: The history does not answer (`history_unavailable`); the rule is what it was.
         """
         await self._rules.replace(rule_id, rule)
+        log.info("rule %s (%r) of automatic docking: %s, by %s", rule_id, rule.name, rule.mode.value, rule.changed_by)
         await self._begin_anew(rule_id)
         return self._document(rule_id, rule, self._fleet.states())
 
@@ -109,6 +111,7 @@ class AutomaticDocking:
             Unavailable: The history does not answer (`history_unavailable`); the rule is still there.
         """
         await self._rules.remove(rule_id)
+        log.info("rule %s of automatic docking removed", rule_id)
         await self._begin_anew(rule_id)
 
     async def _begin_anew(self, rule_id: str) -> None:

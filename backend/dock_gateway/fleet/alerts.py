@@ -51,6 +51,7 @@ class AlertBoard:
         self._given_up = given_up
         self._alerts: dict[str, Alert] = {}
         self._published: bytes | None = None
+        self.on_change: list[Callable[[], None]] = []  # called when an alert begins or ends
         self._task = asyncio.create_task(self._sync())
 
     def look(
@@ -79,8 +80,11 @@ class AlertBoard:
         for came in alerts.keys() - self._alerts.keys():
             robot = alerts[came].robot or "the gateway"
             log.warning("alert: %s of %s. %s", alerts[came].kind, robot, alerts[came].detail)
+        changed = alerts.keys() != self._alerts.keys()
         self._alerts = alerts
         self._publish()
+        for heard in self.on_change if changed else ():
+            heard()
 
     def documents(self) -> list[dict[str, Any]]:
         """Return the alerts as `GET /alerts` shows them: critical ones first, then oldest first."""

@@ -11,6 +11,7 @@ from dock_gateway.core.automation import Decision, Rule
 from dock_gateway.core.event import FEEDBACK, Event, kind_of
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
+from dock_gateway.core.webhook import Delivery, Webhook
 from dock_gateway.history.battery import BatterySpan, Bucket, add_events
 from dock_gateway.history.merge import merge
 from dock_gateway.history.notes import MemoryNotes
@@ -69,6 +70,8 @@ class MemoryHistory:
         self.notes = MemoryNotes()
         self.automation_rules = MemoryEntries[Rule]()
         self.automation_decisions = MemoryEntries[Decision]()
+        self.webhooks = MemoryEntries[Webhook]()
+        self.webhook_deliveries = MemoryEntries[Delivery]()
         self.on_loss: Callable[[], None] = lambda: None
         self._limit = limit
         self._event_limit = event_limit

@@ -10,6 +10,7 @@ from dock_gateway.core.automation import Decision, Rule
 from dock_gateway.core.event import Event, nanoseconds, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal, Json
+from dock_gateway.core.webhook import Delivery, Webhook
 from dock_gateway.history.battery import BatterySpan, Bucket
 from dock_gateway.history.statistics import Span, Tallies
 
@@ -175,6 +176,14 @@ class History(Protocol):
     @property
     def automation_decisions(self) -> Entries[Decision]:
         """The decisions of automatic docking, by id."""
+
+    @property
+    def webhooks(self) -> Entries[Webhook]:
+        """The webhooks, by id."""
+
+    @property
+    def webhook_deliveries(self) -> Entries[Delivery]:
+        """What was and is to be sent to webhooks, by id."""
 
     @property
     def incident(self) -> Incident | None:

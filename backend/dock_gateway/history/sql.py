@@ -19,6 +19,7 @@ from dock_gateway.core.event import Event, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.tasks import cancel
+from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
 from dock_gateway.history import queries, statistics
 from dock_gateway.history.battery import BatterySpan, Bucket
 from dock_gateway.history.database import DATABASE_ERRORS, Database
@@ -49,6 +50,8 @@ from dock_gateway.history.tables import (
     automation_rules,
     goal_tags,
     robot_labels,
+    webhook_deliveries,
+    webhooks,
 )
 from dock_gateway.history.waiting import Waiting
 from dock_gateway.history.writer import Writer
@@ -89,6 +92,8 @@ class SqlHistory:
         self.notes = SqlNotes(self._reader, writer)
         self.automation_rules = SqlEntries(self._reader, writer, automation_rules, _rule)
         self.automation_decisions = SqlEntries(self._reader, writer, automation_decisions, _decision)
+        self.webhooks = SqlEntries(self._reader, writer, webhooks, Webhook)
+        self.webhook_deliveries = SqlEntries(self._reader, writer, webhook_deliveries, _delivery)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
         self.on_loss: Callable[[], None] = lambda: None
@@ -310,6 +315,10 @@ def _rule(name: str, mode: str, *fields: Any) -> Rule:
 
 def _decision(rule_id: str, rule_name: str, robot: str, at: datetime, outcome: str, *fields: Any) -> Decision:
     return Decision(rule_id, rule_name, robot, at, Outcome(outcome), *fields)
+
+
+def _delivery(webhook_id: str, event_type: str, state: str, *fields: Any) -> Delivery:
+    return Delivery(webhook_id, EventType(event_type), DeliveryState(state), *fields)
 
 
 def open_database(url: str) -> Database:

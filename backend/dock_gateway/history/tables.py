@@ -202,6 +202,39 @@ automation_decisions = sa.Table(
     sa.Column("open", sa.Boolean, nullable=False),
 )
 
+webhooks = sa.Table(
+    "webhooks",
+    metadata,
+    sa.Column("webhook_id", sa.Text, primary_key=True),
+    sa.Column("name", sa.Text, nullable=False),
+    sa.Column("url", sa.Text, nullable=False),
+    sa.Column("secret", sa.Text, nullable=False),
+    sa.Column("enabled", sa.Boolean, nullable=False),
+    sa.Column("severities", Names, nullable=False),
+    sa.Column("every_robot", sa.Boolean, nullable=False),
+    sa.Column("robots", Names, nullable=False),
+    sa.Column("groups", Names, nullable=False),
+    sa.Column("changed_by", sa.Text),
+    sa.Column("changed_at", UtcTime, nullable=False),
+)
+
+webhook_deliveries = sa.Table(
+    "webhook_deliveries",
+    metadata,
+    sa.Column("delivery_id", sa.Text, primary_key=True),
+    sa.Column("webhook_id", sa.Text, nullable=False),
+    sa.Column("event_type", sa.Text, nullable=False),
+    sa.Column("state", sa.Text, nullable=False),
+    sa.Column("alert_id", sa.Text),
+    sa.Column("happened_at", UtcTime, nullable=False),
+    sa.Column("body", JsonText, nullable=False),
+    sa.Column("attempts", sa.Integer, nullable=False),
+    sa.Column("next_at", UtcTime),
+    sa.Column("tried_at", UtcTime),
+    sa.Column("status_code", sa.Integer),
+    sa.Column("error", sa.Text),
+)
+
 # The newest missing event of each topic, dropped by retention or because memory was full. The row with an empty topic
 # is the time when the tables were made: what is later is complete, even if no event is stored yet.
 BEGINNING = ""

@@ -33,6 +33,7 @@ from dock_gateway.web.routes import (
     simulator,
     statistics,
     stop,
+    webhooks,
 )
 from dock_gateway.web.streams import events, socket, topics
 
@@ -84,6 +85,7 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
         fleet,
         labels,
         automation,
+        webhooks,
         simulator,
         health,
         socket,

@@ -897,6 +897,92 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/webhooks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Webhooks
+         * @description List the webhooks by name, each with its last delivery. Secrets are not shown.
+         */
+        get: operations["list_webhooks"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/webhooks/{webhook_id}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        /**
+         * Replace Webhook
+         * @description Store a webhook, new or changed, at every gateway that shares the history.
+         *
+         *     It is told of the alerts that there are, and then of each that begins or ends.
+         */
+        put: operations["replace_webhook"];
+        post?: never;
+        /**
+         * Remove Webhook
+         * @description Remove a webhook with its deliveries. What has not been sent yet is not sent.
+         */
+        delete: operations["remove_webhook"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/webhooks/{webhook_id}/test": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Test Webhook
+         * @description Send a test now, once, also to a webhook that is off. The answer says what came of it, after 10 s at most.
+         */
+        post: operations["test_webhook"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/webhooks/{webhook_id}/deliveries": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Deliveries
+         * @description List what was and is to be sent to a webhook, newest first. The last 500 of all webhooks are kept.
+         */
+        get: operations["list_deliveries"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/simulator": {
         parameters: {
             query?: never;
@@ -1731,6 +1817,51 @@ export interface components {
             decisions: components["schemas"]["Decision"][];
         };
         /**
+         * Delivery
+         * @description One event for one webhook. `id` is the header `webhook-id`, the same at each attempt.
+         *
+         *     `next_at` is when it is sent next; null unless it is pending. `status_code` and `error` are those of the last
+         *     attempt.
+         */
+        Delivery: {
+            /** Id */
+            id: string;
+            /** Webhook Id */
+            webhook_id: string;
+            type: components["schemas"]["EventType"];
+            /**
+             * At
+             * Format: date-time
+             */
+            at: string;
+            event: components["schemas"]["WebhookEvent"];
+            state: components["schemas"]["DeliveryState"];
+            /** Attempts */
+            attempts: number;
+            /** Next At */
+            next_at: string | null;
+            /** Tried At */
+            tried_at: string | null;
+            /** Status Code */
+            status_code: number | null;
+            /** Error */
+            error: string | null;
+        };
+        /**
+         * DeliveryList
+         * @description Deliveries, newest first.
+         */
+        DeliveryList: {
+            /** Deliveries */
+            deliveries: components["schemas"]["Delivery"][];
+        };
+        /**
+         * DeliveryState
+         * @description Whether a delivery is still to be sent, was answered with success, or was given up.
+         * @enum {string}
+         */
+        DeliveryState: "pending" | "delivered" | "failed";
+        /**
          * DockFeedback
          * @description Feedback of ConnectToChargingDock and DisconnectFromChargingDock.
          */
@@ -1799,6 +1930,12 @@ export interface components {
         };
         /** @description A message of an event stream. */
         Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
+        /**
+         * EventType
+         * @description What a delivery tells of.
+         * @enum {string}
+         */
+        EventType: "alert.raised" | "alert.cleared" | "test";
         /**
          * ExportedGoal
          * @description A goal with its notes and events, oldest first; `complete` is false if events are missing.
@@ -2389,6 +2526,11 @@ export interface components {
          */
         Mode: "off" | "dry_run" | "on";
         /**
+         * NoAlert
+         * @description What a test is about.
+         */
+        NoAlert: Record<string, never>;
+        /**
          * Note
          * @description A note on a goal.
          */
@@ -2404,6 +2546,38 @@ export interface components {
             at: string;
             /** Text */
             text: string;
+        };
+        /**
+         * NotifiedAlert
+         * @description An alert as a webhook gets it: with the name and the groups of its robot.
+         */
+        NotifiedAlert: {
+            /** Id */
+            id: string;
+            kind: components["schemas"]["AlertKind"];
+            /** Robot */
+            robot: string | null;
+            /**
+             * Severity
+             * @enum {string}
+             */
+            severity: "critical" | "warning";
+            /**
+             * Since
+             * Format: date-time
+             */
+            since: string;
+            /** Title */
+            title: string;
+            /** Detail */
+            detail: string;
+            /** Goal Id */
+            goal_id: string | null;
+            acknowledged: components["schemas"]["Acknowledgement"] | null;
+            /** Display Name */
+            display_name: string | null;
+            /** Groups */
+            groups: string[];
         };
         /**
          * Outcome
@@ -2721,6 +2895,18 @@ export interface components {
             rate_hz: number | null;
         };
         /**
+         * RobotSelection
+         * @description The robots that something applies to: all, or those named and those in the groups.
+         */
+        RobotSelection: {
+            /** All */
+            all: boolean;
+            /** Names */
+            names: string[];
+            /** Groups */
+            groups: string[];
+        };
+        /**
          * RobotsEvent
          * @description The current state of robots that changed; `gone` names those that left. At most twice a second.
          */
@@ -2752,7 +2938,7 @@ export interface components {
             /** Name */
             name: string;
             mode: components["schemas"]["Mode"];
-            robots: components["schemas"]["RuleRobots"];
+            robots: components["schemas"]["RobotSelection"];
             battery: components["schemas"]["BatteryCondition"] | null;
             schedule: components["schemas"]["Schedule"] | null;
             /** Changed By */
@@ -2781,18 +2967,6 @@ export interface components {
             /** Robot */
             robot: string;
             waits_for: components["schemas"]["Wait"];
-        };
-        /**
-         * RuleRobots
-         * @description The robots that a rule applies to: all, or those named and those in the groups.
-         */
-        RuleRobots: {
-            /** All */
-            all: boolean;
-            /** Names */
-            names: string[];
-            /** Groups */
-            groups: string[];
         };
         /**
          * Scene
@@ -3195,6 +3369,35 @@ export interface components {
             persisted: boolean;
         };
         /**
+         * StoredWebhook
+         * @description A webhook that was stored. `secret` is there only if the gateway has just made it, and is not shown again.
+         */
+        StoredWebhook: {
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            /** Url */
+            url: string;
+            /** Enabled */
+            enabled: boolean;
+            /** Severities */
+            severities: ("critical" | "warning")[];
+            robots: components["schemas"]["RobotSelection"];
+            /** Changed By */
+            changed_by: string | null;
+            /**
+             * Changed At
+             * Format: date-time
+             */
+            changed_at: string;
+            /** Pending */
+            pending: number;
+            last_delivery: components["schemas"]["Delivery"] | null;
+            /** Secret */
+            secret: string | null;
+        };
+        /**
          * SubscriptionAck
          * @description The answer to `subscribe` and `unsubscribe`.
          */
@@ -3362,6 +3565,57 @@ export interface components {
          * @enum {string}
          */
         Wait: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "goal_running" | "goal_lost" | "quiet_period" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
+        /**
+         * Webhook
+         * @description An address that is told of alerts. `pending` counts the deliveries that are still to be sent.
+         */
+        Webhook: {
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            /** Url */
+            url: string;
+            /** Enabled */
+            enabled: boolean;
+            /** Severities */
+            severities: ("critical" | "warning")[];
+            robots: components["schemas"]["RobotSelection"];
+            /** Changed By */
+            changed_by: string | null;
+            /**
+             * Changed At
+             * Format: date-time
+             */
+            changed_at: string;
+            /** Pending */
+            pending: number;
+            last_delivery: components["schemas"]["Delivery"] | null;
+        };
+        /**
+         * WebhookEvent
+         * @description The body that a webhook gets. `text` says the same in a line.
+         */
+        WebhookEvent: {
+            type: components["schemas"]["EventType"];
+            /**
+             * Timestamp
+             * Format: date-time
+             */
+            timestamp: string;
+            /** Text */
+            text: string;
+            /** Data */
+            data: components["schemas"]["NotifiedAlert"] | components["schemas"]["NoAlert"];
+        };
+        /**
+         * WebhookList
+         * @description The webhooks, by name.
+         */
+        WebhookList: {
+            /** Webhooks */
+            webhooks: components["schemas"]["Webhook"][];
+        };
         /**
          * Time
          * @description This message communicates ROS Time defined here:
@@ -6470,6 +6724,311 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["DecisionList"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_webhooks: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["WebhookList"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    replace_webhook: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Lower-case letters, digits and hyphens, up to 40 */
+                webhook_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": {
+                    name: string;
+                    /** @description `http` or `https`, without a password */
+                    url: string;
+                    /** @description Signs what is sent: `whsec_` and 24 to 64 bytes in base64. Without it, a webhook keeps its secret; a new one gets a random one */
+                    secret?: string | null;
+                    /** @description `true` by default */
+                    enabled?: boolean;
+                    /** @description Both by default */
+                    severities?: ("critical" | "warning")[];
+                    /** @description All by default. Alerts of the gateway itself are always sent */
+                    robots?: {
+                        all?: boolean;
+                        names?: string[];
+                        groups?: string[];
+                    };
+                    /** @description Who changes the webhook */
+                    by?: string | null;
+                };
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StoredWebhook"];
+                };
+            };
+            /** @description Bad Request */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Timeout */
+            408: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Request Entity Too Large */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unsupported Media Type */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    remove_webhook: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Lower-case letters, digits and hyphens, up to 40 */
+                webhook_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    test_webhook: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description Lower-case letters, digits and hyphens, up to 40 */
+                webhook_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Delivery"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Conflict */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_deliveries: {
+        parameters: {
+            query?: {
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                /** @description Lower-case letters, digits and hyphens, up to 40 */
+                webhook_id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DeliveryList"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
                 };
             };
             /** @description Unprocessable Entity */

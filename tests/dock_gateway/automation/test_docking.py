@@ -16,7 +16,6 @@ from dock_gateway.automation import docking as docking_module
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import AutomaticDocking
-from dock_gateway.automation.rules import RuleBook
 from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
@@ -25,6 +24,7 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.hub import Hub
 from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.history import History
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.robots.battery import Reading
@@ -99,7 +99,7 @@ class Site:
             cast("ActionRegistry", self.robot),
             cast("History", self.history),
             activity=self.activity(),
-            rules=RuleBook(self.rules),
+            rules=SharedBook(self.rules, "rule", docking_module.MAX_RULES),
             decisions=DecisionLog(self.hub, self.stored),
         )
         self.gateways.append(gateway)

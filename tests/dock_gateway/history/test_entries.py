@@ -10,6 +10,7 @@ import pytest
 
 from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
 from dock_gateway.core.errors import Conflict, Unavailable
+from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
 from dock_gateway.history import History, RobotLabel, immediate, sqlite
 from tests.support.history import locked, open_place
 from tests.support.waiting import PATIENCE, until
@@ -82,6 +83,26 @@ async def test_rules_and_decisions_of_automatic_docking_are_what_they_were(place
         assert decisions == {"a": sent, "b": bare}
         assert isinstance(rules["low"].mode, Mode)
         assert isinstance(decisions["a"].outcome, Outcome)
+
+
+@pytest.mark.usefixtures("patient")
+async def test_webhooks_and_their_deliveries_are_what_they_were(place: str, tmp_path: Path) -> None:
+    at = datetime(2026, 1, 1, 12, 0, 0, 123456, tzinfo=UTC)
+    off = Webhook("Büro", "https://x/ü", "whsec_a", False, ("critical",), False, ("/a",), ("hall 1",), "Ada", at)
+    every = Webhook("Hook", "http://x", "whsec_b", True, ("critical", "warning"), True, (), (), None, at)
+    body = b'{"text":"\xc3\xbc","n":1.0}'
+    sent = Delivery("a", EventType.RAISED, DeliveryState.DELIVERED, "id", at, body, 2, at, at, 204, "why")
+    bare = Delivery("b", EventType.TEST, DeliveryState.PENDING, None, at, b"{}", 0, None, None, None, None)
+    async with opened(place, tmp_path) as history:
+        for webhook_id, webhook in (("a", every), ("a", off), ("b", every)):
+            await history.webhooks.write(webhook_id, webhook)
+        for identity, delivery in (("1", bare), ("1", sent), ("2", bare)):
+            await history.webhook_deliveries.write(identity, delivery)
+        deliveries = await history.webhook_deliveries.read()
+        assert await history.webhooks.read() == {"a": off, "b": every}
+        assert deliveries == {"1": sent, "2": bare}
+        assert isinstance(deliveries["1"].event_type, EventType)
+        assert isinstance(deliveries["1"].state, DeliveryState)
 
 
 @pytest.mark.usefixtures("patient")

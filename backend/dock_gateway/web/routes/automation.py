@@ -1,21 +1,29 @@
 """`/automation`: the rules of automatic docking, and their decisions."""
 
 import re
-from typing import Annotated, Any
+from typing import Annotated
 from zoneinfo import ZoneInfo
 
-from fastapi import APIRouter, Depends, Path, Query, Request
+from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.core.automation import WEEKDAYS, Mode, Rule
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.event import utc_now
 from dock_gateway.robots.registry import read_namespace
+from dock_gateway.web.fields import (
+    ROBOTS_REQUEST,
+    SLUG_IN_PATH,
+    read_choice,
+    read_part,
+    read_robots,
+    read_slug,
+    read_texts,
+)
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
     GOAL_ID,
-    ROBOT_PATTERN,
     LimitQuery,
     RobotQuery,
     TheGateway,
@@ -27,7 +35,6 @@ from dock_gateway.web.requests import (
     read_name,
     read_object,
 )
-from dock_gateway.web.routes.labels import MAX_GROUP, MAX_GROUPS, MAX_ROBOT
 from dock_gateway.web.schemas.automation import RULE_EXAMPLE, SCHEDULE_EXAMPLE, DecisionList, RuleList
 from dock_gateway.web.schemas.automation import Rule as RuleSchema
 
@@ -36,10 +43,8 @@ router = APIRouter(tags=["Automatic docking"], prefix="/automation")
 NO_QUERY = Depends(known_query())
 FIELDS = ("name", "mode", "robots", "battery", "schedule", "by")
 MAX_NAME = 60
-MAX_ROBOTS = 500
 MAX_TIMES = 24
 MIN_IDLE, MAX_IDLE = 10.0, 86_400.0  # seconds
-SLUG = re.compile(r"[a-z0-9](?:[a-z0-9-]{0,38}[a-z0-9])?")
 TIME = re.compile(r"(?:[01][0-9]|2[0-3]):[0-5][0-9]")
 ZONE = re.compile(r"[A-Za-z][A-Za-z0-9_+-]*(?:/[A-Za-z0-9_+-]+){0,2}")
 MAX_ZONE = 60
@@ -50,20 +55,7 @@ RULE_REQUEST = {
     "properties": {
         "name": name_schema(MAX_NAME),
         "mode": {"enum": [mode.value for mode in Mode], "description": "`off` by default"},
-        "robots": {
-            "type": "object",
-            "description": "`all`, or at least one robot or group",
-            "additionalProperties": False,
-            "properties": {
-                "all": {"type": "boolean"},
-                "names": {
-                    "type": "array",
-                    "maxItems": MAX_ROBOTS,
-                    "items": {"type": "string", "maxLength": MAX_ROBOT, **ROBOT_PATTERN},
-                },
-                "groups": {"type": "array", "maxItems": MAX_GROUPS, "items": name_schema(MAX_GROUP)},
-            },
-        },
+        "robots": ROBOTS_REQUEST,
         "battery": {
             "type": ["object", "null"],
             "description": "Either this or `schedule`",
@@ -100,19 +92,8 @@ RULE_REQUEST = {
 }
 
 
-async def _rule_id_in_path(
-    rule_id: Annotated[
-        str,
-        Path(
-            description="Lower-case letters, digits and hyphens, up to 40",
-            json_schema_extra={"pattern": f"^{SLUG.pattern}$"},
-        ),
-    ],
-) -> str:
-    if not SLUG.fullmatch(rule_id):
-        expected = "up to 40 lower-case letters, digits and hyphens between them"
-        raise InvalidField([FieldError("rule_id", expected, got(rule_id))])
-    return rule_id
+async def _rule_id_in_path(rule_id: Annotated[str, SLUG_IN_PATH]) -> str:
+    return read_slug(rule_id, "rule_id")
 
 
 RuleId = Annotated[str, Depends(_rule_id_in_path)]
@@ -185,7 +166,7 @@ def read_rule(value: object) -> Rule:
     """
     fields = read_object(value, *FIELDS)
     by = fields.get("by")
-    everyone, robots, groups = _read_robots(fields.get("robots"))
+    everyone, robots, groups = read_robots(fields.get("robots"))
     battery, schedule = fields.get("battery"), fields.get("schedule")
     if (battery is None) is (schedule is None):
         detail = "got neither" if battery is None else "got both"
@@ -194,7 +175,7 @@ def read_rule(value: object) -> Rule:
     times, weekdays, zone = ((), (), None) if schedule is None else _read_schedule(schedule)
     return Rule(
         name=read_name(fields.get("name"), MAX_NAME, "name"),
-        mode=Mode(_read_choice(fields.get("mode", "off"), tuple(mode.value for mode in Mode), "mode")),
+        mode=Mode(read_choice(fields.get("mode", "off"), tuple(mode.value for mode in Mode), "mode")),
         every_robot=everyone,
         robots=robots,
         groups=groups,
@@ -208,40 +189,8 @@ def read_rule(value: object) -> Rule:
     )
 
 
-def _read_part(value: object, path: str, *fields: str) -> dict[str, Any]:
-    """Read an object within the body; its errors carry the path."""
-    if not isinstance(value, dict):
-        raise InvalidField([FieldError(path, f"an object with {', '.join(fields)}", got(value))])
-    if unknown := [name for name in value if name not in fields]:
-        errors = [
-            FieldError(f"{path}.{name[:100]}", f"one of {', '.join(fields)}", "got an unknown field")
-            for name in unknown[:20]
-        ]
-        raise InvalidField(errors)
-    return value
-
-
-def _read_robots(value: object) -> tuple[bool, tuple[str, ...], tuple[str, ...]]:
-    fields = _read_part(value, "robots", "all", "names", "groups")
-    everyone = fields.get("all", False)
-    if not isinstance(everyone, bool):
-        raise InvalidField([FieldError("robots.all", "true or false", got(everyone))])
-    names = _read_texts(fields.get("names", []), "robots.names", MAX_ROBOTS, "namespaces")
-    for index, name in enumerate(names):
-        if len(name) > MAX_ROBOT:
-            expected = f"a ROS namespace of up to {MAX_ROBOT} characters"
-            raise InvalidField([FieldError(f"robots.names.{index}", expected, got(name))])
-    robots = dict.fromkeys(read_namespace(name, f"robots.names.{index}") for index, name in enumerate(names))
-    texts = _read_texts(fields.get("groups", []), "robots.groups", MAX_GROUPS, "groups")
-    groups = dict.fromkeys(read_name(text, MAX_GROUP, f"robots.groups.{index}") for index, text in enumerate(texts))
-    if everyone is bool(robots or groups):
-        detail = "got both" if everyone else "got neither"
-        raise InvalidField([FieldError("robots", "either `all`, or robots or groups", detail)])
-    return everyone, tuple(robots), tuple(groups)
-
-
 def _read_battery(value: object) -> tuple[float, float]:
-    fields = _read_part(value, "battery", "below", "idle_s")
+    fields = read_part(value, "battery", "below", "idle_s")
     below = _read_number(fields.get("below"), "battery.below", 0.0, 1.0)
     if below == 0:
         raise InvalidField([FieldError("battery.below", "a number above 0, up to 1", "got 0")])
@@ -249,14 +198,14 @@ def _read_battery(value: object) -> tuple[float, float]:
 
 
 def _read_schedule(value: object) -> tuple[tuple[str, ...], tuple[str, ...], str]:
-    fields = _read_part(value, "schedule", "times", "weekdays", "time_zone")
-    times = _read_texts(fields.get("times"), "schedule.times", MAX_TIMES, "times of day", at_least=1)
+    fields = read_part(value, "schedule", "times", "weekdays", "time_zone")
+    times = read_texts(fields.get("times"), "schedule.times", MAX_TIMES, "times of day", at_least=1)
     for index, time in enumerate(times):
         if not TIME.fullmatch(time):
             raise InvalidField([FieldError(f"schedule.times.{index}", "HH:MM from 00:00 to 23:59", got(time))])
-    weekdays = _read_texts(fields.get("weekdays"), "schedule.weekdays", len(WEEKDAYS), "days", at_least=1)
+    weekdays = read_texts(fields.get("weekdays"), "schedule.weekdays", len(WEEKDAYS), "days", at_least=1)
     for index, day in enumerate(weekdays):
-        _read_choice(day, WEEKDAYS, f"schedule.weekdays.{index}")
+        read_choice(day, WEEKDAYS, f"schedule.weekdays.{index}")
     zone = fields.get("time_zone")
     if not isinstance(zone, str) or not _is_zone(zone):
         raise InvalidField([FieldError("schedule.time_zone", "an IANA time zone, such as Europe/Berlin", got(zone))])
@@ -278,19 +227,3 @@ def _read_number(value: object, path: str, lowest: float, highest: float) -> flo
     if isinstance(value, bool) or not isinstance(value, int | float) or not lowest <= value <= highest:
         raise InvalidField([FieldError(path, f"a number from {lowest:g} to {highest:g}", got(value))])
     return float(value)
-
-
-def _read_choice(value: object, choices: tuple[str, ...], path: str) -> str:
-    if not isinstance(value, str) or value not in choices:
-        raise InvalidField([FieldError(path, f"one of {', '.join(choices)}", got(value))])
-    return value
-
-
-def _read_texts(value: object, path: str, longest: int, what: str, *, at_least: int = 0) -> list[str]:
-    if not isinstance(value, list) or not at_least <= len(value) <= longest:
-        detail = f"got {len(value)}" if isinstance(value, list) else got(value)
-        raise InvalidField([FieldError(path, f"an array of {at_least} to {longest} {what}", detail)])
-    for index, text in enumerate(value):
-        if not isinstance(text, str):
-            raise InvalidField([FieldError(f"{path}.{index}", "a string", got(text))])
-    return value

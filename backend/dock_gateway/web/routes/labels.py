@@ -6,6 +6,7 @@ from starlette.responses import Response
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.history import RobotLabel
 from dock_gateway.robots.registry import read_namespace
+from dock_gateway.web.fields import MAX_GROUP, MAX_GROUPS, MAX_ROBOT
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -24,9 +25,7 @@ from dock_gateway.web.schemas.robots import LABEL_EXAMPLE, Label
 router = APIRouter()
 
 FIELDS = ("robot", "display_name", "groups")
-MAX_ROBOT = 255  # the longest name on the ROS graph
 MAX_DISPLAY_NAME = 60
-MAX_GROUPS, MAX_GROUP = 20, 40
 LABEL_REQUEST = {
     "type": "object",
     "required": list(FIELDS),

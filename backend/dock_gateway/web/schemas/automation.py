@@ -6,7 +6,7 @@ from typing import Literal
 from pydantic import ConfigDict, JsonValue
 
 from dock_gateway.core.automation import Mode, Outcome, Wait
-from dock_gateway.web.schemas.common import Schema
+from dock_gateway.web.schemas.common import RobotSelection, Schema
 
 RULE_EXAMPLE: JsonValue = {
     "name": "Low battery",
@@ -20,14 +20,6 @@ SCHEDULE_EXAMPLE: JsonValue = {
     "robots": {"all": True},
     "schedule": {"times": ["22:00"], "weekdays": ["mon", "tue", "wed", "thu", "fri"], "time_zone": "Europe/Berlin"},
 }
-
-
-class RuleRobots(Schema):
-    """The robots that a rule applies to: all, or those named and those in the groups."""
-
-    all: bool
-    names: list[str]
-    groups: list[str]
 
 
 class BatteryCondition(Schema):
@@ -61,7 +53,7 @@ class Rule(Schema):
     id: str
     name: str
     mode: Mode
-    robots: RuleRobots
+    robots: RobotSelection
     battery: BatteryCondition | None
     schedule: Schedule | None
     changed_by: str | None

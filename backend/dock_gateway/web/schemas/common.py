@@ -29,3 +29,11 @@ class Problem(BaseModel):
     detail: str
     errors: list[FieldProblem] | None = None
     goal_id: str | None = None
+
+
+class RobotSelection(Schema):
+    """The robots that something applies to: all, or those named and those in the groups."""
+
+    all: bool
+    names: list[str]
+    groups: list[str]

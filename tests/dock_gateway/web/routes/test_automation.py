@@ -7,14 +7,13 @@ from typing import Any, Self, cast
 import pytest
 from starlette.testclient import TestClient
 
-from dock_gateway.automation import rules as rules_module
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import AutomaticDocking
-from dock_gateway.automation.rules import RuleBook
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.hub import Hub
+from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.gateway import Gateway
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
@@ -38,7 +37,7 @@ class Client:
         labels = {"/": (), "/robot1": ("hall 1",)}
         states = [SimpleNamespace(name=name, label=SimpleNamespace(groups=groups)) for name, groups in labels.items()]
         docking = AutomaticDocking.__new__(AutomaticDocking)  # it looks at no robots
-        docking._rules = RuleBook(self.history.automation_rules)
+        docking._rules = SharedBook(self.history.automation_rules, "rule", 2)
         docking.decisions = DecisionLog(Hub(queue_limit=1, max_subscribers=1), self.history.automation_decisions)
         docking._fleet = cast("Any", SimpleNamespace(states=lambda: states))
         docking._activity = cast("Activity", None)
@@ -159,8 +158,7 @@ def test_what_is_no_id(client: Client, rule_id: str) -> None:
     assert client.put(BATTERY, 422, rule_id)["errors"][0]["path"] == "rule_id"
 
 
-def test_there_is_a_limit(client: Client, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rules_module, "MAX_RULES", 2)
+def test_there_is_a_limit(client: Client) -> None:
     for rule_id in ("a", "b"):
         client.put(BATTERY, rule_id=rule_id)
     assert client.put(BATTERY, 409, "c")["code"] == "too_many_rules"

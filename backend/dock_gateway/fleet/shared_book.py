@@ -1,0 +1,55 @@
+"""What people edit and gateways share through the history: rules, webhooks."""
+
+from collections.abc import Mapping
+
+from dock_gateway.core.errors import Conflict, NotFound
+from dock_gateway.fleet.shared_entries import SharedEntries
+from dock_gateway.history import Entries, EntryT
+
+
+class SharedBook(SharedEntries[EntryT]):
+    """A limited number of entries by id, each stored before it counts.
+
+    Args:
+        store: Stores them.
+        noun: What an entry is called, in errors.
+        most: The maximum number of entries.
+    """
+
+    def __init__(self, store: Entries[EntryT], noun: str, most: int) -> None:
+        super().__init__(store)
+        self._noun = noun
+        self._most = most
+
+    async def replace(self, key: str, entry: EntryT) -> None:
+        """Store an entry, new or changed.
+
+        Raises:
+            Conflict: There are too many (`too_many_rules`, `too_many_webhooks`).
+            Unavailable: The history does not answer (`history_unavailable`); the entry is what it was.
+        """
+
+        def check(entries: Mapping[str, EntryT]) -> None:
+            if key not in entries and len(entries) >= self._most:
+                detail = f"there are {self._most} {self._noun}s; remove one first"
+                raise Conflict(detail, code=f"too_many_{self._noun}s")
+
+        await self.store(key, entry, check)
+
+    async def remove(self, key: str) -> None:
+        """Remove an entry.
+
+        Raises:
+            NotFound: `rule_not_found` or `webhook_not_found`.
+            Unavailable: The history does not answer (`history_unavailable`); the entry is still there.
+        """
+
+        def check(entries: Mapping[str, EntryT]) -> None:
+            if key not in entries:
+                raise self.missing(key)
+
+        await self.store(key, None, check)
+
+    def missing(self, key: str) -> NotFound:
+        """Return the error that there is no such entry."""
+        return NotFound(f"there is no {self._noun} {key}", code=f"{self._noun}_not_found")

@@ -1,0 +1,1 @@
+"""Notifications: alerts are sent to webhooks."""
