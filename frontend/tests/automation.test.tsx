@@ -4,9 +4,11 @@ import { describe, expect, it, vi } from "vitest";
 import type { Decision, Rule, RuleBody } from "../src/api/automation";
 // Loaded on demand by the page: on a busy machine their first import takes longer than a test waits.
 import "../src/automation/AutomationPage";
-import { bodyOf, draftOf, errorsOf, newId, withMode } from "../src/automation/draft";
-import { conditionWords, reasonWords, robotsWords } from "../src/automation/words";
+import { bodyOf, draftOf, errorsOf, withMode } from "../src/automation/draft";
+import { conditionWords, reasonWords } from "../src/automation/words";
 import { Naming } from "../src/fleet/names";
+import { robotsWords } from "../src/fleet/robotChoice";
+import { newId } from "../src/ui/newId";
 import { fakeGateway, renderPage } from "./page";
 
 const LOW: Rule = {
@@ -78,8 +80,8 @@ describe("the words", () => {
     expect(spaces(conditionWords(LOW))).toBe("Battery below 20 % and idle for 1 min 00 s");
     expect(conditionWords(NIGHT)).toBe("At 22:00, Mon–Fri (Europe/Berlin)");
     const naming = new Naming([{ name: "/robot1", display_name: "Left forklift", groups: [] }]);
-    expect(robotsWords(LOW, naming)).toBe("All robots");
-    expect(robotsWords(NIGHT, naming)).toBe("Left forklift, robots in hall 1");
+    expect(robotsWords(LOW.robots, naming)).toBe("All robots");
+    expect(robotsWords(NIGHT.robots, naming)).toBe("Left forklift, robots in hall 1");
   });
 
   it("say why it was decided so", () => {
@@ -121,10 +123,10 @@ describe("a draft", () => {
   });
 
   it("gets an id that no rule has", () => {
-    expect(newId("Akku schwach (Halle ä)", [])).toBe("akku-schwach-halle-a");
-    expect(newId("Night", ["night", "night-2"])).toBe("night-3");
-    expect(newId("夜", [])).toBe("rule");
-    expect(newId("x".repeat(60), []).length).toBeLessThanOrEqual(40);
+    expect(newId("Akku schwach (Halle ä)", [], "rule")).toBe("akku-schwach-halle-a");
+    expect(newId("Night", ["night", "night-2"], "rule")).toBe("night-3");
+    expect(newId("夜", [], "rule")).toBe("rule");
+    expect(newId("x".repeat(60), [], "rule").length).toBeLessThanOrEqual(40);
   });
 });
 

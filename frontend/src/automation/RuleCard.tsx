@@ -3,6 +3,7 @@ import { useDisclosure } from "@mantine/hooks";
 import { useId } from "react";
 import type { Rule, RuleMode } from "../api/automation";
 import { useFleetLive } from "../fleet/context";
+import { robotsWords } from "../fleet/robotChoice";
 import { useNaming } from "../fleet/useNaming";
 import { ownName } from "../stop/who";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
@@ -14,7 +15,7 @@ import { withMode } from "./draft";
 import { RobotWaits } from "./RobotWaits";
 import { SwitchOn } from "./SwitchOn";
 import { useRuleCommands } from "./useAutomation";
-import { conditionWords, MODES, robotsWords } from "./words";
+import { conditionWords, MODES } from "./words";
 
 const MODE_OPTIONS = Object.entries(MODES).map(([value, label]) => ({ value, label }));
 
@@ -49,7 +50,7 @@ export function RuleCard({ rule, onEdit }: { rule: Rule; onEdit: () => void }) {
             {rule.name}
           </Text>
           <Text size="sm">{conditionWords(rule)}</Text>
-          <Text size="sm">{robotsWords(rule, naming)}</Text>
+          <Text size="sm">{robotsWords(rule.robots, naming)}</Text>
           <Text size="sm" c="dimmed">
             Changed {rule.changed_by !== null && `by ${rule.changed_by}, `}
             <Time value={rule.changed_at} />

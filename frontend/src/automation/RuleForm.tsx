@@ -2,13 +2,15 @@ import { Alert, SegmentedControl, Stack, Text, TextInput } from "@mantine/core";
 import { type FormEvent, useState } from "react";
 import type { Rule } from "../api/automation";
 import { useFleetTopic } from "../fleet/context";
+import { RobotFields } from "../fleet/RobotFields";
+import { isCovered } from "../fleet/robotChoice";
 import { useNaming } from "../fleet/useNaming";
+import { NameInput } from "../stop/NameInput";
 import { ownName, setOwnName } from "../stop/who";
+import { newId } from "../ui/newId";
 import { SaveBar } from "../ui/SaveBar";
 import { BatteryFields } from "./BatteryFields";
-import { bodyOf, type Draft, draftOf, errorsOf, MAX_NAME, newId } from "./draft";
-import { NameInput } from "./NameInput";
-import { RobotFields } from "./RobotFields";
+import { bodyOf, type Draft, draftOf, errorsOf, MAX_NAME } from "./draft";
 import { ScheduleFields } from "./ScheduleFields";
 import { useRuleCommands } from "./useAutomation";
 
@@ -39,6 +41,7 @@ export function RuleForm({ rule, rules, onDone }: RuleFormProps) {
       newId(
         draft.name,
         rules.map((each) => each.id),
+        "rule",
       );
     const body = bodyOf(draft, rule?.mode ?? "off", by.trim() || null);
     save.mutate({ id, body }, { onSuccess: onDone });
@@ -69,14 +72,14 @@ export function RuleForm({ rule, rules, onDone }: RuleFormProps) {
         ) : (
           <ScheduleFields draft={draft} errors={shown} onChange={change} />
         )}
-        <RobotFields draft={draft} errors={shown} onChange={change} />
+        <RobotFields chosen={draft} error={shown.names} onChange={change} />
         <Covered draft={draft} />
         {rule?.mode === "on" && (
           <Alert color="orange" title="This rule is on">
             What you save applies at once.
           </Alert>
         )}
-        <NameInput value={by} onChange={setBy} />
+        <NameInput value={by} description="Shown beside the rule." onChange={setBy} />
         <SaveBar save={save} onCancel={onDone} />
       </Stack>
     </form>
@@ -86,9 +89,8 @@ export function RuleForm({ rule, rules, onDone }: RuleFormProps) {
 /** The robots that the rule would apply to now. */
 function Covered({ draft }: { draft: Draft }) {
   const naming = useNaming();
-  const robots = [...useFleetTopic("robots").values()].filter(
-    ({ name, groups }) =>
-      draft.all || draft.names.includes(name) || groups.some((group) => draft.groups.includes(group)),
+  const robots = [...useFleetTopic("robots").values()].filter(({ name, groups }) =>
+    isCovered(draft, name, groups),
   );
   const names = robots.map(({ name }) => naming.nameOf(name)).join(", ");
   return (

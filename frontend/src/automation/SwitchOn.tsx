@@ -2,10 +2,10 @@ import { Button, Group, List, Stack, Text } from "@mantine/core";
 import { useState } from "react";
 import type { Rule } from "../api/automation";
 import { useNaming } from "../fleet/useNaming";
+import { NameInput, useOwnName } from "../stop/NameInput";
 import { setOwnName } from "../stop/who";
 import { Dialog } from "../ui/Dialog";
 import classes from "./automation.module.css";
-import { NameInput, useOwnName } from "./NameInput";
 import { conditionWords } from "./words";
 
 interface SwitchOnProps {
@@ -42,7 +42,7 @@ function Question({ rule, onClose, onSwitch }: Omit<SwitchOnProps, "opened">) {
         {conditionWords(rule)}
       </Text>
       <Text size="sm">Check that the ways to the docks are clear.</Text>
-      <NameInput value={name} onChange={setName} />
+      <NameInput value={name} description="Shown beside the rule." onChange={setName} />
       <Group justify="flex-end" gap="sm">
         <Button variant="default" onClick={onClose} data-autofocus>
           Cancel

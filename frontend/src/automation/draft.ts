@@ -1,4 +1,5 @@
 import type { Rule, RuleBody, RuleMode } from "../api/automation";
+import { ALL_ROBOTS, choiceBody, choiceError, type RobotChoice } from "../fleet/robotChoice";
 import { zoneName } from "../ui/zone";
 import { WEEKDAYS } from "./words";
 
@@ -7,15 +8,11 @@ export const MAX_NAME = 60;
 export const MIN_IDLE_S = 10;
 export const MAX_IDLE_S = 86_400;
 export const MAX_TIMES = 24;
-const MAX_ID = 40;
 const TIME = /^([01]?\d|2[0-3]):[0-5]\d$/;
 
 /** A rule as it is typed. */
-export interface Draft {
+export interface Draft extends RobotChoice {
   name: string;
-  all: boolean;
-  names: string[];
-  groups: string[];
   condition: "battery" | "schedule";
   /** In percent. */
   below: number | string;
@@ -28,9 +25,7 @@ export interface Draft {
 export function draftOf(rule: Rule | null): Draft {
   return {
     name: rule?.name ?? "",
-    all: rule?.robots.all ?? true,
-    names: rule?.robots.names ?? [],
-    groups: rule?.robots.groups ?? [],
+    ...(rule?.robots ?? ALL_ROBOTS),
     condition: rule?.schedule ? "schedule" : "battery",
     below: Math.round((rule?.battery?.below ?? 0.2) * 1000) / 10,
     idleSeconds: rule?.battery?.idle_s ?? 60,
@@ -46,8 +41,8 @@ export type DraftErrors = Partial<Record<keyof Draft, string>>;
 export function errorsOf(draft: Draft): DraftErrors {
   const errors: DraftErrors = {};
   if (draft.name.trim() === "") errors.name = "Type a name.";
-  if (!draft.all && draft.names.length + draft.groups.length === 0)
-    errors.names = "Choose a robot or a group.";
+  const wrong = choiceError(draft);
+  if (wrong !== undefined) errors.names = wrong;
   if (draft.condition === "battery") {
     if (!isWithin(draft.below, 0.1, 100)) errors.below = "From 0.1 to 100 %";
     if (!isWithin(draft.idleSeconds, MIN_IDLE_S, MAX_IDLE_S)) errors.idleSeconds = "From 10 s to one day";
@@ -65,7 +60,7 @@ function isWithin(value: number | string, lowest: number, highest: number): bool
 
 /** The request that stores a rule. */
 export function bodyOf(draft: Draft, mode: RuleMode, by: string | null): RuleBody {
-  const robots = draft.all ? { all: true } : { names: draft.names, groups: draft.groups };
+  const robots = choiceBody(draft);
   const schedule = { times: draft.times.map(padded), weekdays: draft.weekdays, time_zone: draft.timeZone };
   const condition =
     draft.condition === "battery"
@@ -85,17 +80,4 @@ export function withMode(
   by: string | null,
 ): RuleBody {
   return { name, mode, robots, battery, schedule, by };
-}
-
-/** An id for a new rule: its name in small letters and digits, and a number where that is taken. */
-export function newId(name: string, taken: readonly string[]): string {
-  const plain = name
-    .normalize("NFKD")
-    .replace(/\p{M}/gu, "")
-    .toLowerCase()
-    .replace(/[^a-z0-9]+/g, "-");
-  const slug = plain.slice(0, MAX_ID - 4).replace(/^-+|-+$/g, "") || "rule";
-  let id = slug;
-  for (let number = 2; taken.includes(id); number++) id = `${slug}-${number}`;
-  return id;
 }

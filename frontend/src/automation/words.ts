@@ -1,5 +1,4 @@
 import type { Decision, Rule, RuleMode, Wait } from "../api/automation";
-import type { Naming } from "../fleet/names";
 import { codeWords } from "../goal/words";
 import { formatDuration, formatter } from "../ui/time";
 
@@ -68,14 +67,6 @@ function daysWords(days: readonly string[]): string {
   if (days.length === WEEKDAYS.length) return "every day";
   if (all === WEEKDAYS.slice(0, 5).join(" ")) return "Mon–Fri";
   return days.map(dayWords).join(", ");
-}
-
-/** `All robots`, `Left forklift, robots in hall 1` */
-export function robotsWords({ robots }: Pick<Rule, "robots">, naming: Naming): string {
-  if (robots.all) return "All robots";
-  const groups = robots.groups.length === 0 ? [] : [`robots in ${robots.groups.join(", ")}`];
-  const words = [...robots.names.map((name) => naming.nameOf(name)), ...groups].join(", ");
-  return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
 /** The facts that a decision went by, and why no goal was sent; times in the zone that is shown. */

@@ -1,5 +1,6 @@
 import { Suspense } from "react";
 import { Route, Routes } from "react-router";
+import { Announcements } from "../notifications/Announcements";
 import OverviewPage from "../overview/OverviewPage";
 import RobotPage from "../robot/RobotPage";
 import { Guarded } from "../ui/Guarded";
@@ -13,6 +14,7 @@ const ActionsPage = lazyPart(() => import("../actions/ActionsPage"));
 const ActionPage = lazyPart(() => import("../actions/ActionPage"));
 const StatisticsPage = lazyPart(() => import("../statistics/StatisticsPage"));
 const AutomationPage = lazyPart(() => import("../automation/AutomationPage"));
+const NotificationsPage = lazyPart(() => import("../notifications/NotificationsPage"));
 const GraphPage = lazyPart(() => import("../graph/GraphPage"));
 const WallPage = lazyPart(() => import("../wall/WallPage"));
 
@@ -30,22 +32,26 @@ function Wall() {
 /** The pages, in what they have in common. */
 export function App() {
   return (
-    <Routes>
-      <Route path="ui/wall" element={<Wall />} />
-      <Route element={<Shell />}>
-        <Route index element={<OverviewPage />} />
-        <Route path="ui">
-          <Route path="robot" element={<RobotPage />} />
-          <Route path="goals" element={<GoalsPage />} />
-          <Route path="goals/:goalId" element={<GoalPage />} />
-          <Route path="actions" element={<ActionsPage />} />
-          <Route path="actions/*" element={<ActionPage />} />
-          <Route path="statistics" element={<StatisticsPage />} />
-          <Route path="automation" element={<AutomationPage />} />
-          <Route path="graph" element={<GraphPage />} />
+    <>
+      <Announcements />
+      <Routes>
+        <Route path="ui/wall" element={<Wall />} />
+        <Route element={<Shell />}>
+          <Route index element={<OverviewPage />} />
+          <Route path="ui">
+            <Route path="robot" element={<RobotPage />} />
+            <Route path="goals" element={<GoalsPage />} />
+            <Route path="goals/:goalId" element={<GoalPage />} />
+            <Route path="actions" element={<ActionsPage />} />
+            <Route path="actions/*" element={<ActionPage />} />
+            <Route path="statistics" element={<StatisticsPage />} />
+            <Route path="automation" element={<AutomationPage />} />
+            <Route path="notifications" element={<NotificationsPage />} />
+            <Route path="graph" element={<GraphPage />} />
+          </Route>
+          <Route path="*" element={<NotFoundPage />} />
         </Route>
-        <Route path="*" element={<NotFoundPage />} />
-      </Route>
-    </Routes>
+      </Routes>
+    </>
   );
 }

@@ -6,6 +6,7 @@ import { ColorSchemeSwitch } from "./ColorSchemeSwitch";
 import { ConnectionStatus } from "./ConnectionStatus";
 import classes from "./layout.module.css";
 import { Navigation } from "./Navigation";
+import { NotificationsLink } from "./NotificationsLink";
 import { ShortcutsButton } from "./ShortcutsButton";
 
 export function Header() {
@@ -19,9 +20,10 @@ export function Header() {
           <Navigation />
           <ConnectionStatus />
           <Group gap="sm" wrap="nowrap" className={classes.actions}>
-            <Anchor href="/docs" size="sm" visibleFrom="md">
+            <Anchor href="/docs" size="sm" className={classes.wide ?? ""}>
               API
             </Anchor>
+            <NotificationsLink />
             <SearchButton />
             <ShortcutsButton />
             <ColorSchemeSwitch />

@@ -16,7 +16,7 @@ export function Navigation() {
     <Menu />
   ) : (
     <nav aria-label="Pages" className={classes.navigation}>
-      <Pages className={classes.row} />
+      <Pages className={classes.row} pages={PAGES.filter(({ button }) => !button)} />
     </nav>
   );
 }
@@ -49,7 +49,7 @@ function Menu() {
         <AlertCount />
       </span>
       <div id={listId} hidden={!opened}>
-        <Pages className={classes.list} counted={false} onChoose={close} />
+        <Pages className={classes.list} pages={PAGES} counted={false} onChoose={close} />
       </div>
     </nav>
   );
@@ -57,15 +57,16 @@ function Menu() {
 
 interface PagesProps {
   className: string | undefined;
+  pages: typeof PAGES;
   /** Whether the overview's link says how many alerts there are. */
   counted?: boolean;
   onChoose?: () => void;
 }
 
-function Pages({ className, counted = true, onChoose }: PagesProps) {
+function Pages({ className, pages, counted = true, onChoose }: PagesProps) {
   return (
     <div className={className}>
-      {PAGES.map(({ to, name, letter }) => (
+      {pages.map(({ to, name, letter }) => (
         <NavLink
           key={to}
           to={to}

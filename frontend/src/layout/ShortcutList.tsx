@@ -1,4 +1,4 @@
-import { Group, Kbd, Stack, Switch, Text, TextInput, Title } from "@mantine/core";
+import { Anchor, Group, Kbd, Stack, Switch, Text, TextInput, Title } from "@mantine/core";
 import { Fragment, useState } from "react";
 import { TWICE_WITHIN_MS } from "../stop/keys";
 import { MAX_NAME, ownName, setOwnName } from "../stop/who";
@@ -64,6 +64,9 @@ export default function ShortcutList() {
         <Text size="sm">Times on every page:</Text>
         <ZoneSwitch />
       </Group>
+      <Anchor href="/docs" size="sm">
+        API documentation
+      </Anchor>
     </Stack>
   );
 }

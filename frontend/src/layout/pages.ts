@@ -1,9 +1,18 @@
-/** The pages, and the letter that goes to each after a g. */
-export const PAGES = [
+interface Page {
+  to: string;
+  name: string;
+  /** Goes to it after a g. */
+  letter: string;
+  /** Reached by a button of the header where there is room for the links to the others. */
+  button?: true;
+}
+
+export const PAGES: readonly Page[] = [
   { to: "/", name: "Overview", letter: "o" },
   { to: "/ui/goals", name: "Goals", letter: "g" },
   { to: "/ui/actions", name: "Actions", letter: "a" },
   { to: "/ui/statistics", name: "Statistics", letter: "s" },
   { to: "/ui/automation", name: "Automatic docking", letter: "d" },
   { to: "/ui/graph", name: "Graph", letter: "r" },
-] as const;
+  { to: "/ui/notifications", name: "Notifications", letter: "n", button: true },
+];

@@ -34,7 +34,7 @@ export function StopButton() {
 
   return (
     <Group gap="xs" wrap="nowrap">
-      <Group gap={4} wrap="nowrap" visibleFrom="md" aria-hidden="true">
+      <Group gap={4} wrap="nowrap" className={classes.keys ?? ""} aria-hidden="true">
         <Kbd>Esc</Kbd>
         <Kbd>Esc</Kbd>
       </Group>

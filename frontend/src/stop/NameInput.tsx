@@ -1,18 +1,25 @@
 import { TextInput } from "@mantine/core";
 import { useState } from "react";
-import { MAX_NAME, ownName } from "../stop/who";
+import { MAX_NAME, ownName } from "./who";
 
 /** The name that is kept in this browser, as it was when the dialog was opened. */
 export function useOwnName(): string {
   return useState(ownName)[0];
 }
 
-/** Who changes a rule. */
-export function NameInput({ value, onChange }: { value: string; onChange: (name: string) => void }) {
+interface NameInputProps {
+  value: string;
+  /** Where the name is shown. */
+  description: string;
+  onChange: (name: string) => void;
+}
+
+/** Who makes a change. */
+export function NameInput({ value, description, onChange }: NameInputProps) {
   return (
     <TextInput
       label="Your name"
-      description="Shown beside the rule."
+      description={description}
       autoComplete="name"
       maxLength={MAX_NAME}
       value={value}

@@ -1,14 +1,21 @@
 import { MultiSelect, SegmentedControl, SimpleGrid, Stack } from "@mantine/core";
-import { useFleetTopic } from "../fleet/context";
-import { useNaming } from "../fleet/useNaming";
-import type { FieldsProps } from "./BatteryFields";
+import { useFleetTopic } from "./context";
+import type { RobotChoice } from "./robotChoice";
+import { useNaming } from "./useNaming";
 
-/** Which robots a rule is for. */
-export function RobotFields({ draft, errors, onChange }: FieldsProps) {
+interface RobotFieldsProps {
+  chosen: RobotChoice;
+  /** What is wrong with the choice. */
+  error: string | undefined;
+  onChange: (part: Partial<RobotChoice>) => void;
+}
+
+/** Chooses all robots, or some by their names and groups. */
+export function RobotFields({ chosen, error, onChange }: RobotFieldsProps) {
   const naming = useNaming();
   const known = [...useFleetTopic("robots").keys()];
-  const robots = [...new Set([...known, ...draft.names])].sort();
-  const groups = [...new Set([...naming.groups(), ...draft.groups])].sort();
+  const robots = [...new Set([...known, ...chosen.names])].sort();
+  const groups = [...new Set([...naming.groups(), ...chosen.groups])].sort();
   return (
     <Stack gap="sm">
       <SegmentedControl
@@ -17,25 +24,25 @@ export function RobotFields({ draft, errors, onChange }: FieldsProps) {
           { value: "all", label: "All robots" },
           { value: "some", label: "Some robots" },
         ]}
-        value={draft.all ? "all" : "some"}
+        value={chosen.all ? "all" : "some"}
         onChange={(value) => onChange({ all: value === "all" })}
       />
-      {!draft.all && (
+      {!chosen.all && (
         <SimpleGrid cols={{ base: 1, xs: 2 }} spacing="sm">
           <MultiSelect
             label="Robots"
             searchable
             data={robots.map((name) => ({ value: name, label: naming.fullNameOf(name) }))}
-            value={draft.names}
-            error={errors.names}
+            value={chosen.names}
+            error={error}
             onChange={(names) => onChange({ names })}
           />
           <MultiSelect
             label="Groups"
             searchable
             data={groups}
-            value={draft.groups}
-            onChange={(chosen) => onChange({ groups: chosen })}
+            value={chosen.groups}
+            onChange={(groups) => onChange({ groups })}
           />
         </SimpleGrid>
       )}

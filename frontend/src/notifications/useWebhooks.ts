@@ -1,0 +1,69 @@
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { type CommandError, toCommandError } from "../api/errors";
+import {
+  type Delivery,
+  deleteWebhook,
+  listDeliveries,
+  listWebhooks,
+  putWebhook,
+  type StoredWebhook,
+  testWebhook,
+  type Webhook,
+  type WebhookBody,
+} from "../api/webhooks";
+import { useFleet, useFleetLive } from "../fleet/context";
+import { useCommand } from "../ui/useCommand";
+
+const KEY = ["webhooks"] as const;
+/** How often it is asked what was sent, and what others have changed (ms). */
+const REFETCH_MS = 5000;
+
+function failing(error: unknown): never {
+  throw toCommandError(error);
+}
+
+/** The webhooks, as they are now. */
+export function useWebhooks() {
+  const { http } = useFleet();
+  return useQuery<Webhook[], CommandError>({
+    queryKey: KEY,
+    queryFn: () => listWebhooks(http).catch(failing),
+    enabled: useFleetLive(),
+    refetchInterval: REFETCH_MS,
+  });
+}
+
+/** What was and is to be sent to a webhook. */
+export function useDeliveries(id: string) {
+  const { http } = useFleet();
+  return useQuery<Delivery[], CommandError>({
+    queryKey: [...KEY, id, "deliveries"],
+    queryFn: () => listDeliveries(http, id).catch(failing),
+    enabled: useFleetLive(),
+    refetchInterval: REFETCH_MS,
+  });
+}
+
+/** What changes webhooks, and tries them out. */
+export function useWebhookCommands() {
+  const { http } = useFleet();
+  const client = useQueryClient();
+  // Not the deliveries: those of a webhook that was removed are gone.
+  const changed = () => client.invalidateQueries({ queryKey: KEY, exact: true });
+  const save = useCommand(async ({ id, body }: { id: string; body: WebhookBody }): Promise<StoredWebhook> => {
+    const stored = await putWebhook(http, id, body);
+    await changed();
+    return stored;
+  });
+  const remove = useCommand(async (id: string) => {
+    await deleteWebhook(http, id);
+    await changed();
+  });
+  const test = useCommand(async (id: string) => {
+    const delivery = await testWebhook(http, id);
+    void client.invalidateQueries({ queryKey: [...KEY, id] });
+    void changed();
+    return delivery;
+  });
+  return { save, remove, test };
+}

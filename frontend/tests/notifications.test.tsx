@@ -1,0 +1,242 @@
+import { act, screen, waitFor, within } from "@testing-library/react";
+import axe from "axe-core";
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import type { Delivery, Webhook, WebhookBody } from "../src/api/webhooks";
+import { Naming } from "../src/fleet/names";
+import { ALL_ROBOTS } from "../src/fleet/robotChoice";
+import type { Alert } from "../src/fleet/types";
+import { isWanted } from "../src/notifications/Announcements";
+import { bodyOf, draftOf, errorsOf, switched } from "../src/notifications/draft";
+// Loaded on demand by the page: on a busy machine their first import takes longer than a test waits.
+import "../src/notifications/NotificationsPage";
+import { preferences, setPreferences } from "../src/notifications/preferences";
+import { outcomeWords, testWords } from "../src/notifications/words";
+import { fakeGateway, renderPage } from "./page";
+
+const LOW: Alert = {
+  id: "low",
+  kind: "low_battery",
+  robot: "/robot1",
+  severity: "warning",
+  since: "2026-11-23T10:00:00Z",
+  title: "Low battery",
+  detail: "Send the robot to its dock.",
+  goal_id: null,
+  acknowledged: null,
+};
+const STOPPED: Alert = { ...LOW, id: "stop", kind: "stop_latched", severity: "critical", title: "Stopped" };
+const SENT: Delivery = {
+  id: "d1",
+  webhook_id: "room",
+  type: "alert.raised",
+  at: "2026-11-23T10:00:00Z",
+  event: {
+    type: "alert.raised",
+    timestamp: "2026-11-23T10:00:00Z",
+    text: "Low battery",
+    data: { ...LOW, display_name: null, groups: [] },
+  },
+  state: "delivered",
+  attempts: 1,
+  next_at: null,
+  tried_at: "2026-11-23T10:00:01Z",
+  status_code: 204,
+  error: null,
+};
+const ROOM: Webhook = {
+  id: "room",
+  name: "Control room",
+  url: "https://hooks.example.com/a",
+  enabled: true,
+  severities: ["critical", "warning"],
+  robots: { all: true, names: [], groups: [] },
+  changed_by: "Ada",
+  changed_at: "2026-11-23T09:00:00Z",
+  pending: 0,
+  last_delivery: null,
+};
+const QUIET = { desktop: false, sound: false, warnings: true, robots: ALL_ROBOTS };
+
+/** A gateway with these webhooks; it remembers what it is asked. */
+function answering(webhooks: Webhook[], tested: Delivery = { ...SENT, type: "test" }) {
+  const asked: { method: string; path: string; body: WebhookBody | null }[] = [];
+  vi.stubGlobal("fetch", async (request: Request) => {
+    const { pathname } = new URL(request.url);
+    const { method } = request;
+    if (pathname === "/webhooks") return Response.json({ webhooks });
+    if (pathname.endsWith("/deliveries")) return Response.json({ deliveries: [SENT] });
+    if (!pathname.startsWith("/webhooks/")) return Response.json({}, { status: 404 });
+    const body = method === "PUT" ? ((await request.json()) as WebhookBody) : null;
+    asked.push({ method, path: pathname, body });
+    if (pathname.endsWith("/test")) return Response.json(tested);
+    const id = pathname.split("/")[2] ?? "";
+    const known = webhooks.find((webhook) => webhook.id === id);
+    webhooks = webhooks.filter((webhook) => webhook.id !== id);
+    if (body === null) return new Response(null, { status: 204 });
+    const stored = { ...(known ?? ROOM), id, name: body.name, url: body.url, enabled: body.enabled ?? true };
+    webhooks = [...webhooks, stored];
+    return Response.json({ ...stored, secret: known === undefined ? "whsec_new" : null });
+  });
+  return asked;
+}
+
+const open = () => renderPage(fakeGateway(), {}, "/ui/notifications");
+
+beforeEach(() => setPreferences(QUIET));
+
+describe("what is typed", () => {
+  it("becomes a request", () => {
+    expect(
+      bodyOf({ ...draftOf(null), name: " A ", url: " https://a/b ", warnings: false }, true, "Ada"),
+    ).toEqual({
+      name: "A",
+      url: "https://a/b",
+      enabled: true,
+      severities: ["critical"],
+      robots: { all: true },
+      by: "Ada",
+    });
+    expect(errorsOf(draftOf(ROOM))).toEqual({});
+    expect(switched(ROOM, false, null)).toMatchObject({
+      enabled: false,
+      url: ROOM.url,
+      robots: { all: true },
+    });
+  });
+
+  it("is checked", () => {
+    const draft = draftOf(ROOM);
+    expect(errorsOf({ ...draft, name: " ", all: false })).toEqual({
+      name: "Type a name.",
+      robots: "Choose a robot or a group.",
+    });
+    for (const url of ["", "hooks.example.com", "ftp://a/b"])
+      expect(errorsOf({ ...draft, url }).url).toMatch(/begins with https/);
+    expect(errorsOf({ ...draft, url: "https://ada:secret@a/b" }).url).toBe(
+      "Leave out user name and password.",
+    );
+  });
+});
+
+describe("the words", () => {
+  it("say what came of a delivery", () => {
+    expect(outcomeWords(SENT)).toBe("204");
+    expect(outcomeWords({ ...SENT, attempts: 3 })).toBe("204, attempt 3");
+    const failed: Delivery = { ...SENT, state: "failed", attempts: 8, error: "the answer was 503" };
+    expect(outcomeWords(failed)).toBe("The answer was 503, attempt 8");
+    const pending: Delivery = { ...failed, state: "pending", next_at: "2026-11-23T10:00:05Z" };
+    expect(outcomeWords(pending)).toMatch(/^The answer was 503, attempt 8\. Next at .*\d\d:\d\d:\d\d$/);
+    expect(outcomeWords({ ...pending, attempts: 0, error: null })).toBe("");
+    expect(testWords({ ...failed, error: "no answer within 10 s" })).toBe("no answer within 10 s");
+  });
+});
+
+describe("the page", () => {
+  it("adds a webhook and shows its secret once", async () => {
+    const asked = answering([]);
+    const { user } = open();
+    await screen.findByText(/A webhook tells another system/);
+    await user.click(screen.getByRole("button", { name: "New webhook" }));
+    const dialog = await screen.findByRole("dialog", { name: "New webhook" });
+    await user.click(within(dialog).getByRole("button", { name: "Save" }));
+    expect(within(dialog).getByText("Type a name.")).toBeDefined();
+    await user.type(within(dialog).getByRole("textbox", { name: "Name" }), "Büro");
+    await user.type(within(dialog).getByRole("textbox", { name: "Address" }), "https://a/b");
+    await user.click(within(dialog).getByRole("button", { name: "Save" }));
+    expect(await screen.findByText("whsec_new")).toBeDefined();
+    expect(asked).toMatchObject([
+      { method: "PUT", path: "/webhooks/buro", body: { name: "Büro", enabled: true } },
+    ]);
+    await screen.findByText("Büro");
+  });
+
+  it("tests, switches off and removes one", async () => {
+    const asked = answering([{ ...ROOM, last_delivery: SENT }], {
+      ...SENT,
+      type: "test",
+      state: "failed",
+      error: "no connection",
+    });
+    const { user } = open();
+    await user.click(await screen.findByRole("button", { name: "Test Control room" }));
+    expect(await screen.findByText("no connection")).toBeDefined();
+    await user.click(screen.getByText(/Last delivered/));
+    expect(await screen.findByText("Low battery, /robot1")).toBeDefined();
+    expect(
+      (await axe.run(document.body, { rules: { "color-contrast": { enabled: false } } })).violations,
+    ).toEqual([]);
+    await user.click(screen.getByRole("switch", { name: "Control room is on" }));
+    await waitFor(() =>
+      expect(screen.getByRole<HTMLInputElement>("switch", { name: "Control room is on" }).checked).toBe(
+        false,
+      ),
+    );
+    await user.click(screen.getByRole("button", { name: "Remove Control room" }));
+    const dialog = await screen.findByRole("dialog", { name: "Remove Control room?" });
+    await user.click(within(dialog).getByRole("button", { name: "Remove" }));
+    await screen.findByText(/A webhook tells another system/);
+    expect(asked.map(({ method }) => method)).toEqual(["POST", "PUT", "DELETE"]);
+  });
+});
+
+describe("this browser", () => {
+  it("takes what is stored as far as it can be read", async () => {
+    setPreferences({ sound: true, robots: { all: false, names: ["/a"], groups: [] } });
+    const read = async (text: string) => {
+      localStorage.setItem("dock-gateway-announcements", text);
+      vi.resetModules();
+      return (await import("../src/notifications/preferences")).preferences();
+    };
+    expect(await read(localStorage.getItem("dock-gateway-announcements") ?? "")).toEqual(preferences());
+    for (const damaged of ["", "[", "null", "7", '{"sound":"yes","robots":[]}'])
+      expect(await read(damaged)).toEqual(QUIET);
+    expect((await read('{"robots":{"all":false,"names":[1,"/a"]}}')).robots).toEqual({
+      all: false,
+      names: ["/a"],
+      groups: [],
+    });
+  });
+
+  it("announces alerts that are wanted and not acknowledged", () => {
+    const naming = new Naming([{ name: "/robot1", display_name: null, groups: ["hall 1"] }]);
+    const hall = { all: false, names: [], groups: ["hall 1"] };
+    expect(isWanted(LOW, QUIET, naming)).toBe(true);
+    expect(isWanted(LOW, { ...QUIET, warnings: false }, naming)).toBe(false);
+    expect(isWanted(STOPPED, { ...QUIET, warnings: false, robots: hall }, naming)).toBe(true);
+    expect(isWanted({ ...STOPPED, robot: "/robot2" }, { ...QUIET, robots: hall }, naming)).toBe(false);
+    expect(isWanted({ ...LOW, robot: null }, { ...QUIET, robots: hall }, naming)).toBe(true);
+    const acknowledged = { by: "Ada", at: LOW.since };
+    expect(isWanted({ ...LOW, acknowledged }, QUIET, naming)).toBe(false);
+  });
+
+  it("shows a notification of each alert that begins, once", async () => {
+    const shown: { title: string; options: NotificationOptions }[] = [];
+    class FakeNotification {
+      static permission = "granted";
+      static requestPermission = async () => "granted";
+      onclick: (() => void) | null = null;
+      constructor(title: string, options: NotificationOptions) {
+        shown.push({ title, options });
+      }
+      close() {}
+    }
+    vi.stubGlobal("Notification", FakeNotification);
+    vi.stubGlobal("isSecureContext", true);
+    answering([]);
+    setPreferences({ desktop: true });
+    const { store } = open();
+    const alerts = (...all: Alert[]) =>
+      act(() => store.onEvent({ type: "alerts", time: LOW.since, alerts: all }));
+    alerts(LOW);
+    await screen.findByText(/A webhook tells another system/);
+    expect(shown.length).toBeLessThanOrEqual(1);
+    shown.length = 0;
+    alerts(LOW, STOPPED);
+    alerts(LOW, STOPPED);
+    await waitFor(() => expect(shown).toHaveLength(1));
+    expect(shown[0]).toMatchObject({
+      title: "/robot1: Stopped",
+      options: { tag: "stop", body: LOW.detail, requireInteraction: true },
+    });
+  });
+});
