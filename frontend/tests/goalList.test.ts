@@ -23,6 +23,11 @@ describe("the filter", () => {
     );
   });
 
+  it("keeps a group, which the gateway resolves", () => {
+    expect(writeFilter(read("group=Hall+1")).toString()).toBe("group=Hall+1");
+    expect(toQuery(read("group=Hall+1"), START)).toEqual({ group: "Hall 1" });
+  });
+
   it("takes every state before the end as running", () => {
     expect(read("status=executing&status=pending").states).toEqual(["running"]);
     expect(toQuery(read("status=executing&status=aborted"), START).status).toEqual([

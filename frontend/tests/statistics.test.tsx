@@ -73,13 +73,14 @@ describe("the view", () => {
     for (const query of [
       "",
       "last=30d&by=robot&robot=%2Frobot1",
+      "by=action&group=Hall+1&tag=blocked&tag=late",
       "since=2026-11-01T00%3A00%3A00Z&until=2026-11-07T00%3A00%3A00Z",
     ])
       expect(writeView(read(query)).toString()).toBe(query);
   });
 
   it("replaces what it does not understand", () => {
-    expect(read("last=2y&by=dock&robot=&since=yesterday")).toEqual(read(""));
+    expect(read("last=2y&by=dock&robot=&since=yesterday&group=&tag=")).toEqual(read(""));
   });
 
   it("asks for whole days in the reader's zone", () => {
@@ -92,6 +93,10 @@ describe("the view", () => {
       robot: "/r",
       tz: zoneName(),
       since: midnight(21),
+    });
+    expect(toQuery(read("group=Hall+1&tag=a&tag=b"), noon)).toMatchObject({
+      group: "Hall 1",
+      tag: ["a", "b"],
     });
   });
 });

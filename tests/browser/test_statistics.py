@@ -85,6 +85,30 @@ def test_one_robot_at_any_dates(page: Page, gateway: RunningGateway) -> None:
     expect(page).to_have_url(re.compile(r"since=2019-12-01T13%3A30%3A00.000Z&until=2020-01-03T00%3A00"))
 
 
+def test_a_group_and_a_tag(page: Page, gateway: RunningGateway) -> None:
+    """They stay in the address, and go with the links to the goals."""
+    label = {"robot": "/robot1", "display_name": None, "groups": ["Hall 1"]}
+    assert gateway.http.put("/robots/label", json=label).status_code == 200
+    gateway.http.put("/robots/label", json=label | {"robot": "/robot2", "groups": ["Hall 2"]})
+    for number in (0, 1, 2):
+        gateway.http.put(f"/goals/00000000-0000-4000-8000-{number:012}/tags", json={"tags": ["night shift"]})
+    page.goto(f"{gateway.url}/ui/statistics?by=robot&last=30d&group=Hall+1")
+    total = page.get_by_role("region", name="All goals")
+    expect(total.get_by_role("link", name="9: goals that ended")).to_be_visible()
+    page.get_by_role("combobox", name="Tag").select_option("night shift")
+    expect(page).to_have_url(re.compile(r"group=Hall\+1&tag=night\+shift"))
+    expect(page.get_by_role("combobox", name="Group")).to_have_value("Hall 1")
+    assert find_violations(page) == []
+    row_of(page, "By robot", "/robot1").get_by_role("link", name="2: goals that ended").click()
+    listed = page.get_by_role("table").locator("tbody tr")
+    expect(listed).to_have_count(2)
+    page.get_by_role("combobox", name="Action").select_option("All actions")
+    page.get_by_role("combobox", name="Tag").select_option("With and without")
+    expect(listed).to_have_count(9)
+    page.get_by_role("combobox", name="Group").select_option("All groups")
+    expect(listed).to_have_count(18)
+
+
 def test_accessibility(page: Page, gateway: RunningGateway) -> None:
     page.goto(f"{gateway.url}/ui/statistics?by=robot")
     expect(row_of(page, "By robot", "/robot2")).to_be_visible()

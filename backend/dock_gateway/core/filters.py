@@ -85,6 +85,14 @@ class WithoutFeedback(EventFilter):
 
 
 @dataclass(frozen=True)
+class GroupActions:
+    """The actions of the robots that are in a group: those that have goals."""
+
+    group: str
+    names: frozenset[str]
+
+
+@dataclass(frozen=True)
 class GoalFilter:
     """A query for goals. A goal must meet all conditions.
 
@@ -98,6 +106,7 @@ class GoalFilter:
         until: Created before this time; None means any time.
         id_prefix: With an id that begins with this, in lower case.
         tags: With one of these tags; empty means any, also none.
+        group: On one of the actions of this group; None means any.
     """
 
     action_names: frozenset[str] = frozenset()
@@ -109,6 +118,7 @@ class GoalFilter:
     until: datetime | None = None
     id_prefix: str = ""
     tags: frozenset[str] = frozenset()
+    group: GroupActions | None = None
 
     @cached_property
     def prefix(self) -> str:
@@ -126,4 +136,5 @@ class GoalFilter:
             and (self.since is None or goal.created_at >= self.since)
             and (self.until is None or goal.created_at < self.until)
             and goal.goal_id.startswith(self.id_prefix)
+            and (self.group is None or goal.action_name in self.group.names)
         )

@@ -39,6 +39,14 @@ class Labels:
         """Return the label of a robot; an empty one if it has none."""
         return self._entries.get(robot) or NO_LABEL
 
+    def robots(self) -> set[str]:
+        """Return the robots that have a label."""
+        return self._entries.keys()
+
+    def in_group(self, group: str) -> set[str]:
+        """Return the robots that are in a group."""
+        return {robot for robot, label in self._entries.all().items() if group in label.groups}
+
     async def replace(self, robot: str, label: RobotLabel) -> None:
         """Store the label of a robot; an empty one removes it.
 

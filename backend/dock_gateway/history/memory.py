@@ -144,6 +144,10 @@ class MemoryHistory:
         found = (copy(goal) for goal in newest_first if tagged(goal) and wanted.matches(goal))
         return [goal for goal, _ in zip(found, range(limit), strict=False)]
 
+    async def action_names(self) -> set[str]:
+        """Return the names of the actions that have goals."""
+        return {goal.action_name for goal in self._goals.values()}
+
     def _tagged(self, wanted: GoalFilter) -> Callable[[Goal], bool]:
         """Return a function that says whether a goal has one of the wanted tags, if any are wanted."""
         chosen = self.notes.with_one_of(wanted.tags)

@@ -238,6 +238,9 @@ class History(Protocol):
     async def page(self, wanted: GoalFilter, *, limit: int, before: str | None = None) -> list[Goal]:
         """Return goals, newest first; with `before`, only goals older than that one."""
 
+    async def action_names(self) -> set[str]:
+        """Return the names of the actions that have goals."""
+
     async def get(self, goal_id: str) -> Goal | None:
         """Return a goal, or None if there is no such goal."""
 

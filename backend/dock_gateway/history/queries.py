@@ -134,11 +134,7 @@ def page(
 
 def conditions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
     """Return `GoalFilter.matches` as SQL conditions."""
-    found: list[sa.ColumnElement[bool]] = []
-    if wanted.action_names:
-        found.append(goals.c.action_name.in_(sorted(wanted.action_names)))
-    if wanted.prefix != "/":  # not LIKE, which ignores case in SQLite
-        found.append(sa.func.substr(goals.c.action_name, 1, len(wanted.prefix)) == wanted.prefix)
+    found = _on_actions(wanted)
     if wanted.statuses:
         found.append(goals.c.status.in_(sorted(status.value for status in wanted.statuses)))
     if wanted.error_codes:
@@ -157,9 +153,34 @@ def conditions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
     return found
 
 
+def _on_actions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
+    found: list[sa.ColumnElement[bool]] = []
+    if wanted.action_names:
+        found.append(goals.c.action_name.in_(sorted(wanted.action_names)))
+    if wanted.prefix != "/":  # not LIKE, which ignores case in SQLite
+        found.append(sa.func.substr(goals.c.action_name, 1, len(wanted.prefix)) == wanted.prefix)
+    if wanted.group is not None:
+        found.append(goals.c.action_name.in_(sorted(wanted.group.names)))
+    return found
+
+
 def tagged(tags: Collection[str]) -> "sa.Select[tuple[str]]":
     """Return a query for the ids of the goals that have one of these tags."""
     return sa.select(goal_tags.c.goal_id).where(goal_tags.c.tag.in_(sorted(tags)))
+
+
+# Reads an index once for each name: DISTINCT would read it all.
+_ACTION_NAMES = sa.text(
+    "WITH RECURSIVE names (name) AS ("
+    "SELECT min(action_name) FROM goals UNION ALL "
+    "SELECT (SELECT min(action_name) FROM goals WHERE action_name > name) FROM names WHERE name IS NOT NULL"
+    ") SELECT name FROM names WHERE name IS NOT NULL"
+)
+
+
+def action_names(connection: sa.Connection) -> set[str]:
+    """Return the names of the actions that have goals."""
+    return set(connection.scalars(_ACTION_NAMES))
 
 
 def unfinished(connection: sa.Connection) -> list[Goal]:

@@ -218,6 +218,12 @@ class SqlHistory:
         read = partial(_page, limit=limit, before=before)
         return await self._reader.read(read, wanted, dict(self._waiting.goals))
 
+    async def action_names(self) -> set[str]:
+        """Return the names of the actions that have goals."""
+        self._reader.require_everything()
+        waiting = {goal.action_name for goal in self._waiting.goals.values()}
+        return waiting | await self._reader.read(queries.action_names)
+
     async def get(self, goal_id: str) -> Goal | None:
         """Return a goal, or None if there is no such goal."""
         waiting = self._waiting.goals.get(goal_id)

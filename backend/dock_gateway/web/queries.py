@@ -14,9 +14,10 @@ from dock_gateway.core.goal import Origin
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
 from dock_gateway.robots.registry import NAME_PART, read_namespace
-from dock_gateway.web.requests import MAX_TAG, NAME, ROBOT_PATTERN, StatusQuery, TheGateway, read_goal_id
+from dock_gateway.web.owners import actions_of_group
+from dock_gateway.web.requests import MAX_GROUP, MAX_TAG, NAME, ROBOT_PATTERN, StatusQuery, TheGateway, read_goal_id
 
-QUERY = ("robot", "action", "status", "error", "origin", "since", "until", "id", "tag")
+QUERY = ("robot", "action", "status", "error", "origin", "since", "until", "id", "tag", "group")
 # The range of ROS times, which are 64-bit nanoseconds.
 EARLIEST, LATEST = datetime(1970, 1, 1, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
 RFC_3339 = re.compile(
@@ -74,6 +75,10 @@ IdPrefixQuery = Annotated[
 ]
 Tag = Annotated[str, StringConstraints(max_length=MAX_TAG, pattern=f"^{NAME.pattern}$")]
 TagsQuery = Annotated[list[Tag] | None, Query(description="Only goals with one of these tags")]
+Group = Annotated[str, StringConstraints(max_length=MAX_GROUP, pattern=f"^{NAME.pattern}$")]
+GroupQuery = Annotated[
+    Group | None, Query(description="Only goals on actions of the robots that are in this group now")
+]
 
 
 async def read_goal_filter(
@@ -88,11 +93,13 @@ async def read_goal_filter(
     until: UntilQuery = None,
     id: IdPrefixQuery = None,  # noqa: A002 - it is what clients call it
     tag: TagsQuery = None,
+    group: GroupQuery = None,
 ) -> GoalFilter:
     """Return the goal filter of a query. Its actions and robots may have left the graph.
 
     Raises:
         InvalidField: A value is invalid.
+        Unavailable: The history does not answer (`history_unavailable`).
     """
     namespace = "/" if robot is None else read_namespace(robot)
     under = None if robot is None else namespace
@@ -106,6 +113,7 @@ async def read_goal_filter(
         until=until,
         id_prefix=id or "",
         tags=frozenset(name.strip() for name in tag or ()),
+        group=None if group is None else await actions_of_group(gateway, group.strip()),
     )
 
 

@@ -22,7 +22,7 @@ from dock_gateway.robots.registry import NAME_PART, NAMESPACE
 JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
 MAX_WAIT = 300.0
 MAX_KEY = 200
-MAX_TAG = 30  # characters
+MAX_TAG, MAX_GROUP = 30, 40  # characters
 MAX_DIGITS = 18  # enough for every number in a header
 # A line of text: no control, bidirectional or invisible characters; not blank.
 _UNSEEN = r"\x00-\x1f\x7f-\x9f\xad\u200b-\u200f\u2028-\u202f\u205f-\u206f\ufeff\ufff9-\uffff"

@@ -4645,6 +4645,8 @@ export interface operations {
                 id?: string | null;
                 /** @description Only goals with one of these tags */
                 tag?: string[] | null;
+                /** @description Only goals on actions of the robots that are in this group now */
+                group?: string | null;
             };
             header?: never;
             path?: never;
@@ -5090,6 +5092,8 @@ export interface operations {
                 id?: string | null;
                 /** @description Only goals with one of these tags */
                 tag?: string[] | null;
+                /** @description Only goals on actions of the robots that are in this group now */
+                group?: string | null;
             };
             header?: never;
             path?: never;
@@ -5316,6 +5320,8 @@ export interface operations {
                 until?: string | null;
                 /** @description Only goals with one of these tags */
                 tag?: string[] | null;
+                /** @description Only goals on actions of the robots that are in this group now */
+                group?: string | null;
             };
             header?: never;
             path?: never;

@@ -50,19 +50,32 @@ export class Naming {
     return namespace === null ? this.nameOf(robot) : `${this.nameOf(robot)} (${namespace})`;
   }
 
-  /** The display name of the robot whose action this is; null where it has none. */
-  ownerNameOf(action: string): string | null {
+  /** The robot of an action: the one with the longest namespace that contains it; null where none is known. */
+  ownerOf(action: string): string | null {
     let namespace = action;
     do {
       namespace = namespace.slice(0, namespace.lastIndexOf("/")) || "/";
-      // An action below a namespace is not that of the robot in the root namespace.
-      if (namespace === "/" && action.lastIndexOf("/") > 0) return null;
-    } while (namespace !== "/" && !this.#labels.has(namespace));
-    return this.displayNameOf(namespace);
+      if (this.#labels.has(namespace)) return namespace;
+    } while (namespace !== "/");
+    return null;
+  }
+
+  /** The display name of the robot whose action this is; null where it has none. */
+  ownerNameOf(action: string): string | null {
+    const owner = this.ownerOf(action);
+    // An action below a namespace is not that of the robot in the root namespace.
+    const below = owner === "/" && action.lastIndexOf("/") > 0;
+    return owner === null || below ? null : this.displayNameOf(owner);
   }
 
   groupsOf(robot: string): readonly string[] {
     return this.#labels.get(robot)?.groups ?? [];
+  }
+
+  /** Whether an action's robot is in a group. */
+  isActionOf(action: string, group: string): boolean {
+    const owner = this.ownerOf(action);
+    return owner !== null && this.groupsOf(owner).includes(group);
   }
 
   /** Of all robots, in alphabetical order. */

@@ -2,6 +2,7 @@ import { Button, Chip, Group, NativeSelect, TextInput } from "@mantine/core";
 import { useEffect, useState } from "react";
 import { useActions } from "../actions/useActions";
 import { useFleet, useFleetTopic } from "../fleet/context";
+import { GroupSelect } from "../fleet/GroupSelect";
 import { useRobotOptions } from "../fleet/useNaming";
 import { codeWords } from "../goal/words";
 import { sentence } from "../ui/sentence";
@@ -16,7 +17,7 @@ import {
   STATES,
 } from "./filter";
 import classes from "./goals.module.css";
-import { useTags } from "./useTags";
+import { TagSelect } from "./TagSelect";
 
 interface GoalFiltersProps {
   filter: GoalFilter;
@@ -29,7 +30,6 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
   const change = (part: Partial<GoalFilter>) => onChange({ ...filter, ...part });
   const robots = useRobotOptions(filter.robot);
   const actions = useActionNames(filter.actions);
-  const tags = useTagOptions(filter.tags);
   return (
     <section aria-label="Filter the goals">
       <TimeRangeField value={filter} onChange={change} now={() => store.gatewayNow()} any />
@@ -40,6 +40,7 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
           onChange={(event) => change({ robot: event.currentTarget.value || null })}
           data={[{ value: "", label: "All robots" }, ...robots]}
         />
+        <GroupSelect label="Group" group={filter.group} onGroup={(group) => change({ group })} />
         <NativeSelect
           label="Action"
           value={filter.actions.join(" ")}
@@ -68,14 +69,12 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
             ]}
           />
         )}
-        {tags.length > 0 && (
-          <NativeSelect
-            label="Tag"
-            value={filter.tags.join(SEVERAL)}
-            onChange={(event) => change({ tags: event.currentTarget.value.split(SEVERAL).filter(Boolean) })}
-            data={[{ value: "", label: "With and without" }, ...tags]}
-          />
-        )}
+        <TagSelect
+          label="Tag"
+          any="With and without"
+          chosen={filter.tags}
+          onTags={(tags) => change({ tags })}
+        />
         <IdFilter id={filter.id} onId={(id) => change({ id })} />
       </div>
       <Group gap="xs" mt="sm">
@@ -104,18 +103,6 @@ export function GoalFilters({ filter, onChange }: GoalFiltersProps) {
       </Group>
     </section>
   );
-}
-
-/** Between the values of several, as no tag can have it. */
-const SEVERAL = "\n";
-
-/** The tags that goals have, with those that are chosen. */
-function useTagOptions(chosen: readonly string[]): { value: string; label: string }[] {
-  const tags = new Set([...useTags(), ...chosen]);
-  const options = [...tags].sort().map((tag) => ({ value: tag, label: tag }));
-  return chosen.length > 1
-    ? [{ value: chosen.join(SEVERAL), label: chosen.join(" or ") }, ...options]
-    : options;
 }
 
 /** Keeps what is typed to itself until it is the beginning of an id. */

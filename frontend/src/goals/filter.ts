@@ -22,6 +22,8 @@ const ORIGINS: readonly Origin[] = ["gateway", "automation", "external"];
 export interface GoalFilter extends TimeRange {
   /** A namespace: goals on actions in it or below. */
   robot: string | null;
+  /** Goals of the robots that are in it now; null for all. */
+  group: string | null;
   /** None is all. */
   actions: readonly string[];
   /** None is all. */
@@ -41,6 +43,7 @@ export const ID_BEGINNING = /^(?:[0-9a-f]-?){4,32}$/i;
 export const NO_FILTER: GoalFilter = {
   ...ANY_TIME,
   robot: null,
+  group: null,
   actions: [],
   states: [],
   errors: [],
@@ -56,6 +59,7 @@ export function readFilter(parameters: URLSearchParams): GoalFilter {
   return {
     ...readTimeRange(parameters),
     robot: parameters.get("robot") || null,
+    group: parameters.get("group") || null,
     actions: parameters.getAll("action").filter((name) => name !== ""),
     states: STATES.filter((state) => told.includes(state)),
     errors: parameters.getAll("error").filter((code) => code !== ""),
@@ -68,6 +72,7 @@ export function readFilter(parameters: URLSearchParams): GoalFilter {
 export function writeFilter(filter: GoalFilter): URLSearchParams {
   const parameters = new URLSearchParams();
   if (filter.robot !== null) parameters.set("robot", filter.robot);
+  if (filter.group !== null) parameters.set("group", filter.group);
   for (const action of filter.actions) parameters.append("action", action);
   for (const state of filter.states) parameters.append("status", state);
   for (const code of filter.errors) parameters.append("error", code);
@@ -86,6 +91,7 @@ export function isFiltered(filter: GoalFilter): boolean {
 export function toQuery(filter: GoalFilter, now: number): GoalQuery {
   return {
     ...(filter.robot === null ? {} : { robot: filter.robot }),
+    ...(filter.group === null ? {} : { group: filter.group }),
     ...(filter.actions.length === 0 ? {} : { action: [...filter.actions] }),
     ...(filter.states.length === 0 ? {} : { status: filter.states.flatMap(statusesOf) }),
     ...(filter.errors.length === 0 ? {} : { error: [...filter.errors] }),
@@ -96,7 +102,7 @@ export function toQuery(filter: GoalFilter, now: number): GoalQuery {
   };
 }
 
-/** Whether `GET /goals` would list it, too. */
+/** Whether `GET /goals` would list it, too; but for the group, which the gateway knows best. */
 export function matches(goal: ListedGoal, filter: GoalFilter, now: number): boolean {
   const { since, until } = boundsOf(filter, now);
   const created = Date.parse(goal.created_at);

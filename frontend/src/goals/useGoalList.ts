@@ -2,8 +2,9 @@ import { keepPreviousData, useInfiniteQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useRef } from "react";
 import { type CommandError, toCommandError } from "../api/errors";
 import { createGoalsApi } from "../api/goals";
-import type { AnyGoalPage, ListedGoal } from "../api/types";
+import type { AnyGoal, AnyGoalPage, ListedGoal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
+import { useNaming } from "../fleet/useNaming";
 import { useZone } from "../ui/zone";
 import { type GoalFilter, matches, toQuery, writeFilter } from "./filter";
 import { mergeGoalList } from "./list";
@@ -46,11 +47,11 @@ export function useGoalList(filter: GoalFilter): GoalList {
   });
   const { data, refetch } = query;
   useAgainWhenBack(refetch);
-  const known = useFleetTopic("goals");
+  const known = useKnownGoals(filter.group);
   const goals = useMemo(() => {
     if (data === undefined) return null;
     const now = store.gatewayNow();
-    return mergeGoalList(data.pages, known.values(), (goal) => matches(goal, filter, now));
+    return mergeGoalList(data.pages, known, (goal) => matches(goal, filter, now));
   }, [data, known, filter, store]);
 
   return {
@@ -61,6 +62,17 @@ export function useGoalList(filter: GoalFilter): GoalList {
     loadMore: () => void query.fetchNextPage(),
     retry: () => void refetch(),
   };
+}
+
+/** The goals that the stream tells of; of the robots in a group alone, unless it is null. */
+function useKnownGoals(group: string | null): readonly AnyGoal[] {
+  const goals = useFleetTopic("goals");
+  const naming = useNaming();
+  return useMemo(() => {
+    const known = [...goals.values()];
+    if (group === null) return known;
+    return known.filter(({ action_name }) => naming.isActionOf(action_name, group));
+  }, [goals, naming, group]);
 }
 
 /** What was missed while the gateway was away is not all told by the stream. */

@@ -1,5 +1,6 @@
-import { NativeSelect, TextInput } from "@mantine/core";
+import { TextInput } from "@mantine/core";
 import { useMemo, useState } from "react";
+import { GroupSelect } from "../fleet/GroupSelect";
 import type { Robot } from "../fleet/types";
 import { type Attentions, matches, SHOW_WORDS, SHOWS, type View } from "./list";
 import classes from "./overview.module.css";
@@ -8,12 +9,11 @@ interface FiltersProps {
   robots: readonly Robot[];
   attentions: Attentions;
   view: View;
-  groups: readonly string[];
   onChange: (change: Partial<View>) => void;
 }
 
 /** How many robots there are of each kind, to read at a glance; pressed, the list shows those alone. */
-export function Filters({ robots, attentions, view, groups, onChange }: FiltersProps) {
+export function Filters({ robots, attentions, view, onChange }: FiltersProps) {
   const counts = useMemo(
     () => SHOWS.map((show) => robots.filter((robot) => matches(robot, show, attentions)).length),
     [robots, attentions],
@@ -36,31 +36,15 @@ export function Filters({ robots, attentions, view, groups, onChange }: FiltersP
         ))}
       </fieldset>
       <div className={classes.choices}>
-        {(groups.length > 0 || view.group !== null) && (
-          <GroupFilter group={view.group} groups={groups} onGroup={(group) => onChange({ group })} />
-        )}
+        <GroupSelect
+          className={classes.group ?? ""}
+          aria-label="Group"
+          group={view.group}
+          onGroup={(group) => onChange({ group })}
+        />
         <Search text={view.text} onText={(text) => onChange({ text })} />
       </div>
     </div>
-  );
-}
-
-interface GroupFilterProps {
-  group: string | null;
-  groups: readonly string[];
-  onGroup: (group: string | null) => void;
-}
-
-function GroupFilter({ group, groups, onGroup }: GroupFilterProps) {
-  const known = group === null || groups.includes(group) ? groups : [...groups, group];
-  return (
-    <NativeSelect
-      className={classes.group ?? ""}
-      aria-label="Group"
-      value={group ?? ""}
-      onChange={(event) => onGroup(event.currentTarget.value || null)}
-      data={[{ value: "", label: "All groups" }, ...known]}
-    />
   );
 }
 

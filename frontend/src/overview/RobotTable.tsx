@@ -23,8 +23,8 @@ export default function RobotTable({ robots }: { robots: readonly Robot[] }) {
   const [query, setQuery] = useSearchParams();
   const view = useMemo(() => readView(query), [query]);
   const naming = useNaming();
-  const groups = useMemo(() => naming.groups(), [naming]);
-  const columns = useColumns(groups.length > 0);
+  const grouped = useMemo(() => naming.groups().length > 0, [naming]);
+  const columns = useColumns(grouped);
   const { shown } = columns;
   const rows = useMemo(() => listed(robots, view, attentions), [robots, view, attentions]);
   const selection = useSelection(rows);
@@ -37,7 +37,7 @@ export default function RobotTable({ robots }: { robots: readonly Robot[] }) {
 
   return (
     <>
-      <Filters robots={robots} attentions={attentions} view={view} groups={groups} onChange={change} />
+      <Filters robots={robots} attentions={attentions} view={view} onChange={change} />
       <Paper withBorder radius="md" className={classes.paper}>
         <TableBar
           listed={rows.length}

@@ -1,6 +1,8 @@
 import { NativeSelect, SegmentedControl } from "@mantine/core";
 import { useFleet } from "../fleet/context";
+import { GroupSelect } from "../fleet/GroupSelect";
 import { useRobotOptions } from "../fleet/useNaming";
+import { TagSelect } from "../goals/TagSelect";
 import { TimeRangeField } from "../ui/TimeRangeField";
 import classes from "./statistics.module.css";
 import { GROUPINGS, type Grouping, type View } from "./view";
@@ -36,6 +38,8 @@ export function Controls({ view, onChange }: ControlsProps) {
         onChange={(event) => change({ robot: event.currentTarget.value || null })}
         data={[{ value: "", label: "All robots" }, ...robots]}
       />
+      <GroupSelect aria-label="Group" group={view.group} onGroup={(group) => change({ group })} />
+      <TagSelect aria-label="Tag" any="All tags" chosen={view.tags} onTags={(tags) => change({ tags })} />
     </section>
   );
 }

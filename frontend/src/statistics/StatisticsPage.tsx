@@ -64,8 +64,8 @@ function NoGoals() {
     <Stack gap="xs">
       <Text fw={600}>No goal ended</Text>
       <Text size="sm" c="dimmed">
-        Goals that were created in this time are counted here once they have ended. Choose a longer time or
-        all robots to see others.
+        Goals that were created in this time are counted here once they have ended. Choose a longer time, or
+        all robots, groups and tags, to see others.
       </Text>
     </Stack>
   );

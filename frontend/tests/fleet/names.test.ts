@@ -52,6 +52,24 @@ it("finds a robot by its name, namespace and groups", () => {
   expect(isFound(root, "rob")).toBe(true);
 });
 
+it("knows whose action it is: of the longest namespace", () => {
+  const owners = (names: Naming) =>
+    ["/robot1/dock", "/robot1/arm/move", "/gone/dock", "/dock"].map((action) => names.ownerOf(action));
+  expect(owners(new Naming([forklift]))).toEqual(["/robot1", "/robot1", null, null]);
+  expect(owners(new Naming([forklift, root]))).toEqual(["/robot1", "/robot1", "/", "/"]);
+});
+
+it("knows the actions of a group", () => {
+  const of = (action: string) => naming.isActionOf(action, "forklifts");
+  expect(["/robot1/dock", "/robot1/arm/move", "/robot2/dock", "/dock"].map(of)).toEqual([
+    true,
+    true,
+    false,
+    false,
+  ]);
+  expect(naming.isActionOf("/gone/dock", "forklifts")).toBe(false);
+});
+
 it("knows whose action it is where that robot has a display name", () => {
   const site: Label = { name: "/", display_name: "Site", groups: [] };
   const names = new Naming([forklift, plain, site]);

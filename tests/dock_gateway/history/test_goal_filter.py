@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from dock_gateway.core.filters import GroupActions
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.history import GoalFilter, History, MemoryHistory
 from dock_gateway.history.sql import SqlHistory
@@ -64,6 +65,10 @@ async def numbers(history: History, **wanted: object) -> list[int]:
         ({"namespace": "/robot"}, []),
         ({"action_names": {"/dock", "/robot10/dock"}}, [4, 1]),
         ({"action_names": {"/dock"}, "namespace": "/robot1"}, []),
+        ({"group": GroupActions("hall 1", frozenset({"/dock", "/robot1/dock"}))}, [2, 1]),
+        ({"group": GroupActions("hall 1", frozenset({"/dock", "/robot1/dock"})), "namespace": "/robot1"}, [2]),
+        ({"group": GroupActions("hall 1", frozenset({"/dock"})), "action_names": {"/robot1/dock"}}, []),
+        ({"group": GroupActions("nobody", frozenset())}, []),
         ({"statuses": {GoalStatus.ABORTED, GoalStatus.EXECUTING}}, [3, 2]),
         ({"error_codes": {"blocked", "stopped"}}, [5, 2]),
         ({"error_codes": {"blocked"}, "statuses": {GoalStatus.CANCELED}}, []),
@@ -91,6 +96,12 @@ async def test_pages_of_goals_that_are_picked(history: History) -> None:
     assert await numbers(history, namespace="/robot1", limit=2) == [6, 3]
     assert await numbers(history, namespace="/robot1", limit=2, before="goal-0003") == [2]
     assert await numbers(history, namespace="/robot1", limit=2, before="goal-0005") == [3, 2]
+
+
+async def test_the_names_of_actions_with_goals(history: History) -> None:
+    assert await history.action_names() == {goal.action_name for goal in GOALS}
+    history.record(make_goal(7, action="/robot2/dock"))
+    assert "/robot2/dock" in await history.action_names()
 
 
 def test_the_root_namespace_is_all() -> None:

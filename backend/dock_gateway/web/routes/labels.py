@@ -6,10 +6,11 @@ from starlette.responses import Response
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.history import RobotLabel
 from dock_gateway.robots.registry import read_namespace
-from dock_gateway.web.fields import MAX_GROUP, MAX_GROUPS, MAX_ROBOT
+from dock_gateway.web.fields import MAX_GROUPS, MAX_ROBOT
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
+    MAX_GROUP,
     ROBOT_PATTERN,
     TheGateway,
     json_response,

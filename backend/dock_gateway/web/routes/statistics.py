@@ -1,7 +1,7 @@
 """`/statistics`: how goals ended, by day, robot or action."""
 
 import asyncio
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, date, datetime, time, timedelta
 from typing import Annotated, Any, Literal
@@ -14,15 +14,15 @@ from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.filters import lineage, parent_of
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
 from dock_gateway.history.statistics import Span, Tallies, Tally, merged
+from dock_gateway.web.owners import owners
 from dock_gateway.web.problems import problems
 from dock_gateway.web.queries import (
     EARLIEST,
     ActionsQuery,
+    GroupQuery,
     NamespaceQuery,
     OriginQuery,
     SinceQuery,
@@ -61,6 +61,7 @@ async def read_wanted(
     since: SinceQuery = None,
     until: UntilQuery = None,
     tag: TagsQuery = None,
+    group: GroupQuery = None,
 ) -> GoalFilter:
     """Return the goal filter of a query, with both times set.
 
@@ -72,7 +73,7 @@ async def read_wanted(
     if since >= until:
         raise InvalidField([FieldError("query.since", "a time before `until`", f"got {since.isoformat()}")])
     return await read_goal_filter(
-        gateway=gateway, robot=robot, action=action, origin=origin, since=since, until=until, tag=tag
+        gateway=gateway, robot=robot, action=action, origin=origin, since=since, until=until, tag=tag, group=group
     )
 
 
@@ -83,7 +84,7 @@ WantedQuery = Annotated[GoalFilter, Depends(read_wanted)]
     "/statistics",
     response_model=Statistics,
     responses=problems(422, 503),
-    dependencies=[Depends(known_query("robot", "action", "origin", "since", "until", "tag", "by", "tz"))],
+    dependencies=[Depends(known_query("robot", "action", "origin", "since", "until", "tag", "group", "by", "tz"))],
 )
 async def statistics(
     gateway: TheGateway, wanted: WantedQuery, *, by: ByQuery = "day", tz: ZoneQuery = "UTC"
@@ -144,22 +145,6 @@ def _midnight(day: date, zone: ZoneInfo) -> datetime:
     return datetime.combine(day, time(), zone).astimezone(UTC)
 
 
-def owners(gateway: Gateway, action_names: Iterable[str]) -> Callable[[str], str]:
-    """Return a function that names the robot of an action: the one with the longest namespace containing it.
-
-    A namespace with goals of a docking action is a robot, too, even if it is not on the graph now.
-    """
-    docking = gateway.settings.docking_actions
-    gone = {namespace for name in action_names if name in docking(namespace := parent_of(name))}
-    robots = gone.union(robot.namespace for robot in gateway.robots.all())
-
-    def owner(action_name: str) -> str:
-        namespace = parent_of(action_name)
-        return next((each for each in reversed([*lineage(namespace)]) if each in robots), namespace)
-
-    return owner
-
-
 def group(wanted: GoalFilter, found: Tallies, key_of: Callable[[str], str]) -> list[Group]:
     """Put the tallies of actions into groups, sorted by key; each with the filter that selects its goals."""
     groups: dict[str, Tallies] = {}
@@ -205,6 +190,7 @@ def _path(chosen: GoalFilter) -> str:
         *(("action", name) for name in sorted(chosen.action_names)),
         *([("origin", chosen.origin)] if chosen.origin is not None else []),
         *(("tag", tag) for tag in sorted(chosen.tags)),
+        *([("group", chosen.group.group)] if chosen.group is not None else []),
         *zip(("since", "until"), (each.isoformat().replace("+00:00", "Z") for each in _span(chosen)), strict=True),
     ]
     return f"/goals?{urlencode(query, safe='/:')}"

@@ -13,8 +13,9 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.core.goal import GoalError, GoalStatus
+from dock_gateway.fleet.labels import Labels
 from dock_gateway.gateway import Gateway
-from dock_gateway.history import GoalFilter, MemoryHistory
+from dock_gateway.history import GoalFilter, MemoryHistory, RobotLabel
 from dock_gateway.history.statistics import Tally
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
@@ -38,7 +39,8 @@ class Client:
             return await self.history.page(wanted, limit=limit, before=before), None
 
         robots = SimpleNamespace(all=lambda: [SimpleNamespace(namespace=name) for name in ("/", "/robot1")])
-        gateway = SimpleNamespace(settings=settings, history=self.history, robots=robots, page=page)
+        self.labels = Labels(self.history.labels, lambda: ["/", "/robot1"])
+        gateway = SimpleNamespace(settings=settings, history=self.history, robots=robots, labels=self.labels, page=page)
         self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
 
     def __enter__(self) -> Self:
@@ -54,6 +56,12 @@ class Client:
         goal.created_at = datetime.fromisoformat(at)
         goal.finished_at = goal.created_at + timedelta(seconds=took) if status.terminal else None
         self.history.record(goal)
+
+    def group(self, robot: str, *groups: str) -> None:
+        asyncio.run(self.labels.replace(robot, RobotLabel(None, groups)))
+
+    def tag(self, number: int, *tags: str) -> None:
+        asyncio.run(self.history.notes.replace_tags(f"goal-{number:04d}", tags))
 
     def get(self, path: str, status: int = 200) -> Any:
         answer = self._http.get(path)
@@ -134,9 +142,40 @@ def test_robots_and_actions(busy: Client) -> None:
     assert busy.get(f"/statistics?{RANGE}&action=/robot1/dock")["total"]["ended"] == 2
 
 
+def test_a_group_and_tags(busy: Client) -> None:
+    """A group has the goals of the robots that are in it now, also of one that has left the graph."""
+    busy.record("2026-11-22T11:00:00Z", action="/robot2/arm/pick")
+    busy.record("2026-11-22T12:00:00Z", action="/camera/look")
+    busy.group("/robot2", "hall 1")
+    busy.group("/", "hall 1", "hall 2")
+    robots = busy.get(f"/statistics?{RANGE}&by=robot&group=hall%201")["groups"]
+    assert [(group["key"], group["ended"]) for group in robots] == [("/", 1), ("/robot2", 3)]
+    assert len(busy.get("/goals?group=hall+1")["goals"]) == 5
+    assert [goal["action_name"] for goal in busy.get("/goals?group=hall+2")["goals"]] == ["/camera/look"]
+    busy.group("/robot2")
+    assert busy.get(f"/statistics?{RANGE}&group=hall+1")["total"]["ended"] == 1
+    assert busy.get(f"/statistics?{RANGE}&group=Hall+1")["total"]["ended"] == 0
+    busy.tag(0, "blocked")
+    busy.tag(3, "blocked", "maintenance")
+    assert busy.get(f"/statistics?{RANGE}&tag=blocked")["total"]["ended"] == 2
+    assert busy.get(f"/statistics?{RANGE}&tag=maintenance&tag=other")["total"]["ended"] == 1
+
+
+def test_a_robot_with_a_label_has_the_goals_below_it(busy: Client) -> None:
+    busy.record("2026-11-22T11:00:00Z", action="/robot7/arm/pick")
+    busy.group("/robot7", "hall 1")
+    found = busy.get(f"/statistics?{RANGE}&by=robot&group=hall+1")
+    assert [(group["key"], group["ended"]) for group in found["groups"]] == [("/robot7", 1)]
+
+
 @pytest.mark.parametrize("by", ["day", "robot", "action"])
-@pytest.mark.parametrize("more", ["", "&robot=/robot1", "&action=/robot1/dock&tz=Asia/Tokyo", "&origin=external"])
+@pytest.mark.parametrize(
+    "more",
+    ["", "&robot=/robot1", "&action=/robot1/dock&tz=Asia/Tokyo", "&origin=external", "&group=hall+1&tag=a+b"],
+)
 def test_each_number_leads_to_its_goals(busy: Client, by: str, more: str) -> None:
+    busy.group("/robot1", "hall 1")
+    busy.tag(1, "a b")
     found = busy.get(f"/statistics?{RANGE}&by={by}{more}")
     for group in (found["total"], *found["groups"]):
         for status, count in group["statuses"].items():
@@ -171,6 +210,9 @@ def test_an_empty_history(client: Client) -> None:
         ("tz=%00", "query.tz"),
         (f"tz={'A' * 65}", "query.tz"),
         ("robot=robot%201", "query.robot"),
+        ("group=", "query.group"),
+        (f"group={'g' * 41}", "query.group"),
+        ("tag=%00", "query.tag.0"),
         ("status=lost", "query.status"),
         ("limit=3", "query.limit"),
     ],

@@ -1,0 +1,27 @@
+import { NativeSelect, type NativeSelectProps } from "@mantine/core";
+import { useTags } from "./useTags";
+
+interface TagSelectProps extends Pick<NativeSelectProps, "label" | "aria-label"> {
+  /** What no tag chosen is called. */
+  any: string;
+  chosen: readonly string[];
+  onTags: (tags: string[]) => void;
+}
+
+/** Between several tags, as no tag can have it. */
+const SEVERAL = "\n";
+
+/** Chooses a tag of goals; nothing where no goal has one. An address may have chosen several. */
+export function TagSelect({ any, chosen, onTags, ...props }: TagSelectProps) {
+  const tags = [...new Set([...useTags(), ...chosen])].sort();
+  if (tags.length === 0) return null;
+  const several = { value: chosen.join(SEVERAL), label: chosen.join(" or ") };
+  return (
+    <NativeSelect
+      {...props}
+      value={chosen.join(SEVERAL)}
+      onChange={(event) => onTags(event.currentTarget.value.split(SEVERAL).filter(Boolean))}
+      data={[{ value: "", label: any }, ...(chosen.length > 1 ? [several] : []), ...tags]}
+    />
+  );
+}
