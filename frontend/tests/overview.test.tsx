@@ -275,6 +275,47 @@ describe("alerts", () => {
     expect(rows()[0]).toMatch(/^\/robot1/);
   });
 
+  it("are narrowed by the group filter, and those that are hidden are counted", async () => {
+    const fleet = [
+      robot("/hall/robot1", { groups: ["Hall 1"] }),
+      robot("/robot2", { groups: ["Hall 2"] }),
+      robot("/robot3", { groups: ["Hall 3"] }),
+    ];
+    const stop = { kind: "stop_latched", severity: "critical", title: "Stopped" } as const;
+    const alerts = [
+      alert("low", { robot: "/hall/robot1" }),
+      alert("ours", { robot: null, title: "History lost" }),
+      alert("hall", { ...stop, robot: "/hall" }),
+      alert("other", { ...stop, robot: "/robot2" }),
+      alert("seen", { robot: "/robot2", acknowledged: seen }),
+    ];
+    const { user } = renderPage(fakeGateway(), { robots: fleet, alerts }, "/?group=Hall+1");
+    const region = within(screen.getByRole("region", { name: "Alerts" }));
+    expect(items().map((item) => item.textContent)).toEqual([
+      expect.stringMatching(/^Stopped: \/hall/),
+      expect.stringMatching(/^(Low battery|History lost)/),
+      expect.stringMatching(/^(Low battery|History lost)/),
+    ]);
+    expect(region.getByText("3 not acknowledged")).toBeDefined();
+    expect(
+      region.getByText("2 alerts of other robots are hidden by the group filter, 1 critical."),
+    ).toBeDefined();
+    expect(screen.getByTestId("alert-count").textContent).toBe("4 alerts, critical");
+    await user.selectOptions(await screen.findByLabelText("Group"), "Hall 3");
+    expect(items().map((item) => item.textContent)).toEqual([expect.stringMatching(/^History lost/)]);
+    await user.selectOptions(screen.getByLabelText("Group"), "");
+    expect(items()).toHaveLength(4);
+    expect(region.queryByText(/group filter/)).toBeNull();
+  });
+
+  it("say that a group has none", () => {
+    const fleet = [robot("/robot1", { groups: ["Hall 1"] }), robot("/robot2", { groups: ["Hall 2"] })];
+    renderPage(fakeGateway(), { robots: fleet, alerts: [low] }, "/?group=Hall+2");
+    const region = within(screen.getByRole("region", { name: "Alerts" }));
+    expect(region.getByText("No active alerts in Hall 2.")).toBeDefined();
+    expect(region.getByText("1 alert of another robot is hidden by the group filter.")).toBeDefined();
+  });
+
   it("are counted elsewhere, too", () => {
     renderPage(fakeGateway(), { robots, alerts: [low] }, "/ui/robot");
     expect(screen.getByTestId("alert-count").textContent).toBe("1 alert");

@@ -119,6 +119,10 @@ def test_a_robot_is_named_and_found_by_its_group(page: Page, gateway: RunningGat
         expect_order(page, "/robot1", "Left forklift")
         page.get_by_label("Group", exact=True).select_option("Hall 1")
         expect_order(page, "Left forklift")
+        alerts = page.get_by_role("region", name="Alerts")
+        expect(alerts).to_contain_text("No active alerts in Hall 1.")
+        expect(alerts).to_contain_text("1 alert of another robot is hidden by the group filter.")
+        assert find_violations(page) == []
     finally:
         label: dict[str, object] = {"robot": "/robot2", "display_name": None, "groups": []}
         gateway.http.put("/robots/label", json=label).raise_for_status()

@@ -1,21 +1,27 @@
 import { Button, Group, Paper, Text, Title } from "@mantine/core";
 import { memo, useId, useMemo, useState } from "react";
 import { useFleetTopic } from "../fleet/context";
+import type { Alert } from "../fleet/types";
+import { useNaming } from "../fleet/useNaming";
 import { AlertItem } from "./AlertItem";
 import classes from "./alerts.module.css";
-import { openAlerts, urgentFirst } from "./order";
+import { alertsOf, openAlerts, urgentFirst } from "./order";
 
 /** So many are shown before somebody asks for the others. */
 const FIRST = 4;
 
-/**
- * What needs somebody's eyes, the most urgent first. Those that were acknowledged are folded away.
- *
- * @param quiet Nothing where there is none, rather than a line that says so.
- */
-export const AlertList = memo(function AlertList({ quiet = false }: { quiet?: boolean }) {
+interface AlertListProps {
+  /** Nothing where there is none, rather than a line that says so. */
+  quiet?: boolean;
+  /** The group that it is narrowed to; null for all robots. */
+  group?: string | null;
+}
+
+/** What needs somebody's eyes, the most urgent first. Those that were acknowledged are folded away. */
+export const AlertList = memo(function AlertList({ quiet = false, group = null }: AlertListProps) {
   const alerts = useFleetTopic("alerts");
-  const sorted = useMemo(() => urgentFirst(alerts), [alerts]);
+  const naming = useNaming();
+  const sorted = useMemo(() => urgentFirst(alertsOf(alerts, group, naming)), [alerts, group, naming]);
   const [all, setAll] = useState(false);
   const id = useId();
   const open = openAlerts(sorted).length;
@@ -30,7 +36,7 @@ export const AlertList = memo(function AlertList({ quiet = false }: { quiet?: bo
           Alerts
         </Title>
         <Text size="sm" c={open === 0 ? "dimmed" : undefined}>
-          {summary(open, sorted.length - open)}
+          {summary(open, sorted.length - open, group)}
         </Text>
       </Group>
       {shown.length > 0 && (
@@ -45,13 +51,26 @@ export const AlertList = memo(function AlertList({ quiet = false }: { quiet?: bo
           {all ? "Show the most urgent only" : `Show ${hidden} more`}
         </Button>
       )}
+      {sorted.length < alerts.length && (
+        <Text size="sm" mt="xs">
+          {outsideWords(alerts.filter((alert) => !sorted.includes(alert)))}
+        </Text>
+      )}
     </Paper>
   );
 });
 
-function summary(open: number, acknowledged: number): string {
-  if (open === 0 && acknowledged === 0) return "No active alerts.";
+function summary(open: number, acknowledged: number, group: string | null): string {
+  if (open === 0 && acknowledged === 0) return `No active alerts${group === null ? "" : ` in ${group}`}.`;
   const parts = [open === 0 ? "none is new" : `${open} not acknowledged`];
   if (acknowledged > 0) parts.push(`${acknowledged} acknowledged`);
   return parts.join(", ");
+}
+
+/** What is said of the alerts that the group filter hides. */
+function outsideWords(outside: readonly Alert[]): string {
+  const critical = openAlerts(outside).filter(({ severity }) => severity === "critical").length;
+  const hidden =
+    outside.length === 1 ? "1 alert of another robot is" : `${outside.length} alerts of other robots are`;
+  return `${hidden} hidden by the group filter${critical > 0 ? `, ${critical} critical` : ""}.`;
 }

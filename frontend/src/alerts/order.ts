@@ -1,4 +1,6 @@
+import type { Naming } from "../fleet/names";
 import type { Alert } from "../fleet/types";
+import { isUnder } from "../stop/held";
 
 /** What needs eyes first: not acknowledged before acknowledged, critical before warning, new before old. */
 export function urgentFirst(alerts: readonly Alert[]): Alert[] {
@@ -13,6 +15,18 @@ export function urgentFirst(alerts: readonly Alert[]): Alert[] {
 /** The alerts that nobody has acknowledged. */
 export function openAlerts(alerts: readonly Alert[]): Alert[] {
   return alerts.filter((alert) => alert.acknowledged === null);
+}
+
+/** The alerts of a group: of its robots, of stops that hold one of them, and of the gateway itself; null is all. */
+export function alertsOf(alerts: readonly Alert[], group: string | null, naming: Naming): readonly Alert[] {
+  if (group === null) return alerts;
+  const members = naming.robotsIn(group);
+  return alerts.filter(
+    ({ robot, kind }) =>
+      robot === null ||
+      members.includes(robot) ||
+      (kind === "stop_latched" && members.some((member) => isUnder(member, robot))),
+  );
 }
 
 /** How much a robot needs somebody: the higher, the more. */

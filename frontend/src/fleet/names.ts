@@ -72,6 +72,11 @@ export class Naming {
     return this.#labels.get(robot)?.groups ?? [];
   }
 
+  /** The robots that are in a group. */
+  robotsIn(group: string): string[] {
+    return [...this.#labels.values()].filter(({ groups }) => groups.includes(group)).map(({ name }) => name);
+  }
+
   /** Whether an action's robot is in a group. */
   isActionOf(action: string, group: string): boolean {
     const owner = this.ownerOf(action);

@@ -1,5 +1,6 @@
 import { Button, Group, Paper, Skeleton, Stack, Text, VisuallyHidden } from "@mantine/core";
 import { Suspense, useMemo, useState } from "react";
+import { useSearchParams } from "react-router";
 import { AlertList } from "../alerts/AlertList";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import type { Robot } from "../fleet/types";
@@ -7,6 +8,7 @@ import { isThere } from "../fleet/words";
 import { RobotView } from "../robot/RobotView";
 import { lazyPart } from "../ui/lazyPart";
 import { usePageTitle } from "../ui/usePageTitle";
+import { readView } from "./list";
 import { NoRobot } from "./NoRobot";
 
 const RobotTable = lazyPart(() => import("./RobotTable"));
@@ -23,6 +25,7 @@ export default function OverviewPage() {
 
 function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
   const there = useMemo(() => [...robots.values()].filter(isThere), [robots]);
+  const [query] = useSearchParams();
   const [view, setView] = useState<"one" | "all">(there.length > 1 ? "all" : "one");
   const [one, setOne] = useState<string | null>(null);
   const [touched, setTouched] = useState(false);
@@ -36,7 +39,7 @@ function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
     return (
       <>
         <Heading />
-        <AlertList />
+        <AlertList group={readView(query).group} />
         <Suspense fallback={<Skeleton height={360} />}>
           <RobotTable robots={there} />
         </Suspense>

@@ -62,7 +62,7 @@ export default function WallPage() {
         <Clock />
       </header>
       <State />
-      <WallAlerts alerts={alerts} robots={shown} group={group} />
+      <WallAlerts alerts={alerts} group={group} />
       <ul
         ref={ref}
         className={classes.tiles}

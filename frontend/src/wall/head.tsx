@@ -1,8 +1,8 @@
 import { useMemo } from "react";
-import { openAlerts, urgentFirst } from "../alerts/order";
+import { alertsOf, openAlerts, urgentFirst } from "../alerts/order";
 import { SeverityMark } from "../alerts/SeverityMark";
 import { useFleetTopic } from "../fleet/context";
-import type { Alert, Robot } from "../fleet/types";
+import type { Alert } from "../fleet/types";
 import { useNaming } from "../fleet/useNaming";
 import { heldStops, holdsAll } from "../stop/held";
 import { listNames } from "../stop/StopBanner";
@@ -66,19 +66,17 @@ const MOST = 4;
 
 interface WallAlertsProps {
   alerts: readonly Alert[];
-  robots: readonly Robot[];
   group: string | null;
 }
 
 /** The alerts that nobody has acknowledged; those of a group and of the gateway where there is a group. */
-export function WallAlerts({ alerts, robots, group }: WallAlertsProps) {
+export function WallAlerts({ alerts, group }: WallAlertsProps) {
   const naming = useNaming();
   const open = useMemo(() => {
-    const names = new Set(robots.map(({ name }) => name));
-    const ours = alerts.filter(({ robot }) => group === null || robot === null || names.has(robot));
+    const ours = openAlerts(alertsOf(alerts, group, naming));
     // A stop is said above.
-    return urgentFirst(openAlerts(ours)).filter(({ kind }) => kind !== "stop_latched");
-  }, [alerts, robots, group]);
+    return urgentFirst(ours).filter(({ kind }) => kind !== "stop_latched");
+  }, [alerts, group, naming]);
   if (open.length === 0) return null;
   return (
     <ul className={classes.alerts} aria-label="Alerts">
