@@ -1,4 +1,4 @@
-import { act, screen, waitFor, within } from "@testing-library/react";
+import { act, cleanup, screen, waitFor, within } from "@testing-library/react";
 import { beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Robot } from "../src/fleet/types";
 import { listed, readView, writeView } from "../src/overview/list";
@@ -105,6 +105,47 @@ describe("the overview of several robots", () => {
     expect(screen.getByText("No robot is like that now.")).toBeDefined();
     await user.click(screen.getByRole("button", { name: "Show all 3" }));
     expect(rows()).toHaveLength(3);
+  });
+
+  it("has saved views, each with its columns, whatever this browser shows otherwise", async () => {
+    const fleet = [robot("/robot1", { groups: ["Hall 1"] }), robot("/robot2")];
+    const { user } = renderPage(fakeGateway(), { robots: fleet }, "/?group=Hall+1&sort=battery");
+    const has = (name: string) => screen.queryByRole("columnheader", { name }) !== null;
+    const toggle = async (name: string) => {
+      await user.click(screen.getByRole("button", { name: "Columns" }));
+      await user.click(await screen.findByRole("menuitemcheckbox", { name }));
+      await user.keyboard("{Escape}");
+    };
+    await toggle("Dock status");
+    await user.click(screen.getByRole("button", { name: "Views" }));
+    expect(screen.getByText(/stored in this browser only/)).toBeDefined();
+    await user.type(screen.getByLabelText("Name of the view"), "Hall{Enter}");
+    await user.keyboard("{Escape}");
+    await toggle("Dock status");
+    await user.selectOptions(screen.getByLabelText("Group"), "");
+    expect(has("Dock status")).toBe(true);
+    expect(rows()).toHaveLength(2);
+    await user.click(screen.getByRole("button", { name: "Views" }));
+    await user.click(screen.getByRole("link", { name: "Hall" }));
+    expect(rows()).toHaveLength(1);
+    expect(has("Dock status")).toBe(false);
+    await toggle("Connection");
+    expect(has("Connection")).toBe(false);
+    await user.click(screen.getByRole("button", { name: "Views" }));
+    expect(screen.getByRole("link", { name: "Hall" }).ariaCurrent).toBeNull();
+    expect(localStorage.getItem("dock-gateway-overview-columns")).toBe("[]");
+  });
+
+  it("does with damaged storage what it does without", async () => {
+    for (const kept of ["{", "7", '{"a": 1}', '["nothing", null]']) {
+      localStorage.setItem("dock-gateway-overview-columns", kept);
+      localStorage.setItem("dock-gateway-views-overview", kept);
+      const { user } = renderPage(fakeGateway(), { robots });
+      await user.click(screen.getByRole("button", { name: "Views" }));
+      expect(screen.queryByRole("list", { name: "Saved views" })).toBeNull();
+      expect(screen.getByRole("columnheader", { name: "Connection" })).toBeDefined();
+      cleanup();
+    }
   });
 
   it("leads to each robot's page", async () => {
@@ -353,7 +394,7 @@ describe("alerts", () => {
 
 describe("the list's view", () => {
   it("is what the address says, and the other way round", () => {
-    const query = new URLSearchParams("q=robot&group=Hall+1&show=docked&sort=battery&order=desc");
+    const query = new URLSearchParams("q=robot&group=Hall+1&show=docked&sort=battery&order=desc&hide=place");
     const view = readView(query);
     expect(view).toEqual({
       text: "robot",
@@ -361,9 +402,12 @@ describe("the list's view", () => {
       show: "docked",
       sort: "battery",
       descending: true,
+      hidden: ["place"],
     });
     expect(writeView(view).toString()).toBe(query.toString());
     expect(writeView(readView(new URLSearchParams("show=what&sort=ever&order=desc"))).toString()).toBe("");
+    expect(readView(new URLSearchParams("hide=")).hidden).toEqual([]);
+    expect(readView(new URLSearchParams("hide=link,wheels,place")).hidden).toEqual(["place", "link"]);
   });
 
   it("sorts by group, robots without one last", () => {

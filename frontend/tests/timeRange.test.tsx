@@ -127,10 +127,13 @@ describe("saved views", () => {
     expect(renamed(views, "late", "all")).toEqual([{ name: "all", query: "tag=late" }]);
     expect(writeViews("goals", views)).toBe(true);
     expect(readViews("goals")).toEqual(views);
-    for (const kept of ["", "{", "5", '[null, {"name": 1}, {"name": "", "query": ""}]']) {
+    for (const kept of ["", "{", "5", '[null, {"name": 1}, {"name": " ", "query": ""}]']) {
       localStorage.setItem("dock-gateway-views-goals", kept);
       expect(readViews("goals")).toEqual([]);
     }
+    const twice = [...views, { name: "late", query: "tag=2" }, "late", { name: "half" }];
+    localStorage.setItem("dock-gateway-views-goals", JSON.stringify(twice));
+    expect(readViews("goals").map(({ query }) => query)).toEqual(["", "tag=2"]);
   });
 
   it("are saved, renamed, opened and deleted", async () => {

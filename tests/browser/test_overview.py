@@ -130,6 +130,40 @@ def test_a_robot_is_named_and_found_by_its_group(page: Page, gateway: RunningGat
     expect_order(page, "/robot1", "/robot2")
 
 
+def test_a_view_is_saved_opened_renamed_and_deleted(page: Page, gateway: RunningGateway) -> None:
+    page.goto(f"{gateway.url}/?sort=name&order=desc&q=robot")
+    expect_order(page, "/robot2", "/robot1")
+    page.get_by_role("button", name="Columns").click()
+    page.get_by_role("menuitemcheckbox", name="Last result").click()
+    page.keyboard.press("Escape")
+    views = page.get_by_role("button", name="Views")
+    views.click()
+    page.get_by_label("Name of the view").fill("Backwards")
+    page.keyboard.press("Enter")
+    expect(page.get_by_role("link", name="Backwards")).to_have_attribute("aria-current", "true")
+    assert find_violations(page) == []
+    page.goto(gateway.url)
+    expect_order(page, "/robot1", "/robot2")
+    page.get_by_role("button", name="Columns").click()
+    page.get_by_role("menuitemcheckbox", name="Last result").click()
+    page.keyboard.press("Escape")
+    heads = page.get_by_role("columnheader")
+    expect(heads.filter(has_text="Last result")).to_be_visible()
+    views.click()
+    page.get_by_role("link", name="Backwards").click()
+    expect_order(page, "/robot2", "/robot1")
+    expect(heads.filter(has_text="Last result")).to_have_count(0)
+    expect(page).to_have_url(re.compile(r"q=robot&sort=name&order=desc&hide=last$"))
+    views.click()
+    page.get_by_role("button", name="Rename Backwards").click()
+    page.get_by_label("New name of Backwards").fill("From the end")
+    page.keyboard.press("Enter")
+    page.reload()
+    views.click()
+    page.get_by_role("button", name="Delete From the end").click()
+    expect(page.get_by_role("link", name="From the end")).to_be_hidden()
+
+
 def test_an_alert_is_acknowledged_with_a_name_for_all_to_see(page: Page, browser: Browser) -> None:
     alerts = page.get_by_role("region", name="Alerts")
     expect(alerts).to_contain_text(re.compile("Low battery.*: /robot1", re.IGNORECASE))

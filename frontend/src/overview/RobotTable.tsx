@@ -24,11 +24,11 @@ export default function RobotTable({ robots }: { robots: readonly Robot[] }) {
   const view = useMemo(() => readView(query), [query]);
   const naming = useNaming();
   const grouped = useMemo(() => naming.groups().length > 0, [naming]);
-  const columns = useColumns(grouped);
+  const change = (next: Partial<View>) => setQuery(writeView({ ...view, ...next }), { replace: true });
+  const columns = useColumns(grouped, view.hidden, (hidden) => change({ hidden }));
   const { shown } = columns;
   const rows = useMemo(() => listed(robots, view, attentions), [robots, view, attentions]);
   const selection = useSelection(rows);
-  const change = (next: Partial<View>) => setQuery(writeView({ ...view, ...next }), { replace: true });
 
   const body = useRef<HTMLTableSectionElement>(null);
   const keys = useMemo(() => rows.map(({ name }) => name), [rows]);
@@ -42,7 +42,7 @@ export default function RobotTable({ robots }: { robots: readonly Robot[] }) {
         <TableBar
           listed={rows.length}
           all={robots.length}
-          group={view.group}
+          view={view}
           selection={selection}
           columns={columns}
         />

@@ -5,8 +5,10 @@ import type { Robot } from "../fleet/types";
 import { useOperate } from "../operations/context";
 import { OPERATION_NAMES, OPERATIONS, whyNot } from "../operations/operation";
 import { ReasonButton } from "../ui/ReasonButton";
+import { SavedViews } from "../ui/SavedViews";
 import { ColumnsMenu } from "./ColumnsMenu";
 import type { ColumnChoice } from "./columns";
+import { type View, writeView } from "./list";
 import classes from "./overview.module.css";
 import type { Selection } from "./useSelection";
 
@@ -14,15 +16,15 @@ interface TableBarProps {
   /** How many robots are listed, and how many there are. */
   listed: number;
   all: number;
-  /** The group that the list is narrowed to. */
-  group: string | null;
+  view: View;
   selection: Selection;
   columns: ColumnChoice;
 }
 
 /** Above the table, and always as high: how many robots there are, or what can be done to those that are selected. */
-export function TableBar({ listed, all, group, selection, columns }: TableBarProps) {
+export function TableBar({ listed, all, view, selection, columns }: TableBarProps) {
   const count = selection.names.length;
+  const { group } = view;
   return (
     <div className={classes.bar} data-selected={count > 0 || undefined}>
       <span role="status" className={classes.count}>
@@ -54,6 +56,12 @@ export function TableBar({ listed, all, group, selection, columns }: TableBarPro
           >
             Wall
           </Button>
+          {/* A view has its columns, too, whatever this browser shows otherwise. */}
+          <SavedViews
+            page="overview"
+            query={writeView({ ...view, hidden: columns.hidden }).toString()}
+            variant="subtle"
+          />
           <ColumnsMenu choice={columns} />
         </div>
       )}

@@ -1,6 +1,6 @@
 import { useLocalStorage } from "@mantine/hooks";
 import { useMemo } from "react";
-import type { Sort } from "./list";
+import { readColumns, type Sort } from "./list";
 
 export interface Column {
   sort: Sort;
@@ -26,27 +26,41 @@ export interface ColumnChoice {
   shown: ReadonlySet<Sort>;
   /** Those that can be hidden, in the order of the table. */
   optional: readonly Column[];
+  hidden: readonly Sort[];
   toggle: (sort: Sort) => void;
 }
 
-/** Which columns are shown, as was chosen in this browser. @param grouped Whether a robot is in a group. */
-export function useColumns(grouped: boolean): ColumnChoice {
-  const [hidden, setHidden] = useLocalStorage<readonly string[]>({
+/**
+ * Which columns are shown.
+ *
+ * @param grouped Whether a robot is in a group.
+ * @param inAddress Those that the address hides; null for the choice that is kept in this browser.
+ * @param onHide Hides other ones in the address.
+ */
+export function useColumns(
+  grouped: boolean,
+  inAddress: readonly Sort[] | null,
+  onHide: (hidden: Sort[]) => void,
+): ColumnChoice {
+  const [kept, keep] = useLocalStorage<unknown>({
     key: KEY,
     defaultValue: [],
     getInitialValueInEffect: false,
   });
-  return useMemo(() => {
+  const hidden = useMemo(() => inAddress ?? readColumns(kept), [inAddress, kept]);
+  const choice = useMemo(() => {
     const there = COLUMNS.filter(({ sort }) => grouped || sort !== "groups");
-    const optional = there.filter(({ sort }) => sort !== "name");
     const shown = there.filter(({ sort }) => sort === "name" || !hidden.includes(sort));
     return {
       shown: new Set(shown.map(({ sort }) => sort)),
-      optional,
-      toggle: (sort) =>
-        setHidden((before) =>
-          before.includes(sort) ? before.filter((each) => each !== sort) : [...before, sort],
-        ),
+      optional: there.filter(({ sort }) => sort !== "name"),
+      hidden,
     };
-  }, [grouped, hidden, setHidden]);
+  }, [grouped, hidden]);
+  const toggle = (sort: Sort) => {
+    const next = hidden.includes(sort) ? hidden.filter((each) => each !== sort) : [...hidden, sort];
+    if (inAddress === null) keep(next);
+    else onHide(readColumns(next));
+  };
+  return { ...choice, toggle };
 }

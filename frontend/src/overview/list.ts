@@ -31,6 +31,8 @@ export interface View {
   group: string | null;
   sort: Sort;
   descending: boolean;
+  /** Columns that are not shown; null for the choice of this browser. */
+  hidden: readonly Sort[] | null;
 }
 
 export function readView(query: URLSearchParams): View {
@@ -40,18 +42,25 @@ export function readView(query: URLSearchParams): View {
     group: query.get("group") || null,
     sort: oneOf(SORTS, query.get("sort"), "attention"),
     descending: query.get("order") === "desc",
+    hidden: query.has("hide") ? readColumns(query.get("hide")?.split(",")) : null,
   };
 }
 
 /** The address's query for a view: what is as it begins is left out. */
-export function writeView({ show, text, group, sort, descending }: View): URLSearchParams {
+export function writeView({ show, text, group, sort, descending, hidden }: View): URLSearchParams {
   const query = new URLSearchParams();
   if (text !== "") query.set("q", text);
   if (group !== null) query.set("group", group);
   if (show !== "all") query.set("show", show);
   if (sort !== "attention") query.set("sort", sort);
   if (sort !== "attention" && descending) query.set("order", "desc");
+  if (hidden !== null) query.set("hide", hidden.join());
   return query;
+}
+
+/** The columns among some names, in one order; none where it is no list. */
+export function readColumns(names: unknown): Sort[] {
+  return Array.isArray(names) ? SORTS.filter((sort) => names.includes(sort)) : [];
 }
 
 function oneOf<Value extends string>(values: readonly Value[], text: string | null, otherwise: Value): Value {

@@ -19,10 +19,12 @@ interface SavedViewsProps {
   page: string;
   /** The query of the address now. */
   query: string;
+  /** How the button looks. */
+  variant?: "default" | "subtle";
 }
 
 /** What the page's address holds, under names that are kept in this browser: save, open, rename and delete. */
-export function SavedViews({ page, query }: SavedViewsProps) {
+export function SavedViews({ page, query, variant = "default" }: SavedViewsProps) {
   const [opened, setOpened] = useState(false);
   const [views, setViews] = useState(() => readViews(page));
   const [kept, setKept] = useState(true);
@@ -46,17 +48,19 @@ export function SavedViews({ page, query }: SavedViewsProps) {
       shadow="md"
     >
       <Popover.Target>
-        <Button variant="default" size="compact-sm" aria-haspopup="dialog" onClick={() => toggle(!opened)}>
+        <Button
+          variant={variant}
+          size="compact-sm"
+          {...(variant === "subtle" ? { color: "gray" } : {})}
+          aria-haspopup="dialog"
+          onClick={() => toggle(!opened)}
+        >
           Views
         </Button>
       </Popover.Target>
       <Popover.Dropdown aria-label="Saved views">
         <Stack gap="xs">
-          {views.length === 0 ? (
-            <Text size="sm" c="dimmed">
-              Save the filters that are set now under a name, in this browser.
-            </Text>
-          ) : (
+          {views.length > 0 && (
             <ul className={classes.list} aria-label="Saved views">
               {views.map((view) => (
                 <ViewItem
@@ -76,7 +80,12 @@ export function SavedViews({ page, query }: SavedViewsProps) {
             reason={views.length >= MAX_VIEWS ? `There are ${MAX_VIEWS} views. Delete one first.` : null}
             onName={(name) => change((all) => withView(all, { name, query }))}
           />
-          {!kept && (
+          {kept ? (
+            <Text size="sm" c="dimmed">
+              Saves what is set on this page under a name. Views are stored in this browser only: nobody else
+              sees them.
+            </Text>
+          ) : (
             <Text size="sm" role="alert">
               This browser does not keep them: its storage is blocked or full.
             </Text>

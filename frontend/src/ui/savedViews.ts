@@ -10,11 +10,11 @@ export const MAX_VIEW_NAME = 60;
 
 const keyOf = (page: string) => `dock-gateway-views-${page}`;
 
-/** The views that are kept in this browser for a page, by name. What is not one is left out. */
+/** The views that are kept in this browser for a page, by name. What is not one, or the second of a name, is left out. */
 export function readViews(page: string): SavedView[] {
   try {
     const kept: unknown = JSON.parse(localStorage.getItem(keyOf(page)) ?? "[]");
-    return Array.isArray(kept) ? kept.filter(isView) : [];
+    return Array.isArray(kept) ? kept.filter(isView).reduce<SavedView[]>(withView, []) : [];
   } catch {
     return [];
   }
@@ -53,5 +53,5 @@ function sorted(views: SavedView[]): SavedView[] {
 
 function isView(value: unknown): value is SavedView {
   const { name, query } = (value ?? {}) as Partial<SavedView>;
-  return typeof name === "string" && name !== "" && typeof query === "string";
+  return typeof name === "string" && name.trim() !== "" && typeof query === "string";
 }
