@@ -75,7 +75,7 @@ export function robotServices(
     store: store.fleet,
     openRobot: (robot) => ({ services: { ...services, robot }, close: () => {} }),
   };
-  store.robot.onScene((event) => scene.push(event.scene, performance.now()));
+  store.robot.onScene((event) => scene.push(event.scene, performance.now(), Date.parse(event.time)));
   if (first !== null) {
     store.onEvent(snapshot({ time: new Date().toISOString(), ...first }));
     store.onConnection({ kind: "snapshot" });

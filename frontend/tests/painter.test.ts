@@ -149,6 +149,18 @@ describe("the painter", () => {
     expect(groundCalls.filter(([name]) => name === "setTransform")).toHaveLength(1);
   });
 
+  it("draws the way of a robot that stands still once it is known", () => {
+    push();
+    frames(500);
+    const before = pictures();
+    const { robot } = emptyScene;
+    const scene = { ...emptyScene, robot: { ...robot, x: robot.x - 0.1 } };
+    const time = new Date(performance.now() - 60_000).toISOString();
+    buffer.recall([{ type: "pose", id: "1", time, goal_id: "a", action_name: "/dock", scene }]);
+    frames(500);
+    expect(pictures()).toBe(before + 1);
+  });
+
   it("draws nothing out of sight, and what there is as soon as it is in sight", () => {
     painter.inSight = false;
     push();

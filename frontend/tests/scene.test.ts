@@ -1,4 +1,5 @@
 import { describe, expect, it, vi } from "vitest";
+import type { PoseEvent } from "../src/api/types";
 import { FADE_MS, SceneBuffer } from "../src/scene/buffer";
 import { between, compose, normalizeAngle, type Pose, toRadians } from "../src/scene/geometry";
 import { pointsOf, shapesOf } from "../src/scene/shapes";
@@ -173,6 +174,49 @@ describe("the scene", () => {
     expect(buffer.detectionsAt(1100)).toHaveLength(2);
     expect(buffer.detectionsAt(1000 + FADE_MS + 50)).toHaveLength(1);
     expect(buffer.detectionsAt(1100 + FADE_MS + 50)).toHaveLength(0);
+  });
+
+  describe("with the stored poses of a goal that ran before", () => {
+    const pose = (time: number, x: number, change = {}): PoseEvent => ({
+      type: "pose",
+      id: `${time}`,
+      time: new Date(time).toISOString(),
+      goal_id: "a",
+      action_name: "/dock",
+      scene: at(x, change),
+    });
+    const stored = [pose(900, -0.2), pose(950, -0.1), pose(1000, 0), pose(1050, 0.1)];
+    const xs = (buffer: SceneBuffer) => buffer.trail.points.map(({ x }) => x);
+
+    it("begins its trail with those from before the first scene, whichever comes first", () => {
+      const [early, late] = [new SceneBuffer(), new SceneBuffer()];
+      early.recall(stored);
+      for (const buffer of [early, late]) {
+        buffer.push(at(0), 7, 1000);
+        buffer.push(at(0.1), 57, 1050);
+      }
+      const listener = vi.fn();
+      late.subscribe(listener);
+      late.recall(stored);
+      expect(xs(early)).toEqual([-0.2, -0.1, 0, 0.1]);
+      expect(xs(late)).toEqual(xs(early));
+      expect(listener).toHaveBeenCalledTimes(1);
+    });
+
+    it("leaves out what was in another frame, and what was before the robot was carried", () => {
+      const buffer = new SceneBuffer();
+      buffer.push(at(0), 7, 1000);
+      buffer.recall([pose(850, -0.3, { frame: "odom" }), ...stored]);
+      expect(xs(buffer)).toEqual([-0.2, -0.1, 0]);
+      const carried = new SceneBuffer();
+      carried.push(at(5), 7, 1000);
+      carried.recall(stored);
+      expect(xs(carried)).toEqual([5]);
+      const odometry = new SceneBuffer();
+      odometry.push(at(0, { frame: "odom" }), 7, 1000);
+      odometry.recall(stored);
+      expect(xs(odometry)).toEqual([0]);
+    });
   });
 
   it("tells nobody when nothing is new, and knows when it came all the same", () => {

@@ -30,6 +30,18 @@ FIND_ROBOT = """(canvas) => {
     return {x: box.left + (sumX / count) * (box.width / width), y: box.top + (sumY / count) * (box.height / height)};
 }"""
 
+TRAIL_LENGTH = """(canvas) => {
+    // From the leftmost to the rightmost pixel that has the trail's colour (the light scheme's), in CSS pixels.
+    const {data, width, height} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let [left, right] = [width, 0];
+    for (let index = 0; index < width * height; index += 1) {
+        const [red, green, blue] = data.subarray(4 * index, 4 * index + 3);
+        if (red !== 0x4d || green !== 0xab || blue !== 0xf7) continue;
+        [left, right] = [Math.min(left, index % width), Math.max(right, index % width)];
+    }
+    return (right - left) * canvas.getBoundingClientRect().width / width;
+}"""
+
 
 class Pose(NamedTuple):
     """Where the page says that the robot is: m, and degrees."""
@@ -133,6 +145,17 @@ def test_a_goal_is_replayed_on_the_map(page: Page, gateway: RunningGateway) -> N
     press(page, "Play")
     wait_until(lambda: x() > -0.9, "the robot on its way")
     assert find_violations(page) == []
+
+
+def test_the_trail_survives_a_reload(page: Page) -> None:
+    start_docking(page)
+    start = pose_in_words(page).x
+    wait_until(lambda: pose_in_words(page).x > start + 0.3, "the robot on its way")
+    page.reload()
+    expect(page.get_by_test_id("scene-words")).to_contain_text("Robot at")
+    reloaded = pose_in_words(page).x
+    wait_until(lambda: page.get_by_test_id("scene").evaluate(TRAIL_LENGTH) > 50, "the trail")
+    assert pose_in_words(page).x < reloaded + 0.15, "it is not from the way since"
 
 
 def test_stop_by_keyboard_and_release(page: Page, gateway: RunningGateway) -> None:

@@ -19,7 +19,7 @@ export function openRobot(location: StreamLocation, http: Http, robot: string | 
     series.push(Date.parse(event.time), event.battery);
   });
   const scene = new SceneBuffer();
-  store.onScene((event) => scene.push(event.scene, performance.now()));
+  store.onScene((event) => scene.push(event.scene, performance.now(), Date.parse(event.time)));
   const close = openStream(streamUrl(location, { include: "battery,cmd_vel,system,scene", robot }), store);
   return { services: { robot, gateway: createGateway(http, robot), store, series, scene }, close };
 }

@@ -1,6 +1,6 @@
-import type { Scene } from "../api/types";
+import type { PoseEvent, Scene } from "../api/types";
 import { between, distance, type Pose } from "./geometry";
-import { JUMP_M, Trail } from "./trail";
+import { JUMP_M, Trail, trailOf } from "./trail";
 
 /** A detection of the marker can be seen for this long. */
 export const FADE_MS = 1500;
@@ -23,12 +23,16 @@ export class SceneBuffer {
   /** When the latest came (ms). */
   arrivedAt = Number.NEGATIVE_INFINITY;
   readonly trail = new Trail();
+  /** When the first came, in the gateway's time (ms). */
+  #beganAt = Number.POSITIVE_INFINITY;
+  #recalled: readonly PoseEvent[] = [];
   #detections: Detection[] = [];
   #from: Pose | null = null;
   #glideMs = 0;
   readonly #listeners = new Set<() => void>();
 
-  push(scene: Scene, now: number): void {
+  /** @param time When it was so, in the gateway's time (ms). */
+  push(scene: Scene, now: number, time = now): void {
     const shown = this.robotAt(now);
     const before = this.latest;
     const moved = before !== null && before.frame !== scene.frame;
@@ -43,11 +47,24 @@ export class SceneBuffer {
     this.latest = scene;
     this.arrivedAt = now;
     this.trail.push(target);
+    if (before === null) {
+      this.#beganAt = time;
+      this.recall(this.#recalled);
+    }
     if (scene.marker !== null && !samePose(scene.marker, before?.marker ?? null)) {
       this.#detections = [...this.#detections, { pose: scene.marker, at: now }].slice(-MAX_DETECTIONS);
     }
     // One that says the same once more, as of a robot that stands still, changes no picture.
     if (shown !== null && samePose(shown, target) && JSON.stringify(scene) === JSON.stringify(before)) return;
+    for (const listener of this.#listeners) listener();
+  }
+
+  /** Begins the trail with where the robot was before the first scene came: stored poses, oldest first. */
+  recall(poses: readonly PoseEvent[]): void {
+    this.#recalled = poses;
+    const before = poses.filter(({ time }) => Date.parse(time) < this.#beganAt).map(({ scene }) => scene);
+    if (this.latest === null || before.at(-1)?.frame !== this.latest.frame) return;
+    this.trail.precede(trailOf(before).points);
     for (const listener of this.#listeners) listener();
   }
 

@@ -24,6 +24,8 @@ export type SceneSource = Pick<
 interface Drawn {
   view: View;
   robot: Pose;
+  /** An array that grows while the robot is drawn where it moves, or another one. */
+  trail: readonly Point[];
   /** Something of it fades. */
   fading: boolean;
   /** The scene without the robot. */
@@ -31,7 +33,8 @@ interface Drawn {
 }
 
 function looksTheSame(before: Drawn, after: Drawn): boolean {
-  if (before.fading || after.fading || before.view !== after.view) return false;
+  if (before.fading || after.fading || before.view !== after.view || before.trail !== after.trail)
+    return false;
   const turned = Math.abs(normalizeAngle(after.robot.theta - before.robot.theta)) * ROBOT_RADIUS_M;
   const moved = Math.max(distance(before.robot, after.robot), turned) * after.view.scale;
   return moved < STILL_PX && JSON.stringify(before.rest) === JSON.stringify(after.rest);
@@ -188,7 +191,13 @@ export class Painter {
     this.#moveView(now - this.#drawnAt);
     this.#drawnAt = now;
     const detections = this.buffer.detectionsAt(now);
-    const drawn = { view: this.view, robot, fading: detections.length > 0, rest: { ...scene, robot: null } };
+    const drawn = {
+      view: this.view,
+      robot,
+      trail: this.buffer.trail.points,
+      fading: detections.length > 0,
+      rest: { ...scene, robot: null },
+    };
     if (this.#drawn === null || !looksTheSame(this.#drawn, drawn)) {
       this.#drawn = drawn;
       draw(context, this.#ground, {
@@ -197,7 +206,7 @@ export class Painter {
         colors: this.colors,
         robot,
         shapes: shapesOf(scene),
-        trail: this.buffer.trail.points,
+        trail: drawn.trail,
         detections,
         infrared: scene.infrared,
         ghost: this.#ghost,

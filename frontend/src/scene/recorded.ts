@@ -2,7 +2,7 @@ import type { PoseEvent, Scene } from "../api/types";
 import { lastUpTo } from "../ui/crosshair";
 import { between, distance } from "./geometry";
 import type { SceneSource } from "./painter";
-import { JUMP_M, Trail } from "./trail";
+import { JUMP_M, Trail, trailOf } from "./trail";
 
 /** Between poses farther apart the robot stood still: only those that differ are stored (s). */
 const MAX_GLIDE_S = 1;
@@ -37,13 +37,7 @@ export class RecordedScene implements SceneSource {
     const robot =
       moment === null || after === undefined ? before.scene.robot : robotBetween(before, after, moment);
     this.latest = { ...before.scene, robot };
-    this.trail = new Trail();
-    let frame = before.scene.frame;
-    for (const { scene } of poses.slice(0, index + 1)) {
-      if (scene.frame !== frame) this.trail.clear();
-      frame = scene.frame;
-      this.trail.push(scene.robot);
-    }
+    this.trail = trailOf(poses.slice(0, index + 1).map(({ scene }) => scene));
     this.trail.push(robot);
     for (const listener of this.#listeners) listener();
   }

@@ -1,3 +1,4 @@
+import type { Scene } from "../api/types";
 import { distance, type Point } from "./geometry";
 
 /** Points closer together than this become one. */
@@ -27,7 +28,24 @@ export class Trail {
     if (this.#points.length >= MAX_POINTS + 200) this.#points = this.#points.slice(-MAX_POINTS);
   }
 
+  /** Puts where the robot was before in front. */
+  precede(earlier: readonly Point[]): void {
+    const later = this.#points;
+    this.clear();
+    for (const point of [...earlier, ...later]) this.push(point);
+  }
+
   clear(): void {
     this.#points = [];
   }
+}
+
+/** The way through scenes, oldest first; it begins anew where the frame is another. */
+export function trailOf(scenes: readonly Scene[]): Trail {
+  const trail = new Trail();
+  for (const [index, { frame, robot }] of scenes.entries()) {
+    if (index > 0 && scenes[index - 1]?.frame !== frame) trail.clear();
+    trail.push(robot);
+  }
+  return trail;
 }
