@@ -215,6 +215,83 @@ describe("the painter", () => {
     expect(painter.view.scale).toBeLessThan(own.scale);
   });
 
+  describe("that follows the robot", () => {
+    const onFollow = vi.fn<(scale: number | null) => void>();
+    const drive = (x: number) => {
+      push({ robot: { x, y: 0.4, theta: 0 } });
+      frames(300);
+    };
+    const middle = () => ({ x: painter.view.x, y: painter.view.y });
+
+    beforeEach(() => {
+      onFollow.mockClear();
+      push();
+      frames(1000);
+      painter.onFollow = onFollow;
+    });
+
+    it("keeps it in the middle, at the scale that was seen", () => {
+      const { scale } = painter.view;
+      painter.follow();
+      frames(2000);
+      expect(middle()).toEqual({ x: emptyScene.robot.x, y: emptyScene.robot.y });
+      for (const x of [-1.4, -1.3, -1.2]) {
+        drive(x);
+        expect(middle()).toEqual({ x, y: 0.4 });
+      }
+      expect(painter.view.scale).toBe(scale);
+      expect(onFollow.mock.calls).toEqual([[scale]]);
+    });
+
+    it("glides to another scale, and has the robot in the middle on its way there", () => {
+      painter.follow(200);
+      frames(2000);
+      painter.zoomBy(1.5, { x: 10, y: 10 });
+      push({ robot: { x: -1.2, y: 0.4, theta: 0 } });
+      frames(30);
+      expect(painter.view.scale).toBeGreaterThan(200);
+      expect(painter.view.scale).toBeLessThan(300);
+      frames(2000);
+      expect(painter.view).toEqual({ x: -1.2, y: 0.4, scale: 300 });
+      expect(onFollow.mock.calls).toEqual([[200], [300]]);
+    });
+
+    it("keeps the ground still under a robot that stands, and under one that is dragged", () => {
+      painter.follow(200);
+      frames(2000);
+      const { view } = painter;
+      drive(emptyScene.robot.x + 0.001);
+      expect(painter.view).toBe(view);
+      painter.showGhost(emptyScene.robot);
+      drive(-1);
+      expect(painter.view).toBe(view);
+    });
+
+    it.each([
+      ["pans", () => painter.panBy(40, 0)],
+      ["wants to see all", () => painter.showAll()],
+    ])("does so until somebody %s", (_, act) => {
+      painter.follow(200);
+      frames(2000);
+      act();
+      expect(onFollow).toHaveBeenLastCalledWith(null);
+      frames(2000);
+      const { view } = painter;
+      drive(-1.4);
+      expect(painter.view).toEqual(view);
+    });
+
+    it("goes on where the colours change", () => {
+      painter.follow(200);
+      painter.destroy();
+      painter = new Painter(canvas, buffer, SCENE_COLORS.dark, false, painter);
+      painter.invalidate();
+      frames(2000);
+      drive(-1.3);
+      expect(painter.view).toEqual({ x: -1.3, y: 0.4, scale: 200 });
+    });
+  });
+
   it("hands its view on to the next one, as when the colours change", () => {
     push();
     painter.zoomBy(2);

@@ -1,6 +1,7 @@
 import { describe, expect, it, vi } from "vitest";
 import type { PoseEvent } from "../src/api/types";
 import { FADE_MS, SceneBuffer } from "../src/scene/buffer";
+import { keepScale, keptScale } from "../src/scene/following";
 import { between, compose, normalizeAngle, type Pose, toRadians } from "../src/scene/geometry";
 import { pointsOf, shapesOf } from "../src/scene/shapes";
 import { JUMP_M, MAX_POINTS, Trail } from "../src/scene/trail";
@@ -238,6 +239,31 @@ describe("the scene", () => {
     unsubscribe();
     buffer.push(at(0.1), 1050);
     expect(listener).toHaveBeenCalledTimes(1);
+  });
+});
+
+describe("the scale of followed robots", () => {
+  it("is kept in this browser, and what is not one is not", () => {
+    expect(keptScale()).toBeNull();
+    keepScale(250);
+    expect(keptScale()).toBe(250);
+    keepScale(null);
+    expect(keptScale()).toBeNull();
+    for (const text of ["NaN", "far", "1e9", "0"]) {
+      localStorage.setItem("dock-gateway-map-follow", text);
+      expect(keptScale()).toBeNull();
+    }
+    localStorage.clear();
+  });
+
+  it("is not kept where storage is blocked", () => {
+    const blocked = () => {
+      throw new Error("blocked");
+    };
+    vi.stubGlobal("localStorage", { getItem: blocked, setItem: blocked, removeItem: blocked });
+    keepScale(250);
+    expect(keptScale()).toBeNull();
+    vi.unstubAllGlobals();
   });
 });
 

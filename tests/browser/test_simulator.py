@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator
 from contextlib import ExitStack
+from math import hypot
 from typing import NamedTuple
 
 import pytest
@@ -91,6 +92,14 @@ def open_tab(page: Page, name: str) -> None:
     expect(page.get_by_role("tabpanel", name=name)).to_be_visible()
 
 
+def off_the_middle(page: Page) -> float:
+    """How far from the middle of the map the robot is drawn, in CSS pixels."""
+    scene = page.get_by_test_id("scene")
+    robot, box = scene.evaluate(FIND_ROBOT), scene.bounding_box()
+    assert box is not None
+    return hypot(robot["x"] - box["x"] - box["width"] / 2, robot["y"] - box["y"] - box["height"] / 2)
+
+
 def top(locator: Locator) -> float:
     """How far below the window's upper edge something begins, in CSS pixels."""
     box = locator.bounding_box()
@@ -156,6 +165,26 @@ def test_the_trail_survives_a_reload(page: Page) -> None:
     reloaded = pose_in_words(page).x
     wait_until(lambda: page.get_by_test_id("scene").evaluate(TRAIL_LENGTH) > 50, "the trail")
     assert pose_in_words(page).x < reloaded + 0.15, "it is not from the way since"
+
+
+def test_the_robot_is_followed(page: Page, gateway: RunningGateway) -> None:
+    follow = page.get_by_role("button", name="Follow the robot")
+    expect(follow).to_have_attribute("aria-pressed", "false")
+    follow.click()
+    expect(follow).to_have_attribute("aria-pressed", "true")
+    place = {"x": -2.0, "y": -0.5, "theta": 0.3}
+    gateway.http.post("/simulator/place", json=place).raise_for_status()
+    wait_until(lambda: off_the_middle(page) < 3, "the robot in the middle")
+    page.reload()
+    expect(follow).to_have_attribute("aria-pressed", "true")
+    press(page, "Closer")
+    wait_until(lambda: off_the_middle(page) < 3, "the robot in the middle after a reload")
+    assert find_violations(page) == []
+    page.get_by_test_id("scene").focus()
+    page.keyboard.press("Control+ArrowRight")
+    expect(follow).to_have_attribute("aria-pressed", "false")
+    page.reload()
+    expect(follow).to_have_attribute("aria-pressed", "false")
 
 
 def test_stop_by_keyboard_and_release(page: Page, gateway: RunningGateway) -> None:

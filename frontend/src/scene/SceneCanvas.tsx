@@ -1,9 +1,10 @@
 import { useComputedColorScheme } from "@mantine/core";
 import { useElementSize, useReducedMotion } from "@mantine/hooks";
-import { useEffect, useRef } from "react";
+import { useEffect, useRef, useState } from "react";
 import { watchSight } from "../ui/sight";
 import { Tool } from "../ui/Tool";
 import { SCENE_COLORS } from "./colors";
+import { keepScale, keptScale } from "./following";
 import type { Pose } from "./geometry";
 import { Gestures } from "./gestures";
 import { Painter, type SceneSource } from "./painter";
@@ -30,6 +31,7 @@ export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }:
   const { ref: boxRef, width, height } = useElementSize<HTMLDivElement>();
   const canvasRef = useRef<HTMLCanvasElement>(null);
   const painterRef = useRef<Painter | null>(null);
+  const [following, setFollowing] = useState(() => keptScale() !== null);
   const handlers = useRef({ onPlace, onGhost });
   const latest = useRef({ width, height, placeable });
   handlers.current = { onPlace, onGhost };
@@ -39,6 +41,11 @@ export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }:
     const canvas = canvasRef.current;
     if (canvas === null) return;
     const painter = new Painter(canvas, scene, SCENE_COLORS[scheme], reducedMotion, painterRef.current);
+    if (painterRef.current === null) painter.follow(keptScale());
+    painter.onFollow = (scale) => {
+      keepScale(scale);
+      setFollowing(scale !== null);
+    };
     painter.resize(latest.current);
     painter.handle = latest.current.placeable;
     const place = (pose: Pose) => {
@@ -81,6 +88,13 @@ export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }:
         </Tool>
         <Tool name="Farther" onClick={() => painterRef.current?.zoomBy(1 / ZOOM_STEP)}>
           <path d="M5 11h14v2H5v-2Z" />
+        </Tool>
+        <Tool
+          name="Follow the robot"
+          pressed={following}
+          onClick={() => (following ? painterRef.current?.showAll() : painterRef.current?.follow())}
+        >
+          <path d="M11 2h2v3.07A7 7 0 0 1 18.93 11H22v2h-3.07A7 7 0 0 1 13 18.93V22h-2v-3.07A7 7 0 0 1 5.07 13H2v-2h3.07A7 7 0 0 1 11 5.07V2Zm1 5a5 5 0 1 0 0 10 5 5 0 0 0 0-10Zm0 3a2 2 0 1 1 0 4 2 2 0 0 1 0-4Z" />
         </Tool>
         <Tool name="Show all" onClick={() => painterRef.current?.showAll()}>
           <path d="M4 4h6v2H6v4H4V4Zm10 0h6v6h-2V6h-4V4ZM4 14h2v4h4v2H4v-6Zm14 0h2v6h-6v-2h4v-4Z" />

@@ -1,19 +1,15 @@
 import { atBeat, BEAT_MS } from "../ui/beat";
 import type { SceneBuffer } from "./buffer";
+import { Camera, STILL_PX } from "./camera";
 import type { SceneColors } from "./colors";
 import { distance, normalizeAngle, type Point, type Pose } from "./geometry";
 import { Ground } from "./ground";
 import { draw } from "./renderer";
 import { pointsOf, ROBOT_RADIUS_M, shapesOf } from "./shapes";
-import { fitTo, follow, pan, type Size, toWorld, type View, zoom } from "./view";
+import type { Size, View } from "./view";
 
-/** The view comes this much closer to where it is going in a time of this length (ms). */
-const EASE_MS = 90;
-/** Who has moved by less than this stands still, to the eye: odometry is never quite at rest. In CSS pixels. */
-const STILL_PX = 0.5;
 /** What fades does so in steps of this length where motion is not wanted (ms). */
 const CALM_MS = 200;
-const EMPTY: Size = { width: 0, height: 0 };
 
 /** A scene as a painter reads it; times are those of `performance.now()`. */
 export type SceneSource = Pick<
@@ -41,17 +37,14 @@ function looksTheSame(before: Drawn, after: Drawn): boolean {
 }
 
 /**
- * Draws the scene on a canvas: once for every frame in which something changed, and not at all otherwise. Chooses the
- * view by itself until somebody zooms or pans, and again after `showAll`.
+ * Draws the scene on a canvas as its camera sees it: once for every frame in which something changed, and not at all
+ * otherwise.
  */
 export class Painter {
   /** Where the robot is about to be placed. */
   #ghost: Pose | null = null;
   #handle = false;
-  #size: Size = EMPTY;
-  #view: View | null = null;
-  #target: View | null = null;
-  #chosenByHand = false;
+  readonly #camera: Camera;
   #frame: number | undefined;
   #cancelBeat: (() => void) | undefined;
   #drawnAt = 0;
@@ -69,21 +62,16 @@ export class Painter {
     /** The one that drew before, whose view goes on. */
     before: Painter | null,
   ) {
-    if (before !== null) {
-      this.#size = before.#size;
-      this.#view = before.#view;
-      this.#target = before.#target;
-      this.#chosenByHand = before.#chosenByHand;
-    }
+    this.#camera = before === null ? new Camera() : before.#camera;
     this.#unsubscribe = buffer.subscribe(this.#hear);
   }
 
   get size(): Size {
-    return this.#size;
+    return this.#camera.size;
   }
 
   get view(): View {
-    return this.#view ?? fitTo([], this.#size);
+    return this.#camera.view;
   }
 
   get ghost(): Pose | null {
@@ -117,32 +105,39 @@ export class Painter {
   }
 
   resize(size: Size): void {
-    if (size.width === this.#size.width && size.height === this.#size.height) return;
-    this.#size = size;
-    if (!this.#chosenByHand) this.#view = null;
-    this.invalidate();
+    if (this.#camera.resize(size)) this.invalidate();
   }
 
   /** Closer by `factor` around a place on the canvas, its middle by default. */
-  zoomBy(factor: number, place: Point = { x: this.#size.width / 2, y: this.#size.height / 2 }): void {
-    this.#choose(zoom(this.#target ?? this.view, this.#size, place, factor));
+  zoomBy(factor: number, place?: Point): void {
+    this.#camera.zoomBy(factor, place);
+    this.invalidate();
   }
 
   panBy(dx: number, dy: number): void {
-    const target = this.#target ?? this.view;
-    this.#view = pan(this.view, dx, dy);
-    this.#choose(pan(target, dx, dy));
+    this.#camera.panBy(dx, dy);
+    this.invalidate();
   }
 
   /** Back to the view that shows everything. */
   showAll(): void {
-    this.#chosenByHand = false;
-    this.#target = fitTo(this.#points(), this.#size);
+    this.#camera.showAll(this.#points());
     this.invalidate();
   }
 
+  /** Keeps the robot in the middle at a scale, by default that of what is seen; no longer for null. */
+  follow(scale: number | null = this.view.scale): void {
+    this.#camera.follow(scale);
+    this.invalidate();
+  }
+
+  /** Called with the scale at which the robot is followed, where that is another one; null where it no longer is. */
+  set onFollow(onFollow: (scale: number | null) => void) {
+    this.#camera.onFollow = onFollow;
+  }
+
   toWorld(place: Point): Point {
-    return toWorld(this.view, this.#size, place);
+    return this.#camera.toWorld(place);
   }
 
   /** Draws in the next frame. */
@@ -169,12 +164,6 @@ export class Painter {
     this.#frame ??= requestAnimationFrame(this.#paint);
   };
 
-  #choose(view: View): void {
-    this.#chosenByHand = true;
-    this.#target = view;
-    this.invalidate();
-  }
-
   #points(): Point[] {
     const { latest } = this.buffer;
     return latest === null ? [] : pointsOf(latest.robot, shapesOf(latest));
@@ -188,7 +177,9 @@ export class Painter {
     const robot = this.robot;
     if (context === null || scene === null || robot === null) return;
     const now = performance.now();
-    this.#moveView(now - this.#drawnAt);
+    // The ground keeps still while a robot is dragged over it.
+    if (this.#ghost === null) this.#camera.aim(this.#points(), robot);
+    this.#camera.glide(now - this.#drawnAt, this.reducedMotion);
     this.#drawnAt = now;
     const detections = this.buffer.detectionsAt(now);
     const drawn = {
@@ -202,7 +193,7 @@ export class Painter {
       this.#drawn = drawn;
       draw(context, this.#ground, {
         view: this.view,
-        size: this.#size,
+        size: this.size,
         colors: this.colors,
         robot,
         shapes: shapesOf(scene),
@@ -214,7 +205,7 @@ export class Painter {
         now,
       });
     }
-    if (this.#view !== this.#target) this.#look();
+    if (this.#camera.glides) this.#look();
     else if (this.buffer.changesAt(now)) this.#goOn();
   };
 
@@ -232,7 +223,7 @@ export class Painter {
 
   /** The canvas at the resolution of the screen; null while it has no size. */
   #context(): CanvasRenderingContext2D | null {
-    const { width, height } = this.#size;
+    const { width, height } = this.size;
     if (width === 0 || height === 0) return null;
     const ratio = window.devicePixelRatio || 1;
     const [columns, rows] = [Math.round(width * ratio), Math.round(height * ratio)];
@@ -243,28 +234,5 @@ export class Painter {
     const context = this.canvas.getContext("2d");
     context?.setTransform(columns / width, 0, 0, rows / height, 0, 0);
     return context;
-  }
-
-  #moveView(elapsed: number): void {
-    // The ground keeps still while a robot is dragged over it.
-    if (!this.#chosenByHand && this.#ghost === null) {
-      this.#target = follow(this.#target, this.#points(), this.#size);
-    }
-    const target = this.#target;
-    if (target === null) return;
-    const view = this.#view;
-    if (view === null || this.reducedMotion) {
-      this.#view = target;
-      return;
-    }
-    const share = 1 - Math.exp(-Math.min(elapsed, 100) / EASE_MS);
-    const next = {
-      x: view.x + (target.x - view.x) * share,
-      y: view.y + (target.y - view.y) * share,
-      scale: view.scale * (target.scale / view.scale) ** share,
-    };
-    const left = Math.hypot(target.x - next.x, target.y - next.y) * next.scale;
-    const settled = left < 0.3 && Math.abs(target.scale / next.scale - 1) < 0.002;
-    this.#view = settled ? target : next;
   }
 }

@@ -7,18 +7,21 @@ interface ToolProps {
   disabled?: boolean;
   /** Why it is disabled. */
   why?: string;
+  /** For one that switches something on and off: whether it is on. */
+  pressed?: boolean;
   onClick: () => void;
   /** The picture's paths, on 24 by 24. */
   children: ReactNode;
 }
 
 /** A small button with a picture on it. */
-export function Tool({ name, disabled = false, why, onClick, children }: ToolProps) {
+export function Tool({ name, disabled = false, why, pressed, onClick, children }: ToolProps) {
   return (
     <ActionIcon
-      variant="default"
+      variant={pressed ? "filled" : "default"}
       size="lg"
       aria-label={name}
+      aria-pressed={pressed}
       title={disabled ? why : name}
       disabled={disabled}
       onClick={onClick}
