@@ -70,6 +70,17 @@ describe("the painter", () => {
     buffer.push({ ...emptyScene, ...change }, performance.now());
   }
 
+  it("names the frame, and the dock where that is known", () => {
+    const texts = () => calls.flatMap(([name, [text]]) => (name === "fillText" ? [text] : []));
+    push({ frame: "odom", dock: null });
+    frames(50);
+    expect(texts()).toContain("frame odom");
+    expect(texts()).not.toContain("dock");
+    push();
+    frames(2000);
+    expect(texts()).toEqual(expect.arrayContaining(["frame world", "dock"]));
+  });
+
   it("draws nothing while nothing is known", () => {
     frames(1000);
     expect(pictures()).toBe(0);

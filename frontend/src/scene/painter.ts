@@ -195,6 +195,7 @@ export class Painter {
         view: this.view,
         size: this.size,
         colors: this.colors,
+        frame: scene.frame,
         robot,
         shapes: shapesOf(scene),
         trail: drawn.trail,

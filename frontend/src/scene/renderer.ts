@@ -19,6 +19,8 @@ export interface Picture {
   view: View;
   size: Size;
   colors: SceneColors;
+  /** In which all poses are. */
+  frame: string;
   robot: Pose;
   shapes: Shapes;
   trail: readonly Point[];
@@ -216,7 +218,11 @@ function drawHandle(ctx: CanvasRenderingContext2D, picture: Picture, robot: Pose
   ctx.stroke();
 }
 
-function drawScaleBar(ctx: CanvasRenderingContext2D, { view, size, colors }: Picture): void {
+/** How long a length is on the picture; and the frame. */
+export function drawScaleBar(
+  ctx: CanvasRenderingContext2D,
+  { view, size, colors, frame }: Pick<Picture, "view" | "size" | "colors" | "frame">,
+): void {
   const metres = gridStep(view.scale, 60);
   const length = metres * view.scale;
   const [x, y] = [14, size.height - 14];
@@ -233,6 +239,7 @@ function drawScaleBar(ctx: CanvasRenderingContext2D, { view, size, colors }: Pic
   ctx.textAlign = "left";
   ctx.textBaseline = "bottom";
   ctx.fillText(formatLength(metres), x, y - 7);
+  ctx.fillText(`frame ${frame}`, x + length + 12, y + 2);
 }
 
 const FONT = "12px system-ui, sans-serif";
