@@ -27,6 +27,7 @@ from dock_gateway.fleet.departures import Departures
 from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.pose_recorder import PoseRecorder
+from dock_gateway.fleet.scene_board import SceneBoard
 from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.fleet.stop import Stopper
@@ -42,7 +43,7 @@ from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, scan
 from dock_gateway.ros.robot_ports import DiagnosticsPort, VelocityListener
-from dock_gateway.ros.scene_port import PosePort, ScenePort
+from dock_gateway.ros.scene_port import MapPort, PosePort, ScenePort
 from dock_gateway.settings import DockingActions, Settings
 from dock_gateway.topics.graph_cache import GraphCache
 from dock_gateway.topics.registry import EchoRegistry
@@ -206,8 +207,11 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
     stopper.on_stop.append(activity.intervened)
     interlock.on_release.append(activity.intervened)
     _subscribe_on_demand(settings, bridge, hub, activity, stack)
+    board = _closed_by(stack, SceneBoard(hub, lambda: [robot.namespace for robot in robots.all()]))
+    _listen_to_poses(settings, bridge, MapPort, board, stack)
     if settings.store_poses:
-        _store_poses(settings, bridge, PoseRecorder(actions.running, robots.owner, history.record_event), stack)
+        recorder = _closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
+        _listen_to_poses(settings, bridge, PosePort, recorder, stack)
     graph = _closed_by(stack, GraphCache(bridge))
     echoes = _closed_by(stack, EchoRegistry(bridge, graph))
     await bridge.call(
@@ -331,14 +335,15 @@ def _subscribe_on_demand(
     _closed_by(stack, OnDemand(bridge, activity, "motion", motion))
 
 
-def _store_poses(settings: Settings, bridge: Bridge, recorder: PoseRecorder, stack: AsyncExitStack) -> None:
-    """Subscribe to the poses of robots while their goals run."""
+def _listen_to_poses(
+    settings: Settings, bridge: Bridge, kind: type[PosePort], ears: PoseRecorder | SceneBoard, stack: AsyncExitStack
+) -> None:
+    """Subscribe to the poses of the robots that are wanted."""
 
-    def poses(robot: str) -> PosePort:
-        return PosePort(bridge, robot, partial(settings.resolve, namespace=robot), recorder.hear)
+    def port(robot: str) -> PosePort:
+        return kind(bridge, robot, partial(settings.resolve, namespace=robot), ears.hear)
 
-    _closed_by(stack, recorder)
-    _closed_by(stack, OnDemand(bridge, recorder, "poses", poses))
+    _closed_by(stack, OnDemand(bridge, ears, "poses", port))
 
 
 async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, departures: Departures) -> None:

@@ -282,7 +282,7 @@ def test_on_a_phone_the_pages_are_in_a_menu_and_none_scrolls_sideways(page: Page
     page.set_viewport_size({"width": width, "height": 800})
     pages = page.get_by_role("navigation", name="Pages")
     menu = pages.get_by_role("button", name="Pages")
-    for name in ("Goals", "Actions", "Statistics", "Automatic docking", "Graph", "Overview"):
+    for name in ("Map", "Goals", "Actions", "Statistics", "Automatic docking", "Graph", "Overview"):
         expect(pages.get_by_role("link")).to_have_count(0)
         menu.press("Enter")
         pages.get_by_role("link", name=name).press("Enter")

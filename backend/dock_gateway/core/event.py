@@ -19,11 +19,11 @@ from dock_gateway.core.goal import Goal, GoalStatus, Json, encode, fragment
 class Event:
     """An encoded event and its routing data.
 
-    `topic` is `goals` or a name from `?include=`: `battery`, `cmd_vel`, `system`, `scene`, `robots`. Only `droppable`
-    events may be dropped for a slow subscriber. `id` is the document's id, if it has one. `robot` is the namespace of
-    the robot, if the event is about one robot. `ends_goal`: no further events of the goal are expected. `supersedes`:
-    the event replaces a queued one of the same topic and robot. `key` identifies what happened and is the same at every
-    gateway, so the history stores it once. A goal has one end and one result.
+    `topic` is `goals` or a name from `?include=`: `battery`, `cmd_vel`, `system`, `scene`, `scenes`, `robots`. Only
+    `droppable` events may be dropped for a slow subscriber. `id` is the document's id, if it has one. `robot` is the
+    namespace of the robot, if the event is about one robot. `ends_goal`: no further events of the goal are expected.
+    `supersedes`: the event replaces a queued one of the same topic and robot. `key` identifies what happened and is the
+    same at every gateway, so the history stores it once. A goal has one end and one result.
     """
 
     data: bytes
@@ -228,6 +228,11 @@ def scene_event(scene: dict[str, Any], now: datetime, *, robot: str) -> Event:
     """Return the event with the poses of a robot and its dock. Only the newest matters; none is stored."""
     document = {"type": "scene", "time": now, "robot": robot, "scene": scene}
     return Event(encode(document), "scene", droppable=True, robot=robot, supersedes=True)
+
+
+def scenes_event(scenes: dict[str, dict[str, Any]], now: datetime) -> Event:
+    """Return the event with the scenes of all robots, by robot. Only the newest matters; none is stored."""
+    return Event(encode({"type": "scenes", "time": now, "scenes": scenes}), "scenes", droppable=True, supersedes=True)
 
 
 def system_event(

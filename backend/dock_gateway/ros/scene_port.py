@@ -21,7 +21,6 @@ from dock_gateway.ros.robot_ports import LATCHED
 
 # The stamp of a message, which its header begins with, in little-endian CDR.
 STAMP, CDR_HEADER = struct.Struct("<iI"), 4
-SLOT_NS = 100_000_000
 
 # Only the newest message counts.
 LATEST = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
@@ -58,8 +57,9 @@ class ScenePort:
         self._truth_at = time.monotonic()  # wait for ground truth before odometry alone is shown
         listen = bridge.node.create_subscription
         self._subscriptions: list[Subscription] = [
-            self._listen_to_odometry(resolve("odom"), self._hear_odometry),
+            # The true pose is read first: after a pause, odometry would be taken for all that there is.
             self._listen_to_odometry(resolve("ground_truth"), self._hear_truth),
+            self._listen_to_odometry(resolve("odom"), self._hear_odometry),
             listen(PoseStamped, resolve("true_dock_pose"), guard(self._hear_dock), LATCHED),
             *(
                 listen(PoseStamped, resolve(topic), guard(self._hear_pose(name)), LATEST)
@@ -131,9 +131,10 @@ class PosePort(ScenePort):
     poses: ClassVar = {"filtered_dock_pose": "docked", "staging_pose": "staging"}
     receivers: ClassVar[tuple[str, ...]] = ()
     max_rate = 10.0
+    slot_ns = 100_000_000
 
     def _listen_to_odometry(self, topic: str, hear: OnOdometry) -> Subscription:
-        """Decode one message in each 0.1 s: decoding is what odometry costs.
+        """Decode one message in each slot: decoding is what odometry costs.
 
         They are chosen by their stamps, so that those of both topics belong together.
         """
@@ -142,7 +143,7 @@ class PosePort(ScenePort):
         def hear_some(raw: bytes, info: dict[str, Any]) -> None:
             nonlocal last
             seconds, nanoseconds = STAMP.unpack_from(raw, CDR_HEADER) if raw[1] & 1 else (0, 0)
-            slot = (seconds * 10**9 + nanoseconds or time.time_ns()) // SLOT_NS
+            slot = (seconds * 10**9 + nanoseconds or time.time_ns()) // self.slot_ns
             if slot != last:
                 last = slot
                 hear(deserialize_message(raw, Odometry), info)
@@ -151,6 +152,13 @@ class PosePort(ScenePort):
 
     def _tell(self, document: dict[str, Any], source_ns: int) -> None:
         self._bridge.to_loop(self._on_scene, self._namespace, document, source_ns)
+
+
+class MapPort(PosePort):
+    """The part of a scene that is on the map of all robots: where a robot and its dock are. Args as for `PosePort`."""
+
+    poses: ClassVar = {}
+    slot_ns = 200_000_000
 
 
 def read_pose(pose: RosPose) -> Pose | None:

@@ -121,7 +121,7 @@ GoalFilterQuery = Annotated[GoalFilter, Depends(read_goal_filter)]
 
 
 STREAM_QUERY = ("goal_id", "action", "robot", "include", "feedback")
-INCLUDES = ("battery", "cmd_vel", "system", "scene", "robots")
+INCLUDES = ("battery", "cmd_vel", "system", "scene", "scenes", "robots")
 EVENT_ID = re.compile(r"[0-9]{20}-[A-Za-z0-9_/-]{1,300}")
 MIN_RATE, MAX_RATE = 0.01, 1000.0
 

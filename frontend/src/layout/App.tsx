@@ -16,6 +16,7 @@ const StatisticsPage = lazyPart(() => import("../statistics/StatisticsPage"));
 const AutomationPage = lazyPart(() => import("../automation/AutomationPage"));
 const NotificationsPage = lazyPart(() => import("../notifications/NotificationsPage"));
 const GraphPage = lazyPart(() => import("../graph/GraphPage"));
+const MapPage = lazyPart(() => import("../map/MapPage"));
 const WallPage = lazyPart(() => import("../wall/WallPage"));
 
 /** Without a header: nothing on it is pressed. */
@@ -40,6 +41,7 @@ export function App() {
           <Route index element={<OverviewPage />} />
           <Route path="ui">
             <Route path="robot" element={<RobotPage />} />
+            <Route path="map" element={<MapPage />} />
             <Route path="goals" element={<GoalsPage />} />
             <Route path="goals/:goalId" element={<GoalPage />} />
             <Route path="actions" element={<ActionsPage />} />

@@ -9,6 +9,7 @@ interface Page {
 
 export const PAGES: readonly Page[] = [
   { to: "/", name: "Overview", letter: "o" },
+  { to: "/ui/map", name: "Map", letter: "m" },
   { to: "/ui/goals", name: "Goals", letter: "g" },
   { to: "/ui/actions", name: "Actions", letter: "a" },
   { to: "/ui/statistics", name: "Statistics", letter: "s" },

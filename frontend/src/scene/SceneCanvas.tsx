@@ -7,6 +7,7 @@ import { SCENE_COLORS } from "./colors";
 import { keepScale, keptScale } from "./following";
 import type { Pose } from "./geometry";
 import { Gestures } from "./gestures";
+import { MapTools } from "./MapTools";
 import { Painter, type SceneSource } from "./painter";
 import classes from "./scene.module.css";
 
@@ -21,8 +22,6 @@ interface SceneCanvasProps {
   /** Called where the keyboard moves the robot that is about to be placed; null where it was given up. */
   onGhost: (pose: Pose | null) => void;
 }
-
-const ZOOM_STEP = 1.4;
 
 /** The robot and its dock from above. Draws outside of React. */
 export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }: SceneCanvasProps) {
@@ -82,13 +81,10 @@ export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }:
         tabIndex={0}
         data-testid="scene"
       />
-      <div className={classes.tools}>
-        <Tool name="Closer" onClick={() => painterRef.current?.zoomBy(ZOOM_STEP)}>
-          <path d="M11 5h2v6h6v2h-6v6h-2v-6H5v-2h6V5Z" />
-        </Tool>
-        <Tool name="Farther" onClick={() => painterRef.current?.zoomBy(1 / ZOOM_STEP)}>
-          <path d="M5 11h14v2H5v-2Z" />
-        </Tool>
+      <MapTools
+        onZoom={(factor) => painterRef.current?.zoomBy(factor)}
+        onShowAll={() => painterRef.current?.showAll()}
+      >
         <Tool
           name="Follow the robot"
           pressed={following}
@@ -96,10 +92,7 @@ export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }:
         >
           <path d="M11 2h2v3.07A7 7 0 0 1 18.93 11H22v2h-3.07A7 7 0 0 1 13 18.93V22h-2v-3.07A7 7 0 0 1 5.07 13H2v-2h3.07A7 7 0 0 1 11 5.07V2Zm1 5a5 5 0 1 0 0 10 5 5 0 0 0 0-10Zm0 3a2 2 0 1 1 0 4 2 2 0 0 1 0-4Z" />
         </Tool>
-        <Tool name="Show all" onClick={() => painterRef.current?.showAll()}>
-          <path d="M4 4h6v2H6v4H4V4Zm10 0h6v6h-2V6h-4V4ZM4 14h2v4h4v2H4v-6Zm14 0h2v6h-6v-2h4v-4Z" />
-        </Tool>
-      </div>
+      </MapTools>
     </div>
   );
 }

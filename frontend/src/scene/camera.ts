@@ -21,6 +21,9 @@ export class Camera {
   /** Where the followed robot was; null before it is in the middle of the target. */
   #followedAt: Point | null = null;
 
+  /** @param inset So far from the edges all that is to be seen is kept, where it chooses by itself (CSS pixels). */
+  constructor(private readonly inset = 0) {}
+
   get size(): Size {
     return this.#size;
   }
@@ -58,7 +61,7 @@ export class Camera {
 
   /** Back to the view that shows all the points. */
   showAll(points: readonly Point[]): void {
-    this.#choose(fitTo(points, this.#size));
+    this.#choose(fitTo(points, this.#inside));
     this.#chosenByHand = false;
   }
 
@@ -76,7 +79,7 @@ export class Camera {
   /** Chooses anew where it does so by itself. @param points What is to be seen. @param robot Which is followed. */
   aim(points: readonly Point[], robot: Point | null): void {
     if (this.#followedScale !== null && robot !== null) this.#aimAt(robot, this.#followedScale);
-    else if (!this.#chosenByHand) this.#target = follow(this.#target, points, this.#size);
+    else if (!this.#chosenByHand) this.#target = follow(this.#target, points, this.#inside);
   }
 
   /** @param elapsed Since the last time (ms). @param calm At once, where motion is not wanted. */
@@ -96,6 +99,11 @@ export class Camera {
     const left = distance(target, next) * next.scale;
     const settled = left < 0.3 && Math.abs(target.scale / next.scale - 1) < 0.002;
     this.#view = settled ? target : next;
+  }
+
+  get #inside(): Size {
+    const { width, height } = this.#size;
+    return { width: Math.max(1, width - 2 * this.inset), height: Math.max(1, height - 2 * this.inset) };
   }
 
   /** What is seen goes along with the robot; only what somebody has chosen, such as another scale, is glided to. */

@@ -1,8 +1,7 @@
 import { distance, normalizeAngle, type Point, type Pose, toRadians } from "./geometry";
-import type { Painter } from "./painter";
 import { HANDLE_RADIUS_PX, handlePlace } from "./renderer";
 import { ROBOT_RADIUS_M } from "./shapes";
-import { toScreen } from "./view";
+import { type Size, toScreen, type View } from "./view";
 
 /** What is meant to be touched may be missed by this much, in CSS pixels. */
 const REACH_PX = 22;
@@ -10,6 +9,21 @@ const STEP_M = 0.05;
 const TURN_RAD = toRadians(5);
 const PAN_PX = 40;
 const ZOOM_STEP = 1.3;
+
+/** What gestures move: a picture, and the robot that can be placed where there is one. */
+export interface Stage {
+  readonly view: View;
+  readonly size: Size;
+  readonly robot: Pose | null;
+  readonly ghost: Pose | null;
+  /** Whether the robot can be dragged. */
+  readonly handle: boolean;
+  showGhost(ghost: Pose | null): void;
+  zoomBy(factor: number, place?: Point): void;
+  panBy(dx: number, dy: number): void;
+  showAll(): void;
+  toWorld(place: Point): Point;
+}
 
 type Drag =
   | { kind: "pan"; at: Point }
@@ -23,11 +37,11 @@ export class Gestures {
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
-    private readonly painter: Painter,
+    private readonly stage: Stage,
     /** Called where the robot was put somewhere. */
-    private readonly onPlace: (pose: Pose) => void,
+    private readonly onPlace: (pose: Pose) => void = () => {},
     /** Called where the keyboard moves the robot that is about to be placed; null where it was given up. */
-    private readonly onGhost: (pose: Pose | null) => void,
+    private readonly onGhost: (pose: Pose | null) => void = () => {},
   ) {
     canvas.addEventListener("pointerdown", this.#down);
     canvas.addEventListener("pointermove", this.#move);
@@ -54,7 +68,7 @@ export class Gestures {
     this.#pointers.set(event.pointerId, place);
     this.canvas.setPointerCapture(event.pointerId);
     if (this.#pointers.size > 1) {
-      this.painter.showGhost(null);
+      this.stage.showGhost(null);
       this.#drag = null;
       return;
     }
@@ -76,13 +90,13 @@ export class Gestures {
   readonly #up = (event: PointerEvent): void => {
     const drag = this.#drag;
     this.#forget(event);
-    if (drag === null || drag.kind === "pan" || this.painter.ghost === null) return;
-    this.onPlace(this.painter.ghost);
+    if (drag === null || drag.kind === "pan" || this.stage.ghost === null) return;
+    this.onPlace(this.stage.ghost);
   };
 
   readonly #cancel = (event: PointerEvent): void => {
     this.#forget(event);
-    this.painter.showGhost(null);
+    this.stage.showGhost(null);
   };
 
   #forget(event: PointerEvent): void {
@@ -92,14 +106,14 @@ export class Gestures {
   }
 
   #dragAt(place: Point): Drag {
-    const robot = this.painter.ghost ?? this.painter.robot;
-    if (this.painter.handle && robot !== null) {
-      const { view, size } = this.painter;
+    const robot = this.stage.ghost ?? this.stage.robot;
+    if (this.stage.handle && robot !== null) {
+      const { view, size } = this.stage;
       if (distance(place, handlePlace(view, size, robot)) <= HANDLE_RADIUS_PX + REACH_PX / 2) {
         return { kind: "turn", robot };
       }
       if (distance(place, toScreen(view, size, robot)) <= Math.max(ROBOT_RADIUS_M * view.scale, REACH_PX)) {
-        const point = this.painter.toWorld(place);
+        const point = this.stage.toWorld(place);
         return { kind: "move", grip: { x: robot.x - point.x, y: robot.y - point.y }, theta: robot.theta };
       }
     }
@@ -108,15 +122,15 @@ export class Gestures {
 
   #continue(drag: Drag, place: Point): Drag {
     if (drag.kind === "pan") {
-      this.painter.panBy(place.x - drag.at.x, place.y - drag.at.y);
+      this.stage.panBy(place.x - drag.at.x, place.y - drag.at.y);
       return { kind: "pan", at: place };
     }
-    const point = this.painter.toWorld(place);
+    const point = this.stage.toWorld(place);
     if (drag.kind === "move") {
-      this.painter.showGhost({ x: point.x + drag.grip.x, y: point.y + drag.grip.y, theta: drag.theta });
+      this.stage.showGhost({ x: point.x + drag.grip.x, y: point.y + drag.grip.y, theta: drag.theta });
     } else {
       const theta = Math.atan2(point.y - drag.robot.y, point.x - drag.robot.x);
-      this.painter.showGhost({ ...drag.robot, theta });
+      this.stage.showGhost({ ...drag.robot, theta });
     }
     return drag;
   }
@@ -126,15 +140,15 @@ export class Gestures {
     const other = [...this.#pointers].find(([id]) => id !== pointerId)?.[1];
     if (before === undefined || other === undefined) return;
     const factor = distance(place, other) / Math.max(1, distance(before, other));
-    this.painter.zoomBy(factor, { x: (place.x + other.x) / 2, y: (place.y + other.y) / 2 });
-    this.painter.panBy((place.x - before.x) / 2, (place.y - before.y) / 2);
+    this.stage.zoomBy(factor, { x: (place.x + other.x) / 2, y: (place.y + other.y) / 2 });
+    this.stage.panBy((place.x - before.x) / 2, (place.y - before.y) / 2);
   }
 
   /** The wheel alone scrolls the page; with Ctrl, as a pinch on a trackpad sends it, it zooms. */
   readonly #wheel = (event: WheelEvent): void => {
     if (!event.ctrlKey && !event.metaKey) return;
     event.preventDefault();
-    this.painter.zoomBy(Math.exp(-event.deltaY / 300), this.#place(event));
+    this.stage.zoomBy(Math.exp(-event.deltaY / 300), this.#place(event));
   };
 
   /** A finger on the robot drags it, a finger anywhere else scrolls the page. */
@@ -152,30 +166,30 @@ export class Gestures {
   #handleKey({ key, shiftKey, ctrlKey }: KeyboardEvent): boolean {
     const arrow = ARROWS[key];
     if (arrow !== undefined) {
-      if (this.painter.handle && !ctrlKey) this.#nudge(arrow, shiftKey);
-      else this.painter.panBy(-arrow.x * PAN_PX, arrow.y * PAN_PX);
+      if (this.stage.handle && !ctrlKey) this.#nudge(arrow, shiftKey);
+      else this.stage.panBy(-arrow.x * PAN_PX, arrow.y * PAN_PX);
       return true;
     }
     if (ctrlKey) return false;
-    const { ghost } = this.painter;
-    if (key === "+" || key === "=") this.painter.zoomBy(ZOOM_STEP);
-    else if (key === "-") this.painter.zoomBy(1 / ZOOM_STEP);
-    else if (key === "0") this.painter.showAll();
+    const { ghost } = this.stage;
+    if (key === "+" || key === "=") this.stage.zoomBy(ZOOM_STEP);
+    else if (key === "-") this.stage.zoomBy(1 / ZOOM_STEP);
+    else if (key === "0") this.stage.showAll();
     else if (key === "Enter" && ghost !== null) this.onPlace(ghost);
     else if (key === "Escape" && ghost !== null) {
-      this.painter.showGhost(null);
+      this.stage.showGhost(null);
       this.onGhost(null);
     } else return false;
     return true;
   }
 
   #nudge(arrow: Point, turning: boolean): void {
-    const robot = this.painter.ghost ?? this.painter.robot;
+    const robot = this.stage.ghost ?? this.stage.robot;
     if (robot === null) return;
     const ghost = turning
       ? { ...robot, theta: normalizeAngle(robot.theta - arrow.x * TURN_RAD) }
       : { ...robot, x: robot.x + arrow.x * STEP_M, y: robot.y + arrow.y * STEP_M };
-    this.painter.showGhost(ghost);
+    this.stage.showGhost(ghost);
     this.onGhost(ghost);
   }
 

@@ -2,11 +2,15 @@ import type { SceneColors } from "./colors";
 import type { Point } from "./geometry";
 import { gridStep, type Size, toScreen, toWorld, type View } from "./view";
 
-/** What the ground is made of. */
-export interface Surface {
+/** What part of the plane is drawn, and how. */
+export interface Drawing {
   view: View;
   size: Size;
   colors: SceneColors;
+}
+
+/** What the ground is made of. */
+export interface Surface extends Drawing {
   /** Where the robot has been, oldest first: an array that grows, or another one. */
   trail: readonly Point[];
   robot: Point;
@@ -66,7 +70,7 @@ export class Ground {
   }
 }
 
-function drawGrid(ctx: CanvasRenderingContext2D, { view, size, colors }: Surface): void {
+export function drawGrid(ctx: CanvasRenderingContext2D, { view, size, colors }: Drawing): void {
   const step = gridStep(view.scale, 44);
   const { x: left, y: top } = toWorld(view, size, { x: 0, y: 0 });
   const { x: right, y: bottom } = toWorld(view, size, { x: size.width, y: size.height });

@@ -6,7 +6,7 @@ import { distance, normalizeAngle, type Point, type Pose } from "./geometry";
 import { Ground } from "./ground";
 import { draw } from "./renderer";
 import { pointsOf, ROBOT_RADIUS_M, shapesOf } from "./shapes";
-import type { Size, View } from "./view";
+import { canvasContext, type Size, type View } from "./view";
 
 /** What fades does so in steps of this length where motion is not wanted (ms). */
 const CALM_MS = 200;
@@ -172,7 +172,7 @@ export class Painter {
   readonly #paint = (): void => {
     this.#rest();
     if (!this.#inSight) return;
-    const context = this.#context();
+    const context = canvasContext(this.canvas, this.size);
     const scene = this.buffer.latest;
     const robot = this.robot;
     if (context === null || scene === null || robot === null) return;
@@ -220,20 +220,5 @@ export class Painter {
   /** Draws what changes by itself: smoothly, or now and then where motion is not wanted. */
   #goOn(): void {
     this.#cancelBeat ??= atBeat(this.reducedMotion ? CALM_MS : BEAT_MS, this.#paint);
-  }
-
-  /** The canvas at the resolution of the screen; null while it has no size. */
-  #context(): CanvasRenderingContext2D | null {
-    const { width, height } = this.size;
-    if (width === 0 || height === 0) return null;
-    const ratio = window.devicePixelRatio || 1;
-    const [columns, rows] = [Math.round(width * ratio), Math.round(height * ratio)];
-    if (this.canvas.width !== columns || this.canvas.height !== rows) {
-      this.canvas.width = columns;
-      this.canvas.height = rows;
-    }
-    const context = this.canvas.getContext("2d");
-    context?.setTransform(columns / width, 0, 0, rows / height, 0, 0);
-    return context;
   }
 }

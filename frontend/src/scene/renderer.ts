@@ -1,8 +1,7 @@
 import type { Infrared } from "../api/types";
 import { type Detection, FADE_MS } from "./buffer";
-import type { SceneColors } from "./colors";
 import { compose, type Point, type Pose } from "./geometry";
-import type { Ground } from "./ground";
+import type { Drawing, Ground } from "./ground";
 import {
   CONTACT_RADIUS_M,
   DOCK_BOX,
@@ -15,10 +14,7 @@ import {
 import { formatLength, gridStep, type Size, toScreen, type View } from "./view";
 
 /** All that one picture is made of. */
-export interface Picture {
-  view: View;
-  size: Size;
-  colors: SceneColors;
+export interface Picture extends Drawing {
   /** In which all poses are. */
   frame: string;
   robot: Pose;
@@ -104,7 +100,7 @@ function drawContactZone(ctx: CanvasRenderingContext2D, picture: Picture, docked
   ctx.restore();
 }
 
-function drawDock(ctx: CanvasRenderingContext2D, picture: Picture, dock: Pose): void {
+export function drawDock(ctx: CanvasRenderingContext2D, picture: Drawing, dock: Pose): void {
   const { colors, view } = picture;
   const { front, back, half } = DOCK_BOX;
   box(ctx, picture, dock, front, back, half);
@@ -221,7 +217,7 @@ function drawHandle(ctx: CanvasRenderingContext2D, picture: Picture, robot: Pose
 /** How long a length is on the picture; and the frame. */
 export function drawScaleBar(
   ctx: CanvasRenderingContext2D,
-  { view, size, colors, frame }: Pick<Picture, "view" | "size" | "colors" | "frame">,
+  { view, size, colors, frame }: Drawing & Pick<Picture, "frame">,
 ): void {
   const metres = gridStep(view.scale, 60);
   const length = metres * view.scale;
@@ -246,7 +242,7 @@ const FONT = "12px system-ui, sans-serif";
 
 function label(
   ctx: CanvasRenderingContext2D,
-  picture: Picture,
+  picture: Drawing,
   below: Point,
   text: string,
   color: string,
@@ -260,7 +256,7 @@ function label(
   ctx.fillText(text, x, y + 6);
 }
 
-function circle(ctx: CanvasRenderingContext2D, { view, size }: Picture, centre: Point, radius: number): void {
+function circle(ctx: CanvasRenderingContext2D, { view, size }: Drawing, centre: Point, radius: number): void {
   const { x, y } = toScreen(view, size, centre);
   ctx.beginPath();
   ctx.arc(x, y, radius * view.scale, 0, 2 * Math.PI);
@@ -269,7 +265,7 @@ function circle(ctx: CanvasRenderingContext2D, { view, size }: Picture, centre: 
 /** A line through points that are given in the frame of `pose`. */
 function path(
   ctx: CanvasRenderingContext2D,
-  { view, size }: Picture,
+  { view, size }: Drawing,
   pose: Pose,
   points: readonly (readonly [number, number])[],
 ): void {
@@ -282,7 +278,7 @@ function path(
 
 function box(
   ctx: CanvasRenderingContext2D,
-  picture: Picture,
+  picture: Drawing,
   pose: Pose,
   front: number,
   back: number,

@@ -112,3 +112,20 @@ export function gridStep(scale: number, apart: number): number {
 export function formatLength(metres: number): string {
   return metres < 1 ? `${Math.round(metres * 100)} cm` : `${metres} m`;
 }
+
+/** A canvas with the resolution of the screen, to be drawn on in CSS pixels; null while it has no size. */
+export function canvasContext(
+  canvas: HTMLCanvasElement,
+  { width, height }: Size,
+): CanvasRenderingContext2D | null {
+  if (width === 0 || height === 0) return null;
+  const ratio = window.devicePixelRatio || 1;
+  const [columns, rows] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== columns || canvas.height !== rows) {
+    canvas.width = columns;
+    canvas.height = rows;
+  }
+  const context = canvas.getContext("2d");
+  context?.setTransform(columns / width, 0, 0, rows / height, 0, 0);
+  return context;
+}

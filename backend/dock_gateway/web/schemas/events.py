@@ -175,6 +175,14 @@ class SceneEvent(Schema):
     scene: Scene
 
 
+class ScenesEvent(Schema):
+    """The scenes of all robots that have one, by robot, up to 5 times a second. `marker` and `infrared` are null."""
+
+    type: Literal["scenes"]
+    time: datetime
+    scenes: dict[str, Scene]
+
+
 class HeartbeatEvent(Schema):
     """The stream is alive."""
 
@@ -242,6 +250,7 @@ EVENTS: tuple[type[BaseModel], ...] = (
     AlertsEvent,
     AutomationEvent,
     SceneEvent,
+    ScenesEvent,
     HeartbeatEvent,
     DroppedEvent,
     FeedbackDroppedEvent,

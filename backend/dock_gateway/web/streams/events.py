@@ -35,8 +35,8 @@ SSE_RESPONSES = {
 async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     """Send a snapshot, then every event as it happens.
 
-    `?goal_id=`, `?action=` and `?robot=` filter the events; `?include=battery,cmd_vel,system,scene,robots` asks for
-    more than goals; `?feedback=false` omits feedback, `?max_rate=` limits its rate; `?after=` resumes.
+    `?goal_id=`, `?action=` and `?robot=` filter the events; `?include=battery,cmd_vel,system,scene,scenes,robots`
+    asks for more than goals; `?feedback=false` omits feedback, `?max_rate=` limits its rate; `?after=` resumes.
     """
     query = websocket.query_params
     after, max_rate = read_after(query), read_max_rate(query)
