@@ -10,12 +10,13 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.axe import SETTLED, find_violations
+from tests.support.docking import PATIENT
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
 
 # A start that is near the dock, and no patience: nobody wants to watch for minutes.
 NEAR = ("-p", "start_x:=-1.1", "-p", "start_y:=0.1", "-p", "start_theta:=-0.1")
-IMPATIENT = ("-p", "controller:=dock_pose", "-p", "max_retries:=1", "-p", "wait_charge_timeout:=1.5")
+IMPATIENT = ("-p", "controller:=dock_pose", "-p", "max_retries:=1", "-p", "wait_charge_timeout:=1.5", "-p", PATIENT)
 MINUS = "\N{MINUS SIGN}"
 WORDS = re.compile(rf"x ({MINUS}?[\d.]+) m, y ({MINUS}?[\d.]+) m, heading ({MINUS}?\d+)°")
 FIND_ROBOT = """(canvas) => {
@@ -159,12 +160,12 @@ def test_a_goal_is_replayed_on_the_map(page: Page, gateway: RunningGateway) -> N
 def test_the_trail_survives_a_reload(page: Page) -> None:
     start_docking(page)
     start = pose_in_words(page).x
-    wait_until(lambda: pose_in_words(page).x > start + 0.3, "the robot on its way")
+    wait_until(lambda: pose_in_words(page).x > start + 0.5, "the robot on its way")
     page.reload()
     expect(page.get_by_test_id("scene-words")).to_contain_text("Robot at")
     reloaded = pose_in_words(page).x
-    wait_until(lambda: page.get_by_test_id("scene").evaluate(TRAIL_LENGTH) > 50, "the trail")
-    assert pose_in_words(page).x < reloaded + 0.15, "it is not from the way since"
+    wait_until(lambda: page.get_by_test_id("scene").evaluate(TRAIL_LENGTH) > 80, "0.3 m of trail")
+    assert pose_in_words(page).x < reloaded + 0.25, "it is not from the way since"
 
 
 def test_the_robot_is_followed(page: Page, gateway: RunningGateway) -> None:
