@@ -3,9 +3,10 @@ import { FADE_MS, SceneBuffer } from "../src/scene/buffer";
 import { SCENE_COLORS } from "../src/scene/colors";
 import type { Pose } from "../src/scene/geometry";
 import { Gestures } from "../src/scene/gestures";
+import { drawGrid } from "../src/scene/ground";
 import { Painter } from "../src/scene/painter";
 import { handlePlace } from "../src/scene/renderer";
-import { toScreen } from "../src/scene/view";
+import { toScreen, type View } from "../src/scene/view";
 import { emptyScene } from "./events";
 
 /** Beats are counted by the clock: what is drawn when must not depend on when the test runs. */
@@ -20,6 +21,37 @@ function fakeContext() {
   });
   return { context: context as unknown as CanvasRenderingContext2D, calls };
 }
+
+describe("the ground", () => {
+  it("has metres along its top and its left, with the decimals of its grid", () => {
+    const { context, calls } = fakeContext();
+    const written = (view: View) => {
+      calls.length = 0;
+      drawGrid(context, { view, size: SIZE, colors: SCENE_COLORS.light });
+      const texts = calls.filter(([name]) => name === "fillText").map(([, values]) => values);
+      const top = texts.filter(([text, , y]) => y === 4 && text !== "m").map(([text]) => text);
+      return { top, left: texts.filter(([, x, y]) => x === 4 && y !== 4).map(([text]) => text) };
+    };
+    // Six metres from left to right, and four from the bottom to the top.
+    expect(written({ x: 0, y: 0, scale: 100 })).toEqual({
+      top: ["−2.5", "−2.0", "−1.5", "−1.0", "−0.5", "0.0", "0.5", "1.0", "1.5", "2.0", "2.5"],
+      left: ["−1.0", "−0.5", "0.0", "0.5", "1.0", "1.5"],
+    });
+    expect(written({ x: 100, y: 0, scale: 10 }).top).toEqual([
+      "75",
+      "80",
+      "85",
+      "90",
+      "95",
+      "100",
+      "105",
+      "110",
+      "115",
+      "120",
+      "125",
+    ]);
+  });
+});
 
 describe("the painter", () => {
   let canvas: HTMLCanvasElement;

@@ -2,6 +2,8 @@ export interface SceneColors {
   grid: string;
   axis: string;
   text: string;
+  /** The numbers along the edges. */
+  metres: string;
   robot: string;
   robotEdge: string;
   onRobot: string;
@@ -20,6 +22,7 @@ export const SCENE_COLORS: Record<"light" | "dark", SceneColors> = {
     grid: "#eef0f2",
     axis: "#ced4da",
     text: "#343a40",
+    metres: "#5c636a",
     robot: "#1864ab",
     robotEdge: "#0b3d6b",
     onRobot: "#ffffff",
@@ -36,6 +39,7 @@ export const SCENE_COLORS: Record<"light" | "dark", SceneColors> = {
     grid: "#303030",
     axis: "#4a4a4a",
     text: "#dee2e6",
+    metres: "#adb5bd",
     robot: "#4dabf7",
     robotEdge: "#a5d8ff",
     onRobot: "#12202e",

@@ -70,8 +70,16 @@ export class Ground {
   }
 }
 
+/** So far from a corner no metres are written (CSS pixels): there are those of the other axis, and the scale. */
+const CORNER_PX = 28;
+
+/** Lines at round distances, with their metres: those of x along the top, those of y along the left. */
 export function drawGrid(ctx: CanvasRenderingContext2D, { view, size, colors }: Drawing): void {
   const step = gridStep(view.scale, 44);
+  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const metres = (value: number) => value.toFixed(decimals).replace("-", "\u2212");
+  ctx.font = "11px system-ui, sans-serif";
+  ctx.fillStyle = colors.metres;
   const { x: left, y: top } = toWorld(view, size, { x: 0, y: 0 });
   const { x: right, y: bottom } = toWorld(view, size, { x: size.width, y: size.height });
   ctx.lineWidth = 1;
@@ -85,10 +93,19 @@ export function drawGrid(ctx: CanvasRenderingContext2D, { view, size, colors }: 
   for (let column = Math.ceil(left / step); column * step <= right; column += 1) {
     const x = Math.round(toScreen(view, size, { x: column * step, y: 0 }).x) + 0.5;
     line(column === 0, x, 0, x, size.height);
+    ctx.textAlign = "center";
+    ctx.textBaseline = "top";
+    if (x > CORNER_PX && x < size.width - CORNER_PX) ctx.fillText(metres(column * step), x, 4);
   }
+  ctx.textAlign = "left";
+  ctx.textBaseline = "top";
+  ctx.fillText("m", 4, 4);
   for (let row = Math.ceil(bottom / step); row * step <= top; row += 1) {
     const y = Math.round(toScreen(view, size, { x: 0, y: row * step }).y) + 0.5;
     line(row === 0, 0, y, size.width, y);
+    ctx.textAlign = "left";
+    ctx.textBaseline = "middle";
+    if (y > CORNER_PX && y < size.height - 2 * CORNER_PX) ctx.fillText(metres(row * step), 4, y);
   }
 }
 
