@@ -8,7 +8,7 @@ from pathlib import Path
 import asyncpg
 import pytest
 
-from dock_gateway.history import sql, writer
+from dock_gateway.history import reader, sql, writer
 from tests.support.postgresql import PostgreSQL, binaries, running_postgresql
 
 _numbers = itertools.count()
@@ -19,6 +19,7 @@ def history_timeouts(monkeypatch: pytest.MonkeyPatch) -> None:
     """The database of a busy machine takes its time; without an answer a goal would go to the spool, say."""
     monkeypatch.setattr(sql, "OPEN_TIMEOUT", 30.0)
     monkeypatch.setattr(writer, "ANSWER_TIMEOUT", 30.0)
+    monkeypatch.setattr(reader, "READ_TIMEOUT", 30.0)
 
 
 @pytest.fixture(scope="session")

@@ -28,8 +28,8 @@ class Reader:
         self._pause_until = 0.0
         self._much = asyncio.Lock()
 
-    async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, timeout: float = READ_TIMEOUT) -> T:
-        """Run a function of a connection.
+    async def read(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, timeout: float | None = None) -> T:
+        """Run a function of a connection. It may take `timeout` seconds, by default `READ_TIMEOUT`.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
@@ -37,7 +37,7 @@ class Reader:
         if not self._answers:
             raise Unavailable(AWAY, code="history_unavailable")
         try:
-            async with asyncio.timeout(timeout):
+            async with asyncio.timeout(READ_TIMEOUT if timeout is None else timeout):
                 return await self._database.read(work, *args)
         except DATABASE_ERRORS as error:
             raise self._away(error) from error
