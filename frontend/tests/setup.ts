@@ -1,6 +1,6 @@
 import { cleanup, configure } from "@testing-library/react";
 import type { ComponentType } from "react";
-import { afterEach, beforeEach, vi } from "vitest";
+import { afterAll, afterEach, beforeEach, vi } from "vitest";
 import { START } from "./events";
 
 // On a busy machine seconds are not much.
@@ -61,6 +61,18 @@ globalThis.Date = class extends RealDate {
 Object.defineProperty(performance, "timeOrigin", {
   configurable: true,
   get: () => Date.now() - performance.now(),
+});
+
+// What a store is about to show would be shown after the last test of a file, when there is no page any more.
+const realTimeout = globalThis.setTimeout;
+const timers = new Set<ReturnType<typeof setTimeout>>();
+globalThis.setTimeout = Object.assign((...parts: Parameters<typeof setTimeout>) => {
+  const timer = realTimeout(...parts);
+  timers.add(timer);
+  return timer;
+}, realTimeout);
+afterAll(() => {
+  for (const timer of timers) clearTimeout(timer);
 });
 
 // React reports mistakes, such as a <div> in a <p>, on the console only. That updates come from timers and not from
