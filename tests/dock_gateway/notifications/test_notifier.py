@@ -274,8 +274,9 @@ async def test_a_removed_webhook_gets_nothing_more(site: Site, receiver: Receive
     await gateway.replace("hook", site.hook())
     await until(lambda: len(receiver.bodies) == 1)
     await gateway.remove("hook")
+    sent = len(receiver.bodies)
     await looks(20)
-    assert len(receiver.bodies) <= 2
+    assert len(receiver.bodies) <= sent + 1  # one may have been on its way
     assert await site.deliveries.read() == {}
     for what in (gateway.remove("hook"), gateway.test("hook"), gateway.deliveries("hook", 1)):
         with pytest.raises(NotFound) as error:
