@@ -54,13 +54,17 @@ def test_an_action_is_one_thing_and_its_server_and_client_are_named(
 def test_sixty_nodes_with_their_topics_and_qualities(gateway: RunningGateway, shared_domain: int) -> None:
     with running_talker(shared_domain, "--nodes", str(NODES)):
         wanted = {f"/talker{number}/talker" for number in range(NODES)}
-        graph = wait_for_graph(
-            gateway,
-            lambda graph: (
-                wanted <= names(graph["nodes"]) and all(find(graph["nodes"], name)["services"] for name in wanted)
-            ),
-            timeout=60,
-        )
+
+        def is_complete(graph: dict[str, Any]) -> bool:
+            if not (wanted <= names(graph["nodes"]) and "/talker7/battery_status" in names(graph["topics"])):
+                return False
+            topic = find(graph["topics"], "/talker7/battery_status")
+            ends = (topic["publishers"], topic["subscribers"])
+            return all(find(graph["nodes"], name)["services"] for name in wanted) and all(
+                "/talker7/talker" in {entry["node"] for entry in end} for end in ends
+            )
+
+        graph = wait_for_graph(gateway, is_complete, timeout=60)
         with ThreadPoolExecutor(8) as pool:
             answers = list(pool.map(lambda _: gateway.http.get("/graph").status_code, range(40)))
         assert answers == [200] * 40
