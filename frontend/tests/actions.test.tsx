@@ -1,3 +1,4 @@
+import { EditorView } from "@codemirror/view";
 import { act, screen, waitFor, within } from "@testing-library/react";
 import axe from "axe-core";
 import { beforeEach, describe, expect, it, vi } from "vitest";
@@ -5,7 +6,7 @@ import type { ActionInfo, Goal } from "../src/api/types";
 import { openStream } from "../src/stream/stream";
 import { at, feedback, fibonacciAction, goal, latched, result, status } from "./events";
 import schemas from "./form/schemas.json";
-import { fakeGateway, renderPage } from "./page";
+import { descriptionOf, fakeGateway, pressEscape, renderPage } from "./page";
 
 vi.mock("../src/stream/stream", async (actual) => ({
   ...(await actual<typeof import("../src/stream/stream")>()),
@@ -68,6 +69,15 @@ function standard(path: string, method: string, actions: ActionInfo[]): Answer {
 
 const openFibonacci = () => renderPage(fakeGateway(), {}, "/ui/actions/robot1/fibonacci");
 const field = (name: string) => screen.findByRole("textbox", { name });
+const jsonEditor = () =>
+  waitFor(() => {
+    const view = EditorView.findFromDOM(screen.getByRole("textbox", { name: "Goal message as JSON" }));
+    if (view === null) throw new Error("the editor is not loaded");
+    return view;
+  });
+/** jsdom has no layout, which typing into the editor needs. */
+const write = (editor: EditorView, insert: string) =>
+  act(() => editor.dispatch({ changes: { from: 0, to: editor.state.doc.length, insert } }));
 const press = (name: string) => screen.getByRole("button", { name });
 
 beforeEach(() => localStorage.clear());
@@ -191,19 +201,36 @@ describe("a goal of any action", () => {
     const { user } = openFibonacci();
     await field("order");
     await user.click(screen.getByRole("radio", { name: "JSON" }));
-    const editor = await field("Goal message as JSON");
-    expect((editor as HTMLTextAreaElement).value).toBe('{\n  "order": 10\n}');
-    await user.clear(editor);
-    await user.type(editor, '{{"ordre": 3}');
+    const editor = await jsonEditor();
+    expect(editor.state.doc.toString()).toBe('{\n  "order": 10\n}');
+    expect(descriptionOf(editor.contentDOM)).toMatch(/^Fields that are left out/);
+    write(editor, '{"ordre": 3}');
+    expect(editor.contentDOM.getAttribute("aria-invalid")).toBe("true");
     await user.click(screen.getByRole("radio", { name: "Form" }));
     expect(screen.getByText("The form cannot show this:")).toBeDefined();
     expect(screen.getByText("ordre:", { exact: false })).toBeDefined();
-    await user.clear(editor);
-    await user.type(editor, '{{ "order":3 }');
+    write(editor, '{ "order":3 }');
+    expect(editor.contentDOM.getAttribute("aria-invalid")).toBe("false");
     await user.click(press("Send goal"));
     await waitFor(() => expect(sent.map(({ body }) => body)).toEqual(['{ "order":3 }']));
     await user.click(screen.getByRole("radio", { name: "Form" }));
     expect(((await field("order")) as HTMLInputElement).value).toBe("3");
+  });
+
+  it("as JSON stops every robot at Escape twice, and follows Reset", async () => {
+    answering([fibonacci]);
+    const gateway = fakeGateway();
+    const { user } = renderPage(gateway, {}, "/ui/actions/robot1/fibonacci");
+    await field("order");
+    await user.click(screen.getByRole("radio", { name: "JSON" }));
+    const editor = await jsonEditor();
+    await user.click(screen.getByText("Goal message as JSON"));
+    expect(document.activeElement).toBe(editor.contentDOM);
+    pressEscape(1000);
+    pressEscape(1200);
+    await waitFor(() => expect(gateway.stop).toHaveBeenCalledTimes(1));
+    await user.click(press("Reset"));
+    expect(editor.state.doc.toString()).toBe("{}");
   });
 
   it("has lists that grow to their bound and shrink, by keyboard", async () => {

@@ -150,6 +150,36 @@ def test_json_is_sent_as_it_is_typed(page: Page, gateway: RunningGateway) -> Non
     assert newest(gateway, COUNTED) == {"order": 4}
 
 
+def test_json_is_edited_with_its_errors_marked(page: Page, gateway: RunningGateway) -> None:
+    show(page, gateway, COUNTED)
+    page.get_by_text("JSON", exact=True).click()
+    editor = page.get_by_role("textbox", name="Goal message as JSON")
+    expect(editor).to_be_editable()
+    expect(editor).to_have_accessible_description(re.compile("^Fields that are left out"))
+    page.get_by_text("Goal message as JSON").click()
+    expect(editor).to_be_focused()
+    page.keyboard.press("Control+A")
+    page.keyboard.type('{\n"order": "many",\n"ordre": 3')
+    expect(editor).to_have_attribute("aria-invalid", "true")
+    expect(page.locator(".cm-lintPoint-error")).to_be_attached()
+    page.keyboard.type("}")
+    marks = page.locator(".cm-lintRange-error")
+    expect(page.get_by_role("listitem").filter(has_text="ordre: there is no such field")).to_be_visible()
+    assert "".join(marks.all_text_contents()) == '"order": "many""ordre": 3'
+    for scheme in ("light", "dark"):
+        page.evaluate("(scheme) => document.documentElement.dataset.mantineColorScheme = scheme", scheme)
+        assert find_violations(page) == []
+    page.keyboard.press("Control+Z")
+    expect(editor).not_to_contain_text("ordre")
+    page.keyboard.press("Tab")
+    expect(page.get_by_role("button", name="Send goal", exact=True)).to_be_focused()
+    page.keyboard.press("Shift+Tab")
+    expect(editor).to_be_focused()
+    page.keyboard.press("Escape")
+    page.keyboard.press("Escape")
+    wait_until(lambda: gateway.http.get("/stop").json()["latched"], "the stop")
+
+
 def test_by_keyboard_alone(page: Page, gateway: RunningGateway) -> None:
     show(page, gateway, COUNTED)
     order = page.get_by_label("order")

@@ -1,8 +1,11 @@
-import { List, Text, Textarea } from "@mantine/core";
-import { useEffect, useRef } from "react";
+import { Input, List, Text } from "@mantine/core";
+import { type CSSProperties, Suspense, useEffect, useId, useRef } from "react";
+import { lazyPart } from "../ui/lazyPart";
 import classes from "./actions.module.css";
 import { useForm } from "./fields/context";
 import type { FieldError } from "./form/write";
+
+const JsonCode = lazyPart(() => import("./JsonCode"));
 
 interface JsonEditorProps {
   text: string;
@@ -14,30 +17,55 @@ interface JsonEditorProps {
 /** The goal message as JSON, as it is sent. */
 export function JsonEditor({ text, onChange, hidden }: JsonEditorProps) {
   const { errors, sought, found } = useForm();
-  const ref = useRef<HTMLTextAreaElement>(null);
+  const id = useId();
+  const focused = useRef(false);
   const isSought = sought !== null;
 
   useEffect(() => {
     if (!isSought) return;
-    ref.current?.focus();
+    document.getElementById(id)?.focus();
     found();
-  }, [isSought, found]);
+  }, [id, isSought, found]);
 
   const shown = hidden.length > 0 ? hidden : errors;
+  const rows = Math.max(6, Math.min(24, text.split("\n").length + 1));
   return (
     <div>
-      <Textarea
-        ref={ref}
+      <Input.Wrapper
+        id={id}
         label="Goal message as JSON"
         description="Fields that are left out have their defaults. Constants may be given by name, null is NaN."
-        rows={Math.max(6, Math.min(24, text.split("\n").length + 1))}
-        spellCheck={false}
-        autoComplete="off"
-        error={shown.length > 0}
-        classNames={{ input: classes.editor }}
-        value={text}
-        onChange={(event) => onChange(event.currentTarget.value)}
-      />
+        labelProps={{ onClick: () => document.getElementById(id)?.focus() }}
+        style={{ "--rows": rows } as CSSProperties}
+      >
+        <Suspense
+          fallback={
+            <Input
+              component="textarea"
+              multiline
+              readOnly
+              error={shown.length > 0}
+              classNames={{ input: classes.editor }}
+              value={text}
+              onFocus={() => {
+                focused.current = true;
+              }}
+              onBlur={() => {
+                focused.current = false;
+              }}
+            />
+          }
+        >
+          <JsonCode
+            id={id}
+            text={text}
+            onChange={onChange}
+            errors={shown}
+            className={classes.editor}
+            focused={focused}
+          />
+        </Suspense>
+      </Input.Wrapper>
       <div role="status">
         {shown.length > 0 && (
           <>
