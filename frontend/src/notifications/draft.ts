@@ -26,13 +26,21 @@ export type DraftErrors = Partial<Record<"name" | "url" | "robots", string>>;
 export function errorsOf(draft: Draft): DraftErrors {
   const errors: DraftErrors = {};
   if (draft.name.trim() === "") errors.name = "Type a name.";
-  const url = URL.parse(draft.url.trim());
+  const url = read(draft.url.trim());
   if (url === null || !["http:", "https:"].includes(url.protocol))
     errors.url = "An address that begins with https:// or http://";
   else if (url.username !== "" || url.password !== "") errors.url = "Leave out user name and password.";
   const wrong = choiceError(draft);
   if (wrong !== undefined) errors.robots = wrong;
   return errors;
+}
+
+function read(address: string): URL | null {
+  try {
+    return new URL(address);
+  } catch {
+    return null;
+  }
 }
 
 /** The request that stores a webhook. */
