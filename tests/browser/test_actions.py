@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.axe import find_violations
+from tests.browser.width import expect_no_sideways_scrolling
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
 
@@ -245,4 +246,4 @@ def test_a_phone(page: Page, gateway: RunningGateway, name: str) -> None:
     expect(
         page.get_by_role("link", name=COUNTED).or_(page.get_by_role("button", name=re.compile("^Send")))
     ).to_be_visible()
-    assert page.evaluate("document.documentElement.scrollWidth") == 320
+    expect_no_sideways_scrolling(page)

@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from tests.browser.axe import find_violations
+from tests.browser.width import expect_no_sideways_scrolling
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
 from tests.support.waiting import wait_until
 
@@ -276,7 +277,7 @@ def test_the_pages_are_in_one_row(page: Page) -> None:
         expect(links).to_have_count(7)
         tops = links.evaluate_all("(links) => links.map((link) => link.getBoundingClientRect().top)")
         assert len(set(tops)) == 1, width
-        assert page.evaluate("document.documentElement.scrollWidth") == width
+        expect_no_sideways_scrolling(page)
 
 
 @pytest.mark.parametrize("width", [320, 390])
@@ -290,7 +291,7 @@ def test_on_a_phone_the_pages_are_in_a_menu_and_none_scrolls_sideways(page: Page
         pages.get_by_role("link", name=name).press("Enter")
         expect(page.get_by_role("heading", level=1, name=name)).to_be_attached()
         expect(page.locator("main .mantine-Skeleton-root:visible")).to_have_count(0)
-        assert page.evaluate("document.documentElement.scrollWidth") == width, name
+        expect_no_sideways_scrolling(page, name)
     menu.click()
     expect(pages.get_by_role("link", name="Goals")).to_be_visible()
     page.keyboard.press("Escape")
@@ -299,7 +300,7 @@ def test_on_a_phone_the_pages_are_in_a_menu_and_none_scrolls_sideways(page: Page
     for tab in ("Developer", "Operate"):
         page.get_by_role("tab", name=tab).click()
         expect(page.locator("main .mantine-Skeleton-root:visible")).to_have_count(0)
-        assert page.evaluate("document.documentElement.scrollWidth") == width, tab
+        expect_no_sideways_scrolling(page, tab)
 
 
 @pytest.mark.parametrize("width", [320, 390, 820, 1024, 1920])
@@ -307,7 +308,7 @@ def test_a_width(page: Page, width: int) -> None:
     page.set_viewport_size({"width": width, "height": 900})
     expect(row(page, "/robot2")).to_contain_text("81 %")
     expect(page.get_by_test_id("alert-count")).to_be_visible()
-    assert page.evaluate("document.documentElement.scrollWidth") == width
+    expect_no_sideways_scrolling(page)
     assert find_wide_cells(page) == []
 
 

@@ -10,6 +10,7 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 
 from tests.browser.axe import SETTLED, find_violations
+from tests.browser.width import expect_no_sideways_scrolling
 from tests.support.docking import PATIENT
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.waiting import wait_until
@@ -317,7 +318,7 @@ def test_a_phone(page: Page) -> None:
     start_docking(page)
     press(page, "Stop")
     expect(page.get_by_test_id("stop-banner")).to_be_visible()
-    assert page.evaluate("document.documentElement.scrollWidth") == 320
+    expect_no_sideways_scrolling(page)
     open_tab(page, "Developer")
     expect(page.get_by_role("region", name="Simulator", exact=True)).to_be_visible()
-    assert page.evaluate("document.documentElement.scrollWidth") == 320
+    expect_no_sideways_scrolling(page)

@@ -90,14 +90,17 @@ class PostgreSQL:
         assert self.process is not None
         children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()
         everyone = [self.process.pid, *map(int, children)]
-        for pid in everyone:
-            os.kill(pid, signal.SIGSTOP)
         try:
+            _send(signal.SIGSTOP, everyone)
             yield
         finally:
-            for pid in everyone:
-                with suppress(ProcessLookupError):  # it had lost its client, and has gone
-                    os.kill(pid, signal.SIGCONT)
+            _send(signal.SIGCONT, everyone)
+
+
+def _send(number: signal.Signals, processes: list[int]) -> None:
+    for pid in processes:
+        with suppress(ProcessLookupError):  # it has lost its client, and has gone
+            os.kill(pid, number)
 
 
 @contextmanager
