@@ -1,4 +1,4 @@
-import { act, screen, within } from "@testing-library/react";
+import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { GatewayEvent, Scene } from "../src/api/types";
 import { FleetScenes } from "../src/map/fleetScenes";
@@ -170,8 +170,11 @@ describe("the map's page", () => {
   const open = async () => {
     const page = renderPage(fakeGateway(), { robots }, "/ui/map");
     await screen.findByRole("heading", { name: "Map" });
-    const stream = streams.find(({ url }) => url.includes("scenes"));
-    if (stream === undefined) throw new Error("no stream");
+    const stream = await waitFor(() => {
+      const found = streams.find(({ url }) => url.includes("scenes"));
+      if (found === undefined) throw new Error("no stream");
+      return found;
+    });
     const hear = (scenes: Record<string, Scene>) => act(() => stream.handlers.onEvent(event(scenes)));
     return { ...page, stream, hear };
   };
