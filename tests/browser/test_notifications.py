@@ -1,4 +1,4 @@
-"""Notifications by clicking: a webhook is added, tested and told of a stop; the browser announces alerts."""
+"""Notifications by clicking: a webhook is added and tested, and receives a stop; the browser announces alerts."""
 
 import re
 from collections.abc import Iterator

@@ -127,7 +127,7 @@ class AutomaticDocking:
             "id": rule_id,
             "name": rule.name,
             "mode": rule.mode.value,
-            "robots": {"all": rule.every_robot, "names": rule.robots, "groups": rule.groups},
+            "robots": rule.robots_document(),
             "battery": None if rule.below is None else {"below": rule.below, "idle_s": rule.idle_s},
             "schedule": None if rule.below is not None else schedule,
             "changed_by": rule.changed_by,

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
+from dock_gateway.core.robot_choice import RobotChoice
+
 
 class Mode(StrEnum):
     """What a rule does when its condition is met: nothing, record what it would do, or dock the robot."""
@@ -17,7 +19,7 @@ WEEKDAYS = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
 
 
 @dataclass(frozen=True)
-class Rule:
+class Rule(RobotChoice):
     """When which robots dock by themselves. It has one condition: `below` and `idle_s`, or `times`.
 
     Attributes:
@@ -47,10 +49,6 @@ class Rule:
     time_zone: str | None
     changed_by: str | None
     changed_at: datetime
-
-    def covers(self, robot: str, groups: tuple[str, ...]) -> bool:
-        """Return whether the rule applies to a robot that is in these groups."""
-        return self.every_robot or robot in self.robots or any(group in self.groups for group in groups)
 
 
 class Outcome(StrEnum):

@@ -5,13 +5,14 @@ from datetime import datetime
 from enum import StrEnum
 
 from dock_gateway.core.goal import Json
+from dock_gateway.core.robot_choice import RobotChoice
 
 SEVERITIES = ("critical", "warning")
 
 
 @dataclass(frozen=True)
-class Webhook:
-    """An address that is told of alerts.
+class Webhook(RobotChoice):
+    """An address that receives alerts.
 
     Attributes:
         name: What people call it.
@@ -41,11 +42,11 @@ class Webhook:
         """Return whether an alert is sent. One without a robot concerns the gateway, and so everybody."""
         if not self.enabled or severity not in self.severities:
             return False
-        return self.every_robot or robot is None or robot in self.robots or any(each in self.groups for each in groups)
+        return robot is None or self.covers(robot, groups)
 
 
 class EventType(StrEnum):
-    """What a delivery tells of."""
+    """What happened."""
 
     RAISED = "alert.raised"
     CLEARED = "alert.cleared"
@@ -66,10 +67,10 @@ class Delivery:
 
     Attributes:
         webhook_id: The webhook.
-        event_type: What it tells of.
+        event_type: What happened.
         state: What came of it.
         alert_id: The alert; None for a test.
-        at: When the event happened.
+        at: When it happened.
         body: What is sent.
         attempts: How often it was sent.
         next_at: When it is sent next; None unless it is pending.

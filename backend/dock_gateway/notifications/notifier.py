@@ -14,8 +14,9 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.core.webhook import DeliveryState, EventType, Webhook
 from dock_gateway.fleet.alerts import SETTLED_AFTER, AlertBoard
-from dock_gateway.fleet.labels import Labels
+from dock_gateway.fleet.labels import NO_LABEL, Labels
 from dock_gateway.fleet.shared_book import SharedBook
+from dock_gateway.history import RobotLabel
 from dock_gateway.notifications.outbox import Document, Outbox, delivery_document
 from dock_gateway.notifications.sender import new_secret
 
@@ -24,8 +25,9 @@ log = logging.getLogger(__name__)
 MAX_WEBHOOKS = 20
 # Seconds between two looks at the alerts.
 INTERVAL = 1.0
-# Looks between two reads of the webhooks, which other gateways may have changed, and of the deliveries.
-READ_EVERY, TIDY_EVERY = 2, 15
+# Looks between two reads of the webhooks, which other gateways may have changed, and of the deliveries, in which what
+# is outdated is deleted: a multiple.
+READ_EVERY, TIDY_EVERY = 2, 30
 
 
 class Notifier:
@@ -53,8 +55,8 @@ class Notifier:
         self._started, self._settled = utc_now(), False
         self._settled_at = time.monotonic() + SETTLED_AFTER
         self._looks = 0
-        self._raised: dict[tuple[str, str], Document] = {}  # alerts that a webhook was told of, by webhook and alert
-        self._news: deque[tuple[EventType, str, str, Document]] = deque()  # what is to be stored, then sent
+        self._raised: dict[tuple[str, str], Document] = {}  # alerts that were sent, by webhook and alert
+        self._news: deque[tuple[EventType, str, str, Document]] = deque()  # to be stored, then sent
         self._testing: set[str] = set()
         self._tasks = Tasks("notifying webhooks")
         self._tasks.spawn(self._run())
@@ -122,7 +124,7 @@ class Notifier:
             "url": webhook.url,
             "enabled": webhook.enabled,
             "severities": webhook.severities,
-            "robots": {"all": webhook.every_robot, "names": webhook.robots, "groups": webhook.groups},
+            "robots": webhook.robots_document(),
             "changed_by": webhook.changed_by,
             "changed_at": webhook.changed_at,
             "pending": sum(each.state is DeliveryState.PENDING for _, each in own),
@@ -186,7 +188,7 @@ class Notifier:
         return {webhook_id: webhook for webhook_id, webhook in self._webhooks.all().items() if webhook.enabled}
 
     def _compare(self) -> None:
-        """Compare the alerts with what the webhooks were told of, and note what is to be sent."""
+        """Compare the alerts with those that were sent, and queue what is new."""
         on = self._on
         self._raised = {key: alert for key, alert in self._raised.items() if key[0] in on}
         if not on:
@@ -201,8 +203,11 @@ class Notifier:
             self._news.append((EventType.CLEARED, *key, self._event(EventType.CLEARED, self._raised.pop(key))))
 
     def _wants(self, webhook: Webhook, alert: Document) -> bool:
-        robot = alert["robot"]
-        return webhook.wants(alert["severity"], robot, () if robot is None else self._labels.of(robot).groups)
+        return webhook.wants(alert["severity"], alert["robot"], self._label_of(alert).groups)
+
+    def _label_of(self, alert: Document) -> RobotLabel:
+        """Return the label of an alert's robot; an empty one if the alert concerns the gateway."""
+        return NO_LABEL if alert["robot"] is None else self._labels.of(alert["robot"])
 
     async def _clear_earlier(self) -> None:
         """Send the end of alerts that were raised before this gateway started, and have not come again."""
@@ -217,16 +222,10 @@ class Notifier:
                 await self._outbox.add(EventType.CLEARED, delivery.webhook_id, delivery.alert_id, event)
 
     def _event(self, event_type: EventType, alert: Document) -> Document:
-        robot = alert["robot"]
-        label = None if robot is None else self._labels.of(robot)
-        about = {
-            "display_name": None if label is None else label.display_name,
-            "groups": [] if label is None else label.groups,
-        }
-        name = "the gateway" if label is None else label.display_name or robot
-        cleared = event_type is EventType.CLEARED
-        text = f"Cleared: {alert['title']} ({name})" if cleared else f"{alert['title']} ({name}): {alert['detail']}"
-        return {"text": text, "data": alert | about}
+        label = self._label_of(alert)
+        title = f"{alert['title']} ({label.display_name or alert['robot'] or 'the gateway'})"
+        text = f"Cleared: {title}" if event_type is EventType.CLEARED else f"{title}: {alert['detail']}"
+        return {"text": text, "data": alert | vars(label)}
 
     async def close(self) -> None:
         """Stop sending. What is pending is sent after the next start."""

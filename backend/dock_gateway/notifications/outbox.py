@@ -133,7 +133,7 @@ class Outbox:
         headers = sign(webhook.secret, identity, utc_now(), delivery.body)
         answer = await self._sender.send(webhook.url, headers, delivery.body)
         tried = after_attempt(delivery, answer, utc_now())
-        if delivery.webhook_id in self._webhooks.keys():  # noqa: SIM118 - not a mapping
+        if self._webhooks.get(delivery.webhook_id) is not None:
             self._deliveries.put(identity, tried)
             await self._deliveries.save()
         if tried.error is not None:

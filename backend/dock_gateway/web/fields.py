@@ -62,6 +62,17 @@ def read_part(value: object, path: str, *fields: str) -> dict[str, Any]:
     return value
 
 
+def read_robot(value: object, path: str) -> str:
+    """Return the namespace of a robot, which need not be on the ROS graph.
+
+    Raises:
+        InvalidField: It is not a namespace.
+    """
+    if not isinstance(value, str) or len(value) > MAX_ROBOT:
+        raise InvalidField([FieldError(path, f"a ROS namespace of up to {MAX_ROBOT} characters", got(value))])
+    return read_namespace(value, path)
+
+
 def read_robots(value: object) -> tuple[bool, tuple[str, ...], tuple[str, ...]]:
     """Return which robots the field `robots` names: whether all, else their namespaces and their groups.
 
@@ -71,11 +82,7 @@ def read_robots(value: object) -> tuple[bool, tuple[str, ...], tuple[str, ...]]:
     fields = read_part(value, "robots", "all", "names", "groups")
     everyone = read_flag(fields.get("all", False), "robots.all")
     names = read_texts(fields.get("names", []), "robots.names", MAX_ROBOTS, "namespaces")
-    for index, name in enumerate(names):
-        if len(name) > MAX_ROBOT:
-            expected = f"a ROS namespace of up to {MAX_ROBOT} characters"
-            raise InvalidField([FieldError(f"robots.names.{index}", expected, got(name))])
-    robots = dict.fromkeys(read_namespace(name, f"robots.names.{index}") for index, name in enumerate(names))
+    robots = dict.fromkeys(read_robot(name, f"robots.names.{index}") for index, name in enumerate(names))
     texts = read_texts(fields.get("groups", []), "robots.groups", MAX_GROUPS, "groups")
     groups = dict.fromkeys(read_name(text, MAX_GROUP, f"robots.groups.{index}") for index, text in enumerate(texts))
     if everyone is bool(robots or groups):

@@ -929,7 +929,7 @@ export interface paths {
          * Replace Webhook
          * @description Store a webhook, new or changed, at every gateway that shares the history.
          *
-         *     It is told of the alerts that there are, and then of each that begins or ends.
+         *     It receives the present alerts, and then each that begins or ends.
          */
         put: operations["replace_webhook"];
         post?: never;
@@ -1932,7 +1932,7 @@ export interface components {
         Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * EventType
-         * @description What a delivery tells of.
+         * @description What happened.
          * @enum {string}
          */
         EventType: "alert.raised" | "alert.cleared" | "test";
@@ -3587,7 +3587,7 @@ export interface components {
         Wait: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "goal_running" | "goal_lost" | "quiet_period" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
         /**
          * Webhook
-         * @description An address that is told of alerts. `pending` counts the deliveries that are still to be sent.
+         * @description An address that receives alerts. `pending` counts the deliveries that are still to be sent.
          */
         Webhook: {
             /** Id */

@@ -3,7 +3,7 @@ import type { components, paths } from "./schema.gen";
 
 type Schemas = components["schemas"];
 
-/** An address that is told of alerts. */
+/** An address that receives alerts. */
 export type Webhook = Schemas["Webhook"];
 /** What a client says of a webhook. */
 export type WebhookBody =

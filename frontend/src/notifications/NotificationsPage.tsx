@@ -3,7 +3,7 @@ import { usePageTitle } from "../ui/usePageTitle";
 import { ThisBrowser } from "./ThisBrowser";
 import { Webhooks } from "./Webhooks";
 
-/** Who is told of alerts, and how. */
+/** Who receives alerts, and how. */
 export default function NotificationsPage() {
   usePageTitle("Notifications");
   return (

@@ -16,7 +16,7 @@ import classes from "./notifications.module.css";
 import { useWebhookCommands } from "./useWebhooks";
 import { severityWords, testWords } from "./words";
 
-/** A webhook: what it is told of, a test, and what was sent to it. */
+/** A webhook: which alerts it receives, a test, and what was sent to it. */
 export function WebhookCard({ webhook, onEdit }: { webhook: Webhook; onEdit: () => void }) {
   const naming = useNaming();
   const live = useFleetLive();

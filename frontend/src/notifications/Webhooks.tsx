@@ -14,7 +14,7 @@ import { WebhookForm } from "./WebhookForm";
 /** The webhook in the dialog; null for a new one. */
 type Edited = { webhook: Webhook | null };
 
-/** The addresses that are told of alerts. */
+/** The addresses that receive alerts. */
 export function Webhooks() {
   const live = useFleetLive();
   const { data: webhooks, error, refetch } = useWebhooks();

@@ -3,10 +3,9 @@
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
-from dock_gateway.core.errors import FieldError, InvalidField, got
+from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.history import RobotLabel
-from dock_gateway.robots.registry import read_namespace
-from dock_gateway.web.fields import MAX_GROUPS, MAX_ROBOT
+from dock_gateway.web.fields import MAX_GROUPS, MAX_ROBOT, read_robot
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -74,8 +73,6 @@ def read_label(value: object) -> tuple[str, RobotLabel]:
     if missing := [FieldError(name, "a value", "it is missing") for name in FIELDS if name not in fields]:
         raise InvalidField(missing)
     robot, name, groups = (fields[field] for field in FIELDS)
-    if not isinstance(robot, str) or len(robot) > MAX_ROBOT:
-        raise InvalidField([FieldError("robot", f"a ROS namespace of up to {MAX_ROBOT} characters", got(robot))])
-    robot = read_namespace(robot, "robot")
+    robot = read_robot(robot, "robot")
     display_name = None if name is None else read_name(name, MAX_DISPLAY_NAME, "display_name")
     return robot, RobotLabel(display_name, read_names(groups, MAX_GROUPS, MAX_GROUP, "groups"))

@@ -1,4 +1,4 @@
-"""`/webhooks`: addresses that are told of alerts."""
+"""`/webhooks`: addresses that receive alerts."""
 
 from typing import Annotated
 
@@ -89,7 +89,7 @@ async def list_webhooks(gateway: TheGateway) -> Response:
 async def replace_webhook(webhook_id: WebhookId, request: Request, gateway: TheGateway) -> Response:
     """Store a webhook, new or changed, at every gateway that shares the history.
 
-    It is told of the alerts that there are, and then of each that begins or ends.
+    It receives the present alerts, and then each that begins or ends.
     """
     return json_response(await gateway.notifier.replace(webhook_id, read_webhook(await read_json(request))))
 

@@ -1,4 +1,4 @@
-"""The JSON shapes of webhooks: addresses that are told of alerts, and what was sent to them."""
+"""The JSON shapes of webhooks, which receive alerts, and of what was sent to them."""
 
 from datetime import datetime
 from typing import Literal
@@ -66,7 +66,7 @@ class DeliveryList(Schema):
 
 
 class Webhook(Schema):
-    """An address that is told of alerts. `pending` counts the deliveries that are still to be sent."""
+    """An address that receives alerts. `pending` counts the deliveries that are still to be sent."""
 
     id: str
     name: str
