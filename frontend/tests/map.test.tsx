@@ -4,6 +4,7 @@ import type { GatewayEvent, Scene } from "../src/api/types";
 import { FleetScenes } from "../src/map/fleetScenes";
 import { placement } from "../src/map/placement";
 import { FleetStage } from "../src/map/stage";
+import { Camera } from "../src/scene/camera";
 import { SCENE_COLORS } from "../src/scene/colors";
 import { toScreen } from "../src/scene/view";
 import type { StreamHandlers } from "../src/stream/stream";
@@ -126,7 +127,8 @@ describe("the stage", () => {
     const elements = new Map(["/a", "/b", "/c"].map((name) => [name, document.createElement("li")]));
     const scenes = new FleetScenes();
     const canvas = document.createElement("canvas");
-    const stage = new FleetStage(canvas, elements, scenes, SCENE_COLORS.light, true, null);
+    const camera = new Camera();
+    const stage = new FleetStage(canvas, camera, elements, scenes, SCENE_COLORS.light, true);
     stage.resize({ width: 600, height: 400 });
     scenes.onEvent(event({ "/a": scene(-2), "/b": scene(3), "/c": scene(9, "odom"), "/gone": scene(0) }));
     vi.advanceTimersByTime(50);
@@ -140,7 +142,7 @@ describe("the stage", () => {
     expect(elements.get("/c")?.dataset.placed).toBeUndefined();
     expect(calls.filter(([name, [text]]) => name === "fillText" && text === "dock")).toHaveLength(1);
 
-    const next = new FleetStage(canvas, elements, scenes, SCENE_COLORS.dark, true, stage);
+    const next = new FleetStage(canvas, camera, elements, scenes, SCENE_COLORS.dark, true);
     stage.destroy();
     next.panBy(40, 0);
     next.zoomBy(2);

@@ -1,5 +1,6 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { FADE_MS, SceneBuffer } from "../src/scene/buffer";
+import { Camera } from "../src/scene/camera";
 import { SCENE_COLORS } from "../src/scene/colors";
 import type { Pose } from "../src/scene/geometry";
 import { Gestures } from "../src/scene/gestures";
@@ -56,6 +57,7 @@ describe("the ground", () => {
 describe("the painter", () => {
   let canvas: HTMLCanvasElement;
   let buffer: SceneBuffer;
+  let camera: Camera;
   let painter: Painter;
   let calls: [string, unknown[]][];
   let groundCalls: [string, unknown[]][];
@@ -89,7 +91,8 @@ describe("the painter", () => {
     });
     vi.stubGlobal("devicePixelRatio", 2);
     buffer = new SceneBuffer();
-    painter = new Painter(canvas, buffer, SCENE_COLORS.light, false, null);
+    camera = new Camera();
+    painter = new Painter(canvas, camera, buffer, SCENE_COLORS.light, false);
     painter.resize(SIZE);
     frames(100);
   });
@@ -218,7 +221,7 @@ describe("the painter", () => {
 
   it("neither glides nor fades smoothly where motion is not wanted", () => {
     painter.destroy();
-    painter = new Painter(canvas, buffer, SCENE_COLORS.light, true, painter);
+    painter = new Painter(canvas, camera, buffer, SCENE_COLORS.light, true);
     push();
     push({ robot: { x: -1.45, y: 0.4, theta: -0.3 }, marker: { x: 0, y: 0, theta: 0 } });
     frames(20);
@@ -270,7 +273,7 @@ describe("the painter", () => {
       onFollow.mockClear();
       push();
       frames(1000);
-      painter.onFollow = onFollow;
+      camera.onFollow = onFollow;
     });
 
     it("keeps it in the middle, at the scale that was seen", () => {
@@ -327,7 +330,7 @@ describe("the painter", () => {
     it("goes on where the colours change", () => {
       painter.follow(200);
       painter.destroy();
-      painter = new Painter(canvas, buffer, SCENE_COLORS.dark, false, painter);
+      painter = new Painter(canvas, camera, buffer, SCENE_COLORS.dark, false);
       painter.invalidate();
       frames(2000);
       drive(-1.3);
@@ -339,7 +342,7 @@ describe("the painter", () => {
     push();
     painter.zoomBy(2);
     frames(1000);
-    const next = new Painter(canvas, buffer, SCENE_COLORS.dark, false, painter);
+    const next = new Painter(canvas, camera, buffer, SCENE_COLORS.dark, false);
     expect(next.view).toEqual(painter.view);
     next.destroy();
   });

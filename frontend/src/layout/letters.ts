@@ -1,4 +1,5 @@
 import { isTextField } from "../stop/keys";
+import { keep, readKept } from "../ui/kept";
 import { PAGES } from "./pages";
 
 /** The second letter has to come this soon. */
@@ -31,18 +32,9 @@ const KEY = "dock-gateway-letters";
 
 /** Whether letters alone do something: who speaks to the computer can do without (WCAG 2.1.4). */
 export function lettersOn(): boolean {
-  try {
-    return localStorage.getItem(KEY) !== "off";
-  } catch {
-    return true;
-  }
+  return readKept(KEY) !== "off";
 }
 
 export function setLettersOn(on: boolean): void {
-  try {
-    if (on) localStorage.removeItem(KEY);
-    else localStorage.setItem(KEY, "off");
-  } catch {
-    // Storage is blocked: they stay on.
-  }
+  keep(KEY, on ? null : "off");
 }

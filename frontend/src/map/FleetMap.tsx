@@ -1,52 +1,32 @@
-import { useComputedColorScheme } from "@mantine/core";
-import { useElementSize, useReducedMotion } from "@mantine/hooks";
-import { memo, useEffect, useRef } from "react";
+import { memo, useCallback, useEffect, useRef, useState } from "react";
 import { Link } from "react-router";
 import { useNaming } from "../fleet/useNaming";
 import { robotPath } from "../robot/path";
-import { SCENE_COLORS } from "../scene/colors";
+import { Camera } from "../scene/camera";
 import { Gestures } from "../scene/gestures";
 import { MapTools } from "../scene/MapTools";
-import { watchSight } from "../ui/sight";
+import { type Means, usePicture } from "../scene/usePicture";
 import type { FleetScenes } from "./fleetScenes";
 import classes from "./map.module.css";
 import type { Mark, Placed } from "./placement";
-import { FleetStage } from "./stage";
+import { FleetStage, INSET_PX } from "./stage";
 
 /** The robots from above, each a link to its page. Moved outside of React. */
 export function FleetMap({ scenes, placed }: { scenes: FleetScenes; placed: readonly Placed[] }) {
-  const scheme = useComputedColorScheme("light");
-  const reducedMotion = useReducedMotion();
   const naming = useNaming();
-  const { ref: boxRef, width, height } = useElementSize<HTMLDivElement>();
-  const canvasRef = useRef<HTMLCanvasElement>(null);
-  const stageRef = useRef<FleetStage | null>(null);
   const elements = useRef(new Map<string, HTMLElement>());
-  const size = useRef({ width, height });
-  size.current = { width, height };
-
-  useEffect(() => {
-    const canvas = canvasRef.current;
-    if (canvas === null) return;
-    const colors = SCENE_COLORS[scheme];
-    const stage = new FleetStage(canvas, elements.current, scenes, colors, reducedMotion, stageRef.current);
-    stage.resize(size.current);
-    stageRef.current = stage;
-    const gestures = new Gestures(canvas, stage);
-    const watched = watchSight(canvas, (inSight) => {
-      stage.inSight = inSight;
-    });
-    return () => {
-      watched();
-      gestures.destroy();
-      stage.destroy();
-    };
-  }, [scenes, scheme, reducedMotion]);
-
-  useEffect(() => stageRef.current?.resize({ width, height }), [width, height]);
+  const [camera] = useState(() => new Camera(INSET_PX));
+  const create = useCallback(
+    ({ canvas, colors, reducedMotion }: Means) => {
+      const picture = new FleetStage(canvas, camera, elements.current, scenes, colors, reducedMotion);
+      return { picture, gestures: new Gestures(canvas, picture) };
+    },
+    [camera, scenes],
+  );
+  const { boxRef, canvasRef, pictureRef } = usePicture(create);
   // Those that are new are put in their places.
   // biome-ignore lint/correctness/useExhaustiveDependencies: what is placed is read by the stage from the page
-  useEffect(() => stageRef.current?.invalidate(), [placed]);
+  useEffect(() => pictureRef.current?.invalidate(), [pictureRef, placed]);
 
   return (
     <div className={classes.frame} ref={boxRef}>
@@ -63,7 +43,7 @@ export function FleetMap({ scenes, placed }: { scenes: FleetScenes; placed: read
         className={classes.robots}
         aria-label="Robots on the map"
         onFocus={({ target }) => {
-          if (isOutside(target, canvasRef.current)) stageRef.current?.showAll();
+          if (isOutside(target, canvasRef.current)) pictureRef.current?.showAll();
         }}
       >
         {placed.map(({ robot: { name }, mark }) => (
@@ -78,8 +58,8 @@ export function FleetMap({ scenes, placed }: { scenes: FleetScenes; placed: read
         ))}
       </ul>
       <MapTools
-        onZoom={(factor) => stageRef.current?.zoomBy(factor)}
-        onShowAll={() => stageRef.current?.showAll()}
+        onZoom={(factor) => pictureRef.current?.zoomBy(factor)}
+        onShowAll={() => pictureRef.current?.showAll()}
       />
     </div>
   );

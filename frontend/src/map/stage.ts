@@ -1,11 +1,12 @@
-import { Camera } from "../scene/camera";
+import type { Camera } from "../scene/camera";
 import type { SceneColors } from "../scene/colors";
 import type { Point } from "../scene/geometry";
 import type { Stage } from "../scene/gestures";
 import { drawGrid } from "../scene/ground";
+import { Picture } from "../scene/picture";
 import { drawDock, drawScaleBar } from "../scene/renderer";
 import { ROBOT_RADIUS_M } from "../scene/shapes";
-import { canvasContext, type Size, toScreen, type View } from "../scene/view";
+import { canvasContext, toScreen } from "../scene/view";
 import type { FleetScenes } from "./fleetScenes";
 
 /** The frame that robots share. */
@@ -14,74 +15,33 @@ const FRAME = "world";
 /** A robot can be seen and pressed from far away, too (px). */
 const LEAST_PX = 24;
 /** Names have room beside their robots (px). */
-const INSET_PX = 36;
+export const INSET_PX = 36;
 
 /** Draws the ground and the docks on a canvas, and puts the robots, which are elements above it, in their places. */
-export class FleetStage implements Stage {
+export class FleetStage extends Picture implements Stage {
   readonly robot = null;
   readonly ghost = null;
   readonly handle = false;
-  readonly #camera: Camera;
   readonly #unsubscribe: () => void;
   #frame: number | undefined;
   #drawnAt = 0;
-  #inSight = true;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
+    camera: Camera,
     /** By name; as they are on the page. */
     private readonly robots: ReadonlyMap<string, HTMLElement>,
     private readonly scenes: FleetScenes,
     private readonly colors: SceneColors,
     private readonly reducedMotion: boolean,
-    /** The one that drew before, whose view goes on. */
-    before: FleetStage | null,
   ) {
-    this.#camera = before === null ? new Camera(INSET_PX) : before.#camera;
+    super(camera);
     this.#unsubscribe = scenes.subscribe(this.invalidate);
-    this.invalidate();
-  }
-
-  get size(): Size {
-    return this.#camera.size;
-  }
-
-  get view(): View {
-    return this.#camera.view;
-  }
-
-  /** Nothing is drawn while the canvas is out of sight. */
-  set inSight(inSight: boolean) {
-    this.#inSight = inSight;
-    if (inSight) this.invalidate();
-  }
-
-  resize(size: Size): void {
-    if (this.#camera.resize(size)) this.invalidate();
-  }
-
-  zoomBy(factor: number, place?: Point): void {
-    this.#camera.zoomBy(factor, place);
-    this.invalidate();
-  }
-
-  panBy(dx: number, dy: number): void {
-    this.#camera.panBy(dx, dy);
-    this.invalidate();
-  }
-
-  showAll(): void {
-    this.#camera.showAll(this.#points());
     this.invalidate();
   }
 
   showGhost(): void {}
 
-  toWorld(place: Point): Point {
-    return this.#camera.toWorld(place);
-  }
-
-  /** Draws in the next frame. */
   readonly invalidate = (): void => {
     this.#frame ??= requestAnimationFrame(this.#paint);
   };
@@ -95,16 +55,16 @@ export class FleetStage implements Stage {
     return Object.entries(this.scenes.latest).filter(([, { frame }]) => frame === FRAME);
   }
 
-  #points(): Point[] {
+  protected points(): Point[] {
     return this.#shared().flatMap(([, { robot, dock }]) => (dock === null ? [robot] : [robot, dock]));
   }
 
   readonly #paint = (now: number): void => {
     this.#frame = undefined;
     const context = canvasContext(this.canvas, this.size);
-    if (!this.#inSight || context === null) return;
-    this.#camera.aim(this.#points(), null);
-    this.#camera.glide(now - this.#drawnAt, this.reducedMotion);
+    if (!this.inSight || context === null) return;
+    this.camera.aim(this.points(), null);
+    this.camera.glide(now - this.#drawnAt, this.reducedMotion);
     this.#drawnAt = now;
     const picture = { view: this.view, size: this.size, colors: this.colors, frame: FRAME };
     context.clearRect(0, 0, this.size.width, this.size.height);
@@ -114,7 +74,7 @@ export class FleetStage implements Stage {
     for (const dock of docks.values()) drawDock(context, picture, dock);
     drawScaleBar(context, picture);
     for (const [name, { robot }] of shared) this.#place(name, robot);
-    if (this.#camera.glides) this.invalidate();
+    if (this.camera.glides) this.invalidate();
   };
 
   #place(name: string, robot: Point & { theta: number }): void {

@@ -1,5 +1,5 @@
-import { useSyncExternalStore } from "react";
 import { ALL_ROBOTS, type RobotChoice } from "../fleet/robotChoice";
+import { Kept, useKept } from "../ui/kept";
 
 /** How this browser announces alerts, and which. */
 export interface Preferences {
@@ -10,49 +10,38 @@ export interface Preferences {
   robots: RobotChoice;
 }
 
-const KEY = "dock-gateway-announcements";
-const QUIET: Preferences = { desktop: false, sound: false, warnings: true, robots: ALL_ROBOTS };
-const listeners = new Set<() => void>();
-let current: Preferences | null = null;
+const chosen = new Kept<Preferences>("dock-gateway-announcements", read, (value) => JSON.stringify(value));
 
 export function preferences(): Preferences {
-  current ??= stored();
-  return current;
+  return chosen.value;
 }
 
-/** Kept in this browser, also for its other tabs. */
 export function setPreferences(change: Partial<Preferences>): void {
-  current = { ...preferences(), ...change };
-  try {
-    localStorage.setItem(KEY, JSON.stringify(current));
-  } catch {
-    // Storage is blocked: it holds until the page is closed.
-  }
-  for (const listener of listeners) listener();
+  chosen.value = { ...chosen.value, ...change };
 }
 
 /** Renders anew when they change. */
 export function usePreferences(): Preferences {
-  return useSyncExternalStore(subscribe, preferences);
+  return useKept(chosen);
 }
 
-function stored(): Preferences {
-  try {
-    return read(JSON.parse(localStorage.getItem(KEY) ?? "{}"));
-  } catch {
-    return QUIET;
-  }
-}
-
-/** What is stored may be of another version, or damaged. */
-function read(value: unknown): Preferences {
-  const { desktop, sound, warnings, robots } = Object(value) as Record<string, unknown>;
+/** What is kept may be of another version, or damaged. */
+function read(text: string | null): Preferences {
+  const { desktop, sound, warnings, robots } = parsed(text);
   return {
     desktop: desktop === true,
     sound: sound === true,
     warnings: warnings !== false,
     robots: readRobots(robots),
   };
+}
+
+function parsed(text: string | null): Record<string, unknown> {
+  try {
+    return Object(JSON.parse(text ?? "{}"));
+  } catch {
+    return {};
+  }
 }
 
 function readRobots(value: unknown): RobotChoice {
@@ -62,18 +51,4 @@ function readRobots(value: unknown): RobotChoice {
 
 function texts(value: unknown): string[] {
   return Array.isArray(value) ? value.filter((each) => typeof each === "string") : [];
-}
-
-function subscribe(listener: () => void): () => void {
-  const hear = ({ key }: StorageEvent) => {
-    if (key !== KEY && key !== null) return;
-    current = stored();
-    listener();
-  };
-  listeners.add(listener);
-  window.addEventListener("storage", hear);
-  return () => {
-    listeners.delete(listener);
-    window.removeEventListener("storage", hear);
-  };
 }

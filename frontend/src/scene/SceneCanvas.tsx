@@ -1,15 +1,13 @@
-import { useComputedColorScheme } from "@mantine/core";
-import { useElementSize, useReducedMotion } from "@mantine/hooks";
-import { useEffect, useRef, useState } from "react";
-import { watchSight } from "../ui/sight";
+import { useCallback, useEffect, useRef, useState } from "react";
 import { Tool } from "../ui/Tool";
-import { SCENE_COLORS } from "./colors";
+import { Camera } from "./camera";
 import { keepScale, keptScale } from "./following";
 import type { Pose } from "./geometry";
 import { Gestures } from "./gestures";
 import { MapTools } from "./MapTools";
 import { Painter, type SceneSource } from "./painter";
 import classes from "./scene.module.css";
+import { type Means, usePicture } from "./usePicture";
 
 interface SceneCanvasProps {
   scene: SceneSource;
@@ -25,49 +23,38 @@ interface SceneCanvasProps {
 
 /** The robot and its dock from above. Draws outside of React. */
 export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }: SceneCanvasProps) {
-  const scheme = useComputedColorScheme("light");
-  const reducedMotion = useReducedMotion();
-  const { ref: boxRef, width, height } = useElementSize<HTMLDivElement>();
-  const canvasRef = useRef<HTMLCanvasElement>(null);
-  const painterRef = useRef<Painter | null>(null);
   const [following, setFollowing] = useState(() => keptScale() !== null);
-  const handlers = useRef({ onPlace, onGhost });
-  const latest = useRef({ width, height, placeable });
-  handlers.current = { onPlace, onGhost };
-  latest.current = { width, height, placeable };
-
-  useEffect(() => {
-    const canvas = canvasRef.current;
-    if (canvas === null) return;
-    const painter = new Painter(canvas, scene, SCENE_COLORS[scheme], reducedMotion, painterRef.current);
-    if (painterRef.current === null) painter.follow(keptScale());
-    painter.onFollow = (scale) => {
+  const handlers = useRef({ onPlace, onGhost, placeable });
+  handlers.current = { onPlace, onGhost, placeable };
+  const [camera] = useState(() => {
+    const created = new Camera();
+    created.follow(keptScale());
+    created.onFollow = (scale) => {
       keepScale(scale);
       setFollowing(scale !== null);
     };
-    painter.resize(latest.current);
-    painter.handle = latest.current.placeable;
-    const place = (pose: Pose) => {
-      handlers.current.onPlace(pose).finally(() => {
-        if (painter.ghost === pose) painter.showGhost(null);
-      });
-    };
-    const gestures = new Gestures(canvas, painter, place, (pose) => handlers.current.onGhost(pose));
-    painterRef.current = painter;
-    const watched = watchSight(canvas, (inSight) => {
-      painter.inSight = inSight;
-    });
-    return () => {
-      watched();
-      gestures.destroy();
-      painter.destroy();
-    };
-  }, [scene, scheme, reducedMotion]);
-
-  useEffect(() => painterRef.current?.resize({ width, height }), [width, height]);
+    return created;
+  });
+  const create = useCallback(
+    ({ canvas, colors, reducedMotion }: Means) => {
+      const picture = new Painter(canvas, camera, scene, colors, reducedMotion);
+      picture.handle = handlers.current.placeable;
+      const place = (pose: Pose) => {
+        handlers.current.onPlace(pose).finally(() => {
+          if (picture.ghost === pose) picture.showGhost(null);
+        });
+      };
+      return {
+        picture,
+        gestures: new Gestures(canvas, picture, place, (pose) => handlers.current.onGhost(pose)),
+      };
+    },
+    [camera, scene],
+  );
+  const { boxRef, canvasRef, pictureRef } = usePicture(create);
   useEffect(() => {
-    if (painterRef.current !== null) painterRef.current.handle = placeable;
-  }, [placeable]);
+    if (pictureRef.current !== null) pictureRef.current.handle = placeable;
+  }, [pictureRef, placeable]);
 
   return (
     <div className={classes.frame} ref={boxRef}>
@@ -82,13 +69,13 @@ export function SceneCanvas({ scene, placeable, describedBy, onPlace, onGhost }:
         data-testid="scene"
       />
       <MapTools
-        onZoom={(factor) => painterRef.current?.zoomBy(factor)}
-        onShowAll={() => painterRef.current?.showAll()}
+        onZoom={(factor) => pictureRef.current?.zoomBy(factor)}
+        onShowAll={() => pictureRef.current?.showAll()}
       >
         <Tool
           name="Follow the robot"
           pressed={following}
-          onClick={() => (following ? painterRef.current?.showAll() : painterRef.current?.follow())}
+          onClick={() => (following ? pictureRef.current?.showAll() : pictureRef.current?.follow())}
         >
           <path d="M11 2h2v3.07A7 7 0 0 1 18.93 11H22v2h-3.07A7 7 0 0 1 13 18.93V22h-2v-3.07A7 7 0 0 1 5.07 13H2v-2h3.07A7 7 0 0 1 11 5.07V2Zm1 5a5 5 0 1 0 0 10 5 5 0 0 0 0-10Zm0 3a2 2 0 1 1 0 4 2 2 0 0 1 0-4Z" />
         </Tool>

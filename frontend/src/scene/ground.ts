@@ -90,21 +90,19 @@ export function drawGrid(ctx: CanvasRenderingContext2D, { view, size, colors }: 
     ctx.lineTo(x2, y2);
     ctx.stroke();
   };
+  ctx.textAlign = "center";
+  ctx.textBaseline = "top";
   for (let column = Math.ceil(left / step); column * step <= right; column += 1) {
     const x = Math.round(toScreen(view, size, { x: column * step, y: 0 }).x) + 0.5;
     line(column === 0, x, 0, x, size.height);
-    ctx.textAlign = "center";
-    ctx.textBaseline = "top";
     if (x > CORNER_PX && x < size.width - CORNER_PX) ctx.fillText(metres(column * step), x, 4);
   }
   ctx.textAlign = "left";
-  ctx.textBaseline = "top";
   ctx.fillText("m", 4, 4);
+  ctx.textBaseline = "middle";
   for (let row = Math.ceil(bottom / step); row * step <= top; row += 1) {
     const y = Math.round(toScreen(view, size, { x: 0, y: row * step }).y) + 0.5;
     line(row === 0, 0, y, size.width, y);
-    ctx.textAlign = "left";
-    ctx.textBaseline = "middle";
     if (y > CORNER_PX && y < size.height - 2 * CORNER_PX) ctx.fillText(metres(row * step), 4, y);
   }
 }

@@ -1,12 +1,13 @@
 import { atBeat, BEAT_MS } from "../ui/beat";
 import type { SceneBuffer } from "./buffer";
-import { Camera, STILL_PX } from "./camera";
+import { type Camera, STILL_PX } from "./camera";
 import type { SceneColors } from "./colors";
 import { distance, normalizeAngle, type Point, type Pose } from "./geometry";
 import { Ground } from "./ground";
+import { Picture } from "./picture";
 import { draw } from "./renderer";
 import { pointsOf, ROBOT_RADIUS_M, shapesOf } from "./shapes";
-import { canvasContext, type Size, type View } from "./view";
+import { canvasContext, type View } from "./view";
 
 /** What fades does so in steps of this length where motion is not wanted (ms). */
 const CALM_MS = 200;
@@ -40,38 +41,27 @@ function looksTheSame(before: Drawn, after: Drawn): boolean {
  * Draws the scene on a canvas as its camera sees it: once for every frame in which something changed, and not at all
  * otherwise.
  */
-export class Painter {
+export class Painter extends Picture {
   /** Where the robot is about to be placed. */
   #ghost: Pose | null = null;
   #handle = false;
-  readonly #camera: Camera;
   #frame: number | undefined;
   #cancelBeat: (() => void) | undefined;
   #drawnAt = 0;
   /** What is on the canvas; null where that is to be drawn anew in any case. */
   #drawn: Drawn | null = null;
-  #inSight = true;
   readonly #ground = new Ground();
   readonly #unsubscribe: () => void;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
+    camera: Camera,
     private readonly buffer: SceneSource,
     private readonly colors: SceneColors,
     private readonly reducedMotion: boolean,
-    /** The one that drew before, whose view goes on. */
-    before: Painter | null,
   ) {
-    this.#camera = before === null ? new Camera() : before.#camera;
+    super(camera);
     this.#unsubscribe = buffer.subscribe(this.#hear);
-  }
-
-  get size(): Size {
-    return this.#camera.size;
-  }
-
-  get view(): View {
-    return this.#camera.view;
   }
 
   get ghost(): Pose | null {
@@ -93,54 +83,17 @@ export class Painter {
     this.invalidate();
   }
 
-  /** Nothing is drawn while the canvas is out of sight. */
-  set inSight(inSight: boolean) {
-    this.#inSight = inSight;
-    if (inSight) this.invalidate();
-  }
-
   showGhost(ghost: Pose | null): void {
     this.#ghost = ghost;
     this.invalidate();
   }
 
-  resize(size: Size): void {
-    if (this.#camera.resize(size)) this.invalidate();
-  }
-
-  /** Closer by `factor` around a place on the canvas, its middle by default. */
-  zoomBy(factor: number, place?: Point): void {
-    this.#camera.zoomBy(factor, place);
-    this.invalidate();
-  }
-
-  panBy(dx: number, dy: number): void {
-    this.#camera.panBy(dx, dy);
-    this.invalidate();
-  }
-
-  /** Back to the view that shows everything. */
-  showAll(): void {
-    this.#camera.showAll(this.#points());
-    this.invalidate();
-  }
-
   /** Keeps the robot in the middle at a scale, by default that of what is seen; no longer for null. */
   follow(scale: number | null = this.view.scale): void {
-    this.#camera.follow(scale);
+    this.camera.follow(scale);
     this.invalidate();
   }
 
-  /** Called with the scale at which the robot is followed, where that is another one; null where it no longer is. */
-  set onFollow(onFollow: (scale: number | null) => void) {
-    this.#camera.onFollow = onFollow;
-  }
-
-  toWorld(place: Point): Point {
-    return this.#camera.toWorld(place);
-  }
-
-  /** Draws in the next frame. */
   readonly invalidate = (): void => {
     this.#drawn = null;
     this.#look();
@@ -164,22 +117,22 @@ export class Painter {
     this.#frame ??= requestAnimationFrame(this.#paint);
   };
 
-  #points(): Point[] {
+  protected points(): Point[] {
     const { latest } = this.buffer;
     return latest === null ? [] : pointsOf(latest.robot, shapesOf(latest));
   }
 
   readonly #paint = (): void => {
     this.#rest();
-    if (!this.#inSight) return;
+    if (!this.inSight) return;
     const context = canvasContext(this.canvas, this.size);
     const scene = this.buffer.latest;
     const robot = this.robot;
     if (context === null || scene === null || robot === null) return;
     const now = performance.now();
     // The ground keeps still while a robot is dragged over it.
-    if (this.#ghost === null) this.#camera.aim(this.#points(), robot);
-    this.#camera.glide(now - this.#drawnAt, this.reducedMotion);
+    if (this.#ghost === null) this.camera.aim(this.points(), robot);
+    this.camera.glide(now - this.#drawnAt, this.reducedMotion);
     this.#drawnAt = now;
     const detections = this.buffer.detectionsAt(now);
     const drawn = {
@@ -206,13 +159,13 @@ export class Painter {
         now,
       });
     }
-    if (this.#camera.glides) this.#look();
+    if (this.camera.glides) this.#look();
     else if (this.buffer.changesAt(now)) this.#goOn();
   };
 
   /** A new scene has come: it is drawn as soon as it is its turn. */
   readonly #hear = (): void => {
-    if (!this.#inSight) return;
+    if (!this.inSight) return;
     if (this.reducedMotion || performance.now() - this.#drawnAt >= BEAT_MS) this.#look();
     else this.#goOn();
   };

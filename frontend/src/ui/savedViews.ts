@@ -1,3 +1,5 @@
+import { keep, readKept } from "./kept";
+
 /** What an address holds, under a name. */
 export interface SavedView {
   name: string;
@@ -13,7 +15,7 @@ const keyOf = (page: string) => `dock-gateway-views-${page}`;
 /** The views that are kept in this browser for a page, by name. What is not one, or the second of a name, is left out. */
 export function readViews(page: string): SavedView[] {
   try {
-    const kept: unknown = JSON.parse(localStorage.getItem(keyOf(page)) ?? "[]");
+    const kept: unknown = JSON.parse(readKept(keyOf(page)) ?? "[]");
     return Array.isArray(kept) ? kept.filter(isView).reduce<SavedView[]>(withView, []) : [];
   } catch {
     return [];
@@ -22,12 +24,7 @@ export function readViews(page: string): SavedView[] {
 
 /** Whether this browser keeps them. */
 export function writeViews(page: string, views: readonly SavedView[]): boolean {
-  try {
-    localStorage.setItem(keyOf(page), JSON.stringify(views));
-    return true;
-  } catch {
-    return false;
-  }
+  return keep(keyOf(page), JSON.stringify(views));
 }
 
 /** With a view more; one of the same name is replaced. */

@@ -1,0 +1,101 @@
+import { Button, Group, Paper, Stack, Text } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
+import type { UseMutationResult } from "@tanstack/react-query";
+import { type ReactNode, useId } from "react";
+import type { CommandError } from "../api/errors";
+import { CommandErrorAlert } from "./CommandErrorAlert";
+import { Dialog } from "./Dialog";
+import classes from "./EntryCard.module.css";
+import { ReasonButton } from "./ReasonButton";
+import { Time } from "./Time";
+
+interface EntryCardProps {
+  entry: { id: string; name: string; changed_by: string | null; changed_at: string };
+  /** What it does, line by line. */
+  words: readonly string[];
+  /** What it is switched with. */
+  control: ReactNode;
+  /** Buttons before *Edit* and *Remove*. */
+  buttons?: ReactNode;
+  /** Why it cannot be changed now; null where it can. */
+  reason: string | null;
+  onEdit: () => void;
+  remove: UseMutationResult<unknown, CommandError, string>;
+  /** What is lost with it. */
+  removal: string;
+  children: ReactNode;
+}
+
+/** An entry of a list that people keep: what it does, what changes it, and below that what came of it. */
+export function EntryCard(props: EntryCardProps) {
+  const { entry, words, control, buttons, reason, onEdit, remove, removal, children } = props;
+  const [removing, dialog] = useDisclosure(false);
+  const titleId = useId();
+  return (
+    <Paper
+      component="li"
+      withBorder
+      radius="md"
+      p={{ base: "md", sm: "lg" }}
+      className={classes.entry}
+      aria-labelledby={titleId}
+    >
+      <div className={classes.head}>
+        <Stack gap={2} className={classes.words}>
+          <Text fw={600} id={titleId}>
+            {entry.name}
+          </Text>
+          {words.map((line) => (
+            <Text size="sm" key={line}>
+              {line}
+            </Text>
+          ))}
+          <Text size="sm" c="dimmed">
+            Changed {entry.changed_by !== null && `by ${entry.changed_by}, `}
+            <Time value={entry.changed_at} />
+          </Text>
+        </Stack>
+        <Stack gap="xs" className={classes.commands}>
+          {control}
+          <Group gap="xs" className={classes.buttons ?? ""}>
+            {buttons}
+            <ReasonButton
+              {...ENTRY_BUTTON}
+              reason={reason}
+              aria-label={`Edit ${entry.name}`}
+              onClick={onEdit}
+            >
+              Edit
+            </ReasonButton>
+            <ReasonButton
+              {...ENTRY_BUTTON}
+              reason={reason}
+              aria-label={`Remove ${entry.name}`}
+              onClick={dialog.open}
+            >
+              Remove
+            </ReasonButton>
+          </Group>
+        </Stack>
+      </div>
+      {children}
+      <Dialog opened={removing} onClose={dialog.close} title={`Remove ${entry.name}?`}>
+        <Stack gap="md">
+          <Text size="sm">{removal}</Text>
+          <CommandErrorAlert command="Removing" error={remove.error} onClose={remove.reset} />
+          <Group justify="flex-end" gap="sm">
+            <Button variant="default" onClick={dialog.close} data-autofocus>
+              Keep it
+            </Button>
+            <Button color="red" loading={remove.isPending} onClick={() => remove.mutate(entry.id)}>
+              Remove
+            </Button>
+          </Group>
+        </Stack>
+      </Dialog>
+    </Paper>
+  );
+}
+
+/** How a button of an entry looks. */
+export const ENTRY_BUTTON = { variant: "default", size: "compact-sm" } as const;
