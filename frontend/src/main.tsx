@@ -35,7 +35,8 @@ createRoot(root).render(
       <Notifications position="bottom-right" zIndex={400} />
       <QueryClientProvider client={createQueryClient()}>
         <FleetProvider value={fleet}>
-          <BrowserRouter>
+          {/* A change of the address is on the page at once: the next one begins with it. */}
+          <BrowserRouter useTransitions={false}>
             <App />
           </BrowserRouter>
         </FleetProvider>

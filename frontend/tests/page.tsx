@@ -108,7 +108,9 @@ export function renderWithin(fleet: FleetServices, children: ReactNode, path = "
       <Notifications />
       <QueryClientProvider client={createQueryClient()}>
         <FleetProvider value={fleet}>
-          <MemoryRouter initialEntries={[path]}>{children}</MemoryRouter>
+          <MemoryRouter initialEntries={[path]} useTransitions={false}>
+            {children}
+          </MemoryRouter>
         </FleetProvider>
       </QueryClientProvider>
     </MantineProvider>,

@@ -149,7 +149,11 @@ describe("saved views", () => {
     }
     render(
       <MantineProvider env="test">
-        <MemoryRouter initialEntries={["/ui/goals?tag=late", "/ui/goals"]} initialIndex={0}>
+        <MemoryRouter
+          initialEntries={["/ui/goals?tag=late", "/ui/goals"]}
+          initialIndex={0}
+          useTransitions={false}
+        >
           <Page />
         </MemoryRouter>
       </MantineProvider>,

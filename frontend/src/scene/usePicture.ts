@@ -1,6 +1,6 @@
 import { useComputedColorScheme } from "@mantine/core";
 import { useElementSize, useReducedMotion } from "@mantine/hooks";
-import { type RefObject, useEffect, useRef } from "react";
+import { type RefCallback, type RefObject, useEffect, useRef } from "react";
 import { watchSight } from "../ui/sight";
 import { SCENE_COLORS, type SceneColors } from "./colors";
 import type { Gestures } from "./gestures";
@@ -14,7 +14,7 @@ export interface Means {
 }
 
 export interface DrawnPicture<P extends Picture> {
-  boxRef: RefObject<HTMLDivElement | null>;
+  boxRef: RefCallback<HTMLDivElement | null>;
   canvasRef: RefObject<HTMLCanvasElement | null>;
   /** Null before it is drawn for the first time. */
   pictureRef: RefObject<P | null>;
