@@ -34,7 +34,12 @@ export default defineConfig({
       "/ws": { target: gateway, ws: true },
     },
   },
-  build: { target: "es2022", chunkSizeWarningLimit: 800 },
+  build: {
+    target: "es2022",
+    chunkSizeWarningLimit: 800,
+    // What every page needs is one file, not forty: each has headers, and small files are compressed badly.
+    rolldownOptions: { output: { codeSplitting: { groups: [{ name: "common", tags: ["$initial"] }] } } },
+  },
   test: {
     environment: "jsdom",
     include: ["tests/**/*.test.{ts,tsx}"],
