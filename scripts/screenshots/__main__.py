@@ -16,7 +16,16 @@ from playwright.sync_api import Browser, BrowserContext, sync_playwright
 from scripts.screenshots.camera import Camera
 from scripts.screenshots.comparison import compare
 from scripts.screenshots.recording import Recording
-from scripts.screenshots.scenes import FLEET, NEAR, live_a_day, one_robot, several_robots, simulated, still_pages
+from scripts.screenshots.scenes import (
+    FLEET,
+    FLEET_PAGES,
+    NEAR,
+    live_a_day,
+    one_robot,
+    several_robots,
+    simulated,
+    still_pages,
+)
 from tests.browser.conftest import ARGUMENTS, CHROMIUM, MISSING
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway
@@ -76,7 +85,7 @@ def compare_with(browser: Browser, base: str, folder: Path, seconds: float) -> b
         pages = {"overview": "/", **still_pages(docked)}
         recordings = record(browser, gateway, pages, folder)
     with ros_domain() as domain, simulated(domain, *FLEET) as gateway:
-        fleet = {"fleet": "/", "fleet-robot": "/ui/robot?robot=/robot1", "wall": "/ui/wall"}
+        fleet = {"fleet": "/", **FLEET_PAGES, "wall": "/ui/wall"}
         recordings |= record(browser, gateway, fleet, folder)
         pages |= fleet
     with built(base) as dist:

@@ -14,6 +14,7 @@ START_S, DRIVE_S = 60.0, 90.0
 CHARGES = {"/robot1": 0.4, "/robot2": 0.6, "/robot3": 0.12}
 NEAR = ("-p", "start_x:=-1.7", "-p", "start_y:=0.75", "-p", "start_theta:=0.1")
 SERVER = ("-p", "controller:=dock_pose")
+FLEET_PAGES = {"fleet-robot": "/ui/robot?robot=/robot1", "map": "/ui/map"}
 FLEET = [("-r", f"__ns:={name}", *NEAR, "-p", f"battery_start:={charge}") for name, charge in CHARGES.items()]
 
 
@@ -48,8 +49,19 @@ def wait_for(gateway: RunningGateway, goal_id: str, *statuses: str) -> None:
     wait_until(lambda: gateway.http.get(f"/goals/{goal_id}").json()["status"] in statuses, f"{statuses}", DRIVE_S)
 
 
+def set_up(gateway: RunningGateway) -> None:
+    """Store a rule of automatic docking, which only records what it would do, and a webhook that nothing answers."""
+    everyone = {"all": True}
+    rule = {"name": "Low battery", "mode": "dry_run", "robots": everyone, "battery": {"below": 0.3, "idle_s": 60}}
+    webhook = {"name": "Control room", "url": "http://127.0.0.1:9/alerts", "robots": everyone}
+    gateway.http.put("/automation/rules/low-battery", json=rule).raise_for_status()
+    gateway.http.put("/webhooks/control-room", json=webhook).raise_for_status()
+    gateway.http.post("/webhooks/control-room/test").raise_for_status()
+
+
 def live_a_day(gateway: RunningGateway, domain: int, page: Page, seconds: float) -> str:
     """Let goals end as goals do, and name one that succeeded."""
+    set_up(gateway)
     page.wait_for_timeout(0.4 * seconds * 1000)
     canceled = send(gateway, "dock")
     wait_for(gateway, canceled, "executing")
@@ -90,6 +102,7 @@ def still_pages(goal_id: str) -> dict[str, str]:
         "goals": "/ui/goals",
         "statistics": "/ui/statistics",
         "automation": "/ui/automation",
+        "notifications": "/ui/notifications",
         "goal": f"/ui/goals/{goal_id}",
         "graph-nodes": "/ui/graph?show=nodes&gateway=true",
         "graph-list": "/ui/graph?view=list",
@@ -126,5 +139,6 @@ def several_robots(camera: Camera, gateway: RunningGateway) -> None:
     dock_from_afar(gateway, "?robot=/robot1")
     expect(camera.page.get_by_role("table")).to_contain_text("Dock: Staging")
     camera.take("fleet")
-    camera.open("/ui/robot?robot=/robot1")
-    camera.take("fleet-robot")
+    for name, path in FLEET_PAGES.items():
+        camera.open(path)
+        camera.take(name)
