@@ -15,6 +15,7 @@ from docking.failures import Stage
 from docking.goal import Command, DockGoal
 from docking.parameters import DOCK_SERVER, ControllerName, DockSettings, dock_settings
 from docking.plans import make_plan
+from docking.ros.footprint import FootprintPublisher
 from docking.ros.goal_server import FEEDBACK_PERIOD, GoalServer
 from docking.ros.helm import Helm
 from docking.ros.poses import PosePublishers
@@ -60,6 +61,7 @@ class DockServer(GoalServer):
         """
         self._make_plan = make_plan
         self._poses = PosePublishers(self)
+        self._footprint = FootprintPublisher(self)
         super().__init__("connect_to_charging_dock_action_server", battery, helm=helm, context=context, **options)
         battery.on_connected = self.control  # at once, not at the next turn of the timer
 
@@ -81,6 +83,7 @@ class DockServer(GoalServer):
 
     def _equip(self) -> None:
         super()._equip()
+        self._footprint.publish(self._settings.footprint)
         if self._running is None:
             self._poses.switch(on=Sensor.MARKER in self._needs)
 

@@ -1,13 +1,14 @@
 """The parameters of the action servers: names, types, units, ranges and defaults in one table."""
 
 import enum
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar
 
 from docking.admission import GoalPolicy
 from docking.controllers.beacon import Receivers
 from docking.dock import Dock
+from docking.footprint import ROBOT_RADIUS, Footprint, read_footprint, round_footprint
 from docking.goal import Limits
 from docking.limiter import MotionLimits
 
@@ -54,7 +55,18 @@ class ChoiceParameter:
     description: str
 
 
-Parameter = FloatParameter | IntegerParameter | ChoiceParameter
+@dataclass(frozen=True)
+class TextParameter:
+    """A string of a certain form; where it is not, `read` raises ValueError with a sentence's second half."""
+
+    name: str
+    default: str
+    form: str
+    read: Callable[[str], object]
+    description: str
+
+
+Parameter = FloatParameter | IntegerParameter | ChoiceParameter | TextParameter
 
 _GOAL: tuple[Parameter, ...] = (
     ChoiceParameter(
@@ -127,6 +139,17 @@ DOCK_SERVER: tuple[Parameter, ...] = (
         ("rotate", "dock_pose", "infrared"),
         "How the robot is driven: turning on the spot as in the tutorial, by the pose of a marker on the "
         "dock, or by three infrared receivers. All parameters after rotate_speed apply to the last two.",
+    ),
+    FloatParameter(
+        "robot_radius", ROBOT_RADIUS, 0.01, 5.0, "m", "Radius of a round robot, around base_link; for maps only."
+    ),
+    TextParameter(
+        "footprint",
+        "",
+        "[[x, y], …]",
+        read_footprint,
+        "Outline of a robot that is not round: 3 to 100 points in base_link, in m, in their order around the robot. "
+        "If it is empty, robot_radius counts.",
     ),
     FloatParameter(
         "rotate_speed",
@@ -265,6 +288,7 @@ class DockSettings:
         detection_timeout: external_detection_timeout, in s.
         dock: Where the robot stands when docked, and where it waits in front.
         control_period: Between two velocities, in s.
+        footprint: The robot's outline in base_link.
     """
 
     goal_policy: GoalPolicy
@@ -277,6 +301,7 @@ class DockSettings:
     dock: Dock = field(default_factory=Dock)
     receivers: Receivers = field(default_factory=Receivers)
     control_period: float = 0.05
+    footprint: Footprint = field(default_factory=round_footprint)
 
 
 @dataclass(frozen=True)
@@ -309,6 +334,11 @@ def find_fault(table: tuple[Parameter, ...], values: Mapping[str, object]) -> st
         value = values.get(parameter.name)
         if isinstance(parameter, ChoiceParameter) and value is not None and value not in parameter.choices:
             return f"{parameter.name} is {value!r}, but must be one of: {', '.join(parameter.choices)}"
+        if isinstance(parameter, TextParameter) and isinstance(value, str):
+            try:
+                parameter.read(value)
+            except ValueError as error:
+                return f"{parameter.name} {error}"
     for greater, smaller, unit in _ORDERED:
         high, low = values.get(greater), values.get(smaller)
         if isinstance(high, float) and isinstance(low, float) and high < low:
@@ -333,6 +363,7 @@ def dock_settings(values: Mapping[str, object]) -> DockSettings:
         dock=_part(Dock, numbers),
         receivers=_part(Receivers, numbers),
         control_period=1.0 / numbers["controller_frequency"],
+        footprint=read_footprint(str(values["footprint"])) or round_footprint(numbers["robot_radius"]),
     )
 
 

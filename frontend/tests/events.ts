@@ -249,6 +249,7 @@ export const emptyScene: Scene = {
   staging: null,
   marker: null,
   infrared: null,
+  footprint: null,
 };
 
 export function sceneEvent(change: Partial<Scene> = {}, seconds = 1): EventOf<"scene"> {

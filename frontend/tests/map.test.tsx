@@ -140,7 +140,20 @@ describe("the stage", () => {
     expect([placeOf("/a"), placeOf("/b"), placeOf("/c")]).toEqual([expected(-2, 1), expected(3, 1), ""]);
     expect(elements.get("/a")?.style.getPropertyValue("--turn")).toBe("-1.571rad");
     expect(elements.get("/c")?.dataset.placed).toBeUndefined();
+    const style = (name: string) => elements.get("/a")?.style.getPropertyValue(name);
+    expect([style("--outline"), style("--arrow")]).toEqual(["circle(47%)", "1.000"]);
     expect(calls.filter(([name, [text]]) => name === "fillText" && text === "dock")).toHaveLength(1);
+
+    const points = [
+      { x: 0.5, y: 0 },
+      { x: 0, y: 0.5 },
+      { x: 0, y: -0.25 },
+    ];
+    scenes.onEvent(event({ "/a": { ...scene(-2), footprint: { radius: 0.5, points } }, "/b": scene(3) }));
+    vi.advanceTimersByTime(50);
+    expect(style("--outline")).toBe("polygon(97.0% 50.0%, 50.0% 3.0%, 50.0% 73.5%)");
+    expect(style("--arrow")).toBe("0.333");
+    expect(style("--size")).toBe(`${Math.max(24, stage.view.scale).toFixed(1)}px`);
 
     const next = new FleetStage(canvas, camera, elements, scenes, SCENE_COLORS.dark, true);
     stage.destroy();

@@ -2,7 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { FADE_MS, SceneBuffer } from "../src/scene/buffer";
 import { Camera } from "../src/scene/camera";
 import { SCENE_COLORS } from "../src/scene/colors";
-import type { Pose } from "../src/scene/geometry";
+import { compose, type Pose } from "../src/scene/geometry";
 import { Gestures } from "../src/scene/gestures";
 import { drawGrid } from "../src/scene/ground";
 import { Painter } from "../src/scene/painter";
@@ -114,6 +114,30 @@ describe("the painter", () => {
     push();
     frames(2000);
     expect(texts()).toEqual(expect.arrayContaining(["frame world", "dock"]));
+  });
+
+  it("draws the robot with its footprint, wherever it is or is to stand", () => {
+    const docked = { x: -0.2, y: 0, theta: 0 };
+    const points = [
+      { x: 0.4, y: 0.3 },
+      { x: -0.4, y: 0.3 },
+      { x: 0, y: -0.45 },
+    ];
+    push({ docked, footprint: { radius: 0.5, points } });
+    frames(2000);
+    const lines = calls.filter(([name]) => name === "lineTo").map(([, place]) => place);
+    for (const pose of [emptyScene.robot, docked]) {
+      for (const { x, y } of points) {
+        const place = toScreen(painter.view, SIZE, compose(pose, { x, y, theta: 0 }));
+        expect(lines).toContainEqual([place.x, place.y]);
+      }
+    }
+    const round = () =>
+      calls.some(([name, [, , radius]]) => name === "arc" && radius === 0.15 * painter.view.scale);
+    expect(round()).toBe(false);
+    push({ docked });
+    frames(2000);
+    expect(round()).toBe(true);
   });
 
   it("draws nothing while nothing is known", () => {
@@ -394,9 +418,24 @@ describe("the painter", () => {
       expect(placed?.theta).toBe(robot.theta);
     });
 
+    it("take hold of a large robot anywhere on it", () => {
+      const { robot } = emptyScene;
+      const edge = { ...robot, x: robot.x - 0.7 };
+      pointer("pointerdown", on(edge));
+      pointer("pointermove", on({ ...edge, x: edge.x + 0.1 }));
+      expect(painter.ghost).toBeNull();
+      pointer("pointerup", on(edge));
+      push({ footprint: { radius: 0.8, points: null } });
+      frames(1000);
+      pointer("pointerdown", on(edge));
+      pointer("pointermove", on({ ...edge, x: edge.x + 0.1 }));
+      expect(painter.ghost?.x).toBeCloseTo(robot.x + 0.1);
+      pointer("pointerup", on(edge));
+    });
+
     it("turn the robot by its knob", () => {
       const { robot } = emptyScene;
-      pointer("pointerdown", handlePlace(painter.view, painter.size, robot));
+      pointer("pointerdown", handlePlace(painter.view, painter.size, robot, painter.radius));
       const above = { x: robot.x, y: robot.y + 0.5, theta: 0 };
       pointer("pointermove", on(above));
       pointer("pointerup", on(above));

@@ -36,6 +36,15 @@ describe("a recorded scene", () => {
     expect([scene.changesAt(), scene.detectionsAt()]).toEqual([false, []]);
   });
 
+  it("has the footprint that was stored", () => {
+    const footprint = { radius: 0.3, points: null };
+    const last = pose(2, 0.2);
+    const scene = new RecordedScene([pose(1, 0), { ...last, scene: { ...last.scene, footprint } }], START);
+    expect(scene.latest?.footprint).toEqual(footprint);
+    scene.seek(1.5);
+    expect(scene.latest?.footprint).toBeNull();
+  });
+
   it("begins its trail anew where the robot was carried or the frame is another", () => {
     const scene = new RecordedScene([pose(1, 0), pose(1.2, 5), pose(1.4, 5.1, "world")], START);
     scene.seek(1.1);

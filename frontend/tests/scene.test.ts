@@ -3,7 +3,7 @@ import type { PoseEvent } from "../src/api/types";
 import { FADE_MS, SceneBuffer } from "../src/scene/buffer";
 import { keepScale, keptScale } from "../src/scene/following";
 import { between, compose, normalizeAngle, type Pose, toRadians } from "../src/scene/geometry";
-import { pointsOf, shapesOf } from "../src/scene/shapes";
+import { arrowRadius, footprintOf, pointsOf, shapesOf } from "../src/scene/shapes";
 import { JUMP_M, MAX_POINTS, Trail } from "../src/scene/trail";
 import {
   fitTo,
@@ -281,9 +281,42 @@ describe("the dock", () => {
   });
 
   it("is in a fitted view with the robot and the staging pose", () => {
-    const points = pointsOf(emptyScene.robot, shapesOf({ ...emptyScene, staging }));
-    expect(points).toHaveLength(4);
-    expect(points).toContainEqual(staging);
+    const points = pointsOf(emptyScene.robot, shapesOf({ ...emptyScene, staging }), footprintOf(emptyScene));
+    expect(points).toContainEqual({ x: staging.x, y: staging.y });
+    expect(points).toContainEqual(emptyScene.dock);
+  });
+});
+
+describe("a footprint", () => {
+  const corner = { x: 0.4, y: 0.3 };
+  const points = [corner, { x: 0.4, y: -0.3 }, { x: -0.4, y: -0.3 }, { x: -0.4, y: 0.3 }];
+  const rectangle = { radius: 0.5, points };
+
+  it("is round where none is published, as with poses that were stored without", () => {
+    expect(footprintOf(emptyScene)).toEqual({ radius: 0.15, points: null });
+    expect(footprintOf(null)).toEqual(footprintOf({}));
+    expect(footprintOf({ footprint: rectangle })).toBe(rectangle);
+  });
+
+  it("has room for an arrow, also at an edge", () => {
+    expect(arrowRadius({ radius: 0.2, points: null })).toBe(0.2);
+    expect(arrowRadius(rectangle)).toBeCloseTo(0.3);
+    const ahead = points.map(({ x, y }) => ({ x: x + 0.4, y }));
+    expect(arrowRadius({ radius: 0.9, points: ahead })).toBeCloseTo(0.3);
+    expect(arrowRadius({ radius: 0.9, points: [corner, corner, { x: 0.9, y: 0 }] })).toBeGreaterThan(0.3);
+  });
+
+  it("fits in the view", () => {
+    const large = pointsOf(
+      origin,
+      { dock: null, docked: null, staging: null },
+      { radius: 1.15, points: null },
+    );
+    expect(large.map(({ x, y }) => [x, y].map(Math.round))).toEqual([
+      [-1, -1],
+      [1, 1],
+    ]);
+    expect(fitTo(large, size).scale).toBeLessThan(size.height / (2 * 1.15));
   });
 });
 

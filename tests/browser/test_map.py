@@ -72,3 +72,11 @@ def test_what_is_wrong_and_who_is_missing(page: Page, gateway: RunningGateway) -
     missing = page.get_by_role("list", name="Robots that are not on the map")
     expect(missing.get_by_role("listitem")).to_have_text(["/robot3No simulator, no odometry yet"])
     assert find_violations(page) == []
+
+
+def test_a_robot_has_its_footprint(page: Page, domain: int) -> None:
+    robot = page.get_by_test_id("on map /robot2").locator("svg")
+    expect(robot).to_have_css("clip-path", re.compile("^circle"))
+    footprint = "footprint:='[[0.3, 0.2], [0.3, -0.2], [-0.3, -0.2], [-0.3, 0.2]]'"
+    with running_dock_server(domain, "-r", "__ns:=/robot2", "-p", footprint):
+        expect(robot).to_have_css("clip-path", re.compile("^polygon"))

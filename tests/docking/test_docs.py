@@ -13,6 +13,7 @@ from docking.parameters import (
     ChoiceParameter,
     IntegerParameter,
     Parameter,
+    TextParameter,
 )
 from docking.report import LEVELS
 from docking.session import ExitCode
@@ -33,6 +34,8 @@ def documented(parameter: Parameter) -> list[str]:
     if isinstance(parameter, ChoiceParameter):
         choices = ", ".join(f"`{choice}`" for choice in parameter.choices)
         cells = ["string", "", choices, f"`{parameter.default}`"]
+    elif isinstance(parameter, TextParameter):
+        cells = ["string", "", f"`{parameter.form}`", f"`{parameter.default}`" if parameter.default else "empty"]
     elif isinstance(parameter, IntegerParameter):
         limits = f"{parameter.minimum} … {parameter.maximum}"
         cells = ["integer", parameter.unit, limits, f"{parameter.default}"]

@@ -1,6 +1,7 @@
 import pytest
 
 from docking.admission import GoalPolicy
+from docking.footprint import round_footprint
 from docking.goal import Limits
 from docking.parameters import (
     DOCK_SERVER,
@@ -9,6 +10,7 @@ from docking.parameters import (
     ChoiceParameter,
     ControllerName,
     DockSettings,
+    TextParameter,
     UndockSettings,
     dock_settings,
     find_fault,
@@ -31,6 +33,8 @@ def test_the_defaults_have_no_fault_and_are_in_range() -> None:
     for parameter in DOCK_SERVER + UNDOCK_SERVER + FIBONACCI_SERVER:
         if isinstance(parameter, ChoiceParameter):
             assert parameter.default in parameter.choices
+        elif isinstance(parameter, TextParameter):
+            parameter.read(parameter.default)
         else:
             assert parameter.minimum <= parameter.default <= parameter.maximum
 
@@ -55,3 +59,15 @@ def test_what_must_not_be_below_something_else(greater: str, smaller: str) -> No
     assert greater in fault
     assert smaller in fault
     assert find_fault(DOCK_SERVER, {greater: 0.2, smaller: 0.2}) is None
+
+
+def test_a_footprint_counts_more_than_a_radius() -> None:
+    assert dock_settings(DEFAULTS).footprint == round_footprint(0.15)
+    assert dock_settings({**DEFAULTS, "robot_radius": 0.3}).footprint == round_footprint(0.3)
+    outline = {"robot_radius": 0.3, "footprint": "[[0.2, 0.1], [0.2, -0.1], [-0.2, 0]]"}
+    assert dock_settings({**DEFAULTS, **outline}).footprint == ((0.2, 0.1), (0.2, -0.1), (-0.2, 0.0))
+
+
+def test_a_footprint_that_is_none_is_a_fault() -> None:
+    fault = find_fault(DOCK_SERVER, {"footprint": "[[0.2, 0.1], [0.2, -0.1]]"})
+    assert fault == "footprint has 2 points, but must have 3 to 100"

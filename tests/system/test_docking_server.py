@@ -296,6 +296,7 @@ def test_parameters_are_described_and_guarded(domain: int, observer: Observer) -
             "rotate_speed": math.inf,
             "battery_lost_after": 1.0,
             "goal_policy": "queue",
+            "footprint": "[[0.2, 0.15]]",
         }
         for name, value in refused.items():
             (answer,) = server.set_parameters([Parameter(name, value=value)])

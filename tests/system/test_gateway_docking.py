@@ -93,6 +93,7 @@ def test_undocking(gateway: RunningGateway) -> None:
     poses = gateway.http.get(f"{history}?type=pose").json()["events"]
     scenes = [event["scene"] for event in poses]
     assert {scene["frame"] for scene in scenes} == {"world"}
+    assert scenes[-1]["footprint"] == {"radius": 0.15, "points": None}
     first, last = scenes[0]["robot"]["x"], scenes[-1]["robot"]["x"]
     assert -0.6 < first < -0.1, "at its dock"
     assert last < -0.6, "off its dock"

@@ -5,8 +5,12 @@ import time
 from collections.abc import Iterator
 
 import pytest
+from geometry_msgs.msg import PolygonStamped
 from nav_msgs.msg import Odometry
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 
+from docking.ros.qos import LATCHED
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_program
 from tests.support.observer import ros_observer
@@ -15,6 +19,7 @@ from tests.support.waiting import wait_until
 pytestmark = pytest.mark.ros
 
 FAULTS = ("dead_charger", "occluded_marker", "stuck_wheel", "silent_battery", "percentage_0_to_100")
+ROUND = {"radius": 0.15, "points": None}
 
 
 @pytest.fixture(scope="module")
@@ -65,6 +70,37 @@ def test_a_real_robot_is_shown_in_the_frame_of_its_odometry() -> None:
         with lonely.stream("?include=scene") as stream, robot.publishing(pose, "odom", period=0.05):
             scene = stream.until_type("scene")["scene"]
         assert (scene["frame"], scene["robot"]["x"], scene["dock"], scene["infrared"]) == ("odom", 0.5, None, None)
+
+
+def test_the_footprint_is_what_the_docking_server_is_told(shared_domain: int) -> None:
+    corners = [[0.3, 0.2], [0.3, -0.2], [-0.3, -0.2], [-0.3, 0.2]]
+    parameters = ("-p", f"footprint:='{corners}'", "-r", "__ns:=/robot1")
+    expected = {"radius": 0.3606, "points": [{"x": x, "y": y} for x, y in corners]}
+    change = SetParameters.Request(parameters=[Parameter("footprint", value="").to_parameter_msg()])
+    wrong = PolygonStamped()
+    wrong.header.frame_id = "map"
+    with (
+        ros_domain() as elsewhere,
+        ros_observer(elsewhere) as observer,
+        running_program(elsewhere, "dock_simulator", "-r", "__ns:=/robot1"),
+        running_gateway(elsewhere) as gateway,
+    ):
+        wait_until(lambda: gateway.http.get("/simulator?robot=/robot1").status_code == 200, "the simulator")
+        with gateway.stream("?robot=/robot1&include=scene,scenes") as stream:
+            assert stream.until_type("scene")["scene"]["footprint"] is None
+            with running_program(elsewhere, "docking_server", *parameters):
+                stream.until(lambda e: e["type"] == "scene" and e["scene"]["footprint"] == expected)
+                stream.until(lambda e: e["type"] == "scenes" and e["scenes"]["/robot1"]["footprint"] == expected)
+                service = "/robot1/connect_to_charging_dock_action_server/set_parameters"
+                client = observer.call(lambda: observer.node.create_client(SetParameters, service))
+                wait_until(client.service_is_ready, "the parameter service")
+                observer.call(lambda: client.call_async(change))
+                stream.until(lambda e: e["type"] == "scene" and e["scene"]["footprint"] == ROUND)
+                observer.publish(wrong, "/robot1/footprint", LATCHED)
+                gateway.process.wait_for(
+                    "the footprint of /robot1 is ignored: it is in the frame map, not in base_link"
+                )
+            assert stream.until_type("scene")["scene"]["footprint"] == ROUND
 
 
 def test_only_who_asks_for_it_gets_it_and_nobody_else_pays(gateway: RunningGateway, shared_domain: int) -> None:

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 WORLD, ODOM, BASE = "world", "odom", "base_link"
+# Frames that a footprint may be given in.
+FOOTPRINT_FRAMES = (BASE, "base_footprint", "")
 
 # Seconds for which a marker or a range is valid.
 SEEN_FOR = 0.5
@@ -94,6 +96,7 @@ class Scene:
         self._dock: Pose | None = None
         self._said: dict[str, Seen] = {}
         self._ranges: dict[str, tuple[float | None, float]] = {}
+        self._footprint: dict[str, Any] | None = None
 
     def place(self, seen: Seen) -> None:
         """Add the robot's pose, from odometry or the true one, depending on its frame."""
@@ -117,6 +120,10 @@ class Scene:
         """Store the true pose of the dock's face."""
         self._dock = dock
 
+    def set_footprint(self, footprint: dict[str, Any]) -> None:
+        """Store the robot's outline, as `footprint_document` returns it."""
+        self._footprint = footprint
+
     def set_range(self, receiver: str, distance: float, heard_at: float) -> None:
         """Store an infrared receiver's range (`left`, `center`, `right`) in metres; infinite if too far (REP-117)."""
         self._ranges[receiver] = (distance if math.isfinite(distance) else None, heard_at)
@@ -136,6 +143,7 @@ class Scene:
             "staging": self._in(frame, "staging", now, KNOWN_FOR),
             "marker": self._in(frame, "marker", now, SEEN_FOR),
             "infrared": self._infrared(now),
+            "footprint": self._footprint,
         }
 
     def _in(self, frame: str, name: str, now: float, known_for: float) -> dict[str, float] | None:

@@ -43,8 +43,8 @@ class GoalPoses:
 
 
 def differs(one: Scene, other: Scene) -> bool:
-    """Return whether anything has moved from one scene to the other, has appeared or is gone."""
-    if one["frame"] != other["frame"]:
+    """Return whether anything has moved from one scene to the other, has appeared or is gone, or has another shape."""
+    if one["frame"] != other["frame"] or one["footprint"] != other["footprint"]:
         return True
     return any(_moved(one[name], other[name]) for name in ("robot", "dock", "docked", "staging"))
 

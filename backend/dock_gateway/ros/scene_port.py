@@ -1,13 +1,14 @@
 """The topics with the poses of a robot and its dock. They are many and fast; subscribed to only while watched."""
 
+import logging
 import math
 import struct
 import time
 from collections.abc import Callable
 from typing import Any, ClassVar
 
+from geometry_msgs.msg import PolygonStamped, PoseStamped
 from geometry_msgs.msg import Pose as RosPose
-from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
@@ -15,9 +16,12 @@ from rclpy.subscription import Subscription
 from sensor_msgs.msg import Range
 
 from dock_gateway.core.event import Event, moment, scene_event
-from dock_gateway.core.scene import ODOM, PLACED_FOR, WORLD, Pace, Pose, Scene, Seen
+from dock_gateway.core.footprint import footprint_document
+from dock_gateway.core.scene import BASE, FOOTPRINT_FRAMES, ODOM, PLACED_FOR, WORLD, Pace, Pose, Scene, Seen
 from dock_gateway.ros.bridge import Bridge, guard
 from dock_gateway.ros.robot_ports import LATCHED
+
+log = logging.getLogger(__name__)
 
 # The stamp of a message, which its header begins with, in little-endian CDR.
 STAMP, CDR_HEADER = struct.Struct("<iI"), 4
@@ -61,6 +65,7 @@ class ScenePort:
             self._listen_to_odometry(resolve("ground_truth"), self._hear_truth),
             self._listen_to_odometry(resolve("odom"), self._hear_odometry),
             listen(PoseStamped, resolve("true_dock_pose"), guard(self._hear_dock), LATCHED),
+            listen(PolygonStamped, resolve("footprint"), guard(self._hear_footprint), LATCHED),
             *(
                 listen(PoseStamped, resolve(topic), guard(self._hear_pose(name)), LATEST)
                 for topic, name in self.poses.items()
@@ -106,6 +111,15 @@ class ScenePort:
     def _hear_dock(self, message: PoseStamped, _: dict[str, Any]) -> None:
         if message.header.frame_id in (WORLD, "") and (pose := read_pose(message.pose)) is not None:
             self._scene.set_dock(pose)
+
+    def _hear_footprint(self, message: PolygonStamped, _: dict[str, Any]) -> None:
+        frame = message.header.frame_id.lstrip("/")
+        try:
+            if frame not in FOOTPRINT_FRAMES:
+                raise ValueError(f"it is in the frame {frame}, not in {BASE}")
+            self._scene.set_footprint(footprint_document([(point.x, point.y) for point in message.polygon.points]))
+        except ValueError as error:
+            log.warning("the footprint of %s is ignored: %s", self._namespace, error)
 
     def _hear_pose(self, name: str) -> Callable[[PoseStamped, dict[str, Any]], None]:
         def hear(message: PoseStamped, _: dict[str, Any]) -> None:

@@ -6,7 +6,7 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
-from docking.parameters import ChoiceParameter, FloatParameter, Parameter, find_fault
+from docking.parameters import ChoiceParameter, FloatParameter, Parameter, TextParameter, find_fault
 
 
 def _descriptor(parameter: Parameter) -> ParameterDescriptor:
@@ -14,6 +14,8 @@ def _descriptor(parameter: Parameter) -> ParameterDescriptor:
         return ParameterDescriptor(
             description=parameter.description, additional_constraints=f"one of: {', '.join(parameter.choices)}"
         )
+    if isinstance(parameter, TextParameter):
+        return ParameterDescriptor(description=parameter.description, additional_constraints=parameter.form)
     descriptor = ParameterDescriptor(
         description=parameter.description, additional_constraints=f"in {parameter.unit}" if parameter.unit else ""
     )

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from random import Random
 
+from docking.footprint import ROBOT_RADIUS
 from docking.geometry import Pose, normalize_angle
 from docking.observation import STANDSTILL, Velocity
 
@@ -29,7 +30,7 @@ class RobotSettings:
             come back with the next command to stand still.
     """
 
-    radius: float = 0.15
+    radius: float = ROBOT_RADIUS
     wheel_separation: float = 0.23
     linear_max: float = 0.3
     angular_max: float = 1.2

@@ -2060,6 +2060,16 @@ export interface components {
             detail: string;
         };
         /**
+         * Footprint
+         * @description The robot's outline. `radius` is that of the circle around it, in m; `points` is null if the robot is round.
+         */
+        Footprint: {
+            /** Radius */
+            radius: number;
+            /** Points */
+            points: components["schemas"]["Point"][] | null;
+        };
+        /**
          * GapEvent
          * @description Some events after `after` are no longer available. The remaining ones follow, then a snapshot.
          */
@@ -2606,6 +2616,16 @@ export interface components {
             time: string;
         };
         /**
+         * Point
+         * @description A point in the robot's own frame, `base_link`, in m; x is ahead, y to the left.
+         */
+        Point: {
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+        };
+        /**
          * Pose
          * @description A 2D pose, in m and rad; `theta` is counter-clockwise.
          */
@@ -2973,7 +2993,8 @@ export interface components {
          * @description Poses of a robot and its dock, all in one frame.
          *
          *     `dock` is the face of the dock, with its x axis pointing into it. `docked` is the robot's target pose, `staging` the
-         *     pose that it drives to first, and `marker` the last marker pose that the camera saw.
+         *     pose that it drives to first, and `marker` the last marker pose that the camera saw. `footprint` is the robot's
+         *     outline, null if it is not published.
          */
         Scene: {
             /**
@@ -2987,6 +3008,7 @@ export interface components {
             staging: components["schemas"]["Pose"] | null;
             marker: components["schemas"]["Pose"] | null;
             infrared: components["schemas"]["Infrared"] | null;
+            footprint: components["schemas"]["Footprint"] | null;
         };
         /**
          * SceneEvent

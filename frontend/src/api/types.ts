@@ -24,6 +24,7 @@ export type Problem = Schemas["Problem"];
 export type StopReport = Schemas["StopReport"];
 export type StopState = Schemas["StopState"];
 export type Scene = Schemas["Scene"];
+export type Footprint = Schemas["Footprint"];
 export type Infrared = Schemas["Infrared"];
 export type Simulator = Schemas["Simulator"];
 export type Fault = paths["/simulator/faults/{fault}"]["put"]["parameters"]["path"]["fault"];

@@ -94,7 +94,7 @@ const Marker = memo(function Marker({ robot, name, level, words, elements }: Mar
     >
       <Link to={robotPath(robot)} className={classes.link ?? ""}>
         <svg className={classes.disc} viewBox="-10 -10 20 20" aria-hidden="true">
-          <circle r="9.4" />
+          <rect x="-10" y="-10" width="20" height="20" />
           <path d="M6.8 0-3.9 4.7-1.5 0-3.9-4.7Z" />
         </svg>
         <span className={classes.label}>

@@ -1,3 +1,4 @@
+import type { Scene } from "../api/types";
 import type { Camera } from "../scene/camera";
 import type { SceneColors } from "../scene/colors";
 import type { Point } from "../scene/geometry";
@@ -5,9 +6,10 @@ import type { Stage } from "../scene/gestures";
 import { drawGrid } from "../scene/ground";
 import { Picture } from "../scene/picture";
 import { drawDock, drawScaleBar } from "../scene/renderer";
-import { ROBOT_RADIUS_M } from "../scene/shapes";
+import { around, arrowRadius, footprintOf } from "../scene/shapes";
 import { canvasContext, toScreen } from "../scene/view";
 import type { FleetScenes } from "./fleetScenes";
+import { outlineOf } from "./outline";
 
 /** The frame that robots share. */
 const FRAME = "world";
@@ -20,6 +22,7 @@ export const INSET_PX = 36;
 /** Draws the ground and the docks on a canvas, and puts the robots, which are elements above it, in their places. */
 export class FleetStage extends Picture implements Stage {
   readonly robot = null;
+  readonly radius = 0;
   readonly ghost = null;
   readonly handle = false;
   readonly #unsubscribe: () => void;
@@ -56,7 +59,10 @@ export class FleetStage extends Picture implements Stage {
   }
 
   protected points(): Point[] {
-    return this.#shared().flatMap(([, { robot, dock }]) => (dock === null ? [robot] : [robot, dock]));
+    return this.#shared().flatMap(([, scene]) => {
+      const corners = around(scene.robot, footprintOf(scene));
+      return scene.dock === null ? corners : [...corners, scene.dock];
+    });
   }
 
   readonly #paint = (now: number): void => {
@@ -73,16 +79,20 @@ export class FleetStage extends Picture implements Stage {
     const docks = new Map(shared.flatMap(([, { dock }]) => (dock ? [[JSON.stringify(dock), dock]] : [])));
     for (const dock of docks.values()) drawDock(context, picture, dock);
     drawScaleBar(context, picture);
-    for (const [name, { robot }] of shared) this.#place(name, robot);
+    for (const [name, scene] of shared) this.#place(name, scene);
     if (this.camera.glides) this.invalidate();
   };
 
-  #place(name: string, robot: Point & { theta: number }): void {
+  #place(name: string, scene: Scene): void {
     const element = this.robots.get(name);
     if (element === undefined) return;
+    const { robot } = scene;
+    const footprint = footprintOf(scene);
     const { x, y } = toScreen(this.view, this.size, robot);
-    const size = Math.max(LEAST_PX, 2 * ROBOT_RADIUS_M * this.view.scale);
+    const size = Math.max(LEAST_PX, 2 * footprint.radius * this.view.scale);
     element.style.setProperty("--size", `${size.toFixed(1)}px`);
+    element.style.setProperty("--outline", outlineOf(footprint));
+    element.style.setProperty("--arrow", (arrowRadius(footprint) / footprint.radius).toFixed(3));
     element.style.setProperty("--turn", `${(-robot.theta).toFixed(3)}rad`);
     element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
     element.dataset.placed = "";

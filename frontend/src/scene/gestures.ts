@@ -1,6 +1,5 @@
 import { distance, normalizeAngle, type Point, type Pose, toRadians } from "./geometry";
 import { HANDLE_RADIUS_PX, handlePlace } from "./renderer";
-import { ROBOT_RADIUS_M } from "./shapes";
 import { type Size, toScreen, type View } from "./view";
 
 /** What is meant to be touched may be missed by this much, in CSS pixels. */
@@ -15,6 +14,8 @@ export interface Stage {
   readonly view: View;
   readonly size: Size;
   readonly robot: Pose | null;
+  /** Of the robot (m). */
+  readonly radius: number;
   readonly ghost: Pose | null;
   /** Whether the robot can be dragged. */
   readonly handle: boolean;
@@ -108,11 +109,11 @@ export class Gestures {
   #dragAt(place: Point): Drag {
     const robot = this.stage.ghost ?? this.stage.robot;
     if (this.stage.handle && robot !== null) {
-      const { view, size } = this.stage;
-      if (distance(place, handlePlace(view, size, robot)) <= HANDLE_RADIUS_PX + REACH_PX / 2) {
+      const { view, size, radius } = this.stage;
+      if (distance(place, handlePlace(view, size, robot, radius)) <= HANDLE_RADIUS_PX + REACH_PX / 2) {
         return { kind: "turn", robot };
       }
-      if (distance(place, toScreen(view, size, robot)) <= Math.max(ROBOT_RADIUS_M * view.scale, REACH_PX)) {
+      if (distance(place, toScreen(view, size, robot)) <= Math.max(radius * view.scale, REACH_PX)) {
         const point = this.stage.toWorld(place);
         return { kind: "move", grip: { x: robot.x - point.x, y: robot.y - point.y }, theta: robot.theta };
       }

@@ -6,7 +6,7 @@ import { distance, normalizeAngle, type Point, type Pose } from "./geometry";
 import { Ground } from "./ground";
 import { Picture } from "./picture";
 import { draw } from "./renderer";
-import { pointsOf, ROBOT_RADIUS_M, shapesOf } from "./shapes";
+import { footprintOf, pointsOf, shapesOf } from "./shapes";
 import { canvasContext, type View } from "./view";
 
 /** What fades does so in steps of this length where motion is not wanted (ms). */
@@ -21,6 +21,8 @@ export type SceneSource = Pick<
 interface Drawn {
   view: View;
   robot: Pose;
+  /** Of the robot (m). */
+  radius: number;
   /** An array that grows while the robot is drawn where it moves, or another one. */
   trail: readonly Point[];
   /** Something of it fades. */
@@ -32,7 +34,7 @@ interface Drawn {
 function looksTheSame(before: Drawn, after: Drawn): boolean {
   if (before.fading || after.fading || before.view !== after.view || before.trail !== after.trail)
     return false;
-  const turned = Math.abs(normalizeAngle(after.robot.theta - before.robot.theta)) * ROBOT_RADIUS_M;
+  const turned = Math.abs(normalizeAngle(after.robot.theta - before.robot.theta)) * after.radius;
   const moved = Math.max(distance(before.robot, after.robot), turned) * after.view.scale;
   return moved < STILL_PX && JSON.stringify(before.rest) === JSON.stringify(after.rest);
 }
@@ -71,6 +73,10 @@ export class Painter extends Picture {
   /** The robot as it is drawn now. */
   get robot(): Pose | null {
     return this.reducedMotion ? (this.buffer.latest?.robot ?? null) : this.buffer.robotAt(performance.now());
+  }
+
+  get radius(): number {
+    return footprintOf(this.buffer.latest).radius;
   }
 
   /** Whether the robot can be dragged. */
@@ -119,7 +125,7 @@ export class Painter extends Picture {
 
   protected points(): Point[] {
     const { latest } = this.buffer;
-    return latest === null ? [] : pointsOf(latest.robot, shapesOf(latest));
+    return latest === null ? [] : pointsOf(latest.robot, shapesOf(latest), footprintOf(latest));
   }
 
   readonly #paint = (): void => {
@@ -138,6 +144,7 @@ export class Painter extends Picture {
     const drawn = {
       view: this.view,
       robot,
+      radius: this.radius,
       trail: this.buffer.trail.points,
       fading: detections.length > 0,
       rest: { ...scene, robot: null },
@@ -150,6 +157,7 @@ export class Painter extends Picture {
         colors: this.colors,
         frame: scene.frame,
         robot,
+        footprint: footprintOf(scene),
         shapes: shapesOf(scene),
         trail: drawn.trail,
         detections,

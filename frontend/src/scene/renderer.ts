@@ -1,13 +1,14 @@
-import type { Infrared } from "../api/types";
+import type { Footprint, Infrared } from "../api/types";
 import { type Detection, FADE_MS } from "./buffer";
 import { compose, type Point, type Pose } from "./geometry";
 import type { Drawing, Ground } from "./ground";
 import {
+  arrowRadius,
   CONTACT_RADIUS_M,
   DOCK_BOX,
   RECEIVER_FIELD_RAD,
+  RECEIVER_X_M,
   RECEIVERS,
-  ROBOT_RADIUS_M,
   type Shapes,
   UNSEEN_BEAM_M,
 } from "./shapes";
@@ -18,6 +19,7 @@ export interface Picture extends Drawing {
   /** In which all poses are. */
   frame: string;
   robot: Pose;
+  footprint: Footprint;
   shapes: Shapes;
   trail: readonly Point[];
   detections: readonly Detection[];
@@ -34,10 +36,10 @@ export interface Picture extends Drawing {
 const HANDLE_PX = 22;
 export const HANDLE_RADIUS_PX = 7;
 
-/** Where the handle of a robot is on the canvas. */
-export function handlePlace(view: View, size: Size, robot: Pose): Point {
+/** Where the handle of a robot is on the canvas. @param radius Of the robot (m). */
+export function handlePlace(view: View, size: Size, robot: Pose, radius: number): Point {
   const centre = toScreen(view, size, robot);
-  const reach = ROBOT_RADIUS_M * view.scale + HANDLE_PX;
+  const reach = radius * view.scale + HANDLE_PX;
   return { x: centre.x + reach * Math.cos(robot.theta), y: centre.y - reach * Math.sin(robot.theta) };
 }
 
@@ -67,23 +69,23 @@ function drawPlace(
   ctx.strokeStyle = color;
   ctx.lineWidth = 1.5;
   ctx.setLineDash([...dashes]);
-  circle(ctx, picture, pose, ROBOT_RADIUS_M);
+  body(ctx, picture, pose);
   ctx.stroke();
   ctx.setLineDash([]);
 }
 
 function drawStaging(ctx: CanvasRenderingContext2D, picture: Picture, staging: Pose): void {
-  const { colors } = picture;
+  const { colors, footprint } = picture;
   ctx.save();
   drawPlace(ctx, picture, staging, colors.staging, [5, 4]);
-  const tip = ROBOT_RADIUS_M * 0.75;
+  const tip = arrowRadius(footprint) * 0.75;
   path(ctx, picture, staging, [
     [-tip * 0.4, tip * 0.5],
     [tip * 0.6, 0],
     [-tip * 0.4, -tip * 0.5],
   ]);
   ctx.stroke();
-  label(ctx, picture, { x: staging.x, y: staging.y - ROBOT_RADIUS_M }, "staging pose", colors.staging);
+  label(ctx, picture, { x: staging.x, y: staging.y - footprint.radius }, "staging pose", colors.staging);
   ctx.restore();
 }
 
@@ -133,7 +135,7 @@ function drawBeams(ctx: CanvasRenderingContext2D, picture: Picture, robot: Pose)
   ctx.strokeStyle = colors.beam;
   ctx.lineWidth = 1;
   for (const name of ["left", "center", "right"] as const) {
-    const eye = compose(robot, { x: ROBOT_RADIUS_M, y: 0, theta: RECEIVERS[name] });
+    const eye = compose(robot, { x: RECEIVER_X_M, y: 0, theta: RECEIVERS[name] });
     const seen = infrared[name];
     const from = toScreen(view, size, eye);
     const half = RECEIVER_FIELD_RAD / 2;
@@ -154,13 +156,13 @@ function drawRobot(ctx: CanvasRenderingContext2D, picture: Picture, robot: Pose,
   const { colors } = picture;
   ctx.save();
   ctx.globalAlpha = alpha;
-  circle(ctx, picture, robot, ROBOT_RADIUS_M);
+  body(ctx, picture, robot);
   ctx.fillStyle = colors.robot;
   ctx.fill();
   ctx.strokeStyle = colors.robotEdge;
   ctx.lineWidth = 2;
   ctx.stroke();
-  const radius = ROBOT_RADIUS_M;
+  const radius = arrowRadius(picture.footprint);
   path(ctx, picture, robot, [
     [radius * 0.72, 0],
     [-radius * 0.42, radius * 0.5],
@@ -197,9 +199,9 @@ function drawDetections(ctx: CanvasRenderingContext2D, picture: Picture): void {
 }
 
 function drawHandle(ctx: CanvasRenderingContext2D, picture: Picture, robot: Pose): void {
-  const { view, size, colors } = picture;
-  const place = handlePlace(view, size, robot);
-  const edge = toScreen(view, size, compose(robot, { x: ROBOT_RADIUS_M, y: 0, theta: 0 }));
+  const { view, size, colors, footprint } = picture;
+  const place = handlePlace(view, size, robot, footprint.radius);
+  const edge = toScreen(view, size, compose(robot, { x: arrowRadius(footprint), y: 0, theta: 0 }));
   ctx.beginPath();
   ctx.moveTo(edge.x, edge.y);
   ctx.lineTo(place.x, place.y);
@@ -256,10 +258,22 @@ function label(
   ctx.fillText(text, x, y + 6);
 }
 
-function circle(ctx: CanvasRenderingContext2D, { view, size }: Drawing, centre: Point, radius: number): void {
-  const { x, y } = toScreen(view, size, centre);
+/** The outline of the robot at a pose. */
+function body(ctx: CanvasRenderingContext2D, picture: Picture, pose: Pose): void {
+  const { view, size, footprint } = picture;
+  if (footprint.points !== null) {
+    path(
+      ctx,
+      picture,
+      pose,
+      footprint.points.map(({ x, y }) => [x, y] as const),
+    );
+    ctx.closePath();
+    return;
+  }
+  const { x, y } = toScreen(view, size, pose);
   ctx.beginPath();
-  ctx.arc(x, y, radius * view.scale, 0, 2 * Math.PI);
+  ctx.arc(x, y, footprint.radius * view.scale, 0, 2 * Math.PI);
 }
 
 /** A line through points that are given in the frame of `pose`. */

@@ -1,7 +1,30 @@
+import type { Footprint } from "../api/types";
 import { compose, type Point, type Pose } from "./geometry";
 
-/** The robot is a disc around base_link, its camera and its receivers at the front (m). */
-export const ROBOT_RADIUS_M = 0.15;
+/** Of a robot whose footprint is not published. */
+const DEFAULT_FOOTPRINT: Footprint = { radius: 0.15, points: null };
+/** The heading arrow is at least this share of the robot, also where base_link is near its edge. */
+const MIN_ARROW = 1 / 3;
+
+/** The robot's outline around base_link. */
+export function footprintOf(scene: { footprint?: Footprint | null } | null): Footprint {
+  return scene?.footprint ?? DEFAULT_FOOTPRINT;
+}
+
+/** The radius of the circle that the heading arrow fills: the one within the footprint (m). */
+export function arrowRadius({ radius, points }: Footprint): number {
+  if (points === null) return radius;
+  const distances = points.map((point, index) => edgeDistance(point, points.at(index - 1) ?? point));
+  return Math.max(Math.min(...distances), MIN_ARROW * radius);
+}
+
+/** From base_link to an edge (m). */
+function edgeDistance(from: Point, to: Point): number {
+  const [dx, dy] = [to.x - from.x, to.y - from.y];
+  const share = -(from.x * dx + from.y * dy) / (dx * dx + dy * dy || 1);
+  const part = Math.min(1, Math.max(0, share));
+  return Math.hypot(from.x + part * dx, from.y + part * dy);
+}
 
 /** The dock's box, in the marker's frame (m): its front carries the contacts, the marker is set back above it. */
 export const DOCK_BOX = { front: -0.04, back: 0.16, half: 0.15 };
@@ -18,6 +41,8 @@ export const RECEIVERS = {
   center: 0,
   right: (-20 * Math.PI) / 180,
 } as const;
+/** Their place ahead of base_link (m). */
+export const RECEIVER_X_M = 0.15;
 export const RECEIVER_FIELD_RAD = 0.5;
 /** How far a beam is drawn that sees nothing (m). */
 export const UNSEEN_BEAM_M = 0.25;
@@ -43,6 +68,17 @@ export function shapesOf(scene: Known): Shapes {
 }
 
 /** What a fitted view has to show. */
-export function pointsOf(robot: Pose, { dock, docked, staging }: Shapes): Point[] {
-  return [robot, dock, docked, staging].filter((point) => point !== null);
+export function pointsOf(robot: Pose, { dock, docked, staging }: Shapes, footprint: Footprint): Point[] {
+  const poses = [robot, docked, staging].filter((pose) => pose !== null);
+  const corners = poses.flatMap((pose) => around(pose, footprint));
+  return dock === null ? corners : [...corners, dock];
+}
+
+/** What a fitted view has to show of a robot: its margin has room for one that is not larger than most. */
+export function around({ x, y }: Point, { radius }: Footprint): Point[] {
+  const beyond = Math.max(0, radius - DEFAULT_FOOTPRINT.radius);
+  return [
+    { x: x - beyond, y: y - beyond },
+    { x: x + beyond, y: y + beyond },
+  ];
 }

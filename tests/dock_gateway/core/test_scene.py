@@ -54,6 +54,14 @@ def test_a_real_robot_is_shown_in_odom() -> None:
     assert document["infrared"] == {"left": 0.42, "center": None, "right": None}
 
 
+def test_a_footprint_is_in_the_scene_once_it_is_known() -> None:
+    scene = Scene()
+    scene.place(Seen(Pose(1, 2, 3), ODOM, 100.0, 0.0))
+    assert (scene.document(0.0) or {})["footprint"] is None
+    scene.set_footprint({"radius": 0.3, "points": None})
+    assert (scene.document(0.0) or {})["footprint"] == {"radius": 0.3, "points": None}
+
+
 @given(poses, poses, poses)
 def test_what_odometry_believes_is_shown_where_it_is_in_truth(truth: Pose, believed: Pose, goal: Pose) -> None:
     scene = Scene()

@@ -18,7 +18,7 @@ SLOT = START_NS // INTERVAL_NS * INTERVAL_NS
 
 def scene(x: float = 0.0, theta: float = 0.0, **more: Any) -> dict[str, Any]:
     pose = {"x": x, "y": 0.0, "theta": theta}
-    nothing = {"dock": None, "docked": None, "staging": None, "marker": None, "infrared": None}
+    nothing = {"dock": None, "docked": None, "staging": None, "marker": None, "infrared": None, "footprint": None}
     return {"frame": "odom", "robot": pose, **nothing, **more}
 
 
@@ -31,6 +31,7 @@ def scene(x: float = 0.0, theta: float = 0.0, **more: Any) -> dict[str, Any]:
         (scene(0.0, 6.2830), False),
         (scene(frame="world"), True),
         (scene(dock={"x": 1.0, "y": 0.0, "theta": 0.0}), True),
+        (scene(footprint={"radius": 0.3, "points": None}), True),
         (scene(marker={"x": 1.0, "y": 0.0, "theta": 0.0}), False),
     ],
 )

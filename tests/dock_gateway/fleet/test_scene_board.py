@@ -14,7 +14,7 @@ ROBOTS = ["/robot1", "/robot2"]
 
 def scene(x: float) -> dict[str, Any]:
     pose = {"x": x, "y": 0.0, "theta": 0.0}
-    return {"frame": "world", "robot": pose, "dock": None, "docked": None, "staging": None}
+    return {"frame": "world", "robot": pose, "dock": None, "docked": None, "staging": None, "footprint": None}
 
 
 class Fixture:

@@ -1,0 +1,44 @@
+"""The robot's footprint, for maps: latched, as it changes only with the parameters."""
+
+from geometry_msgs.msg import Point32, PolygonStamped
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from docking.footprint import Footprint
+from docking.ros.qos import LATCHED
+
+TOPIC = "footprint"
+BASE = "base_link"
+
+
+class FootprintPublisher:
+    """The publisher of `footprint`."""
+
+    def __init__(self, node: Node) -> None:
+        """Start with nothing published.
+
+        Args:
+            node: The node that publishes. All calls must come from the thread that spins it.
+        """
+        self._node = node
+        self._publisher: Publisher | None = None
+        self._published: Footprint = ()
+
+    def publish(self, footprint: Footprint) -> None:
+        """Publish a footprint, unless it is the published one."""
+        if footprint == self._published:
+            return
+        if self._publisher is None:
+            self._publisher = self._node.create_publisher(
+                PolygonStamped,
+                TOPIC,
+                LATCHED,
+                qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+            )
+        message = PolygonStamped()
+        message.header.frame_id = BASE
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        message.polygon.points = [Point32(x=x, y=y) for x, y in footprint]
+        self._publisher.publish(message)
+        self._published = footprint
