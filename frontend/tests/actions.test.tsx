@@ -19,6 +19,7 @@ const dock: ActionInfo = {
   ...fibonacci,
   action_name: "/dock",
   action_type: `${TYPES}/ConnectToChargingDock`,
+  verb: "dock",
 };
 const spin: ActionInfo = {
   ...fibonacci,

@@ -121,7 +121,7 @@ describe("docking", () => {
     expect(gateway.undock).toHaveBeenCalledTimes(1);
     expect(await screen.findByText("Running goal: undock")).toBeDefined();
     await user.click(button("Cancel"));
-    expect(gateway.cancel).toHaveBeenCalledWith("undock", "undocked");
+    expect(gateway.cancel).toHaveBeenCalledWith("undocked");
   });
 
   it("does not undock where nobody offers that, and says so", () => {
@@ -160,7 +160,7 @@ describe("docking", () => {
     await user.click(button("Dock"));
     expect(gateway.dock).not.toHaveBeenCalled();
     await user.click(button("Cancel"));
-    expect(gateway.cancel).toHaveBeenCalledWith("dock", "a");
+    expect(gateway.cancel).toHaveBeenCalledWith("a");
   });
 
   it("says why a goal was rejected and what to do", async () => {
@@ -197,7 +197,7 @@ describe("from a terminal", () => {
   it("cancels the goal that runs, not a newer one that was rejected", async () => {
     const rejected = goal("b", { status: "rejected", created_at: new Date(Date.now() + 1000).toISOString() });
     renderPage(fakeGateway(), { goals: [running, rejected] }, "/?tab=developer");
-    expect(await screen.findByText(/^curl .*\/dock\/a\/cancel$/)).toBeDefined();
+    expect(await screen.findByText(/^curl .*\/goals\/a\/cancel$/)).toBeDefined();
   });
 });
 

@@ -49,13 +49,13 @@ describe("commands", () => {
     expect(releasing.mock.calls[0]?.[0]).toMatchObject({ method: "DELETE", url: "http://gateway:8000/stop" });
   });
 
-  it("ask each action for its own goals", async () => {
+  it("send a goal to its action, and cancel it whatever its action is", async () => {
     const fetch = answer(202, goal("a"));
     await gateway.undock();
-    await gateway.cancel("undock", "a");
+    await gateway.cancel("a");
     expect(fetch.mock.calls.map(([request]) => request.url.replace("http://gateway:8000", ""))).toEqual([
       "/undock",
-      "/undock/a/cancel",
+      "/goals/a/cancel",
     ]);
   });
 

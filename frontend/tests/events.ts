@@ -84,7 +84,7 @@ export function stopReport(change: Partial<StopReport> = {}): StopReport {
 
 export function undockGoal(id: string, change: Partial<Goal> = {}): Goal {
   const action_type = "action_tutorials_interfaces/action/DisconnectFromChargingDock";
-  return goal(id, { action_name: undockServer.action_name, action_type, ...change });
+  return goal(id, { action_name: undockServer.action_name, action_type, verb: "undock", ...change });
 }
 
 export function robot(name: string, change: Partial<Robot> = {}): Robot {
@@ -123,6 +123,7 @@ export function fibonacciAction(name: string): ActionInfo {
   return {
     action_name: name,
     action_type: "action_tutorials_interfaces/action/Fibonacci",
+    verb: null,
     available: true,
     answering: true,
     duplicate: false,
@@ -153,6 +154,7 @@ export function goal(id: string, change: Partial<Goal> = {}): Goal {
     goal_id: id,
     action_name: "/dock",
     action_type: "action_tutorials_interfaces/action/ConnectToChargingDock",
+    verb: "dock",
     status: "executing",
     stalled: false,
     stage: null,

@@ -29,7 +29,7 @@ export function fakeGateway(change: Partial<Gateway> = {}) {
   return {
     dock: vi.fn<Gateway["dock"]>(async () => goal("docked", { status: "accepted" })),
     undock: vi.fn<Gateway["undock"]>(async () => undockGoal("undocked", { status: "accepted" })),
-    cancel: vi.fn<Gateway["cancel"]>(async (_verb, id) => goal(id, { status: "canceling" })),
+    cancel: vi.fn<Gateway["cancel"]>(async (id) => goal(id, { status: "canceling" })),
     stop: vi.fn<Gateway["stop"]>(async (by) => stopReport({ canceling: ["a"], stop: latched(by) })),
     release: vi.fn<Gateway["release"]>(async () => released),
     publishOnce: vi.fn<Gateway["publishOnce"]>(async () => {}),

@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { GatewayEvent, Goal } from "../src/api/types";
+import { meaning, outcome } from "../src/goal/words";
 import { mergeGoals, newestFirst } from "../src/store/goals";
 import { reduce } from "../src/store/reducer";
 import {
@@ -210,10 +211,28 @@ describe("other events", () => {
   });
 });
 
+describe("a state that an older gateway stored, without a verb", () => {
+  const { verb: _verb, ...old } = status("a", { status: "succeeded" });
+
+  it("leaves a goal its verb", () => {
+    const state = stateAfter([snapshot({ goals: [goal("a")] }), old as GatewayEvent]);
+    expect(state.goals.get("a")).toMatchObject({ status: "succeeded", verb: "dock" });
+  });
+
+  it("is told in the words for any action", () => {
+    const known = stateAfter([snapshot(), old as GatewayEvent]).goals.get("a");
+    expect(known && [meaning(known), outcome(known)]).toEqual(["The goal succeeded.", "–"]);
+  });
+});
+
 describe("other actions on the graph", () => {
   const name = "/fibonacci";
   const goalOfOthers = {
-    ...goal("f", { action_name: name, action_type: "action_tutorials_interfaces/action/Fibonacci" }),
+    ...goal("f", {
+      action_name: name,
+      action_type: "action_tutorials_interfaces/action/Fibonacci",
+      verb: null,
+    }),
     goal: { order: 5 },
     feedback: { partial_sequence: [0, 1, 1] },
   } as unknown as Goal;

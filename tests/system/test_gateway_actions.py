@@ -38,7 +38,7 @@ def test_an_action_appears_is_used_and_goes(gateway: RunningGateway, shared_doma
         wait_for_action(gateway, "/fibonacci")
         info = gateway.http.get("/actions/fibonacci").json()
         assert info["action_type"] == "action_tutorials_interfaces/action/Fibonacci"
-        assert (info["installed"], info["hint"]) == (True, None)
+        assert (info["installed"], info["hint"], info["verb"]) == (True, None, None)
 
         response = gateway.http.post("/actions/fibonacci/goals", json={"order": 10})
         assert response.status_code == 202

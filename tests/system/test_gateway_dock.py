@@ -45,6 +45,7 @@ def test_the_tutorial_over_http(gateway: RunningGateway) -> None:
         goal = response.json()
         assert response.headers["location"] == f"/dock/{goal['goal_id']}"
         assert goal["status"] in ("accepted", "executing")
+        assert goal["verb"] == stream.until_type("status")["verb"] == "dock"
         assert goal["goal"]["desired_battery_state"]["voltage"] == 2.16
 
         turning = stream.until(lambda e: e["type"] == "cmd_vel" and e["cmd_vel"]["angular"]["z"] != 0)["cmd_vel"]

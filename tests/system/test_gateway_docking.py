@@ -84,7 +84,8 @@ def test_undocking(gateway: RunningGateway) -> None:
         stream.until(lambda e: e["type"] == "simulator" and e["simulator"]["docked"])
         stream.until(lambda e: e["type"] == "battery" and e["battery"]["power_supply_status"] == CHARGING)
         goal = do(gateway, "undock")
-        assert (goal["action_name"], goal["status"]) == ("/disconnect_from_charging_dock", "succeeded")
+        assert (goal["action_name"], goal["verb"]) == ("/disconnect_from_charging_dock", "undock")
+        assert goal["status"] == "succeeded"
         assert goal["result"]["final_battery_state"]["power_supply_status"] in NOT_CHARGING
         left = stream.until(lambda e: e["type"] == "simulator" and not e["simulator"]["docked"])["simulator"]
         assert left["contact"] is False

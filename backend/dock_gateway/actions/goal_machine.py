@@ -7,12 +7,13 @@ import logging
 from collections import OrderedDict, deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import datetime
 from enum import Enum, auto
 from functools import partial
 
 from dock_gateway.actions.adoption import Message, Newcomer, Newcomers
 from dock_gateway.core.event import Event, Now, feedback_event, moment, nanoseconds, status_event
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, ResultAnswer
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Origin, ResultAnswer, Verb
 
 log = logging.getLogger(__name__)
 
@@ -86,6 +87,7 @@ class GoalMachine:
         action_type: Its type.
         stamp: Returns the stamp of the next event's id from that of its source. Stamps rise.
         started: When the gateway started.
+        verb: What its goals do, if it is one of the two for docking.
 
     Attributes:
         live: The running goals, and lost ones that may return.
@@ -94,12 +96,20 @@ class GoalMachine:
         outputs: What has to be done, oldest first. The tracker removes each as it does it.
     """
 
-    def __init__(self, action_name: str, action_type: str, stamp: Callable[[int], int], started: Now) -> None:
+    def __init__(
+        self,
+        action_name: str,
+        action_type: str,
+        stamp: Callable[[int], int],
+        started: Now,
+        verb: Verb | None = None,
+    ) -> None:
         self.live: dict[str, Goal] = {}
         self.taken_up: set[str] = set()
         self.newcomers = Newcomers()
         self.outputs: deque[Output] = deque()
         self._action = (action_name, action_type)
+        self._verb = verb
         self._stamp = stamp
         self._started = moment(started.ns)
         self._ended: OrderedDict[str, None] = OrderedDict()
@@ -169,6 +179,10 @@ class GoalMachine:
 
     # ------------------------------------------------------------------ new goals
 
+    def new_goal(self, goal_id: str, created_at: datetime, origin: Origin) -> Goal:
+        """Return a new goal on this action, which is not tracked yet."""
+        return Goal(goal_id, *self._action, created_at, origin, self._verb)
+
     def add(self, now: Now, goal: Goal) -> None:
         """Track a goal that is being sent."""
         self.live[goal.goal_id] = goal
@@ -201,12 +215,13 @@ class GoalMachine:
             if known.finished_at is not None and known.finished_at > self._started:
                 self.outputs.append(PublishEnd(known, now.ns))
             return
-        goal = known or Goal(goal_id, *self._action, moment(newcomer.created_ns), origin="external")
+        goal = known or self.new_goal(goal_id, moment(newcomer.created_ns), "external")
         self._begin(now, goal, newcomer, runs=newcomer.running)
 
     def _begin(self, now: Now, goal: Goal, newcomer: Newcomer | None, *, runs: bool) -> None:
         log.info("goal %s on %s, %s, origin %s", goal.goal_id, goal.action_name, goal.status.value, goal.origin)
         self.live[goal.goal_id] = goal
+        goal.verb = goal.verb or self._verb  # an older gateway that shares the history stores none
         for take in newcomer.messages if newcomer else ():
             take(now, goal)
         self.outputs.append(AwaitResult(goal))

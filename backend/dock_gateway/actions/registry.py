@@ -17,7 +17,7 @@ from dock_gateway.core.discovery import Discovery
 from dock_gateway.core.errors import GatewayError, NotFound, Unavailable
 from dock_gateway.core.event import loss_event, status_event, system_event, utc_now
 from dock_gateway.core.filters import prefix_of
-from dock_gateway.core.goal import LOST_FOR, Goal, GoalError, GoalStatus
+from dock_gateway.core.goal import LOST_FOR, Goal, GoalError, GoalStatus, Verb
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.history import History
@@ -60,11 +60,12 @@ class Action:
         self.port = port
         self.name = port.action_name
         self.type = port.action_type
+        self.verb = settings.verb_of(self.name)
         self.pinned = pinned
         self.last_seen = time.monotonic()
         self.feedback_dropped = 0
         self._hub = hub
-        self.tracker = GoalTracker(port, hub, history, reasons)
+        self.tracker = GoalTracker(port, hub, history, reasons, self.verb)
         self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=pinned)
         self.canceler = Canceler(settings, self.tracker, interlock)
         self.delivery = Delivery(
@@ -96,6 +97,7 @@ class Uninstalled:
 
     name: str
     type: str
+    verb: Verb | None
     hint: str
 
 
@@ -252,7 +254,8 @@ class ActionRegistry:
     def uninstalled(self) -> list[Uninstalled]:
         """Return the actions on the graph that cannot be used, sorted by name."""
         failed = sorted(self._discovery.failed.items())
-        return [Uninstalled(name, self._type_of(name), failure.why) for name, failure in failed]
+        verb_of = self._settings.verb_of
+        return [Uninstalled(name, self._type_of(name), verb_of(name), failure.why) for name, failure in failed]
 
     def get(self, name: str) -> Action | None:
         """Return an action by its absolute name, or None if it is unknown or cannot be used."""

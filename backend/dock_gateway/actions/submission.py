@@ -108,7 +108,7 @@ class Delivery:
         """Store a goal, then send it: if this process dies, a running goal is still known to be ours."""
         port = self._tracker.port
         await self._watch.require()
-        goal = again or Goal(str(uuid.uuid4()), port.action_name, port.action_type, utc_now(), origin)
+        goal = again or self._tracker.new_goal(str(uuid.uuid4()), utc_now(), origin)
         if again is None:
             goal.goal = port.encode_goal(message)
             if claim is not None and (first := await claim.take(goal)):

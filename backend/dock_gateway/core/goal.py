@@ -13,6 +13,9 @@ Json = bytes
 # Who sent a goal: a client of a gateway, a rule of automatic docking, or a client of ROS.
 Origin = Literal["gateway", "automation", "external"]
 
+# What a goal on one of a robot's two docking actions does.
+Verb = Literal["dock", "undock"]
+
 
 # A goal that has been lost for longer than this is not expected back.
 LOST_FOR = timedelta(hours=1)
@@ -89,6 +92,7 @@ _UNSENT = frozenset({"action_server_unavailable", "ros_unavailable", "stopped"})
 class Goal:
     """One goal on one action, regardless of the sender.
 
+    `verb` is None on any action but the two for docking.
     `goal`, `feedback` and `result` are messages encoded to JSON, or None while they are not known. `stage` is the last
     stage that the server reported, in its own words, and `retries` its number of retries, where it reports them.
     """
@@ -98,6 +102,7 @@ class Goal:
     action_type: str
     created_at: datetime
     origin: Origin = "gateway"
+    verb: Verb | None = None
     status: GoalStatus = GoalStatus.PENDING
     goal: Json | None = None
     feedback: Json | None = None
@@ -185,6 +190,7 @@ class Goal:
             "goal_id": self.goal_id,
             "action_name": self.action_name,
             "action_type": self.action_type,
+            "verb": self.verb,
             "status": self.status.value,
             "stalled": self.stalled,
             "origin": self.origin,

@@ -12,9 +12,9 @@ def merge(stored: Goal, news: Goal) -> Goal:
 
     - The status only moves forward, and a final one stays. Between `lost` and an earlier status the later version wins.
     - Origin `gateway` (the sender) overrides `external` (an observer), and its `created_at` is used.
-    - Goal, feedback, result and stage are never overwritten by None. Neither is the error, unless it was that of a
-      `lost` goal that returned, or says that there is no result although there is one. A goal that succeeded does not
-      take over the other version's error.
+    - Verb, goal, feedback, result and stage are never overwritten by None. Neither is the error, unless it was that of
+      a `lost` goal that returned, or says that there is no result although there is one. A goal that succeeded does
+      not take over the other version's error.
     """
     merged = copy(stored)
     status_from, other = (news, stored) if _supersedes(news, stored) else (stored, news)
@@ -24,6 +24,7 @@ def merge(stored: Goal, news: Goal) -> Goal:
     merged.stalled = latest.stalled and not merged.status.terminal
     merged.result = status_from.result or other.result
     merged.error = _error(status_from, other, merged)
+    merged.verb = stored.verb or news.verb
     merged.goal = stored.goal or news.goal
     merged.feedback = latest.feedback or earlier.feedback
     merged.stage = latest.stage or earlier.stage

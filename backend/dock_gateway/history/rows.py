@@ -9,7 +9,7 @@ from typing import Any
 import orjson
 
 from dock_gateway.core.event import Event
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Verb
 
 Row = dict[str, Any]
 
@@ -21,8 +21,13 @@ MAX_CODE = 200
 
 _TIMES = ("created_at", "updated_at", "finished_at")
 # Fields that lines of older versions lack.
-_NEW = {"stage": None, "retries": None}
+_NEW = {"stage": None, "retries": None, "verb": None}
 _MESSAGES = ("goal", "feedback", "result")
+# The verbs of goals that an earlier version stored without, by their types. Other actions are stored as an empty text.
+_EARLIER_VERBS: dict[str, Verb] = {
+    "action_tutorials_interfaces/action/ConnectToChargingDock": "dock",
+    "action_tutorials_interfaces/action/DisconnectFromChargingDock": "undock",
+}
 
 
 @dataclass(frozen=True)
@@ -79,6 +84,7 @@ def goal_row(goal: Goal) -> Row:
         "goal_id": goal.goal_id,
         "action_name": goal.action_name,
         "action_type": goal.action_type,
+        "verb": goal.verb or "",
         "origin": goal.origin,
         "status": goal.status.value,
         "stalled": goal.stalled,
@@ -99,12 +105,14 @@ def goal_row(goal: Goal) -> Row:
 
 def goal_of(row: Mapping[Any, Any]) -> Goal:
     """Convert a table row to a goal."""
+    verb = row["verb"]
     goal = Goal(
         goal_id=row["goal_id"],
         action_name=row["action_name"],
         action_type=row["action_type"],
         created_at=row["created_at"],
         origin=row["origin"],
+        verb=_EARLIER_VERBS.get(row["action_type"]) if verb is None else verb or None,
         status=GoalStatus(row["status"]),
         goal=row["goal"],
         feedback=row["feedback"],

@@ -78,6 +78,7 @@ goals = sa.Table(
     sa.Column("goal_id", identity(), primary_key=True),
     sa.Column("action_name", sa.Text, nullable=False),
     sa.Column("action_type", sa.Text, nullable=False),
+    sa.Column("verb", sa.Text),
     sa.Column("origin", sa.Text, nullable=False),
     sa.Column("status", sa.Text, nullable=False),
     sa.Column("stalled", sa.Boolean, nullable=False),

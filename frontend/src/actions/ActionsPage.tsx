@@ -73,8 +73,8 @@ function searchFor(text: string): Record<string, string> {
 }
 
 /** An action that is there besides docking and undocking, which are listed always. */
-function isOther({ available, action_type }: ActionInfo): boolean {
-  return available && !/\/(ConnectTo|DisconnectFrom)ChargingDock$/.test(action_type);
+function isOther({ available, verb }: ActionInfo): boolean {
+  return available && verb === null;
 }
 
 function Skeletons() {

@@ -10,7 +10,7 @@ import type { BatteryStateInput, Fault, Goal, Publisher, Simulator, StopReport, 
 export interface Gateway {
   dock(desiredStatus: number): Promise<Goal>;
   undock(): Promise<Goal>;
-  cancel(verb: Verb, goalId: string): Promise<Goal>;
+  cancel(goalId: string): Promise<Goal>;
   /** Stops, and lets nobody go on until `release`; also several robots with one request. */
   stop(by: string, robots?: readonly string[]): Promise<StopReport>;
   release(): Promise<StopState>;
@@ -23,9 +23,6 @@ export interface Gateway {
   placeRobot(pose: Pose): Promise<void>;
   switchFault(fault: Fault, active: boolean): Promise<void>;
 }
-
-/** The two things that the page asks of a robot, each an action with its own goals. */
-export type Verb = "dock" | "undock";
 
 /**
  * A key for one request: where a proxy or the browser sends it twice, the gateway sends one goal. `crypto.randomUUID` is
@@ -53,13 +50,10 @@ export function createGateway(http: Http, robot: string | null = null): Gateway 
         }),
       ),
     undock: () => settle(http.POST("/undock", goalOptions())),
-    cancel: (verb, goalId) =>
-      settle(
-        http.POST(`/${verb}/{goal_id}/cancel`, {
-          params: { path: { goal_id: goalId } },
-          signal: deadline(),
-        }),
-      ),
+    cancel: async (goalId) =>
+      (await settle(
+        http.POST("/goals/{goal_id}/cancel", { params: { path: { goal_id: goalId } }, signal: deadline() }),
+      )) as Goal,
     stop: (by, robots = robot === null ? [] : [robot]) =>
       settle(
         http.POST("/stop", { body: { by }, params: { query: { robot: [...robots] } }, signal: deadline() }),

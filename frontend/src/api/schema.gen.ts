@@ -1162,6 +1162,8 @@ export interface components {
             action_name: string;
             /** Action Type */
             action_type: string;
+            /** Verb */
+            verb: ("dock" | "undock") | null;
             status: components["schemas"]["GoalStatus"];
             /** Stalled */
             stalled: boolean;
@@ -1229,6 +1231,8 @@ export interface components {
             duplicate: boolean;
             /** Action Type */
             action_type: string;
+            /** Verb */
+            verb: ("dock" | "undock") | null;
             /** Installed */
             installed: boolean;
             /** Hint */
@@ -1338,6 +1342,8 @@ export interface components {
             action_name: string;
             /** Action Type */
             action_type: string;
+            /** Verb */
+            verb: ("dock" | "undock") | null;
             status: components["schemas"]["GoalStatus"];
             /** Stalled */
             stalled: boolean;
@@ -1947,6 +1953,8 @@ export interface components {
             action_name: string;
             /** Action Type */
             action_type: string;
+            /** Verb */
+            verb: ("dock" | "undock") | null;
             status: components["schemas"]["GoalStatus"];
             /** Stalled */
             stalled: boolean;
@@ -2100,6 +2108,8 @@ export interface components {
             action_name: string;
             /** Action Type */
             action_type: string;
+            /** Verb */
+            verb: ("dock" | "undock") | null;
             status: components["schemas"]["GoalStatus"];
             /** Stalled */
             stalled: boolean;
@@ -2258,6 +2268,8 @@ export interface components {
             action_name: string;
             /** Action Type */
             action_type: string;
+            /** Verb */
+            verb: ("dock" | "undock") | null;
             status: components["schemas"]["GoalStatus"];
             /** Stalled */
             stalled: boolean;
@@ -3234,6 +3246,8 @@ export interface components {
             action_name: string;
             /** Action Type */
             action_type: string;
+            /** Verb */
+            verb: ("dock" | "undock") | null;
             status: components["schemas"]["GoalStatus"];
             /** Stalled */
             stalled: boolean;
@@ -3465,6 +3479,8 @@ export interface components {
             action_name: string;
             /** Action Type */
             action_type: string;
+            /** Verb */
+            verb: ("dock" | "undock") | null;
             status: components["schemas"]["GoalStatus"];
             /** Stalled */
             stalled: boolean;

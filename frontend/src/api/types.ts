@@ -13,6 +13,8 @@ export type GoalHistory = Schemas["GoalHistory"];
 /** What a goal's history is made of. */
 export type GoalEvent = GoalHistory["events"][number];
 export type PoseEvent = Schemas["PoseEvent"];
+/** The two things that a robot's docking actions do, each an action with its own goals. */
+export type Verb = NonNullable<AnyGoal["verb"]>;
 export type GoalStatus = Schemas["GoalStatus"];
 export type GoalError = Schemas["GoalError"];
 export type BatteryState = Schemas["BatteryState"];

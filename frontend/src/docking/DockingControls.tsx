@@ -1,13 +1,12 @@
 import { Group, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useId, useState } from "react";
-import type { Verb } from "../api/client";
+import type { Verb } from "../api/types";
 import { CHARGING, FULL } from "../battery/words";
 import { useNaming } from "../fleet/useNaming";
 import { RobotStopButton, useStoppableAlone } from "../stop/RobotStop";
 import { useLive, useServices, useTopic, useTopicPart } from "../store/context";
 import type { GoalCourse } from "../store/goals";
-import { useVerbOf } from "../store/verbs";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/useCommand";
@@ -22,7 +21,6 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
   const live = useLive();
   const servers = { dock: useTopic("actionServer"), undock: useTopic("undockServer") };
   const stopped = useTopicPart("stop", ({ latched }) => latched);
-  const verbOf = useVerbOf();
   const alone = useStoppableAlone();
   const naming = useNaming();
   const asking = useAsking();
@@ -33,9 +31,7 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
 
   const dock = useCommand(async () => store.addGoals([await gateway.dock(Number(target))]));
   const undock = useCommand(async () => store.addGoals([await gateway.undock()]));
-  const cancel = useCommand(async (goal: GoalCourse) =>
-    store.addGoals([await gateway.cancel(verbOf(goal), goal.goal_id)]),
-  );
+  const cancel = useCommand(async (goal: GoalCourse) => store.addGoals([await gateway.cancel(goal.goal_id)]));
   const send = (verb: Verb) => {
     question.close();
     for (const command of [dock, undock, cancel]) command.reset();

@@ -7,7 +7,6 @@ import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { FeedbackCount } from "../goals/FeedbackCount";
 import { useLive, useTopic, useTopicPart } from "../store/context";
 import { type GoalCourse, isTerminal } from "../store/goals";
-import { useVerbOf } from "../store/verbs";
 import { Fact, FactList } from "../ui/Fact";
 import { Time } from "../ui/Time";
 import { FeedbackLog } from "./FeedbackLog";
@@ -16,14 +15,13 @@ import { StageTimeline } from "./StageTimeline";
 /** The goal that runs, or how the last one ended. */
 export function GoalPanel({ goal }: { goal: GoalCourse }) {
   const live = useLive();
-  const verb = useVerbOf()(goal);
   const ended = isTerminal(goal.status);
   const retries = goal.retries ?? 0;
   return (
     <Stack gap="sm">
       <Group gap="xs">
         <Text fw={600}>
-          {ended ? "Last goal" : "Running goal"}: {verb}
+          {ended ? "Last goal" : "Running goal"}: {goal.verb ?? goal.action_name}
         </Text>
         <span aria-live="polite">
           <GoalStatusBadge status={goal.status} testId="goal-status" />

@@ -1,6 +1,6 @@
 import { Button, Group, Stack, Text } from "@mantine/core";
 import { useId } from "react";
-import type { Verb } from "../api/client";
+import type { Verb } from "../api/types";
 import { Dialog } from "../ui/Dialog";
 
 interface MoveDialogProps {

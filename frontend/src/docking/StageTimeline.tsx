@@ -5,7 +5,6 @@ import { useAtTime, useGatewayNow } from "../store/clock";
 import { useLive } from "../store/context";
 import { type GoalCourse, isTerminal } from "../store/goals";
 import type { StageVisit } from "../store/stages";
-import { useVerbOf } from "../store/verbs";
 import { formatDuration } from "../ui/time";
 import classes from "./docking.module.css";
 import { useWay } from "./useWay";
@@ -33,10 +32,9 @@ const SAID: Record<StepState, string> = {
 /** The stages of a goal, how far it is, and how long each took, in all of its tries. */
 export function StageTimeline({ goal }: { goal: GoalCourse }) {
   const visits = useWay(goal.goal_id);
-  const verb = useVerbOf()(goal);
   const known = useLive() || isTerminal(goal.status);
   const seen = visits.map(({ stage }) => stage);
-  const steps = stepsOf(goal, seen, verb);
+  const steps = stepsOf(goal, seen);
   if (steps.length === 0) return null;
   const besides = [...new Set(seen)].filter((stage) => steps.every((step) => step.stage !== stage));
   return (

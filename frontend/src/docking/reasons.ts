@@ -1,5 +1,4 @@
-import type { Verb } from "../api/client";
-import type { ActionServer, Goal } from "../api/types";
+import type { ActionServer, Goal, Verb } from "../api/types";
 
 export const NOT_CONNECTED = "The gateway is not connected.";
 

@@ -1,4 +1,3 @@
-import type { Verb } from "../api/client";
 import { stageLabel } from "../goal/stages";
 import { outcome } from "../goal/words";
 import { sentence } from "../ui/sentence";
@@ -67,27 +66,20 @@ export const LINK_HINTS: Record<Link, string> = {
 };
 
 /** What a robot's goal is called: Dock, Undock, or the action's own name. */
-export function goalName(robot: Robot, { action_name }: Pick<GoalSummary, "action_name">): string {
-  const verb = verbOf(robot, action_name);
-  return verb === null ? action_name.slice(action_name.lastIndexOf("/") + 1) : sentence(verb);
-}
-
-function verbOf({ dock, undock }: Robot, actionName: string): Verb | null {
-  if (actionName === dock?.action_name) return "dock";
-  return actionName === undock?.action_name ? "undock" : null;
+export function goalName({ verb, action_name }: Pick<GoalSummary, "verb" | "action_name">): string {
+  return verb ? sentence(verb) : action_name.slice(action_name.lastIndexOf("/") + 1);
 }
 
 /** `Dock: Controlling`, `Undock: canceling`, `fibonacci: executing` */
-export function runningWords(robot: Robot, goal: GoalSummary): string {
+export function runningWords(goal: GoalSummary): string {
   const stage = goal.status === "executing" ? stageLabel(goal.stage) : null;
-  return `${goalName(robot, goal)}: ${stage ?? goal.status}`;
+  return `${goalName(goal)}: ${stage ?? goal.status}`;
 }
 
 /** How a goal ended, in a few words. */
-export function lastWords(robot: Robot, goal: GoalSummary): string {
-  const verb = verbOf(robot, goal.action_name);
-  const told = verb !== null && (goal.error !== null || goal.status === "succeeded");
-  return told ? sentence(outcome(goal)) : `${goalName(robot, goal)} ${goal.status}`;
+export function lastWords(goal: GoalSummary): string {
+  const told = goal.verb && (goal.error !== null || goal.status === "succeeded");
+  return told ? sentence(outcome(goal)) : `${goalName(goal)} ${goal.status}`;
 }
 
 /** `now`, `12 s ago`, `3 min 05 s ago`; for ages that are looked at once a second. */

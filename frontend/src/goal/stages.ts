@@ -1,4 +1,3 @@
-import type { Verb } from "../api/client";
 import { type GoalCourse, isTerminal } from "../store/goals";
 import { sentence } from "../ui/sentence";
 
@@ -34,8 +33,8 @@ const UNDOCKING = ["UNDOCKING"];
  *
  * @param seen The stages that the goal was seen in, in order.
  */
-export function stepsOf(goal: GoalCourse, seen: readonly string[], verb: Verb): Step[] {
-  const all = verb === "undock" ? UNDOCKING : DOCKING;
+export function stepsOf(goal: GoalCourse, seen: readonly string[]): Step[] {
+  const all = goal.verb === "undock" ? UNDOCKING : DOCKING;
   const known = seen.filter((stage) => all.includes(stage));
   const last = known.at(-1);
   if (last === undefined) return [];

@@ -1,6 +1,5 @@
-import type { Verb } from "../api/client";
 import { adviceFor } from "../api/errors";
-import type { AnyGoal, GoalStatus } from "../api/types";
+import type { AnyGoal, GoalStatus, Verb } from "../api/types";
 import { type GoalCourse, isTerminal } from "../store/goals";
 import { lowerFirst, sentence } from "../ui/sentence";
 import { stageName, stageWords } from "./stages";
@@ -49,23 +48,13 @@ const LOST: Record<Verb | "other", string> = {
   undock: "Lost contact during undocking; robot state unknown.",
 };
 
-const VERBS: Record<string, Verb> = {
-  "action_tutorials_interfaces/action/ConnectToChargingDock": "dock",
-  "action_tutorials_interfaces/action/DisconnectFromChargingDock": "undock",
-};
-
-/** Which of the docking actions a goal is on; null where it is on any other. */
-export function dockingVerb(goal: Pick<AnyGoal, "action_type">): Verb | null {
-  return VERBS[goal.action_type] ?? null;
-}
-
 /** What the meaning of a goal is made of. */
-export type Meant = Pick<AnyGoal, "action_type" | "status" | "stage" | "stalled" | "error">;
+export type Meant = Pick<AnyGoal, "verb" | "status" | "stage" | "stalled" | "error">;
 
 /** What a goal's status and stage mean, in a sentence. */
 export function meaning(goal: Meant): string {
   const { status, error } = goal;
-  const verb = dockingVerb(goal) ?? "other";
+  const verb = goal.verb ?? "other";
   if (goal.stalled && !isTerminal(status)) {
     return verb === "other" ? "The action server is not responding." : "Docking server not responding.";
   }
@@ -156,8 +145,7 @@ export function outcome(goal: Meant): string {
     return status === "rejected" ? "Not sent: a stop came first" : "Canceled by a stop";
   }
   if (error !== null) return SHORT[error.code] ?? error.detail;
-  const verb = dockingVerb(goal);
-  if (status === "succeeded" && verb !== null) return REACHED[verb];
+  if (status === "succeeded" && goal.verb) return REACHED[goal.verb];
   if (goal.stalled) return "Server not responding";
   return goal.stage === null || isTerminal(status) ? "–" : stageName(goal.stage);
 }

@@ -106,13 +106,13 @@ function titleOf(change: Exclude<Change, { kind: "status" }>): string {
   return change.stage === "RETRY" ? `Retry ${change.retries || ""}` : stageName(change.stage);
 }
 
-function wordsOf(change: Change, { action_type }: AnyGoal): string {
+function wordsOf(change: Change, { verb }: AnyGoal): string {
   if (change.kind === "silence") {
     return change.silent ? "The action server is not responding." : "The action server is responding again.";
   }
   if (change.kind === "stage") return stageWords(change.stage) ?? "";
   const { status, error } = change;
-  const meant = meaning({ action_type, status, error, stalled: false, stage: null });
+  const meant = meaning({ verb, status, error, stalled: false, stage: null });
   if (error === null) return meant;
   return status === "canceled"
     ? `${meant} ${sentence(error.detail)}.`

@@ -3,7 +3,6 @@ import { useState } from "react";
 import { Link } from "react-router";
 import type { ActionServer } from "../api/types";
 import { useTopic } from "../store/context";
-import { useVerbOf } from "../store/verbs";
 import { Section } from "../ui/Section";
 import { NO_FILTER, writeFilter } from "./filter";
 import { GoalsTable } from "./GoalsTable";
@@ -14,7 +13,6 @@ const PAGE = 10;
 export function GoalsCard() {
   const goals = useTopic("courses");
   const [shown, setShown] = useState(PAGE);
-  const verbOf = useVerbOf();
   const all = allGoals([useTopic("actionServer"), useTopic("undockServer")]);
 
   return (
@@ -33,7 +31,7 @@ export function GoalsCard() {
           <em>curl -X POST {window.location.origin}/dock</em>
         </Text>
       ) : (
-        <GoalsTable goals={goals.slice(0, shown)} verbOf={verbOf} oneRobot />
+        <GoalsTable goals={goals.slice(0, shown)} oneRobot />
       )}
       {goals.length > shown && (
         <Button variant="default" onClick={() => setShown((count) => count + PAGE)}>

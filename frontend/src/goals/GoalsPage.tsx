@@ -3,7 +3,6 @@ import { useMemo } from "react";
 import { useSearchParams } from "react-router";
 import { goalsExportUrl } from "../api/goals";
 import { useFleet, useFleetLive } from "../fleet/context";
-import { dockingVerb } from "../goal/words";
 import { Command } from "../ui/Command";
 import { SavedViews } from "../ui/SavedViews";
 import { usePageTitle } from "../ui/usePageTitle";
@@ -64,7 +63,7 @@ function Listed({ list, filter, onClear }: ListedProps) {
             : `${goals.length} goals`}
         {live ? ", live" : ", not live"}
       </Text>
-      <GoalsTable goals={goals} verbOf={dockingVerb} />
+      <GoalsTable goals={goals} />
       {list.more && (
         <Button variant="default" disabled={list.loading} onClick={list.loadMore}>
           Load older goals

@@ -1,7 +1,6 @@
 import { Group, Table, Text } from "@mantine/core";
 import { type MouseEvent, memo } from "react";
 import { Link, useNavigate } from "react-router";
-import type { Verb } from "../api/client";
 import type { ListedGoal } from "../api/types";
 import { useNaming } from "../fleet/useNaming";
 import { GoalDuration } from "../goal/GoalDuration";
@@ -19,14 +18,12 @@ type RowGoal = Omit<ListedGoal, "goal" | "feedback" | "result" | "feedback_count
 
 interface GoalsTableProps {
   goals: readonly RowGoal[];
-  /** What a goal is on: for the words of its outcome. */
-  verbOf: (goal: RowGoal) => Verb | null;
   /** Whether it is about one robot, whose actions need no names. */
   oneRobot?: boolean;
 }
 
 /** Goals, a row each, which leads to the goal's page. */
-export function GoalsTable({ goals, verbOf, oneRobot = false }: GoalsTableProps) {
+export function GoalsTable({ goals, oneRobot = false }: GoalsTableProps) {
   const naming = useNaming();
   return (
     <Table verticalSpacing="xs" horizontalSpacing={8} highlightOnHover className={classes.table ?? ""}>
@@ -36,7 +33,6 @@ export function GoalsTable({ goals, verbOf, oneRobot = false }: GoalsTableProps)
           <GoalRow
             key={goal.goal_id}
             goal={goal}
-            verb={verbOf(goal)}
             robot={naming.ownerNameOf(goal.action_name)}
             oneRobot={oneRobot}
           />
@@ -63,13 +59,12 @@ export function GoalsHead({ oneRobot }: { oneRobot: boolean }) {
 
 interface GoalRowProps {
   goal: RowGoal;
-  verb: Verb | null;
   /** Whose action it is on; null where that has no display name. */
   robot: string | null;
   oneRobot: boolean;
 }
 
-const GoalRow = memo(function GoalRow({ goal, verb, robot, oneRobot }: GoalRowProps) {
+const GoalRow = memo(function GoalRow({ goal, robot, oneRobot }: GoalRowProps) {
   const navigate = useNavigate();
   const path = goalPath(goal.goal_id);
   const open = ({ target }: MouseEvent) => {
@@ -84,7 +79,7 @@ const GoalRow = memo(function GoalRow({ goal, verb, robot, oneRobot }: GoalRowPr
         </Link>
       </Table.Td>
       {oneRobot ? (
-        <Table.Td visibleFrom="xs">{verb === null ? goal.action_name : sentence(verb)}</Table.Td>
+        <Table.Td visibleFrom="xs">{goal.verb ? sentence(goal.verb) : goal.action_name}</Table.Td>
       ) : (
         <Table.Td className={classes.action}>
           {robot !== null && (

@@ -1,4 +1,4 @@
-import type { Verb } from "../api/client";
+import type { Verb } from "../api/types";
 import { whyNotCancel, whyNotSend } from "../docking/reasons";
 import type { GoalSummary, Robot } from "../fleet/types";
 

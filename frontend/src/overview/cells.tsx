@@ -18,7 +18,7 @@ export function NowCell({ robot, live }: { robot: Robot; live: boolean }) {
       {goal !== undefined && (
         <Running
           goalId={goal.goal_id}
-          words={runningWords(robot, goal)}
+          words={runningWords(goal)}
           since={Date.parse(goal.created_at)}
           retries={goal.retries ?? 0}
           stalled={goal.stalled}
@@ -26,7 +26,7 @@ export function NowCell({ robot, live }: { robot: Robot; live: boolean }) {
         />
       )}
       {others.length > 0 && (
-        <span className={classes.quiet}>and {others.map((each) => goalName(robot, each)).join(", ")}</span>
+        <span className={classes.quiet}>and {others.map((each) => goalName(each)).join(", ")}</span>
       )}
       {goal === undefined && !latched && (
         <span className={classes.empty}>{linkOf(robot) === "unreachable" ? "Unknown" : "Idle"}</span>
@@ -65,7 +65,7 @@ function Elapsed({ since }: { since: number }) {
 export function LastCell({ robot }: { robot: Robot }) {
   const goal = robot.last_goal;
   if (goal === null) return <span className={classes.empty}>No goals yet</span>;
-  return <Last goalId={goal.goal_id} words={lastWords(robot, goal)} {...outcomeOf(goal)} />;
+  return <Last goalId={goal.goal_id} words={lastWords(goal)} {...outcomeOf(goal)} />;
 }
 
 function outcomeOf({ status, finished_at, updated_at }: GoalSummary) {

@@ -1,7 +1,6 @@
 import { Text } from "@mantine/core";
 import { currentGoal } from "../goal/words";
 import { useServices, useTopic } from "../store/context";
-import { useVerbOf } from "../store/verbs";
 import { Command } from "../ui/Command";
 import { Section } from "../ui/Section";
 import classes from "./robot.module.css";
@@ -10,11 +9,10 @@ import classes from "./robot.module.css";
 export function CurlCard() {
   const { robot } = useServices();
   const goal = currentGoal(useTopic("courses"));
-  const verb = useVerbOf()({ action_name: goal?.action_name ?? "" });
   return (
     <Section title="From a terminal">
       <div className={classes.commands}>
-        {commands(window.location, robot, `${verb}/${goal?.goal_id ?? "GOAL_ID"}`).map(({ what, line }) => (
+        {commands(window.location, robot, `goals/${goal?.goal_id ?? "GOAL_ID"}`).map(({ what, line }) => (
           <div key={what}>
             <Text size="sm" mb={2}>
               {what}

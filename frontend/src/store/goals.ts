@@ -61,11 +61,7 @@ export function applyStatus<S extends GoalsState>(state: S, event: EventOf<"stat
   const { type: _type, id: _id, time: _time, ...summary } = event;
   const known = state.goals.get(event.goal_id);
   if (known && isFinal(known.status) && known.status !== event.status) return state;
-  const next = withGoal(state, {
-    ...summary,
-    feedback: known?.feedback ?? null,
-    result: known?.result ?? null,
-  });
+  const next = withGoal(state, { feedback: null, result: null, ...known, ...summary });
   return { ...next, stages: withStage(next.stages, event, Date.parse(event.time)) };
 }
 
@@ -159,6 +155,7 @@ function unknownGoal(
     goal_id: event.goal_id,
     action_name: event.action_name,
     action_type: "",
+    verb: null,
     status,
     stalled: false,
     stage: null,

@@ -42,7 +42,7 @@ export const Tile = memo(function Tile({ robot, attention, live }: TileProps) {
           </Badge>
         ) : goal !== undefined ? (
           <>
-            <span className={classes.goal}>{runningWords(robot, goal)}</span>
+            <span className={classes.goal}>{runningWords(goal)}</span>
             {live && <Elapsed since={Date.parse(goal.created_at)} />}
           </>
         ) : link === "connected" || link === "battery" ? (

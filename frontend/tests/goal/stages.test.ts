@@ -18,53 +18,48 @@ function states(...parameters: Parameters<typeof stepsOf>): string[] {
 
 describe("the stages of a docking goal", () => {
   it("are shown as far as they are", () => {
-    expect(states(goal("a"), [PERCEPTION], "dock")).toEqual(["current", "waiting", "waiting", "waiting"]);
+    expect(states(goal("a"), [PERCEPTION])).toEqual(["current", "waiting", "waiting", "waiting"]);
     const approaching = [PERCEPTION, STAGING, "CONTROLLING"];
-    expect(states(goal("a"), approaching, "dock")).toEqual(["done", "done", "current", "waiting"]);
+    expect(states(goal("a"), approaching)).toEqual(["done", "done", "current", "waiting"]);
   });
 
   it("are all done in the end, or end where it did not work", () => {
     const seen = [PERCEPTION, STAGING, "CONTROLLING", "WAIT_FOR_CHARGE"];
-    expect(states(goal("a", { status: "succeeded" }), seen, "dock")).toEqual(Array(4).fill("done"));
+    expect(states(goal("a", { status: "succeeded" }), seen)).toEqual(Array(4).fill("done"));
     const aborted = goal("a", { status: "aborted" });
-    expect(states(aborted, seen, "dock")).toEqual(["done", "done", "done", "failed"]);
+    expect(states(aborted, seen)).toEqual(["done", "done", "done", "failed"]);
   });
 
   it("are no failure where the goal was canceled", () => {
     const canceled = goal("a", { status: "canceled" });
-    expect(states(canceled, [PERCEPTION, STAGING], "dock")).toEqual([
-      "done",
-      "canceled",
-      "waiting",
-      "waiting",
-    ]);
-    expect(states(canceled, [PERCEPTION, "RETRY"], "dock")[0]).toBe("canceled");
+    expect(states(canceled, [PERCEPTION, STAGING])).toEqual(["done", "canceled", "waiting", "waiting"]);
+    expect(states(canceled, [PERCEPTION, "RETRY"])[0]).toBe("canceled");
   });
 
   it("are unknown, and no failure, where contact was lost", () => {
     const lost = goal("a", { status: "lost" });
-    expect(states(lost, [PERCEPTION, STAGING], "dock")).toEqual(["done", "unknown", "waiting", "waiting"]);
-    expect(states(lost, [PERCEPTION, "RETRY"], "dock")[0]).toBe("unknown");
+    expect(states(lost, [PERCEPTION, STAGING])).toEqual(["done", "unknown", "waiting", "waiting"]);
+    expect(states(lost, [PERCEPTION, "RETRY"])[0]).toBe("unknown");
   });
 
   it("show what did not work while the robot backs off, and then begin anew", () => {
     const seen = [PERCEPTION, STAGING, "CONTROLLING", "RETRY"];
-    expect(states(goal("a"), seen, "dock")).toEqual(["done", "done", "failed", "waiting"]);
-    expect(states(goal("a"), [...seen, STAGING], "dock")).toEqual(["done", "current", "waiting", "waiting"]);
+    expect(states(goal("a"), seen)).toEqual(["done", "done", "failed", "waiting"]);
+    expect(states(goal("a"), [...seen, STAGING])).toEqual(["done", "current", "waiting", "waiting"]);
   });
 
   it("are one where the controller only controls, and none where nobody tells them", () => {
-    expect(stepsOf(goal("a"), ["CONTROLLING"], "dock").map((step) => step.label)).toEqual(["Controlling"]);
-    expect(states(goal("a"), ["WAIT_FOR_BATTERY", "CONTROLLING"], "dock")).toEqual(["current"]);
-    expect(stepsOf(goal("a"), [], "dock")).toEqual([]);
-    expect(stepsOf(goal("a"), ["IDLE"], "dock")).toEqual([]);
+    expect(stepsOf(goal("a"), ["CONTROLLING"]).map((step) => step.label)).toEqual(["Controlling"]);
+    expect(states(goal("a"), ["WAIT_FOR_BATTERY", "CONTROLLING"])).toEqual(["current"]);
+    expect(stepsOf(goal("a"), [])).toEqual([]);
+    expect(stepsOf(goal("a"), ["IDLE"])).toEqual([]);
   });
 });
 
 describe("the stages of an undocking goal", () => {
   it("are one", () => {
-    expect(states(undockGoal("a"), ["UNDOCKING"], "undock")).toEqual(["current"]);
-    expect(states(undockGoal("a", { status: "succeeded" }), ["UNDOCKING"], "undock")).toEqual(["done"]);
+    expect(states(undockGoal("a"), ["UNDOCKING"])).toEqual(["current"]);
+    expect(states(undockGoal("a", { status: "succeeded" }), ["UNDOCKING"])).toEqual(["done"]);
   });
 });
 

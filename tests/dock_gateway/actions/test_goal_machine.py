@@ -253,6 +253,16 @@ def test_an_unknown_goal_is_another_clients(bench: Bench) -> None:
     assert bench.done() == [], "it is known already"
 
 
+def test_every_goal_has_the_verb_of_the_action() -> None:
+    """Also one that an older gateway stored without it."""
+    machine = GoalMachine("/dock", "pkg/action/Dock", lambda source_ns: source_ns, START, "dock")
+    assert machine.new_goal(A, moment(2), "automation").verb == "dock"
+    machine.feedback(NOW, A, b"1", 4_000_000_000)
+    machine.adopt(NOW, A, None)
+    machine.take_up(NOW, Goal(B, "/dock", "pkg/action/Dock", moment(2)))
+    assert [goal.verb for goal in machine.live.values()] == ["dock", "dock"]
+
+
 @pytest.mark.parametrize(("accepted_ns", "created_ns"), [(0, 4_000_000_000), (3_000_000_000, 3_000_000_000)])
 def test_an_unknown_goal_that_has_ended_is_not_seen_running(bench: Bench, accepted_ns: int, created_ns: int) -> None:
     bench.machine.report(NOW, B, S.SUCCEEDED, accepted_ns, 4_000_000_000)

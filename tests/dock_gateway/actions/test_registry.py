@@ -57,6 +57,12 @@ async def test_an_action_that_nobody_serves(registry: ActionRegistry) -> None:
     assert refused.value.code == "action_not_found"
 
 
+async def test_an_action_that_cannot_be_used_has_its_verb(registry: ActionRegistry) -> None:
+    kind = "no_such_package/action/Park"
+    await registry.update(Scan({"/a/connect_to_charging_dock": [kind], "/a/park": [kind]}))
+    assert [entry.verb for entry in registry.uninstalled()] == ["dock", None]
+
+
 async def test_types_that_no_package_can_have_do_no_harm(registry: ActionRegistry) -> None:
     await registry.update(Scan({"/a": ["nonsense"], "/b": ["os/action/path"], "/c": ["../x/action/Y"]}))
     assert [entry.name for entry in registry.uninstalled()] == ["/a", "/b", "/c"]

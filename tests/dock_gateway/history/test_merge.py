@@ -118,6 +118,12 @@ def test_who_sent_the_goal_knows_when() -> None:
     assert merge(seen, sent).created_at == merge(sent, seen).created_at == sent.created_at
 
 
+def test_the_verb_is_kept_where_one_account_lacks_it() -> None:
+    """An older gateway stores none."""
+    older, newer = make_goal(1), make_goal(1, verb="dock")
+    assert merge(older, newer).verb == merge(newer, older).verb == "dock"
+
+
 @pytest.mark.parametrize("code", ["result_unavailable", "canceled"])
 @pytest.mark.parametrize("swapped", [True, False])
 def test_a_goal_that_succeeded_keeps_its_result_and_gets_no_error(code: str, swapped: bool) -> None:

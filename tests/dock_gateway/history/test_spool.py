@@ -26,6 +26,7 @@ def files(folder: Path) -> list[Path]:
 
 def test_entries_survive_their_line() -> None:
     goal = make_goal(1, error=GoalError("code", "why"), result=b'{"x": 1.50}', finished_at=datetime.now(UTC))
+    goal.verb = "dock"
     found = entry_of(line_of(goal))
     assert isinstance(found, Goal)
     assert {name: getattr(found, name) for name in Goal.__slots__} == {
@@ -65,14 +66,14 @@ async def test_the_spool_of_the_living_is_left_alone(tmp_path: Path) -> None:
     await other.close()
 
 
-def test_a_line_of_a_version_that_knew_no_stages() -> None:
-    _, _, body = line_of(make_goal(1, stage="RETRY")).partition(b" ")
+def test_a_line_of_a_version_that_knew_neither_stages_nor_verbs() -> None:
+    _, _, body = line_of(make_goal(1, stage="RETRY", verb="dock")).partition(b" ")
     line = orjson.loads(body)
-    del line["goal"]["stage"], line["goal"]["retries"]
+    del line["goal"]["stage"], line["goal"]["retries"], line["goal"]["verb"]
     old = orjson.dumps(line)
     goal = entry_of(b"%08x %s\n" % (zlib.crc32(old), old))
     assert isinstance(goal, Goal)
-    assert (goal.goal_id, goal.stage, goal.retries) == ("goal-0001", None, None)
+    assert (goal.goal_id, goal.stage, goal.retries, goal.verb) == ("goal-0001", None, None, None)
 
 
 async def test_a_disk_that_takes_nothing(tmp_path: Path) -> None:

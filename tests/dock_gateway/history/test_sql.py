@@ -53,6 +53,7 @@ async def test_a_goal_is_the_same_after_a_restart(database_url: str, tmp_path: P
         stage="CONTROLLING",
         retries=2,
         origin="external",
+        verb="undock",
         finished_at=NOW + timedelta(microseconds=1),
         feedback_count=3,
         last_event_id="7",

@@ -33,6 +33,7 @@ def describe(action: Action) -> dict[str, object]:
     return {
         "action_name": action.name,
         "action_type": action.type,
+        "verb": action.verb,
         "available": state.available,
         "answering": state.answering,
         "duplicate": state.duplicate,
@@ -50,6 +51,7 @@ async def list_actions(gateway: TheGateway) -> Response:
         {
             "action_name": entry.name,
             "action_type": entry.type,
+            "verb": entry.verb,
             "available": True,
             "answering": False,
             "duplicate": False,

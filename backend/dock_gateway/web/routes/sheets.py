@@ -24,6 +24,7 @@ GOAL_COLUMNS = (
     "goal_id",
     "action_name",
     "action_type",
+    "verb",
     "status",
     "stalled",
     "origin",

@@ -1,5 +1,6 @@
 """The JSON shapes of actions and their servers."""
 
+from dock_gateway.core.goal import Verb
 from dock_gateway.web.schemas.common import Schema
 
 
@@ -16,6 +17,7 @@ class ActionInfo(ActionServer):
     """An action on the graph; `hint` says what to install if its package is missing."""
 
     action_type: str
+    verb: Verb | None
     installed: bool
     hint: str | None
     running_goals: int

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from pydantic import JsonValue
 
-from dock_gateway.core.goal import GoalStatus, Origin
+from dock_gateway.core.goal import GoalStatus, Origin, Verb
 from dock_gateway.web.schemas.common import Schema
 from dock_gateway.web.schemas.scene import Scene
 
@@ -48,6 +48,7 @@ class GoalState(Schema):
     goal_id: str
     action_name: str
     action_type: str
+    verb: Verb | None
     status: GoalStatus
     stalled: bool
     origin: Origin

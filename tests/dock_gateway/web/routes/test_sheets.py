@@ -56,10 +56,11 @@ def test_a_row_of_a_goal() -> None:
         error=GoalError("failed_to_charge", '=HYPERLINK("x"), €'),
         finished_at=NOW + timedelta(seconds=3.5),
         result=b'{"a":[1]}',
+        verb="dock",
     )
     (row,) = read(rows_of([goal_row(goal, ("blocked", "maintenance"))]))
     found = dict(zip(GOAL_COLUMNS, row, strict=True))
-    assert found["goal_id"] == "goal-0001"
+    assert (found["goal_id"], found["verb"]) == ("goal-0001", "dock")
     assert (found["status"], found["stalled"], found["stage"]) == ("aborted", "false", "")
     assert (found["error_code"], found["error_detail"]) == ("failed_to_charge", '\'=HYPERLINK("x"), €')
     assert (found["created_at"], found["duration_s"]) == ("2026-11-21T00:00:01Z", "2.5")
