@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol, TypeVar
 
+from dock_gateway.access.tokens import MAX_TOKENS, Tokens
 from dock_gateway.actions.cancellation import require_unfinished
 from dock_gateway.actions.liveness import ServerState
 from dock_gateway.actions.registry import Action, ActionRegistry
@@ -75,6 +76,7 @@ class Gateway:
     alerts: AlertBoard
     automation: AutomaticDocking
     notifier: Notifier
+    tokens: Tokens
     graph: GraphCache
     echoes: EchoRegistry
     dock: Action
@@ -269,6 +271,9 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
     webhooks = SharedBook(history.webhooks, "webhook", MAX_WEBHOOKS)
     outbox = Outbox(webhooks, SharedEntries(history.webhook_deliveries))
     notifier = _closed_by(stack, Notifier(alerts, labels, webhooks=webhooks, outbox=outbox))
+    tokens = _closed_by(stack, Tokens(SharedBook(history.tokens, "token", MAX_TOKENS)))
+    if settings.authentication:
+        await tokens.open()
     departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
     tasks = _closed_by(stack, Tasks("running the gateway"))
     tasks.spawn(_watch_graph(bridge, actions, robots, departures))
@@ -288,6 +293,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
         alerts,
         automation,
         notifier,
+        tokens,
         graph,
         echoes,
         dock,

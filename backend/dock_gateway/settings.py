@@ -63,6 +63,15 @@ class Settings(BaseSettings):
         description="Log level. At most 20 similar lines are logged in 10 s and the rest are counted, except with "
         "`debug`.",
     )
+    authentication: bool = Field(
+        False,
+        description="Whether requests need a token: [access.md](access.md).",
+    )
+    insecure_open: bool = Field(
+        False,
+        description="Whether the gateway may listen on other than loopback addresses without `authentication`: then "
+        "everyone who reaches it can move the robots.",
+    )
     dashboard_dir: Path | None = Field(
         None,
         description="Folder of the built dashboard. Empty: the installed one, or `frontend/dist` in a checkout.",
@@ -281,7 +290,14 @@ class Settings(BaseSettings):
             raise ValueError("ping_interval must be shorter than stalled_after")
         if self.lost_after <= self.stalled_after:
             raise ValueError("lost_after must be longer than stalled_after")
+        if self.authentication and self.database_url == "memory:":
+            raise ValueError("authentication needs a database for its tokens: the history `memory:` keeps none")
         return self
+
+    @property
+    def open_to_the_network(self) -> bool:
+        """Whether anyone who reaches this machine could move the robots."""
+        return self.host not in LOOPBACK_HOSTS and not self.authentication
 
     @property
     def stop_file(self) -> Path:

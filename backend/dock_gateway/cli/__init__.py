@@ -1,4 +1,4 @@
-"""The command line: `dock-gateway up`, `serve`, and a client of a running gateway."""
+"""The command line: `dock-gateway up`, `serve`, `token`, and a client of a running gateway."""
 
 import gc
 import importlib
@@ -17,6 +17,7 @@ COMMANDS = {
     "release": "client",
     "watch": "client",
     "battery": "client",
+    "token": "token",
     "openapi": "serve",
 }
 """The commands, in the order of the help, and the modules that they are in."""

@@ -1,5 +1,6 @@
 """`dock-gateway dock`, `undock`, `cancel`, `stop`, `release`, `watch`, `battery`: a client of a running gateway."""
 
+import os
 import sys
 import uuid
 from collections.abc import Iterator, Mapping
@@ -53,6 +54,15 @@ def on_this_machine(url: str) -> bool:
         return False
 
 
+def authorization() -> dict[str, str]:
+    """Return the header with the token in DOCK_GATEWAY_TOKEN, if there is one.
+
+    There is no option for it: other users of the machine can read command lines.
+    """
+    secret = os.environ.get("DOCK_GATEWAY_TOKEN")
+    return {"Authorization": f"Bearer {secret}"} if secret else {}
+
+
 def robot_query(robot: str | None) -> str:
     """Return the query that names a robot."""
     return "" if robot is None else f"?{urlencode({'robot': robot})}"
@@ -69,7 +79,11 @@ def call(url: str, method: str, path: str, body: object = None, headers: Mapping
             method,
             f"{url.rstrip('/')}{path}",
             content=None if body is None else orjson.dumps(body),
-            headers={**({} if body is None else {"Content-Type": "application/json"}), **(headers or {})},
+            headers={
+                **({} if body is None else {"Content-Type": "application/json"}),
+                **authorization(),
+                **(headers or {}),
+            },
             timeout=TIMEOUT,
             trust_env=not on_this_machine(url),
         )
@@ -98,7 +112,12 @@ def events(url: str, query: str) -> Iterator[dict[str, Any]]:
     """
     address = f"{url.rstrip('/').replace('http', 'ws', 1)}/ws/feedback{query}"
     try:
-        with connect(address, max_size=None, proxy=None if on_this_machine(url) else True) as stream:
+        with connect(
+            address,
+            max_size=None,
+            proxy=None if on_this_machine(url) else True,
+            additional_headers=authorization(),
+        ) as stream:
             for message in stream:
                 yield orjson.loads(message)
     except InvalidHandshake as error:

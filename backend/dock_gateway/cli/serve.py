@@ -27,6 +27,19 @@ def check_installed(setting: str, action_type: str) -> None:
         raise click.UsageError(f"{setting}: the ROS interfaces {package} with the action {name} are not installed")
 
 
+def check_exposure(settings: Settings) -> None:
+    """Refuse to let everyone on a network move the robots, unless that is what is wanted.
+
+    Raises:
+        click.UsageError: The message says what can be set instead.
+    """
+    if settings.open_to_the_network and not settings.insecure_open:
+        raise click.UsageError(
+            f"on {settings.host}, anyone who reaches this machine over the network could move the robots. "
+            "Ask for tokens with --authentication true (docs/access.md), or accept that with --insecure-open true"
+        )
+
+
 @click.command()
 @settings_options
 def serve(**options: str | None) -> None:
@@ -34,6 +47,7 @@ def serve(**options: str | None) -> None:
     settings = read_settings(options)
     check_installed("dock_action_type", settings.dock_action_type)
     check_installed("undock_action_type", settings.undock_action_type)
+    check_exposure(settings)
     from dock_gateway.web.server import run  # noqa: PLC0415 - see above
 
     if not run(settings):

@@ -4,7 +4,8 @@ GatewayError
 ├── MalformedRequest            400 malformed_json, 408 request_timeout, 413 body_too_large, 415 unsupported_media_type,
 │                               431 header_too_large
 ├── InvalidField                422 invalid_field
-├── NotAllowed                  403 origin_not_allowed, host_not_allowed
+├── NotAuthenticated            401 not_authenticated, invalid_token
+├── NotAllowed                  403 origin_not_allowed, host_not_allowed, role_required
 ├── NotFound                    404 goal_not_found, action_not_found, interface_not_found, topic_not_found, …
 ├── Conflict                    409 goal_rejected, dock_busy, goal_terminal, cancel_rejected, stop_latched, …
 ├── TooManyRequests             429 too_many_requests
@@ -93,8 +94,15 @@ class InvalidField(GatewayError):
         )
 
 
+class NotAuthenticated(GatewayError):
+    """The request does not say who makes it, or its token is not valid."""
+
+    status = HTTPStatus.UNAUTHORIZED
+    code = "not_authenticated"
+
+
 class NotAllowed(GatewayError):
-    """The request comes from a page of another origin, or names a host that is not ours."""
+    """The request comes from a page of another origin, names a host that is not ours, or needs another role."""
 
     status = HTTPStatus.FORBIDDEN
     code = "origin_not_allowed"

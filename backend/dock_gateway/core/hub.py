@@ -18,6 +18,8 @@ class Subscriber:
     are kept up to a hard limit. Beyond it the reader is `overrun` and must be disconnected.
 
     Attributes:
+        overrun: Whether too many events wait; the reader must be disconnected.
+        expelled: Whether the reader may no longer read; it must be disconnected.
         immediate: Sends an event past the queue and its task, or returns False. Used only while that task waits and
             the queue is empty, so the order is kept.
         after: Id of the last event that the reader received, at any gateway. Events up to it are not queued.
@@ -28,6 +30,7 @@ class Subscriber:
     def __init__(self, limit: int, event_filter: EventFilter) -> None:
         self.event_filter = event_filter
         self.overrun = False
+        self.expelled = False
         self.immediate: Callable[[Event], bool] | None = None
         self.after = ""
         self._waiting = False
@@ -68,6 +71,12 @@ class Subscriber:
         del self._queue[index]
         self._droppable -= 1
         self._dropped += 1
+
+    def expel(self) -> None:
+        """End the stream, as its reader may no longer read."""
+        self.expelled = True
+        self.immediate = None
+        self._wake.set()
 
     def wake(self) -> None:
         """Let `take` return, even with nothing queued."""

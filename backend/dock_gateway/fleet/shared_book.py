@@ -1,6 +1,6 @@
-"""What people edit and gateways share through the history: rules, webhooks."""
+"""What people edit and gateways share through the history: rules, webhooks, tokens."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from dock_gateway.core.errors import Conflict, NotFound
 from dock_gateway.fleet.shared_entries import SharedEntries
@@ -21,8 +21,15 @@ class SharedBook(SharedEntries[EntryT]):
         self._noun = noun
         self._most = most
 
-    async def replace(self, key: str, entry: EntryT) -> None:
+    async def replace(
+        self, key: str, entry: EntryT, allow: Callable[[Mapping[str, EntryT]], None] = lambda _: None
+    ) -> None:
         """Store an entry, new or changed.
+
+        Args:
+            key: Its id.
+            entry: The entry.
+            allow: Is given all entries, and raises if this one must not be stored.
 
         Raises:
             Conflict: There are too many (`too_many_rules`, `too_many_webhooks`).
@@ -33,22 +40,31 @@ class SharedBook(SharedEntries[EntryT]):
             if key not in entries and len(entries) >= self._most:
                 detail = f"there are {self._most} {self._noun}s; remove one first"
                 raise Conflict(detail, code=f"too_many_{self._noun}s")
+            allow(entries)
 
         await self.store(key, entry, check)
+
+    async def amend(self, key: str, entry: EntryT) -> None:
+        """Store a change of an entry, unless the entry was removed meanwhile.
+
+        Raises:
+            NotFound: It was removed.
+            Unavailable: The history does not answer (`history_unavailable`); the entry is what it was.
+        """
+        await self.store(key, entry, lambda entries: self._require(key, entries))
 
     async def remove(self, key: str) -> None:
         """Remove an entry.
 
         Raises:
-            NotFound: `rule_not_found` or `webhook_not_found`.
+            NotFound: `rule_not_found`, `webhook_not_found` or `token_not_found`.
             Unavailable: The history does not answer (`history_unavailable`); the entry is still there.
         """
+        await self.store(key, None, lambda entries: self._require(key, entries))
 
-        def check(entries: Mapping[str, EntryT]) -> None:
-            if key not in entries:
-                raise self.missing(key)
-
-        await self.store(key, None, check)
+    def _require(self, key: str, entries: Mapping[str, EntryT]) -> None:
+        if key not in entries:
+            raise self.missing(key)
 
     def missing(self, key: str) -> NotFound:
         """Return the error that there is no such entry."""

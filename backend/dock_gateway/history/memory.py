@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from copy import copy
 from typing import Generic
 
+from dock_gateway.core.access import Token
 from dock_gateway.core.automation import Decision, Rule
 from dock_gateway.core.event import FEEDBACK, Event, kind_of
 from dock_gateway.core.filters import GoalFilter
@@ -72,6 +73,7 @@ class MemoryHistory:
         self.automation_decisions = MemoryEntries[Decision]()
         self.webhooks = MemoryEntries[Webhook]()
         self.webhook_deliveries = MemoryEntries[Delivery]()
+        self.tokens = MemoryEntries[Token]()
         self.on_loss: Callable[[], None] = lambda: None
         self._limit = limit
         self._event_limit = event_limit

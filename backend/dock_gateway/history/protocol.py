@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Protocol, TypeVar
 
+from dock_gateway.core.access import Token
 from dock_gateway.core.automation import Decision, Rule
 from dock_gateway.core.event import Event, nanoseconds, time_id
 from dock_gateway.core.filters import GoalFilter
@@ -184,6 +185,10 @@ class History(Protocol):
     @property
     def webhook_deliveries(self) -> Entries[Delivery]:
         """What was and is to be sent to webhooks, by id."""
+
+    @property
+    def tokens(self) -> Entries[Token]:
+        """The tokens, by id."""
 
     @property
     def incident(self) -> Incident | None:

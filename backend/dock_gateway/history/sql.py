@@ -13,6 +13,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
+from dock_gateway.core.access import Role, Token
 from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, time_id
@@ -50,6 +51,7 @@ from dock_gateway.history.tables import (
     automation_rules,
     goal_tags,
     robot_labels,
+    tokens,
     webhook_deliveries,
     webhooks,
 )
@@ -94,6 +96,7 @@ class SqlHistory:
         self.automation_decisions = SqlEntries(self._reader, writer, automation_decisions, _decision)
         self.webhooks = SqlEntries(self._reader, writer, webhooks, Webhook)
         self.webhook_deliveries = SqlEntries(self._reader, writer, webhook_deliveries, _delivery)
+        self.tokens = SqlEntries(self._reader, writer, tokens, _token)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
         self.on_loss: Callable[[], None] = lambda: None
@@ -321,6 +324,10 @@ def _rule(name: str, mode: str, *fields: Any) -> Rule:
 
 def _decision(rule_id: str, rule_name: str, robot: str, at: datetime, outcome: str, *fields: Any) -> Decision:
     return Decision(rule_id, rule_name, robot, at, Outcome(outcome), *fields)
+
+
+def _token(name: str, role: str, *fields: Any) -> Token:
+    return Token(name, Role(role), *fields)
 
 
 def _delivery(webhook_id: str, event_type: str, state: str, *fields: Any) -> Delivery:

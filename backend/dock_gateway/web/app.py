@@ -4,18 +4,19 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, nullcontext
 from typing import TypedDict
 
-from fastapi import FastAPI
+from fastapi import APIRouter, Depends, FastAPI
 from starlette.middleware.cors import CORSMiddleware
 
 from dock_gateway import __version__
 from dock_gateway.gateway import Gateway, open_gateway
 from dock_gateway.settings import Settings
+from dock_gateway.web.access import authorize
 from dock_gateway.web.dashboard import install_dashboard
 from dock_gateway.web.docs import install_docs
 from dock_gateway.web.methods import allowed_methods
 from dock_gateway.web.openapi import install_openapi
 from dock_gateway.web.origin import OriginGuard
-from dock_gateway.web.problems import install_problems
+from dock_gateway.web.problems import install_problems, problems
 from dock_gateway.web.routes import (
     actions,
     automation,
@@ -30,9 +31,11 @@ from dock_gateway.web.routes import (
     interfaces,
     labels,
     notes,
+    session,
     simulator,
     statistics,
     stop,
+    tokens,
     webhooks,
 )
 from dock_gateway.web.streams import events, socket, topics
@@ -44,6 +47,34 @@ class State(TypedDict):
     """State that lives as long as the app runs."""
 
     gateway: Gateway
+
+
+def api_routers() -> tuple[APIRouter, ...]:
+    """Return the routers of the API, in the order in which they are asked."""
+    modules = (
+        stop,
+        events,
+        exports,  # before goals: `export` and `tags` are not goal ids
+        notes,
+        goals,
+        statistics,
+        actions,
+        interfaces,
+        graph,
+        battery,
+        battery_history,
+        fleet,
+        labels,
+        automation,
+        webhooks,
+        simulator,
+        session,
+        tokens,
+        health,
+        socket,
+        topics,
+    )
+    return (*dock.routers, *(module.router for module in modules))
 
 
 def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
@@ -70,30 +101,9 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
         swagger_ui_oauth2_redirect_url=None,
         generate_unique_id_function=lambda route: route.name,
     )
-    modules = (
-        stop,
-        events,
-        exports,  # before goals: `export` and `tags` are not goal ids
-        notes,
-        goals,
-        statistics,
-        actions,
-        interfaces,
-        graph,
-        battery,
-        battery_history,
-        fleet,
-        labels,
-        automation,
-        webhooks,
-        simulator,
-        health,
-        socket,
-        topics,
-    )
-    routers = (*dock.routers, *(module.router for module in modules))
+    routers = api_routers()
     for router in routers:
-        app.include_router(router)
+        app.include_router(router, dependencies=[Depends(authorize)], responses=problems(401, 403))
     install_openapi(app)
     install_docs(app)
     install_dashboard(app, settings)
@@ -103,7 +113,14 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
             CORSMiddleware,
             allow_origins=settings.allowed_origins,
             allow_methods=("GET", "POST", "PUT", "DELETE"),
-            allow_headers=("Content-Type", "Idempotency-Key", "If-None-Match", "Last-Event-ID", "Prefer"),
+            allow_headers=(
+                "Authorization",
+                "Content-Type",
+                "Idempotency-Key",
+                "If-None-Match",
+                "Last-Event-ID",
+                "Prefer",
+            ),
             expose_headers=("Content-Disposition", "ETag", "Location", "Retry-After"),
             allow_private_network=True,  # a robot's address is usually in one
         )

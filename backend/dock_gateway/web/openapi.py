@@ -19,6 +19,10 @@ from dock_gateway.web.schemas.goals import ACTION_EVENTS
 from dock_gateway.web.schemas.graph import ECHO_EVENTS
 from dock_gateway.web.schemas.robots import StopProblem
 
+SECURITY_SCHEMES = {
+    "token": {"type": "http", "scheme": "bearer", "description": "A token, where the gateway asks for one"},
+    "login": {"type": "apiKey", "in": "cookie", "name": "dock-gateway", "description": "The dashboard's login"},
+}
 REF = "#/components/schemas/{model}"
 
 
@@ -52,7 +56,10 @@ def _build(app: FastAPI) -> dict[str, Any]:
         routes=app.routes,
         tags=app.openapi_tags,
     )
-    schemas = document.setdefault("components", {}).setdefault("schemas", {})
+    components = document.setdefault("components", {})
+    components["securitySchemes"] = SECURITY_SCHEMES
+    document["security"] = [{name: []} for name in SECURITY_SCHEMES]
+    schemas = components.setdefault("schemas", {})
     models: list[type[BaseModel]] = [*EVENTS, *ACTION_EVENTS, *ECHO_EVENTS, *ANSWERS, Problem, StopProblem]
     _, ours = models_json_schema([(model, "serialization") for model in models], ref_template=REF)
     schemas.update(ours["$defs"])

@@ -24,6 +24,8 @@ def problem_response(error: GatewayError) -> Response:
     headers = (
         {"Retry-After": "1"} if error.status in (HTTPStatus.SERVICE_UNAVAILABLE, HTTPStatus.TOO_MANY_REQUESTS) else {}
     )
+    if error.status is HTTPStatus.UNAUTHORIZED:
+        headers["WWW-Authenticate"] = "Bearer"
     if error.status in (HTTPStatus.REQUEST_ENTITY_TOO_LARGE, HTTPStatus.REQUEST_TIMEOUT):
         headers["Connection"] = "close"  # the rest of the body is not read
     return Response(encode(error.problem()), error.status, headers, MEDIA_TYPE)

@@ -13,7 +13,7 @@ from uvicorn.config import STARTUP_FAILURE
 
 from dock_gateway.core.log_limit import LogLimit
 from dock_gateway.gateway import Gateway, open_gateway
-from dock_gateway.settings import LOOPBACK_HOSTS, Settings
+from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
 from dock_gateway.web.edge.limits import raise_file_limit
 from dock_gateway.web.edge.listener import Listener
@@ -86,7 +86,7 @@ def run(settings: Settings) -> bool:
     """Serve until a signal arrives. Return False if the server could not be started."""
     _log_config(settings.log_level)
     raise_file_limit()
-    if settings.host not in LOOPBACK_HOSTS:
+    if settings.open_to_the_network:
         log.warning(
             "listening on %s: anyone who can reach this machine over the network can move the robot",
             settings.host,

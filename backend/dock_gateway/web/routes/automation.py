@@ -11,6 +11,7 @@ from dock_gateway.core.automation import WEEKDAYS, Mode, Rule
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.event import utc_now
 from dock_gateway.robots.registry import read_namespace
+from dock_gateway.web.access import read_signed_json
 from dock_gateway.web.fields import (
     ROBOTS_REQUEST,
     SLUG_IN_PATH,
@@ -31,7 +32,6 @@ from dock_gateway.web.requests import (
     known_query,
     name_schema,
     read_goal_id,
-    read_json,
     read_name,
     read_object,
 )
@@ -121,7 +121,7 @@ async def replace_rule(rule_id: RuleId, request: Request, gateway: TheGateway) -
 
     A rule is off unless `mode` says otherwise. It has one condition, `battery` or `schedule`.
     """
-    rule = read_rule(await read_json(request))
+    rule = read_rule(await read_signed_json(request))
     return json_response(await gateway.automation.replace(rule_id, rule))
 
 

@@ -5,6 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
+from dock_gateway.web.access import read_signed_json
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -13,7 +14,6 @@ from dock_gateway.web.requests import (
     json_response,
     known_query,
     name_schema,
-    read_json,
     read_name,
     read_object,
 )
@@ -61,7 +61,7 @@ async def list_alerts(gateway: TheGateway) -> Response:
 )
 async def acknowledge(alert_id: AlertId, request: Request, gateway: TheGateway) -> Response:
     """Acknowledge an alert. This holds at every gateway that shares the history, until the alert clears."""
-    by = read_name(read_object(await read_json(request), "by").get("by"), MAX_NAME)
+    by = read_name(read_object(await read_signed_json(request), "by").get("by"), MAX_NAME)
     return json_response(await gateway.alerts.acknowledge(alert_id, by))
 
 

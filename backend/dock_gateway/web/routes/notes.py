@@ -10,6 +10,7 @@ from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.history import Note
+from dock_gateway.web.access import read_signed_json
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -74,7 +75,7 @@ async def list_notes(goal_id: GoalId, gateway: TheGateway) -> Response:
 )
 async def add_note(goal_id: GoalId, request: Request, gateway: TheGateway) -> Response:
     """Add a note to a goal, which may have 100."""
-    fields = read_object(await read_json(request), "by", "text")
+    fields = read_object(await read_signed_json(request), "by", "text")
     by, text = read_name(fields.get("by"), MAX_NAME), read_text(fields.get("text"))
     await gateway.goal(goal_id)
     note = Note(uuid.uuid4().hex, by, datetime.now(UTC), text)

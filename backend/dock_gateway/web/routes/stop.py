@@ -16,6 +16,7 @@ from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, got
 from dock_gateway.gateway import Gateway
+from dock_gateway.web.access import principal_of, signed
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -167,7 +168,7 @@ async def stop(request: Request, gateway: TheGateway, robot: RobotsQuery = None)
     wait = 0.0
     wrong: list[GatewayError] = []
     with _noting(wrong):
-        value = await _read_body(request, gateway)
+        value = signed(principal_of(request), await _read_body(request, gateway))
     with _noting(wrong):
         wait = read_wait(request)
     robots = _read_robots(request.query_params, value, wrong)

@@ -10,6 +10,7 @@ from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.webhook import SEVERITIES, Webhook
 from dock_gateway.notifications.sender import MAX_SECRET, MIN_SECRET, is_secret
+from dock_gateway.web.access import read_signed_json
 from dock_gateway.web.fields import (
     ROBOTS_REQUEST,
     SLUG_IN_PATH,
@@ -27,7 +28,6 @@ from dock_gateway.web.requests import (
     json_response,
     known_query,
     name_schema,
-    read_json,
     read_name,
     read_object,
 )
@@ -91,7 +91,7 @@ async def replace_webhook(webhook_id: WebhookId, request: Request, gateway: TheG
 
     It receives the present alerts, and then each that begins or ends.
     """
-    return json_response(await gateway.notifier.replace(webhook_id, read_webhook(await read_json(request))))
+    return json_response(await gateway.notifier.replace(webhook_id, read_webhook(await read_signed_json(request))))
 
 
 @router.delete("/{webhook_id}", status_code=204, responses=problems(404, 422, 503), dependencies=[NO_QUERY])

@@ -9,22 +9,24 @@ from fastapi import APIRouter, Depends, Request, WebSocket
 from starlette.responses import Response, StreamingResponse
 from starlette.websockets import WebSocketDisconnect
 
+from dock_gateway.core.access import Principal
 from dock_gateway.core.event import Event
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
+from dock_gateway.web.access import principal_of, subscribed
 from dock_gateway.web.paced import PacedResponse, send_in_time
 from dock_gateway.web.problems import problems
 from dock_gateway.web.queries import STREAM_QUERY, read_after, read_event_filter, read_max_rate
 from dock_gateway.web.requests import GoalId, GraphName, TheGateway, known_query
-from dock_gateway.web.streams.feed import begin, feed, follow
+from dock_gateway.web.streams.feed import begin, end_of, feed, follow
 from dock_gateway.web.streams.frames import fast_path
 
 log = logging.getLogger(__name__)
 
 router = APIRouter(tags=["Events"])
 
-SERVICE_RESTART, TRY_AGAIN_LATER = 1012, 1013
+CLOSE_CODES = {"shutting_down": 1012, "too_slow": 1013, "invalid_token": 4401}
 SSE_RESPONSES = {
     200: {"description": "Events, each with its id", "content": {"text/event-stream": {}}},
     **problems(404, 422, 429, 503),
@@ -40,15 +42,12 @@ async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     """
     query = websocket.query_params
     after, max_rate = read_after(query), read_max_rate(query)
-    subscriber = gateway.hub.subscribe(await read_event_filter(gateway, query))
-    try:
+    with subscribed(gateway, principal_of(websocket), await read_event_filter(gateway, query)) as subscriber:
         await websocket.accept()
         if max_rate is None:
             subscriber.immediate = fast_path(websocket)
         events = feed(gateway, subscriber, after=after, max_rate=max_rate)
         await until_one_ends(write_events(websocket, gateway, subscriber, events), ignore_input(websocket))
-    finally:
-        gateway.hub.unsubscribe(subscriber)
 
 
 async def until_one_ends(*sides: Coroutine[Any, Any, None]) -> None:
@@ -76,10 +75,8 @@ async def write_events(
     """Send a reader's events until they end, then close with the reason."""
     async for event in events:
         await send_text(websocket, gateway, event.text)
-    if subscriber.overrun:
-        await websocket.close(TRY_AGAIN_LATER, "too_slow")
-    else:
-        await websocket.close(SERVICE_RESTART, "shutting_down")
+    reason = end_of(subscriber)
+    await websocket.close(CLOSE_CODES[reason], reason)
 
 
 async def send_text(websocket: WebSocket, gateway: Gateway, text: str) -> None:
@@ -117,16 +114,15 @@ async def _sse(request: Request, gateway: Gateway, goal_id: str) -> Response:
     last = request.headers.get("last-event-id")
     after = read_after(request.query_params if last is None else {"after": last})
     query = {"goal_id": goal_id, "feedback": request.query_params.get("feedback", "true")}
-    chunks = _sse_chunks(gateway, query, after, read_max_rate(request.query_params))
+    chunks = _sse_chunks(gateway, principal_of(request), query, after, read_max_rate(request.query_params))
     first = await anext(chunks)  # errors are raised before the stream begins
     return EventStream(first, chunks, gateway.settings.subscriber_timeout)
 
 
 async def _sse_chunks(
-    gateway: Gateway, query: dict[str, str], after: str | None, max_rate: float | None
+    gateway: Gateway, principal: Principal, query: dict[str, str], after: str | None, max_rate: float | None
 ) -> AsyncGenerator[bytes]:
-    subscriber = gateway.hub.subscribe(await read_event_filter(gateway, query))
-    try:
+    with subscribed(gateway, principal, await read_event_filter(gateway, query)) as subscriber:
         # The events that the client is sent show whether the goal has ended. It could end during a separate lookup.
         ended = False
         async for event in begin(gateway, subscriber, after):
@@ -138,5 +134,3 @@ async def _sse_chunks(
             yield event.sse
             if event.ends_goal:
                 return
-    finally:
-        gateway.hub.unsubscribe(subscriber)

@@ -84,7 +84,7 @@ async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | Non
     interval = gateway.settings.heartbeat_interval
     throttle = Throttle(max_rate)
     next_heartbeat = time.monotonic() + interval
-    while not (gateway.hub.closing or subscriber.overrun):
+    while not (gateway.hub.closing or subscriber.overrun or subscriber.expelled):
         due = min(next_heartbeat, throttle.next_due())
         events, dropped = await subscriber.take(max(0.0, due - time.monotonic()))
         if dropped:
@@ -95,7 +95,14 @@ async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | Non
         if now >= next_heartbeat:
             yield notice("heartbeat", utc_now())
             next_heartbeat = now + interval
-    yield notice("closing", utc_now(), reason="too_slow" if subscriber.overrun else "shutting_down")
+    yield notice("closing", utc_now(), reason=end_of(subscriber))
+
+
+def end_of(subscriber: Subscriber) -> str:
+    """Return why a stream ends."""
+    if subscriber.expelled:
+        return "invalid_token"
+    return "too_slow" if subscriber.overrun else "shutting_down"
 
 
 async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> AsyncIterator[Event]:

@@ -14,6 +14,7 @@ from fastapi import APIRouter, Depends, WebSocket
 from starlette.types import Message
 from starlette.websockets import WebSocketDisconnect
 
+from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import (
     Conflict,
     FieldError,
@@ -28,12 +29,14 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
+from dock_gateway.web.access import principal_of, require_still, signed, subscribed
+from dock_gateway.web.permissions import COMMANDS as PERMISSIONS
 from dock_gateway.web.problems import INTERNAL
 from dock_gateway.web.queries import read_after, read_event_filter, read_max_rate
 from dock_gateway.web.requests import TheGateway, known_query
 from dock_gateway.web.streams.commands import COMMANDS, STOP, Fields, check_fields, read_command
-from dock_gateway.web.streams.events import SERVICE_RESTART, TRY_AGAIN_LATER, send_text, until_one_ends
-from dock_gateway.web.streams.feed import feed
+from dock_gateway.web.streams.events import CLOSE_CODES, send_text, until_one_ends
+from dock_gateway.web.streams.feed import end_of, feed
 
 log = logging.getLogger(__name__)
 
@@ -49,15 +52,15 @@ SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 @router.websocket("/ws", dependencies=[Depends(known_query())])
 async def socket(websocket: WebSocket, gateway: TheGateway) -> None:
     """Receive commands, send acks and events."""
+    principal = principal_of(websocket)
+    session = Session(websocket, gateway, principal)
     # A socket counts as a subscriber even without a subscription, and is woken at shutdown.
-    place = gateway.hub.subscribe(EventFilter(topics=frozenset()))
-    session = Session(websocket, gateway)
-    try:
-        await websocket.accept()
-        await session.run(place)
-    finally:
-        gateway.hub.unsubscribe(place)
-        await session.close()
+    with subscribed(gateway, principal, EventFilter(topics=frozenset())) as place:
+        try:
+            await websocket.accept()
+            await session.run(place)
+        finally:
+            await session.close()
 
 
 @dataclass
@@ -71,16 +74,17 @@ class Subscription:
 class Session:
     """One connection of `/ws`."""
 
-    def __init__(self, websocket: WebSocket, gateway: Gateway) -> None:
+    def __init__(self, websocket: WebSocket, gateway: Gateway, principal: Principal) -> None:
         self._websocket = websocket
         self._gateway = gateway
+        self._principal = principal
         self._sending = asyncio.Lock()
         self._subscriptions: dict[str, Subscription] = {}
         self._commands: set[asyncio.Task[None]] = set()
         self._closed = False
 
     async def run(self, place: Subscriber) -> None:
-        """Run until the client disconnects, does not read, or the gateway closes."""
+        """Run until the client disconnects, does not read or may no longer read, or the gateway closes."""
         await until_one_ends(self._read(), self._farewell(place))
 
     async def close(self) -> None:
@@ -89,11 +93,11 @@ class Session:
         await cancel(*self._tasks())
 
     async def _farewell(self, place: Subscriber) -> None:
-        while not self._gateway.hub.closing:
+        while not (self._gateway.hub.closing or place.expelled):
             await place.take(60.0)
         if tasks := self._tasks():  # each of them sends `closing` first
             await asyncio.wait(tasks)
-        await self._close(SERVICE_RESTART, "shutting_down")
+        await self._close(end_of(place))
 
     def _tasks(self) -> list[asyncio.Task[None]]:
         return [subscription.task for subscription in self._subscriptions.values()]
@@ -116,6 +120,10 @@ class Session:
         identity: str | None = None
         try:
             op, identity, fields = read_command(_decode(received))
+            if op in PERMISSIONS:
+                require_still(self._gateway, self._principal, PERMISSIONS[op], op)
+            if op == STOP:
+                fields = signed(self._principal, fields)
             if op == "subscribe":
                 self._subscribe(identity, fields)  # it sends its own answer
             else:
@@ -158,20 +166,18 @@ class Session:
         self, identity: str, query: dict[str, str], after: str | None, max_rate: float | None
     ) -> None:
         try:
-            subscriber = self._gateway.hub.subscribe(await read_event_filter(self._gateway, query))
-            try:
+            event_filter = await read_event_filter(self._gateway, query)
+            with subscribed(self._gateway, self._principal, event_filter) as subscriber:
                 await self._answer("ack", identity, {"subscription": identity})
                 self._subscriptions[identity].acknowledged = True
                 async for event in feed(self._gateway, subscriber, after=after, max_rate=max_rate):
                     await self._send(event.text)
                 if subscriber.overrun:
-                    await self._close(TRY_AGAIN_LATER, "too_slow")
-            finally:
-                self._gateway.hub.unsubscribe(subscriber)
+                    await self._close("too_slow")
         except GatewayError as error:
             await self._answer_error(identity, error)
         except (WebSocketDisconnect, TimeoutError, RuntimeError):
-            await self._close(TRY_AGAIN_LATER, "too_slow")
+            await self._close("too_slow")
         except Exception:
             log.exception("a subscription failed")
             await self._answer_error(identity, INTERNAL)
@@ -194,9 +200,9 @@ class Session:
         except (WebSocketDisconnect, TimeoutError, RuntimeError) as broken:
             log.debug("an answer could not be sent: %s", broken)
 
-    async def _close(self, code: int, reason: str) -> None:
+    async def _close(self, reason: str) -> None:
         with suppress(WebSocketDisconnect, RuntimeError):  # it is closed already
-            await self._websocket.close(code, reason)
+            await self._websocket.close(CLOSE_CODES[reason], reason)
 
     async def _send(self, text: str) -> None:
         async with self._sending:

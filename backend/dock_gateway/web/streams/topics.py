@@ -4,6 +4,7 @@ from fastapi import APIRouter, Depends, WebSocket
 
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.filters import EventFilter
+from dock_gateway.web.access import principal_of, subscribed
 from dock_gateway.web.queries import read_max_rate
 from dock_gateway.web.requests import TheGateway, known_query
 from dock_gateway.web.streams.events import ignore_input, until_one_ends, write_events
@@ -24,11 +25,8 @@ async def echo_topic(websocket: WebSocket, gateway: TheGateway) -> None:
     if not (name := query.get("topic", "")):
         raise InvalidField([FieldError("query.topic", "the name of a topic", "got none")])
     max_rate = read_max_rate(query, MIN_RATE, MAX_RATE) or USUAL_RATE
-    subscriber = gateway.hub.subscribe(EventFilter(topics=frozenset()))
-    try:
+    with subscribed(gateway, principal_of(websocket), EventFilter(topics=frozenset())) as subscriber:
         async with gateway.echoes.watch(gateway.settings.resolve(name, ""), subscriber, max_rate):
             await websocket.accept()
             events = write_events(websocket, gateway, subscriber, follow(gateway, subscriber))
             await until_one_ends(events, ignore_input(websocket))
-    finally:
-        gateway.hub.unsubscribe(subscriber)

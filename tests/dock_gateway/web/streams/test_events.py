@@ -12,6 +12,7 @@ import pytest
 from starlette.types import Message
 
 from dock_gateway.actions.liveness import ServerState
+from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.gateway import Gateway
@@ -176,7 +177,9 @@ async def test_a_goals_stream_ends_with_the_goal_whenever_that_is(scene: Scene, 
         await asyncio.sleep(0.01)
     told = []
     async with asyncio.timeout(5):
-        async for chunk in _sse_chunks(cast("Gateway", gateway), {"goal_id": A}, executing if resumes else None, None):
+        async for chunk in _sse_chunks(
+            cast("Gateway", gateway), ANYBODY, {"goal_id": A}, executing if resumes else None, None
+        ):
             told.append(orjson.loads(chunk.partition(b"data: ")[2]))
             gateway.end()  # at the latest
     last = told[-1] if told[-1]["type"] == "result" else told[-1]["goals"][0]
@@ -190,5 +193,5 @@ async def test_who_has_had_the_end_of_a_goal_gets_nothing_more(scene: Scene) -> 
     await asyncio.sleep(0.01)
     end = (await scene.subscriber.take(1))[0][-1].id
     async with asyncio.timeout(5):
-        told = [chunk async for chunk in _sse_chunks(cast("Gateway", gateway), {"goal_id": A}, end, None)]
+        told = [chunk async for chunk in _sse_chunks(cast("Gateway", gateway), ANYBODY, {"goal_id": A}, end, None)]
     assert [orjson.loads(chunk.partition(b"data: ")[2])["type"] for chunk in told] == ["resumed"]

@@ -10,6 +10,7 @@ import orjson
 import pytest
 from fastapi import WebSocket
 
+from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.event import Event, notice, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Hub, Subscriber
@@ -59,7 +60,7 @@ async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytes
     goals = [f'{{"op": "send_goal", "id": "{number}"}}' for number in range(3)]
     websocket = FakeWebSocket(*goals, "no JSON", '{"op": "stop", "id": "stop"}')
     settings = SimpleNamespace(subscriber_timeout=1.0)
-    session = Session(cast("WebSocket", websocket), cast("Gateway", SimpleNamespace(settings=settings)))
+    session = Session(cast("WebSocket", websocket), cast("Gateway", SimpleNamespace(settings=settings)), ANYBODY)
     await session._read()
     await asyncio.sleep(0.01)
     assert [(answer["op"], answer.get("code"), answer["id"]) for answer in websocket.told] == [
@@ -101,7 +102,7 @@ def subscribe(identity: str) -> str:
 
 
 def session_of(websocket: FakeWebSocket, gateway: Lookups) -> Session:
-    return Session(cast("WebSocket", websocket), cast("Gateway", gateway))
+    return Session(cast("WebSocket", websocket), cast("Gateway", gateway), ANYBODY)
 
 
 async def test_of_two_subscriptions_of_one_name_at_the_same_time_the_second_is_refused(lookups: Lookups) -> None:
@@ -151,7 +152,7 @@ async def test_stops_are_never_refused(tmp_path: Path, monkeypatch: pytest.Monke
         fleet.gateway.settings = SimpleNamespace(subscriber_timeout=1.0)
         fleet.goals["/"].answers.clear()  # each takes longer than the next takes to come
         websocket = FakeWebSocket(*(f'{{"op": "stop", "id": "{number}"}}' for number in range(20)), stays=True)
-        session = Session(cast("WebSocket", websocket), fleet.gateway)
+        session = Session(cast("WebSocket", websocket), fleet.gateway, ANYBODY)
         reading = asyncio.create_task(session._read())
         await until(lambda: len(websocket.told) == 20)
         reading.cancel()
@@ -163,7 +164,7 @@ async def test_a_stop_in_a_binary_message_is_one(tmp_path: Path) -> None:
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
         fleet.gateway.settings = SimpleNamespace(subscriber_timeout=1.0)
         websocket = FakeWebSocket()
-        session = Session(cast("WebSocket", websocket), fleet.gateway)
+        session = Session(cast("WebSocket", websocket), fleet.gateway, ANYBODY)
         await session._handle({"text": None, "bytes": b'{"op": "ping"}'})
         await session._handle({"text": None, "bytes": b'{"op": "stop", "id": "s"}'})
         assert [(answer["op"], answer.get("code")) for answer in websocket.told] == [

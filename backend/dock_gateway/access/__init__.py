@@ -1,0 +1,1 @@
+"""Who may do what: tokens, and the streams that end with them."""

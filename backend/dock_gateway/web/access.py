@@ -1,0 +1,127 @@
+"""Who makes a request, and whether they may: checked before every route and every command of `/ws`."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from starlette.requests import HTTPConnection, Request
+
+from dock_gateway.core.access import ANYBODY, Principal, Role
+from dock_gateway.core.errors import NotAllowed, NotAuthenticated
+from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.hub import Subscriber
+from dock_gateway.gateway import Gateway
+from dock_gateway.web.permissions import PUBLIC, ROUTES
+from dock_gateway.web.requests import get_gateway, read_json
+
+SCHEME = "bearer"
+# Browsers accept a cookie of the first name only over TLS, from this very host.
+SECURE_COOKIE, COOKIE = "__Host-dock-gateway", "dock-gateway"
+SAFE_METHODS = frozenset({"GET", "HEAD"})
+
+
+async def authorize(connection: HTTPConnection) -> None:
+    """Find out who makes a request, and refuse what they may not do. A dependency of every route.
+
+    Raises:
+        NotAuthenticated: The request needs a token, and has none that is valid.
+        NotAllowed: Their role does not suffice (`role_required`).
+    """
+    name = connection.scope["route"].name
+    if name in PUBLIC:
+        return
+    connection.scope["principal"] = principal = identify(connection)
+    require(principal, ROUTES.get(name, _usual_role(connection)), name)
+
+
+def identify(connection: HTTPConnection) -> Principal:
+    """Return who makes a request.
+
+    Raises:
+        NotAuthenticated: The request needs a token, and has none that is valid.
+    """
+    gateway = get_gateway(connection)
+    return gateway.tokens.identify(secret_of(connection)) if gateway.settings.authentication else ANYBODY
+
+
+def _usual_role(connection: HTTPConnection) -> Role | None:
+    """Return the role for a route that is not listed; None if nobody may use it."""
+    return Role.VIEWER if connection.scope.get("method") in SAFE_METHODS else None
+
+
+def require_still(gateway: Gateway, principal: Principal, role: Role, what: str) -> None:
+    """Refuse what somebody may not do, who was identified earlier.
+
+    Raises:
+        NotAuthenticated: Their token was revoked or has expired (`invalid_token`).
+        NotAllowed: Their role does not suffice (`role_required`).
+    """
+    if principal.token_id is not None and not gateway.tokens.is_valid(principal.token_id):
+        raise NotAuthenticated("the token was revoked or has expired", code="invalid_token")
+    require(principal, role, what)
+
+
+def require(principal: Principal, role: Role | None, what: str) -> None:
+    """Refuse what somebody may not do.
+
+    Raises:
+        NotAllowed: Their role does not suffice (`role_required`).
+    """
+    if role is None or not principal.role.includes(role):
+        raise NotAllowed(
+            f"{what} needs the role {role or 'of nobody'}; {principal.name} is {principal.role}", code="role_required"
+        )
+
+
+def principal_of(connection: HTTPConnection) -> Principal:
+    """Return who makes a request that was authorized."""
+    principal: Principal = connection.scope["principal"]
+    return principal
+
+
+def secret_of(connection: HTTPConnection) -> str | None:
+    """Return the secret that a request shows: in `Authorization: Bearer …`, or in the cookie of the dashboard."""
+    scheme, _, secret = connection.headers.get("authorization", "").partition(" ")
+    if scheme.lower() == SCHEME:
+        return secret.strip()
+    return connection.cookies.get(cookie_name(connection))
+
+
+def cookie_name(connection: HTTPConnection) -> str:
+    """Return the name of the cookie with the dashboard's token."""
+    return SECURE_COOKIE if connection.url.scheme in ("https", "wss") else COOKIE
+
+
+def signed(principal: Principal, fields: Any) -> Any:
+    """Return a decoded body with the name of who sent it as `by`, if it is known."""
+    if principal.name is None or not isinstance(fields, Mapping):
+        return fields
+    return {**fields, "by": principal.name}
+
+
+async def read_signed_json(request: Request) -> Any:
+    """Return the decoded JSON body, with the name of who sent it as `by`, if it is known.
+
+    Raises:
+        InvalidField, MalformedRequest: As `read_json`.
+    """
+    return signed(principal_of(request), await read_json(request))
+
+
+@contextmanager
+def subscribed(gateway: Gateway, principal: Principal, event_filter: EventFilter) -> Iterator[Subscriber]:
+    """Subscribe a reader while the block runs. Its stream ends when the reader's token is no longer valid.
+
+    Raises:
+        TooManyRequests: There are too many already.
+        Unavailable: The gateway is shutting down.
+    """
+    subscriber = gateway.hub.subscribe(event_filter)
+    try:
+        if principal.token_id is None:
+            yield subscriber
+            return
+        with gateway.tokens.watch(principal.token_id, subscriber.expel):
+            yield subscriber
+    finally:
+        gateway.hub.unsubscribe(subscriber)

@@ -1,0 +1,210 @@
+"""Every route and every command asks for a role, and for no other one; without a token there is next to nothing."""
+
+import asyncio
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+from fastapi.routing import APIRoute, APIWebSocketRoute
+from starlette.testclient import TestClient, WebSocketDenialResponse, WebSocketTestSession
+
+from dock_gateway.access.tokens import Tokens
+from dock_gateway.core.access import Role
+from dock_gateway.core.errors import NotFound
+from dock_gateway.fleet.shared_book import SharedBook
+from dock_gateway.gateway import Gateway
+from dock_gateway.history.memory import MemoryHistory
+from dock_gateway.settings import Settings
+from dock_gateway.web.app import api_routers, create_app
+from dock_gateway.web.permissions import COMMANDS, PUBLIC, ROUTES
+from dock_gateway.web.streams.commands import COMMANDS as IMPLEMENTED
+from tests.support.shapes import check_answer
+
+ROUTES_OF_API = [route for router in api_routers() for route in router.routes]
+REQUESTS = [
+    (method, route.path, route.name)
+    for route in ROUTES_OF_API
+    if isinstance(route, APIRoute)
+    for method in route.methods
+]
+SOCKETS = [(route.path, route.name) for route in ROUTES_OF_API if isinstance(route, APIWebSocketRoute)]
+HTTPS = "https://127.0.0.1:8000"
+
+
+class Refusing:
+    """A part of the gateway that knows nothing: whoever comes this far was let through."""
+
+    def __getattr__(self, name: str) -> Any:
+        raise NotFound(f"there is no {name}")
+
+
+class Site:
+    """A gateway with a token for each role, and nothing else."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._tokens = Tokens(SharedBook(MemoryHistory(10).tokens, "token", 10))
+        self.secrets = asyncio.run(self._fill()) if settings.authentication else {}
+        gateway: Any = Refusing()
+        gateway.__dict__.update(settings=settings, tokens=self._tokens, bridge=SimpleNamespace(alive=False))
+        self._app = create_app(settings, cast("Gateway", gateway))
+
+    async def _fill(self) -> dict[Role, str]:
+        return {role: (await self._tokens.create(role.value, role))[1] for role in Role}
+
+    @contextmanager
+    def client(self, role: Role | None = None, url: str = "http://127.0.0.1:8000") -> Iterator[TestClient]:
+        headers = {} if role is None else {"Authorization": f"Bearer {self.secrets[role]}"}
+        with TestClient(self._app, url, raise_server_exceptions=False, headers=headers) as client:
+            yield client
+
+
+@pytest.fixture(scope="module")
+def site() -> Site:
+    return Site(Settings(authentication=True, database_url="sqlite:////nowhere"))
+
+
+def connect(client: TestClient, path: str, **options: Any) -> WebSocketTestSession:
+    return client.websocket_connect(f"ws://127.0.0.1:8000{path}", **options)
+
+
+def path_of(template: str) -> str:
+    """Return a path that the route takes."""
+    ids = "00000000-0000-4000-8000-000000000000"
+    return re.sub(r"\{(\w+)(:path)?\}", lambda match: ids if match[1] == "goal_id" else "x1", template)
+
+
+def test_every_route_that_changes_something_is_listed_and_no_other() -> None:
+    changing = {name for method, _, name in REQUESTS if method not in ("GET", "HEAD")} | {name for _, name in SOCKETS}
+    everything = {name for _, _, name in REQUESTS} | {name for _, name in SOCKETS}
+    assert changing <= ROUTES.keys() | PUBLIC
+    assert ROUTES.keys() | PUBLIC <= everything
+    assert COMMANDS.keys() == IMPLEMENTED.keys() | {"subscribe", "unsubscribe"}
+
+
+def test_without_a_token_there_are_health_checks_and_the_login(site: Site) -> None:
+    with site.client() as client:
+        for method, template, name in REQUESTS:
+            answer = client.request(method, path_of(template))
+            assert (answer.status_code == 401) is not (name in PUBLIC), name
+            if name not in PUBLIC:
+                assert answer.headers["www-authenticate"] == "Bearer"
+                check_answer(method, template, 401, answer.headers["content-type"], answer.content)
+
+
+@pytest.mark.parametrize("role", list(Role))
+def test_each_role_may_do_what_the_list_says(site: Site, role: Role) -> None:
+    with site.client(role) as client:
+        for method, template, name in REQUESTS:
+            allowed = name in PUBLIC or role.includes(ROUTES.get(name, Role.VIEWER))
+            assert (client.request(method, path_of(template)).status_code == 403) is not allowed, name
+
+
+@pytest.mark.parametrize(("path", "name"), SOCKETS)
+def test_a_socket_needs_a_token(site: Site, path: str, name: str) -> None:
+    assert ROUTES[name] is Role.VIEWER
+    with site.client() as client, pytest.raises(WebSocketDenialResponse) as denied, connect(client, path):
+        pass
+    assert denied.value.status_code == 401
+
+
+@pytest.mark.parametrize("header", ["Basic YTpi", "Bearer", "Bearer ", "Bearer dgw_x", "dgw_x", "Bearer  "])
+def test_other_credentials_are_refused(site: Site, header: str) -> None:
+    with site.client() as client:
+        assert client.get("/robots", headers={"Authorization": header}).status_code == 401
+
+
+@pytest.mark.parametrize(("url", "cookie"), [("http://127.0.0.1:8000", "dock-gateway"), (HTTPS, "__Host-dock-gateway")])
+def test_a_browser_logs_in_and_out(site: Site, url: str, cookie: str) -> None:
+    secret = site.secrets[Role.OPERATOR]
+    with site.client(url=url) as client:
+        assert client.get("/session").json() == {"required": True, "principal": None}
+        assert client.post("/session", json={"token": "dgw_wrong"}).json()["code"] == "invalid_token"
+        assert client.post("/session", json={"token": 7}).status_code == 422
+        assert client.post("/session", json={}).status_code == 422
+        assert not client.cookies
+        answer = client.post("/session", json={"token": f" {secret}\n"})
+        who = {"required": True, "principal": {"name": "operator", "role": "operator"}}
+        assert answer.json() == who
+        attributes = answer.headers["set-cookie"].lower()
+        assert attributes.startswith(f"{cookie.lower()}=")
+        for attribute in ("httponly", "samesite=strict", "path=/"):
+            assert attribute in attributes
+        assert ("secure" in attributes) is (url == HTTPS)
+        assert client.get("/session").json() == who
+        assert client.get("/robots").status_code == 404
+        assert client.delete("/session").json() == {"required": True, "principal": None}
+        assert not client.cookies
+        assert client.get("/robots").status_code == 401
+
+
+def test_a_page_of_another_site_cannot_use_the_login(site: Site) -> None:
+    with site.client() as client:
+        client.post("/session", json={"token": site.secrets[Role.ADMIN]})
+        foreign = {"Origin": "https://evil.example"}
+        assert client.post("/dock", headers=foreign).json()["code"] == "origin_not_allowed"
+        assert client.post("/session", json={"token": "x"}, headers=foreign).json()["code"] == "origin_not_allowed"
+        with pytest.raises(WebSocketDenialResponse) as denied, connect(client, "/ws", headers=foreign):
+            pass
+        assert denied.value.status_code == 403
+
+
+def test_tokens_over_http(site: Site) -> None:
+    with site.client(Role.ADMIN) as admin:
+        created = admin.post("/tokens", json={"name": "cron", "role": "operator", "days": 2})
+        assert created.status_code == 201
+        assert created.headers["cache-control"] == "no-store"
+        check_answer("POST", "/tokens", 201, "application/json", created.content)
+        token = created.json()
+        assert token["created_by"] == "admin"
+        listed = admin.get("/tokens")
+        check_answer("GET", "/tokens", 200, "application/json", listed.content)
+        assert "secret" not in listed.text
+        assert [each["name"] for each in listed.json()["tokens"]] == [
+            "admin",
+            "cron",
+            "operator",
+            "supervisor",
+            "viewer",
+        ]
+        use = {"Authorization": f"Bearer {token['secret']}"}
+        assert admin.get("/session", headers=use).json()["principal"] == {"name": "cron", "role": "operator"}
+        assert admin.post("/tokens", json={"name": "cron", "role": "viewer"}).json()["code"] == "token_exists"
+        assert admin.delete(f"/tokens/{token['id']}").status_code == 204
+        assert admin.get("/robots", headers=use).json()["code"] == "invalid_token"
+        assert admin.delete(f"/tokens/{token['id']}").json()["code"] == "token_not_found"
+
+
+@pytest.mark.parametrize(
+    ("body", "path"),
+    [
+        ({"role": "viewer"}, "name"),
+        ({"name": "", "role": "viewer"}, "name"),
+        ({"name": "x" * 61, "role": "viewer"}, "name"),
+        ({"name": "x"}, "role"),
+        ({"name": "x", "role": "root"}, "role"),
+        ({"name": "x", "role": ["admin"]}, "role"),
+        ({"name": "x", "role": "viewer", "days": 0}, "days"),
+        ({"name": "x", "role": "viewer", "days": True}, "days"),
+        ({"name": "x", "role": "viewer", "days": 1e9}, "days"),
+        ({"name": "x", "role": "viewer", "robots": []}, "robots"),
+    ],
+)
+def test_what_is_no_token(site: Site, body: object, path: str) -> None:
+    with site.client(Role.ADMIN) as admin:
+        answer = admin.post("/tokens", json=body)
+    assert answer.status_code == 422
+    assert [error["path"] for error in answer.json()["errors"]] == [path]
+
+
+def test_without_authentication_everybody_may_do_everything() -> None:
+    anybody = {"required": False, "principal": {"name": None, "role": "admin"}}
+    with Site(Settings()).client() as client:
+        assert client.get("/session").json() == anybody
+        login = client.post("/session", json={"token": "dgw_x"})
+        assert login.json() == anybody
+        assert "set-cookie" not in login.headers
+        assert client.delete("/session").json() == anybody
+        assert client.get("/robots", headers={"Authorization": "Bearer dgw_x"}).status_code == 404

@@ -1,0 +1,145 @@
+"""Tokens of a real gateway: made on the command line, revoked while streams are open and a goal runs."""
+
+import os
+import subprocess
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import orjson
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from tests.support.clients import connect
+from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.processes import BIN, ros_environment
+from tests.support.waiting import wait_until
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
+
+INVALID_TOKEN = 4401
+
+
+class Site:
+    """A database with tokens."""
+
+    def __init__(self, folder: Path) -> None:
+        self.database = f"sqlite:///{folder}/history.db"
+
+    def run(self, *command: str, **environment: str) -> subprocess.CompletedProcess[str]:
+        variables = {**os.environ, "DOCK_GATEWAY_DATABASE_URL": self.database, **environment}
+        return subprocess.run(
+            [BIN / "dock-gateway", *command], env=variables, capture_output=True, text=True, check=False
+        )
+
+    def token(self, name: str, role: str) -> str:
+        created = self.run("token", "create", name, "--role", role)
+        assert created.returncode == 0, created.stderr
+        return created.stdout.strip()
+
+    @contextmanager
+    def gateway(self, domain: int) -> Iterator[RunningGateway]:
+        with running_gateway(domain, database_url=self.database, authentication="true") as gateway:
+            yield gateway
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Site:
+    return Site(tmp_path)
+
+
+def bearer(secret: str) -> dict[str, str]:
+    return {"Authorization": f"Bearer {secret}"}
+
+
+def stream(gateway: RunningGateway, path: str, secret: str) -> Any:
+    return connect(f"{gateway.url.replace('http', 'ws')}{path}", additional_headers=bearer(secret))
+
+
+def ends_with(socket: Any) -> tuple[int, str]:
+    """Read a WebSocket to its end; why it was closed."""
+    with pytest.raises(ConnectionClosed) as closed:
+        list(socket)
+    assert closed.value.rcvd is not None
+    return closed.value.rcvd.code, closed.value.rcvd.reason
+
+
+def test_roles_over_every_way(domain: int, site: Site) -> None:
+    viewer, operator, supervisor = (site.token(role, role) for role in ("viewer", "operator", "supervisor"))
+    with running_dock_server(domain), site.gateway(domain) as gateway:
+        gateway.wait_until_ready()
+        assert gateway.http.post("/dock").json()["code"] == "not_authenticated"
+        assert gateway.http.post("/dock", headers=bearer(viewer)).json()["code"] == "role_required"
+        with pytest.raises(InvalidStatus) as refused, stream(gateway, "/ws/feedback", "dgw_wrong"):
+            pass
+        assert refused.value.response.status_code == 401
+
+        with stream(gateway, "/ws", viewer) as socket:
+            socket.send(orjson.dumps({"op": "send_goal", "id": "1"}).decode())
+            assert orjson.loads(socket.recv())["code"] == "role_required"
+            socket.send(orjson.dumps({"op": "stop", "id": "2", "by": "somebody else"}).decode())
+            assert orjson.loads(socket.recv())["stop"]["by"] == "viewer"
+            socket.send(orjson.dumps({"op": "release_stop", "id": "3"}).decode())
+            assert orjson.loads(socket.recv())["code"] == "role_required"
+        assert gateway.http.delete("/stop", headers=bearer(operator)).status_code == 403
+        assert gateway.http.delete("/stop", headers=bearer(supervisor)).status_code == 200
+        sent = gateway.http.post("/dock", headers=bearer(operator))
+        assert sent.status_code == 202, sent.text
+
+        commands = {"DOCK_GATEWAY_URL": gateway.url}
+        assert "not_authenticated" in site.run("stop", **commands).stderr
+        stopped = site.run("stop", **commands, DOCK_GATEWAY_TOKEN=viewer)
+        assert stopped.returncode == 0, stopped.stderr
+        state = gateway.http.get("/stop", headers=bearer(viewer)).json()
+        assert (state["latched"], state["by"]) == (True, "viewer")
+
+
+def test_a_revoked_token_ends_its_streams_and_no_goal(domain: int, site: Site) -> None:
+    """The command line revokes it, in another process than the gateway's; other tokens go on."""
+    cron, other = site.token("cron", "operator"), site.token("other", "supervisor")
+    with running_dock_server(domain), site.gateway(domain) as gateway:
+        gateway.wait_until_ready()
+        body = {"state": LOW, "rate_hz": 10}
+        gateway.http.put("/battery/publisher", json=body, headers=bearer(other)).raise_for_status()
+        goal = gateway.http.post("/dock", headers=bearer(cron)).raise_for_status().json()
+        paths = ("/ws/feedback", "/ws", "/ws/topics?topic=/battery_status")
+        with ExitStack() as stack:
+            sockets = [stack.enter_context(stream(gateway, path, cron)) for path in paths]
+            reader = stack.enter_context(stream(gateway, "/ws/feedback", other))
+            sse = gateway.http.stream("GET", f"/goals/{goal['goal_id']}/events", headers=bearer(cron))
+            events = stack.enter_context(sse)
+            assert site.run("token", "revoke", "cron").returncode == 0
+            assert [ends_with(socket) for socket in sockets] == [(INVALID_TOKEN, "invalid_token")] * len(paths)
+            assert "invalid_token" in "".join(events.iter_text())
+            assert gateway.http.post("/dock", headers=bearer(cron)).json()["code"] == "invalid_token"
+            assert orjson.loads(reader.recv())["type"] == "snapshot"
+            running = gateway.http.get(f"/goals/{goal['goal_id']}", headers=bearer(other)).json()
+            assert running["status"] == "executing"
+            while orjson.loads(reader.recv())["type"] != "feedback":
+                pass
+        gateway.http.post("/stop", headers=bearer(other)).raise_for_status()
+
+
+def test_tokens_survive_a_restart_and_new_ones_come_by_themselves(shared_domain: int, site: Site) -> None:
+    admin = site.token("ada", "admin")
+    with site.gateway(shared_domain):
+        pass
+    with site.gateway(shared_domain) as gateway:
+        assert gateway.http.get("/robots", headers=bearer(admin)).status_code == 200
+        late = site.token("late", "viewer")
+        wait_until(lambda: gateway.http.get("/robots", headers=bearer(late)).status_code == 200, "the new token")
+    listed = site.run("token", "list").stdout
+    assert all(text in listed for text in ("admin", "ada", "late"))
+    assert admin not in listed
+    assert "there is no token nobody" in site.run("token", "revoke", "nobody").stderr
+    assert "token_exists" in site.run("token", "create", "ada").stderr
+
+
+def test_an_open_gateway_on_the_network_is_refused(shared_domain: int, site: Site) -> None:
+    options = ("serve", "--port", "0", "--host", "0.0.0.0")
+    refused = site.run(*options, **ros_environment(shared_domain))
+    assert refused.returncode == 2
+    assert "--authentication true" in refused.stderr
+    memory = site.run("serve", "--authentication", "true", "--database-url", "memory:")
+    assert "authentication needs a database" in memory.stderr
