@@ -37,6 +37,8 @@ from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.notifications.notifier import MAX_WEBHOOKS, Notifier
 from dock_gateway.notifications.outbox import Outbox
+from dock_gateway.observability.metrics import Metrics
+from dock_gateway.observability.parts import Parts
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.on_demand import OnDemand
 from dock_gateway.robots.registry import RobotRegistry, normalize_namespace
@@ -79,6 +81,7 @@ class Gateway:
     tokens: Tokens
     graph: GraphCache
     echoes: EchoRegistry
+    metrics: Metrics
     dock: Action
     undock: Action
 
@@ -274,6 +277,8 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
     tokens = _closed_by(stack, Tokens(SharedBook(history.tokens, "token", MAX_TOKENS)))
     if settings.authentication:
         await tokens.open()
+    parts = Parts(settings, bridge, hub, history, actions, robots, stopper, alerts, notifier)
+    metrics = _closed_by(stack, Metrics(parts))
     departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
     tasks = _closed_by(stack, Tasks("running the gateway"))
     tasks.spawn(_watch_graph(bridge, actions, robots, departures))
@@ -296,6 +301,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
         tokens,
         graph,
         echoes,
+        metrics,
         dock,
         undock,
     )

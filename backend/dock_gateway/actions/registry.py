@@ -114,6 +114,7 @@ class ActionRegistry:
 
     Attributes:
         on_end: Called with a goal of any action when no further events of it are expected.
+        on_lost: Called with a goal of any action that is lost. It may return.
     """
 
     def __init__(
@@ -131,6 +132,7 @@ class ActionRegistry:
         self._parts = (settings, hub, history, reasons)
         self._interlock = interlock
         self.on_end: list[Callable[[Goal], None]] = []
+        self.on_lost: list[Callable[[Goal], None]] = []
         self._hub = hub
         interlock.on_latch.append(self._stop_under)
         self._history = history
@@ -140,6 +142,7 @@ class ActionRegistry:
         self._changed = asyncio.Event()
         self._unfinished: dict[str, dict[str, Goal]] = {}  # by action and id
         self._started = time.monotonic()
+        self._dropped_before = 0  # feedback of actions that have been removed
 
     def expect(self, goals: list[Goal]) -> None:
         """Take over goals that were running when the gateway ended, each once, when its action appears.
@@ -171,6 +174,7 @@ class ActionRegistry:
         port = await self._bridge.call(lambda: ActionPort(self._bridge, name, kind), undo=ActionPort.close)
         action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
         action.tracker.on[News.RETIRED].append(self._ended)
+        action.tracker.on[News.LOST].append(self._lost)
         self._actions[name] = action
         unfinished = self._unfinished.pop(name, {})
         try:
@@ -215,6 +219,10 @@ class ActionRegistry:
         for notify in self.on_end:
             notify(goal)
 
+    def _lost(self, goal: Goal) -> None:
+        for notify in self.on_lost:
+            notify(goal)
+
     def _give_up(self) -> None:
         """Mark goals whose action has not come back as lost, until it does."""
         for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
@@ -222,6 +230,7 @@ class ActionRegistry:
                 now_ns = time.time_ns()
                 self._hub.publish(status_event(goal, self._hub.clock.stamp(now_ns), now_ns))
                 self._history.record(goal)
+                self._lost(goal)
 
     async def _take_up(self, name: str) -> None:
         types = self._types[name]
@@ -244,6 +253,7 @@ class ActionRegistry:
     async def _forget(self, action: Action) -> None:
         log.info("action %s left the ROS graph", action.name)
         del self._actions[action.name]
+        self._dropped_before += action.feedback_dropped
         await action.close()
         self._bridge.to_ros(action.port.close)
 
@@ -307,6 +317,11 @@ class ActionRegistry:
         known = (goal for action in self._actions.values() for goal in action.tracker.live.values())
         awaited = (goal for goals in self._unfinished.values() for goal in goals.values())
         return [goal for goal in (*known, *awaited) if goal.status is GoalStatus.LOST]
+
+    @property
+    def feedback_dropped(self) -> int:
+        """Number of feedback messages of all actions not read since the gateway started."""
+        return self._dropped_before + sum(action.feedback_dropped for action in self._actions.values())
 
     def duplicates(self) -> list[str]:
         """Return the names of the actions with more than one action server."""

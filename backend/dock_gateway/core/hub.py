@@ -2,7 +2,7 @@
 
 import asyncio
 import itertools
-from collections import defaultdict, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator
 
 from dock_gateway.core.errors import TooManyRequests, Unavailable
@@ -23,6 +23,7 @@ class Subscriber:
         immediate: Sends an event past the queue and its task, or returns False. Used only while that task waits and
             the queue is empty, so the order is kept.
         after: Id of the last event that the reader received, at any gateway. Events up to it are not queued.
+        dropped: Number of events dropped since the reader came.
     """
 
     HARD_LIMIT = 10_000
@@ -33,11 +34,12 @@ class Subscriber:
         self.expelled = False
         self.immediate: Callable[[Event], bool] | None = None
         self.after = ""
+        self.dropped = 0
         self._waiting = False
         self._limit = limit
         self._queue: deque[Event] = deque()
         self._droppable = 0
-        self._dropped = 0
+        self._untold = 0  # dropped events that the reader has not been told of
         self._wake = asyncio.Event()
 
     def put(self, event: Event) -> None:
@@ -70,7 +72,8 @@ class Subscriber:
         index = next(i for i, queued in enumerate(self._queue) if queued.droppable)
         del self._queue[index]
         self._droppable -= 1
-        self._dropped += 1
+        self._untold += 1
+        self.dropped += 1
 
     def expel(self) -> None:
         """End the stream, as its reader may no longer read."""
@@ -85,7 +88,7 @@ class Subscriber:
     def clear(self) -> None:
         """Empty the queue, for a reader that gets a snapshot instead."""
         self._queue.clear()
-        self._droppable = self._dropped = 0
+        self._droppable = self._untold = 0
 
     def catch_up(self, event_id: str) -> None:
         """Drop queued events up to this one; the reader gets them another way."""
@@ -105,9 +108,9 @@ class Subscriber:
         finally:
             self._waiting = False
         self._wake.clear()
-        events, dropped = list(self._queue), self._dropped
+        events, untold = list(self._queue), self._untold
         self.clear()
-        return events, dropped
+        return events, untold
 
 
 class Hold:
@@ -140,6 +143,8 @@ class Hub:
 
     Attributes:
         clock: Stamps the events that are published here.
+        published: Number of events published, by kind: their topic, or `feedback`.
+        sent: Number of events handed to subscribers, by kind.
     """
 
     RECENT = 4_000  # some seconds of a busy gateway; a reader that was away for longer resumes from the history
@@ -153,6 +158,9 @@ class Hub:
         newest: str = "",
     ) -> None:
         self.clock = EventClock(newest)
+        self.published: Counter[str] = Counter()
+        self.sent: Counter[str] = Counter()
+        self._dropped_before = 0  # by subscribers that have left
         self._keep = keep
         self._line: deque[Event | Hold] = deque()
         self._recent = EventBuffer(self.RECENT)
@@ -185,9 +193,16 @@ class Hub:
         self._tell_watchers(event_filter)
         return subscriber
 
+    @property
+    def dropped(self) -> int:
+        """Number of events dropped because a subscriber was slow."""
+        return self._dropped_before + sum(subscriber.dropped for subscriber in self._subscribers)
+
     def unsubscribe(self, subscriber: Subscriber) -> None:
         """Remove a subscriber. Idempotent."""
-        self._subscribers.discard(subscriber)
+        if subscriber in self._subscribers:
+            self._subscribers.remove(subscriber)
+            self._dropped_before += subscriber.dropped
         for key in _keys(subscriber.event_filter):
             self._wanting[key].discard(subscriber)
             if not self._wanting[key]:
@@ -238,9 +253,14 @@ class Hub:
                 return
             self._recent.put(event)
             self._keep(event)
+        readers = 0
         for subscriber in self._wanting.get((event.topic, event.robot), ()):
             if subscriber.event_filter.covers(event):
                 subscriber.put(event)
+                readers += 1
+        kind = "feedback" if event.droppable and event.topic == "goals" else event.topic
+        self.published[kind] += 1
+        self.sent[kind] += readers
 
     def since(self, event_id: str, event_filter: EventFilter) -> list[Event] | None:
         """Return the events published after an event, in order; None if that event is not in the buffer."""

@@ -62,6 +62,11 @@ class Notifier:
         self._tasks.spawn(self._run())
         alerts.on_change.append(self._compare)
 
+    @property
+    def attempts(self) -> Mapping[DeliveryState, int]:
+        """Number of attempts to send, by the state of the delivery after it."""
+        return self._outbox.attempts
+
     # ------------------------------------------------------------------ webhooks
 
     async def documents(self) -> list[Document]:

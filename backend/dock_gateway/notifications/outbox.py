@@ -2,6 +2,7 @@
 
 import logging
 import uuid
+from collections import Counter
 from collections.abc import Mapping
 from datetime import datetime, timedelta
 from typing import Any
@@ -32,9 +33,13 @@ class Outbox:
     Args:
         webhooks: The webhooks, by id.
         deliveries: What was and is to be sent, by id.
+
+    Attributes:
+        attempts: Number of attempts to send, by the state of the delivery after it.
     """
 
     def __init__(self, webhooks: SharedBook[Webhook], deliveries: SharedEntries[Delivery]) -> None:
+        self.attempts: Counter[DeliveryState] = Counter()
         self._webhooks = webhooks
         self._deliveries = deliveries
         self._sender = Sender()
@@ -133,6 +138,7 @@ class Outbox:
         headers = sign(webhook.secret, identity, utc_now(), delivery.body)
         answer = await self._sender.send(webhook.url, headers, delivery.body)
         tried = after_attempt(delivery, answer, utc_now())
+        self.attempts[tried.state] += 1
         if self._webhooks.get(delivery.webhook_id) is not None:
             self._deliveries.put(identity, tried)
             await self._deliveries.save()

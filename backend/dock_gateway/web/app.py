@@ -9,6 +9,7 @@ from starlette.middleware.cors import CORSMiddleware
 
 from dock_gateway import __version__
 from dock_gateway.gateway import Gateway, open_gateway
+from dock_gateway.observability.request_metrics import RequestMetrics
 from dock_gateway.settings import Settings
 from dock_gateway.web.access import authorize
 from dock_gateway.web.dashboard import install_dashboard
@@ -17,6 +18,7 @@ from dock_gateway.web.methods import allowed_methods
 from dock_gateway.web.openapi import install_openapi
 from dock_gateway.web.origin import OriginGuard
 from dock_gateway.web.problems import install_problems, problems
+from dock_gateway.web.request_meter import RequestMeter
 from dock_gateway.web.routes import (
     actions,
     automation,
@@ -30,6 +32,7 @@ from dock_gateway.web.routes import (
     health,
     interfaces,
     labels,
+    metrics,
     notes,
     session,
     simulator,
@@ -71,6 +74,7 @@ def api_routers() -> tuple[APIRouter, ...]:
         session,
         tokens,
         health,
+        metrics,
         socket,
         topics,
     )
@@ -125,5 +129,7 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
             allow_private_network=True,  # a robot's address is usually in one
         )
     app.add_middleware(OriginGuard, settings=settings)
-    install_problems(app, allowed)  # last: what is added last is the outermost
+    install_problems(app, allowed)  # what is added last is the outermost
+    app.state.requests = RequestMetrics()
+    app.add_middleware(RequestMeter, metrics=app.state.requests)
     return app

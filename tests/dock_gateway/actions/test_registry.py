@@ -10,7 +10,7 @@ from dock_gateway.actions import registry as actions
 from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.core.event import utc_now
-from dock_gateway.core.goal import GoalStatus
+from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import MemoryHistory
@@ -105,3 +105,15 @@ def test_goals_that_were_lost_long_ago_are_not_expected(registry: ActionRegistry
     running.status = GoalStatus.EXECUTING
     registry.expect(goals)
     assert registry.lost() == [new]
+
+
+async def test_who_wants_to_know_hears_of_goals_whose_action_does_not_come_back(
+    registry: ActionRegistry, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(actions, "FORGET_AFTER", -1.0)
+    lost: list[Goal] = []
+    registry.on_lost.append(lost.append)
+    registry.expect([goal := make_goal(1, GoalStatus.EXECUTING, "/gone")])
+    await registry.update(Scan())
+    await registry.update(Scan())
+    assert (lost, goal.status) == ([goal], GoalStatus.LOST)

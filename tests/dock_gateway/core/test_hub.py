@@ -225,3 +225,17 @@ async def test_an_event_of_one_robot_is_offered_only_to_those_who_want_that_robo
     hub.publish(Event(b"stop", "system", robot="/robot1"))
     assert await texts(one) == ([], 0)
     assert hub.watched("system") == {"/robot2"}
+
+
+async def test_events_are_counted_by_kind() -> None:
+    hub = make(limit=2)
+    slow, gone = hub.subscribe(EventFilter()), hub.subscribe(EventFilter(goal_id=A))
+    for event in (status("executing"), *(feedback(number) for number in range(4)), feedback(4, B)):
+        hub.publish(event)
+    assert hub.published == {"goals": 1, "feedback": 5}
+    assert hub.sent == {"goals": 2, "feedback": 9}
+    assert hub.dropped == 3 + 2
+    hub.unsubscribe(gone)
+    hub.unsubscribe(gone)
+    assert (await texts(slow))[1] == 3
+    assert hub.dropped == 5

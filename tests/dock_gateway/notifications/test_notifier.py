@@ -170,6 +170,7 @@ async def test_it_is_sent_again_until_it_is_taken_and_given_up_at_last(site: Sit
     while (document := (await gateway.documents())[0])["pending"]:
         await looks(1)
     assert (document["last_delivery"]["state"], document["last_delivery"]["attempts"]) == ("delivered", 3)
+    assert gateway.attempts == {DeliveryState.PENDING: 2, DeliveryState.DELIVERED: 1}
     receiver.answers += [500, 500, 500]
     site.alerts[0].append(LOW)
     await until(lambda: not receiver.answers)

@@ -110,6 +110,7 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("delete", "/battery/publisher"),
         ("get", "/healthz"),
         ("get", "/readyz"),
+        ("get", "/metrics"),
     }
 
 
