@@ -19,6 +19,8 @@ const apiPaths = [
   "/interfaces",
   "/graph",
   "/simulator",
+  "/session",
+  "/tokens",
   "/healthz",
   "/readyz",
   "/docs",

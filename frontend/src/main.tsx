@@ -5,6 +5,7 @@ import { QueryClientProvider } from "@tanstack/react-query";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { BrowserRouter } from "react-router";
+import { session } from "./access/session";
 import { createGateway } from "./api/client";
 import { createHttp } from "./api/http";
 import { createQueryClient } from "./api/queryClient";
@@ -18,7 +19,6 @@ import { openStream, streamUrl } from "./stream/stream";
 const { location } = window;
 const http = createHttp(location.origin);
 const store = new FleetStore();
-openStream(streamUrl(location, { include: "system,robots", feedback: "false" }), store);
 const fleet: FleetServices = {
   http,
   gateway: createGateway(http),
@@ -27,9 +27,13 @@ const fleet: FleetServices = {
   openRobot: (robot) => openRobot(location, http, robot),
 };
 
-const root = document.getElementById("root");
-if (root === null) throw new Error("index.html has no #root");
-createRoot(root).render(
+const container = document.getElementById("root");
+if (container === null) throw new Error("index.html has no #root");
+const root = createRoot(container);
+// Asked by index.html while the scripts were loading. Nothing is shown before, so that no login and no page flashes up.
+await session.ask();
+openStream(streamUrl(location, { include: "system,robots", feedback: "false" }), store);
+root.render(
   <StrictMode>
     <MantineProvider theme={theme} cssVariablesResolver={cssVariables} defaultColorScheme="auto">
       <Notifications position="bottom-right" zIndex={400} />

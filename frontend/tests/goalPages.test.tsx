@@ -194,8 +194,8 @@ describe("the page of a goal", () => {
     expect(await screen.findByText(/look at the dock's power/)).toBeDefined();
     expect(screen.getByText("Code: failed_to_charge")).toBeDefined();
     expect(await screen.findByText(/The history no longer reaches back/)).toBeDefined();
-    expect(button(/Send again/).disabled).toBe(true);
-    expect(screen.getByText(/Send again: the goal's message is missing, ROS does not tell/)).toBeDefined();
+    expect(button(/Send again/).ariaDisabled).toBe("true");
+    expect(screen.getByText(/The goal's message is missing: ROS does not tell/)).toBeDefined();
     expect(screen.getByRole("link", { name: /Export JSON/ }).getAttribute("href")).toBe(
       "/goals/a/export?format=json",
     );
@@ -229,8 +229,8 @@ describe("the page of a goal", () => {
       "GET /goals/a": () => ended("a", -60, { goal: {} }),
     });
     renderPage(fakeGateway(), { stop: latched("Ada") }, "/ui/goals/a");
-    expect(await screen.findByText(/Send again: the robot is stopped; release the stop first/)).toBeDefined();
-    expect(button(/Send again/).disabled).toBe(true);
+    expect(await screen.findByText("The robot is stopped. Release the stop first.")).toBeDefined();
+    expect(button(/Send again/).ariaDisabled).toBe("true");
   });
 
   it("cancels a goal on any action, and says why where that did not work", async () => {
@@ -243,7 +243,7 @@ describe("the page of a goal", () => {
     const { user } = renderPage(fakeGateway(), {}, "/ui/goals/a");
     await user.click(await screen.findByRole("button", { name: "Cancel" }));
     await waitFor(() => expect(screen.getByTestId("goal-status").textContent).toBe("canceling"));
-    expect(screen.getByText(/Cancel: the goal is being canceled/)).toBeDefined();
+    expect(screen.getByText("The goal is being canceled.")).toBeDefined();
   });
 
   it("has the notes and tags of everybody, and adds to them under a name", async () => {

@@ -1,4 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { session } from "../src/access/session";
 import type { GatewayEvent } from "../src/api/types";
 import type { ConnectionInput } from "../src/stream/connection";
 import { SILENCE_MS } from "../src/stream/connection";
@@ -22,9 +23,9 @@ class FakeSocket extends EventTarget {
   receive(data: unknown) {
     this.dispatchEvent(new MessageEvent("message", { data }));
   }
-  drop() {
+  drop(code = 1006) {
     this.readyState = 3;
-    this.dispatchEvent(new CloseEvent("close", { code: 1006 }));
+    this.dispatchEvent(new CloseEvent("close", { code }));
   }
   send(data: unknown) {
     this.sent.push(data);
@@ -120,6 +121,30 @@ describe("stream", () => {
     await vi.advanceTimersByTimeAsync(SILENCE_MS + 1000);
     expect(kinds()).toContain("closed");
     expect(FakeSocket.sockets).toHaveLength(2);
+  });
+
+  it("waits for a login when its token is no longer valid, and goes on at once after it", async () => {
+    const out = { required: true, principal: null };
+    vi.stubGlobal("fetch", async () => Response.json(out));
+    const socket = await newest();
+    socket.open();
+    socket.receive(JSON.stringify(snapshot()));
+    socket.drop(4401);
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(session.loggedOut).toBe(true);
+    expect(FakeSocket.sockets).toHaveLength(1);
+    session.set({ required: true, principal: { name: "Ada", role: "viewer" } });
+    await newest();
+    expect(FakeSocket.sockets).toHaveLength(2);
+    session.set({ required: false, principal: { name: null, role: "admin" } });
+  });
+
+  it("asks whether a login is needed where a handshake was refused", async () => {
+    vi.stubGlobal("fetch", async () => Response.json({ required: true, principal: null }));
+    (await newest()).drop();
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(FakeSocket.sockets).toHaveLength(1);
+    session.set({ required: false, principal: { name: null, role: "admin" } });
   });
 
   it("never sends anything", async () => {

@@ -327,8 +327,10 @@ def test_a_goal_of_somebody_else(page: Page, gateway: RunningGateway, domain: in
         expect(row).to_contain_text(re.compile("/fibonacci.*executing.*external"))
         row.click()
         expect_status(page, "executing")
-        expect(page.get_by_text("ROS does not tell what others asked for.").first).to_be_visible()
-        expect(page.get_by_role("button", name="Send again …")).to_be_disabled()
+        again = page.get_by_role("button", name="Send again …")
+        expect(again).to_be_disabled()
+        missing = "The goal's message is missing: ROS does not tell what others asked for."
+        expect(again).to_have_accessible_description(missing)
         expect(page.get_by_test_id("feedback-table").locator("tbody tr").nth(2)).to_be_visible()
         press(page, "Cancel")
         expect_status(page, "canceled")

@@ -7,11 +7,14 @@ from typing import Any
 import orjson
 from fastapi import FastAPI, Response
 from fastapi.openapi.utils import get_openapi
+from fastapi.routing import iter_route_contexts
 from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 from sensor_msgs.msg import BatteryState
 
+from dock_gateway.core.access import Role
 from dock_gateway.ros.messages.codec import codec
+from dock_gateway.web.permissions import PUBLIC, ROUTES
 from dock_gateway.web.schemas.commands import ANSWERS
 from dock_gateway.web.schemas.common import Problem
 from dock_gateway.web.schemas.events import EVENTS
@@ -59,6 +62,7 @@ def _build(app: FastAPI) -> dict[str, Any]:
     components = document.setdefault("components", {})
     components["securitySchemes"] = SECURITY_SCHEMES
     document["security"] = [{name: []} for name in SECURITY_SCHEMES]
+    _add_roles(document, app)
     schemas = components.setdefault("schemas", {})
     models: list[type[BaseModel]] = [*EVENTS, *ACTION_EVENTS, *ECHO_EVENTS, *ANSWERS, Problem, StopProblem]
     _, ours = models_json_schema([(model, "serialization") for model in models], ref_template=REF)
@@ -81,6 +85,15 @@ def _build(app: FastAPI) -> dict[str, Any]:
         schemas.pop(unused, None)
     document["components"]["schemas"] = dict(sorted(schemas.items()))
     return document
+
+
+def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
+    """Add to each operation that needs a token the role that it needs, as `x-role`."""
+    for route in iter_route_contexts(app.routes):
+        operations = document["paths"].get(str(route.path_format), {})
+        for operation in (operations.get(method.lower()) for method in route.methods or ()):
+            if operation is not None and route.name not in PUBLIC:
+                operation["x-role"] = ROUTES.get(str(route.name), Role.VIEWER)
 
 
 def _one_of(schemas: dict[str, Any], events: Iterable[type[BaseModel]], description: str) -> dict[str, Any]:

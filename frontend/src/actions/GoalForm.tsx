@@ -39,6 +39,7 @@ export function GoalForm({ action, shape, draft: state, onSent }: GoalFormProps)
   const [sought, setSought] = useState<string | null>(null);
   const [asking, setAsking] = useState(false);
   const { asks, harmless, change: setAsks } = useAsking(name, action.action_type);
+
   const reasonId = useId();
 
   const send = useCommand(async (text: string) => {
@@ -104,7 +105,13 @@ export function GoalForm({ action, shape, draft: state, onSent }: GoalFormProps)
             )}
           </FormProvider>
           <Group gap="sm">
-            <Button type="submit" size="md" disabled={reason !== null} aria-describedby={reasonId}>
+            <Button
+              type="submit"
+              size="md"
+              disabled={reason !== null}
+              title={reason ?? undefined}
+              aria-describedby={reasonId}
+            >
               {asks ? "Send goal …" : "Send goal"}
             </Button>
             <Button variant="default" size="md" onClick={state.clear}>

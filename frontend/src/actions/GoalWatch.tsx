@@ -1,5 +1,4 @@
-import { Anchor, Badge, Button, Group, Text } from "@mantine/core";
-import { useId } from "react";
+import { Anchor, Badge, Group, Text } from "@mantine/core";
 import { Link } from "react-router";
 import type { ActionSchemas } from "../api/actions";
 import { createGoalsApi } from "../api/goals";
@@ -12,6 +11,7 @@ import { FeedbackCount } from "../goals/FeedbackCount";
 import { isTerminal } from "../store/goals";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Fact, FactList } from "../ui/Fact";
+import { ReasonButton } from "../ui/ReasonButton";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";
@@ -82,7 +82,6 @@ export function GoalWatch({ goalId, schemas }: { goalId: string | null; schemas:
 function Cancel({ goal }: { goal: AnyGoal }) {
   const { http, store } = useFleet();
   const live = useFleetLive();
-  const reasonId = useId();
   const cancel = useCommand(async () =>
     store.addGoals([(await createGoalsApi(http).cancel(goal.goal_id)) as Goal]),
   );
@@ -90,18 +89,9 @@ function Cancel({ goal }: { goal: AnyGoal }) {
   return (
     <>
       <Group gap="sm">
-        <Button
-          variant="default"
-          size="md"
-          disabled={reason !== null}
-          aria-describedby={reasonId}
-          onClick={() => cancel.mutate()}
-        >
+        <ReasonButton variant="default" size="md" reason={reason} onClick={() => cancel.mutate()}>
           Cancel
-        </Button>
-        <Text size="sm" c="dimmed" id={reasonId} role="status">
-          {reason}
-        </Text>
+        </ReasonButton>
       </Group>
       <CommandErrorAlert command="Cancel" error={cancel.error} onClose={cancel.reset} />
     </>

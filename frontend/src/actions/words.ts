@@ -1,3 +1,4 @@
+import { whyForbidden } from "../access/permissions";
 import type { ActionInfo, AnyGoal } from "../api/types";
 import { type HeldStop, isUnder } from "../stop/held";
 
@@ -10,6 +11,8 @@ interface Circumstances {
 
 /** Why no goal can be sent; null where one can. */
 export function whyNotSend({ live, action, stopped, sending }: Circumstances): string | null {
+  const forbidden = whyForbidden("POST /actions/{name}/goals");
+  if (forbidden !== null) return forbidden;
   if (!live) return "Sending a goal needs the gateway, which is not connected.";
   if (stopped) return "The robot is stopped: release the stop first.";
   if (sending) return "Sending the goal; waiting for the action server's answer.";
@@ -19,9 +22,11 @@ export function whyNotSend({ live, action, stopped, sending }: Circumstances): s
 
 /** Why a goal cannot be canceled; null where it can. */
 export function whyNotCancel(live: boolean, goal: AnyGoal, canceling: boolean): string | null {
+  const forbidden = whyForbidden("POST /goals/{goal_id}/cancel");
+  if (forbidden !== null) return forbidden;
   if (!live) return "Canceling needs the gateway, which is not connected.";
   if (canceling || goal.status === "canceling") return "The goal is being canceled.";
-  if (goal.status === "pending") return "Cancel: the action server has not answered yet.";
+  if (goal.status === "pending") return "The action server has not answered yet.";
   return null;
 }
 

@@ -1,22 +1,24 @@
 import { Button, Group, Stack, Text, TextInput } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type FormEvent, useState } from "react";
+import { useForbidden } from "../access/permissions";
 import { createAlerts } from "../api/alerts";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { MAX_NAME, ownName, setOwnName } from "../stop/who";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Dialog } from "../ui/Dialog";
+import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/useCommand";
 import classes from "./alerts.module.css";
 
 /** Acknowledges an alert with the name that was given on this computer; asks for one where there is none. */
 export function AcknowledgeButton({ id, what }: { id: string; what: string }) {
   const { http, store } = useFleet();
-  const live = useFleetLive();
   const [asking, ask] = useDisclosure(false);
   const acknowledge = useCommand(async (by: string) =>
     store.setAlert(await createAlerts(http).acknowledge(id, by)),
   );
+  const reason = useWhyNot(acknowledge.isPending);
   const press = () => {
     const name = ownName().trim();
     if (name === "") ask.open();
@@ -24,17 +26,17 @@ export function AcknowledgeButton({ id, what }: { id: string; what: string }) {
   };
   return (
     <>
-      <Button
+      <ReasonButton
         variant="default"
         size="compact-sm"
-        className={classes.answer}
-        disabled={!live || acknowledge.isPending}
-        title={live ? "Says to everybody that you have seen it" : "The gateway is not connected."}
+        className={classes.answer ?? ""}
+        reason={reason}
+        {...(reason === null ? { title: "Says to everybody that you have seen it" } : {})}
         aria-label={`Acknowledge: ${what}`}
         onClick={press}
       >
         Acknowledge
-      </Button>
+      </ReasonButton>
       {acknowledge.error !== null && (
         <div className={classes.failed}>
           <CommandErrorAlert command="Acknowledge" error={acknowledge.error} onClose={acknowledge.reset} />
@@ -51,6 +53,15 @@ export function AcknowledgeButton({ id, what }: { id: string; what: string }) {
       </Dialog>
     </>
   );
+}
+
+/** Why an alert can neither be acknowledged nor the acknowledgement be withdrawn now; null where it can. */
+export function useWhyNot(sending: boolean): string | null {
+  const forbidden = useForbidden("PUT /alerts/{alert_id}/acknowledgement");
+  const live = useFleetLive();
+  if (forbidden !== null) return forbidden;
+  if (!live) return "The gateway is not connected.";
+  return sending ? "The gateway has not answered yet." : null;
 }
 
 function NameForm({ onName }: { onName: (name: string) => void }) {

@@ -1,15 +1,16 @@
-import { Anchor, Button, Group, Text } from "@mantine/core";
+import { Anchor, Group, Text } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
 import { createAlerts } from "../api/alerts";
-import { useFleet, useFleetLive } from "../fleet/context";
+import { useFleet } from "../fleet/context";
 import type { Alert } from "../fleet/types";
 import { useNaming } from "../fleet/useNaming";
 import { robotPath } from "../robot/path";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { ReasonButton } from "../ui/ReasonButton";
 import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";
-import { AcknowledgeButton } from "./AcknowledgeButton";
+import { AcknowledgeButton, useWhyNot } from "./AcknowledgeButton";
 import classes from "./alerts.module.css";
 import { SeverityMark } from "./SeverityMark";
 
@@ -68,23 +69,23 @@ interface AcknowledgedProps {
 
 function Acknowledged({ id, what, by, at }: AcknowledgedProps) {
   const { http, store } = useFleet();
-  const live = useFleetLive();
   const withdraw = useCommand(async () => store.setAlert(await createAlerts(http).withdraw(id)));
+  const reason = useWhyNot(withdraw.isPending);
   return (
     <>
       <Group gap="xs" className={classes.answer}>
         <Text size="sm" role="status">
           Acknowledged by <strong>{by}</strong> at <Time value={at} />
         </Text>
-        <Button
+        <ReasonButton
           variant="subtle"
           size="compact-sm"
-          disabled={!live || withdraw.isPending}
+          reason={reason}
           aria-label={`Withdraw: ${what}`}
           onClick={() => withdraw.mutate()}
         >
           Withdraw
-        </Button>
+        </ReasonButton>
       </Group>
       {withdraw.error !== null && (
         <div className={classes.failed}>

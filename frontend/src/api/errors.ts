@@ -83,7 +83,12 @@ const WORDS: Record<string, Words> = {
     title: "The gateway made a mistake",
     advice: "This is a bug in dock-gateway; its log says more. Please report it.",
   },
+  invalid_token: {
+    title: "The token is not valid",
+    advice: "It may be mistyped, revoked or expired. Ask an admin for another one.",
+  },
   invalid_field: { title: "A value is not valid", advice: null },
+  not_authenticated: { title: "You are not logged in", advice: "Log in, then try again." },
   origin_not_allowed: {
     title: "This page may not command the gateway",
     advice:
@@ -92,6 +97,10 @@ const WORDS: Record<string, Words> = {
   host_not_allowed: {
     title: "The gateway does not answer to this host name",
     advice: "Add the name to DOCK_GATEWAY_ALLOWED_HOSTS.",
+  },
+  role_required: {
+    title: "Your role does not allow this",
+    advice: "Somebody with that role can do it. An admin gives you a token with another role.",
   },
   ros_unavailable: {
     title: "The gateway has lost ROS",
@@ -117,6 +126,11 @@ const WORDS: Record<string, Words> = {
     title: "The gateway is shutting down",
     advice: "Wait until it is back; nothing is sent again by itself.",
   },
+  token_exists: {
+    title: "There is a token of this name",
+    advice: "Choose a different name, or revoke that token first.",
+  },
+  token_not_found: { title: "The token does not exist any more", advice: null },
   too_many_labels: {
     title: "Too many robots have a name or groups",
     advice: "Clear the name and groups of robots that are no longer in use.",

@@ -1,4 +1,5 @@
 import createClient, { type Client } from "openapi-fetch";
+import { session } from "../access/session";
 import { CommandError, fromProblem, unreachable } from "./errors";
 import type { paths } from "./schema.gen";
 
@@ -9,7 +10,15 @@ const COMMAND_TIMEOUT_MS = 12_000;
 export type Http = Client<paths>;
 
 export function createHttp(baseUrl: string): Http {
-  return createClient<paths>({ baseUrl, fetch: (request) => globalThis.fetch(request) });
+  return createClient<paths>({ baseUrl, fetch: send });
+}
+
+/** The answer to a request. Where it is refused without a login, the page asks who it is for. */
+async function send(request: Request): Promise<Response> {
+  const answer = await globalThis.fetch(request);
+  // A login with a wrong token is refused, too.
+  if (answer.status === 401 && new URL(request.url).pathname !== "/session") void session.ask();
+  return answer;
 }
 
 /** The signal that ends a request without an answer. */

@@ -1,5 +1,6 @@
 import { Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useState } from "react";
+import { useForbidden } from "../access/permissions";
 import type { Rule } from "../api/automation";
 import { useFleetLive } from "../fleet/context";
 import { Trouble } from "../goals/Trouble";
@@ -19,6 +20,7 @@ export default function AutomationPage() {
   usePageTitle("Automatic docking");
   useFreshAutomation();
   const live = useFleetLive();
+  const forbidden = useForbidden("PUT /automation/rules/{rule_id}");
   const { data: rules, error, refetch } = useRules();
   const [edited, setEdited] = useState<Edited | null>(null);
   const close = () => setEdited(null);
@@ -29,7 +31,7 @@ export default function AutomationPage() {
           Automatic docking
         </Title>
         <ReasonButton
-          reason={live && rules !== undefined ? null : "The gateway is not connected."}
+          reason={forbidden ?? (live && rules !== undefined ? null : "The gateway is not connected.")}
           onClick={() => setEdited({ rule: null })}
         >
           New rule

@@ -1,5 +1,6 @@
 import { SegmentedControl } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
+import { useForbidden } from "../access/permissions";
 import type { Rule, RuleMode } from "../api/automation";
 import { useFleetLive } from "../fleet/context";
 import { robotsWords } from "../fleet/robotChoice";
@@ -19,6 +20,8 @@ const MODE_OPTIONS = Object.entries(MODES).map(([value, label]) => ({ value, lab
 export function RuleCard({ rule, onEdit }: { rule: Rule; onEdit: () => void }) {
   const naming = useNaming();
   const live = useFleetLive();
+  const forbidden = useForbidden("PUT /automation/rules/{rule_id}");
+  const reason = forbidden ?? (live ? null : "The gateway is not connected.");
   const { save, remove } = useRuleCommands();
   const [asking, ask] = useDisclosure(false);
   const setMode = (mode: RuleMode, by = ownName().trim() || null) =>
@@ -38,11 +41,12 @@ export function RuleCard({ rule, onEdit }: { rule: Rule; onEdit: () => void }) {
           data={MODE_OPTIONS}
           value={rule.mode}
           onChange={choose}
-          disabled={!live || save.isPending}
+          disabled={reason !== null || save.isPending}
+          title={reason ?? undefined}
           {...(rule.mode === "on" ? { color: "green.9" } : {})}
         />
       }
-      reason={live ? null : "The gateway is not connected."}
+      reason={reason}
       onEdit={onEdit}
       remove={remove}
       removal="Goals that it has sent go on. Its decisions stay in the list."

@@ -1,6 +1,7 @@
 import { Button, Group, NumberInput, SimpleGrid, Skeleton, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Suspense, useId, useState } from "react";
+import { useForbidden } from "../access/permissions";
 import { useLive, useServices, useTopicPart } from "../store/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { lazyPart } from "../ui/lazyPart";
@@ -23,6 +24,7 @@ const MAX_RATE_HZ = 100;
 export function PublisherCard() {
   const { gateway, store } = useServices();
   const live = useLive();
+  const forbidden = useForbidden("POST /battery");
   const active = useTopicPart("publisher", (publisher) => publisher?.active === true);
   const [form, setForm] = useState<BatteryForm>(PRESETS[0].form);
   const [rateInput, setRateInput] = useState<NumberInputValue>(1);
@@ -54,11 +56,13 @@ export function PublisherCard() {
 
   const busy = commands.some((command) => command.isPending);
   const rateWrong = rate === null || rate < MIN_RATE_HZ || rate > MAX_RATE_HZ;
-  const why = !live
-    ? "Publishing needs the gateway, which is not connected."
-    : busy
-      ? "The gateway has not answered yet."
-      : null;
+  const why =
+    forbidden ??
+    (!live
+      ? "Publishing needs the gateway, which is not connected."
+      : busy
+        ? "The gateway has not answered yet."
+        : null);
   const whyNotOnce = why ?? (message === null ? "A field is not valid." : null);
   const whyNotRepeatedly =
     whyNotOnce ?? (rateWrong ? `The rate has to be ${MIN_RATE_HZ} to ${MAX_RATE_HZ} Hz.` : null);

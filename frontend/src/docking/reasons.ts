@@ -1,3 +1,4 @@
+import { whyForbidden } from "../access/permissions";
 import type { ActionServer, Goal, Verb } from "../api/types";
 
 export const NOT_CONNECTED = "The gateway is not connected.";
@@ -24,6 +25,8 @@ export function whyNotSend(
   verb: Verb,
   { live, stopped, running, sending, server }: Situation,
 ): string | null {
+  const forbidden = whyForbidden(`POST /${verb}`);
+  if (forbidden !== null) return forbidden;
   if (!live) return NOT_CONNECTED;
   if (stopped) return "The robot is stopped. Release the stop first.";
   if (sending) return "A goal was sent. The action server has not answered yet.";
@@ -35,6 +38,8 @@ export function whyNotSend(
 
 /** Why nothing can be canceled now. */
 export function whyNotCancel(live: boolean, running: Running | null, pending: boolean): string | null {
+  const forbidden = whyForbidden("POST /goals/{goal_id}/cancel");
+  if (forbidden !== null) return forbidden;
   if (!live) return NOT_CONNECTED;
   if (running === null) return "No goal is running.";
   if (pending || running.status === "canceling") return "The goal is being canceled.";

@@ -1,4 +1,5 @@
 import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
+import { useSession } from "../access/session";
 import type { Gateway } from "../api/client";
 import type { Http } from "../api/http";
 import type { OpenRobot } from "../robot/services";
@@ -49,7 +50,8 @@ export function useFleetPart<T extends FleetTopic, Part>(
   return useSyncExternalStore(subscribe, () => read(store.get(topic)));
 }
 
-/** Whether what is shown of all robots is what the gateway says now. */
+/** Whether what is shown of all robots is what the gateway says now. Renders anew when the login changes, too. */
 export function useFleetLive(): boolean {
-  return useFleetPart("connection", ({ phase }) => phase === "live");
+  const { principal } = useSession();
+  return useFleetPart("connection", ({ phase }) => phase === "live") && principal !== null;
 }

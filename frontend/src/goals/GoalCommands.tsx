@@ -1,6 +1,7 @@
 import { Alert, Anchor, Button, Group, Stack, Text } from "@mantine/core";
 import { useId, useState } from "react";
 import { Link } from "react-router";
+import { whyForbidden } from "../access/permissions";
 import { useActionsApi, useSchemas } from "../actions/useActions";
 import { goalExportUrl } from "../api/goals";
 import type { AnyGoal, StopState } from "../api/types";
@@ -12,6 +13,7 @@ import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog } from "../ui/Dialog";
 import { NOT_MEASURED } from "../ui/messageWords";
+import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/useCommand";
 import { Downloads } from "./Downloads";
 import { NamedMessage } from "./GoalMessages";
@@ -26,7 +28,6 @@ export function GoalCommands({ goal }: { goal: AnyGoal }) {
   const live = useFleetLive();
   const stop = useFleetTopic("stop");
   const [asking, setAsking] = useState(false);
-  const reasonId = useId();
   const cancel = useCommand(async () => watch.take(await api.cancel(goal.goal_id)));
   const again = useCommand(() => actions.send(goal.action_name, JSON.stringify(goal.goal)));
   const cancelReason = whyNotCancel(goal, live, cancel.isPending);
@@ -38,28 +39,15 @@ export function GoalCommands({ goal }: { goal: AnyGoal }) {
   return (
     <Stack gap="xs">
       <div className={classes.commands}>
-        <Button
-          variant="default"
-          disabled={cancelReason !== null}
-          aria-describedby={reasonId}
-          onClick={() => cancel.mutate()}
-        >
+        <ReasonButton variant="default" reason={cancelReason} onClick={() => cancel.mutate()}>
           Cancel
-        </Button>
-        <Button
-          variant="default"
-          disabled={againReason !== null}
-          aria-describedby={reasonId}
-          onClick={() => setAsking(true)}
-        >
+        </ReasonButton>
+        <ReasonButton variant="default" reason={againReason} onClick={() => setAsking(true)}>
           Send again …
-        </Button>
+        </ReasonButton>
         <CopyButton value={window.location.href} what="to this goal" label="Copy link" />
         <Downloads what="this goal" url={(format) => goalExportUrl(goal.goal_id, format)} />
       </div>
-      <Text size="sm" c="dimmed" id={reasonId} role="status">
-        {[cancelReason, againReason].filter((reason) => reason !== null).join(" ")}
-      </Text>
       <CommandErrorAlert command="Cancel" error={cancel.error} onClose={cancel.reset} />
       <CommandErrorAlert command="Sending it again" error={again.error} onClose={again.reset} />
       {again.data !== undefined && <SentAgain goal={again.data} onClose={again.reset} />}
@@ -133,21 +121,25 @@ function AskAgain({ goal, opened, reason, onClose, onSend }: AskAgainProps) {
 const NOT_CONNECTED = "Commands need the gateway, which is not connected.";
 
 function whyNotCancel(goal: AnyGoal, live: boolean, pending: boolean): string | null {
-  if (goal.status !== "lost" && isTerminal(goal.status)) return "Cancel: the goal has ended.";
+  const forbidden = whyForbidden("POST /goals/{goal_id}/cancel");
+  if (forbidden !== null) return forbidden;
+  if (goal.status !== "lost" && isTerminal(goal.status)) return "The goal has ended.";
   if (!live) return NOT_CONNECTED;
-  if (pending || goal.status === "canceling") return "Cancel: the goal is being canceled.";
-  if (goal.status === "pending") return "Cancel: the action server has not answered yet.";
+  if (pending || goal.status === "canceling") return "The goal is being canceled.";
+  if (goal.status === "pending") return "The action server has not answered yet.";
   return null;
 }
 
 function whyNotAgain(goal: AnyGoal, live: boolean, stop: StopState, pending: boolean): string | null {
+  const forbidden = whyForbidden("POST /actions/{name}/goals");
+  if (forbidden !== null) return forbidden;
   if (goal.goal === null) {
     const reason = goal.origin === "external" ? "ROS does not tell what others asked for" : "it is not known";
-    return `Send again: the goal's message is missing, ${reason}.`;
+    return `The goal's message is missing: ${reason}.`;
   }
   if (!live) return NOT_CONNECTED;
   if (stop.latched && stop.robots.some((robot) => isOn(goal.action_name, robot))) {
-    return "Send again: the robot is stopped; release the stop first.";
+    return "The robot is stopped. Release the stop first.";
   }
   return pending ? "Sending the goal; waiting for the action server's answer." : null;
 }

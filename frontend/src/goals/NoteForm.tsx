@@ -19,7 +19,7 @@ export function NoteForm({ reason, onAdd }: NoteFormProps) {
   const [name, setName] = useState("");
   const by = known || name.trim();
   const missing =
-    text.trim() === "" ? "Write something first." : by === "" ? "Enter your name first." : reason;
+    reason ?? (text.trim() === "" ? "Write something first." : by === "" ? "Enter your name first." : null);
   const add = () => {
     if (missing !== null) return;
     if (known === "") setOwnName(by);

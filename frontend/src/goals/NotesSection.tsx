@@ -1,4 +1,5 @@
 import { Skeleton, Stack } from "@mantine/core";
+import { useForbidden } from "../access/permissions";
 import { useFleetLive } from "../fleet/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Section } from "../ui/Section";
@@ -12,7 +13,9 @@ import { useNotes } from "./useNotes";
 export function NotesSection({ goalId }: { goalId: string }) {
   const { notes, error, refetch, change } = useNotes(goalId);
   const live = useFleetLive();
-  const reason = live ? (change.isPending ? "The last change is being saved." : null) : NOT_LIVE;
+  const forbidden = useForbidden("POST /goals/{goal_id}/notes");
+  const reason =
+    forbidden ?? (live ? (change.isPending ? "The last change is being saved." : null) : NOT_LIVE);
   return (
     <Section title="Notes">
       <Trouble what="The notes could not be loaded" error={error} onRetry={() => void refetch()} />

@@ -25,6 +25,7 @@ export function TagsField({ tags, reason, onTags }: TagsFieldProps) {
       value={[...tags]}
       onChange={(next) => reason === null && onTags(next)}
       readOnly={reason !== null}
+      title={reason ?? undefined}
       comboboxProps={{ withinPortal: false }}
       acceptValueOnBlur
     />

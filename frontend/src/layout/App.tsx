@@ -1,5 +1,6 @@
 import { Suspense } from "react";
 import { Route, Routes } from "react-router";
+import { Entrance } from "../access/Entrance";
 import { Announcements } from "../notifications/Announcements";
 import OverviewPage from "../overview/OverviewPage";
 import RobotPage from "../robot/RobotPage";
@@ -16,6 +17,7 @@ const StatisticsPage = lazyPart(() => import("../statistics/StatisticsPage"));
 const AutomationPage = lazyPart(() => import("../automation/AutomationPage"));
 const NotificationsPage = lazyPart(() => import("../notifications/NotificationsPage"));
 const GraphPage = lazyPart(() => import("../graph/GraphPage"));
+const TokensPage = lazyPart(() => import("../access/TokensPage"));
 const MapPage = lazyPart(() => import("../map/MapPage"));
 const WallPage = lazyPart(() => import("../wall/WallPage"));
 
@@ -33,7 +35,7 @@ function Wall() {
 /** The pages, in what they have in common. */
 export function App() {
   return (
-    <>
+    <Entrance>
       <Announcements />
       <Routes>
         <Route path="ui/wall" element={<Wall />} />
@@ -49,11 +51,12 @@ export function App() {
             <Route path="statistics" element={<StatisticsPage />} />
             <Route path="automation" element={<AutomationPage />} />
             <Route path="notifications" element={<NotificationsPage />} />
+            <Route path="tokens" element={<TokensPage />} />
             <Route path="graph" element={<GraphPage />} />
           </Route>
           <Route path="*" element={<NotFoundPage />} />
         </Route>
       </Routes>
-    </>
+    </Entrance>
   );
 }

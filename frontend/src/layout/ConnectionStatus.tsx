@@ -1,16 +1,22 @@
 import { Badge, Tooltip } from "@mantine/core";
+import { useSession } from "../access/session";
 import { useFleetTopic } from "../fleet/context";
 import type { ConnectionPhase } from "../stream/connection";
 import classes from "./layout.module.css";
 
 /** Only what is wrong has a colour. */
-const PHASES: Record<ConnectionPhase, { label: string; color?: string; hint: string }> = {
+const PHASES: Record<ConnectionPhase | "logged out", { label: string; color?: string; hint: string }> = {
   connecting: { label: "connecting", hint: "Waiting for the gateway's first message." },
   live: { label: "live", hint: "What you see is what the gateway says now." },
   reconnecting: {
     label: "reconnecting",
     color: "orange",
     hint: "The connection to the gateway was lost; trying again by itself.",
+  },
+  "logged out": {
+    label: "logged out",
+    color: "orange",
+    hint: "Your login has ended: nothing is live until you log in.",
   },
   gone: {
     label: "gateway gone",
@@ -21,7 +27,8 @@ const PHASES: Record<ConnectionPhase, { label: string; color?: string; hint: str
 
 export function ConnectionStatus() {
   const { phase } = useFleetTopic("connection");
-  const { label, color, hint } = PHASES[phase];
+  const loggedOut = useSession().principal === null;
+  const { label, color, hint } = PHASES[loggedOut ? "logged out" : phase];
   return (
     <Tooltip label={hint} multiline maw={280}>
       <Badge

@@ -1,5 +1,6 @@
 import { Anchor, Container, Group } from "@mantine/core";
 import { Link } from "react-router";
+import { Account } from "../access/Account";
 import { SearchButton } from "../search/SearchButton";
 import { StopButton } from "../stop/StopButton";
 import { ColorSchemeSwitch } from "./ColorSchemeSwitch";
@@ -27,6 +28,7 @@ export function Header() {
             <SearchButton />
             <ShortcutsButton />
             <ColorSchemeSwitch />
+            <Account />
             <StopButton />
           </Group>
         </div>

@@ -2,6 +2,7 @@ import { ActionIcon } from "@mantine/core";
 import { useClickOutside, useMediaQuery } from "@mantine/hooks";
 import { useId, useState } from "react";
 import { NavLink } from "react-router";
+import { AccountLines } from "../access/AccountLines";
 import { AlertCount } from "../alerts/AlertCount";
 import classes from "./layout.module.css";
 import { PAGES } from "./pages";
@@ -48,8 +49,9 @@ function Menu() {
       <span className={classes.alerts}>
         <AlertCount />
       </span>
-      <div id={listId} hidden={!opened}>
-        <Pages className={classes.list} pages={PAGES} counted={false} onChoose={close} />
+      <div id={listId} hidden={!opened} className={classes.list}>
+        <Pages className={classes.links} pages={PAGES} counted={false} onChoose={close} />
+        <AccountLines className={classes.page ?? ""} onChoose={close} />
       </div>
     </nav>
   );

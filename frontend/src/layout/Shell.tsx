@@ -1,6 +1,8 @@
 import { Container, Skeleton, Stack } from "@mantine/core";
 import { type RefObject, Suspense, useEffect, useRef } from "react";
 import { Outlet, useLocation } from "react-router";
+import { LoginEnded } from "../access/LoginEnded";
+import { useSession } from "../access/session";
 import { openAlerts } from "../alerts/order";
 import { useFleetTopic } from "../fleet/context";
 import { OperationsProvider } from "../operations/context";
@@ -16,6 +18,7 @@ export function Shell() {
   const main = useRef<HTMLDivElement>(null);
   const { pathname } = useLocation();
   useFocusOnNavigation(main, pathname);
+  const loggedOut = useSession().principal === null;
   const alerts = openAlerts(useFleetTopic("alerts")).length;
   return (
     <TitlePrefixProvider value={alerts === 0 ? "" : `(${alerts}) `}>
@@ -34,7 +37,7 @@ export function Shell() {
           className={classes.main}
         >
           <Stack gap="md">
-            <ConnectionBanner />
+            {loggedOut ? <LoginEnded /> : <ConnectionBanner />}
             <StopBanner />
             <Guarded of={pathname}>
               <Suspense fallback={<PageSkeleton />}>

@@ -1,7 +1,7 @@
 import { Anchor, Group, Kbd, Stack, Switch, Text, TextInput, Title } from "@mantine/core";
 import { Fragment, useState } from "react";
 import { TWICE_WITHIN_MS } from "../stop/keys";
-import { MAX_NAME, ownName, setOwnName } from "../stop/who";
+import { loginName, MAX_NAME, ownName, setOwnName } from "../stop/who";
 import { ZoneSwitch } from "../ui/ZoneSwitch";
 import classes from "./layout.module.css";
 import { lettersOn, setLettersOn } from "./letters";
@@ -115,6 +115,7 @@ function LettersSwitch() {
 
 function NameField() {
   const [name, setName] = useState(ownName);
+  if (loginName() !== null) return null;
   return (
     <TextInput
       label="Your name"

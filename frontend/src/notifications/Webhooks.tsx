@@ -1,5 +1,6 @@
 import { Code, Group, Skeleton, Stack, Text } from "@mantine/core";
 import { useState } from "react";
+import { useForbidden } from "../access/permissions";
 import type { StoredWebhook, Webhook } from "../api/webhooks";
 import { useFleetLive } from "../fleet/context";
 import { Trouble } from "../goals/Trouble";
@@ -17,6 +18,7 @@ type Edited = { webhook: Webhook | null };
 /** The addresses that receive alerts. */
 export function Webhooks() {
   const live = useFleetLive();
+  const forbidden = useForbidden("GET /webhooks");
   const { data: webhooks, error, refetch } = useWebhooks();
   const [edited, setEdited] = useState<Edited | null>(null);
   const [secret, setSecret] = useState<string | null>(null);
@@ -30,7 +32,7 @@ export function Webhooks() {
       aside={
         <ReasonButton
           size="compact-md"
-          reason={live && webhooks !== undefined ? null : "The gateway is not connected."}
+          reason={forbidden ?? (live && webhooks !== undefined ? null : "The gateway is not connected.")}
           onClick={() => setEdited({ webhook: null })}
         >
           New webhook
@@ -38,7 +40,11 @@ export function Webhooks() {
       }
     >
       <Trouble what="The webhooks could not be loaded" error={error} onRetry={() => void refetch()} />
-      {webhooks === undefined ? (
+      {forbidden !== null && webhooks === undefined ? (
+        <Text size="sm" c="dimmed" maw="44rem">
+          The addresses of webhooks are often secret. {forbidden}
+        </Text>
+      ) : webhooks === undefined ? (
         error === null && <Skeleton height={90} role="status" aria-label="The webhooks are loading" />
       ) : webhooks.length === 0 ? (
         <Text size="sm" c="dimmed" maw="44rem">

@@ -1,4 +1,5 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useForbidden } from "../access/permissions";
 import { type CommandError, toCommandError } from "../api/errors";
 import {
   type Delivery,
@@ -28,9 +29,15 @@ export function useWebhooks() {
   return useQuery<Webhook[], CommandError>({
     queryKey: KEY,
     queryFn: () => listWebhooks(http).catch(failing),
-    enabled: useFleetLive(),
+    enabled: useEnabled(),
     refetchInterval: REFETCH_MS,
   });
+}
+
+/** Whether they can be asked for. */
+function useEnabled(): boolean {
+  const live = useFleetLive();
+  return useForbidden("GET /webhooks") === null && live;
 }
 
 /** What was and is to be sent to a webhook. */
@@ -39,7 +46,7 @@ export function useDeliveries(id: string) {
   return useQuery<Delivery[], CommandError>({
     queryKey: [...KEY, id, "deliveries"],
     queryFn: () => listDeliveries(http, id).catch(failing),
-    enabled: useFleetLive(),
+    enabled: useEnabled(),
     refetchInterval: REFETCH_MS,
   });
 }

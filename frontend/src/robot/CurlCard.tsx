@@ -1,4 +1,5 @@
-import { Text } from "@mantine/core";
+import { Code, Text } from "@mantine/core";
+import { useSession } from "../access/session";
 import { currentGoal } from "../goal/words";
 import { useServices, useTopic } from "../store/context";
 import { Command } from "../ui/Command";
@@ -9,8 +10,14 @@ import classes from "./robot.module.css";
 export function CurlCard() {
   const { robot } = useServices();
   const goal = currentGoal(useTopic("courses"));
+  const { required } = useSession();
   return (
     <Section title="From a terminal">
+      {required && (
+        <Text size="sm">
+          Each needs a token, too: <Code>-H 'Authorization: Bearer dgw_…'</Code>
+        </Text>
+      )}
       <div className={classes.commands}>
         {commands(window.location, robot, `goals/${goal?.goal_id ?? "GOAL_ID"}`).map(({ what, line }) => (
           <div key={what}>

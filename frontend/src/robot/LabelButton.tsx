@@ -1,6 +1,7 @@
 import { ActionIcon, Skeleton, Tooltip } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Suspense } from "react";
+import { useForbidden } from "../access/permissions";
 import { useFleetLive } from "../fleet/context";
 import { useNaming } from "../fleet/useNaming";
 import { Dialog } from "../ui/Dialog";
@@ -13,18 +14,19 @@ const LabelForm = lazyPart(() => import("./LabelForm"));
 export function LabelButton({ robot }: { robot: string }) {
   const naming = useNaming();
   const live = useFleetLive();
+  const reason = useForbidden("PUT /robots/label") ?? (live ? null : "The gateway is not connected.");
   const [opened, dialog] = useDisclosure(false);
   return (
     <>
-      <Tooltip label={live ? "Name and groups" : "The gateway is not connected."}>
+      <Tooltip label={reason ?? "Name and groups"}>
         <ActionIcon
           variant="subtle"
           color="gray"
           size="lg"
           aria-label={`Name and groups of ${naming.nameOf(robot)}`}
           aria-haspopup="dialog"
-          aria-disabled={!live}
-          onClick={() => live && dialog.open()}
+          aria-disabled={reason !== null}
+          onClick={() => reason === null && dialog.open()}
         >
           <svg width="18" height="18" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
             <path d="M3 17.2V21h3.8L17.9 9.9l-3.8-3.8L3 17.2ZM20.7 7a1 1 0 0 0 0-1.4l-2.3-2.3a1 1 0 0 0-1.4 0l-1.8 1.8 3.8 3.8L20.7 7Z" />

@@ -1,5 +1,6 @@
 import { Code, Stack, Text, useComputedColorScheme } from "@mantine/core";
 import { useId, useState } from "react";
+import { useForbidden } from "../access/permissions";
 import type { Scene } from "../api/types";
 import { VelocityLine } from "../docking/VelocityLine";
 import { useServices, useTopicPart } from "../store/context";
@@ -7,6 +8,7 @@ import { useFreshness } from "../store/freshness";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { FreshnessBadge } from "../ui/FreshnessBadge";
 import { Section } from "../ui/Section";
+import { lowerFirst } from "../ui/sentence";
 import { useCommand } from "../ui/useCommand";
 import { SCENE_COLORS } from "./colors";
 import type { Pose } from "./geometry";
@@ -24,7 +26,9 @@ export function SceneCard() {
   const [ghost, setGhost] = useState<Pose | null>(null);
   const wordsId = useId();
   const place = useCommand((pose: Pose) => gateway.placeRobot(pose));
-  const placeable = freshness === "live" && simulated;
+  const forbidden = useForbidden("POST /simulator/place");
+  const movable = freshness === "live" && simulated;
+  const placeable = movable && forbidden === null;
 
   return (
     <Section title="Map" aside={<FreshnessBadge freshness={freshness} />}>
@@ -49,7 +53,7 @@ export function SceneCard() {
           </Text>
           <Legend />
           <Text size="sm" c="dimmed" role="status" className={`tabular ${classes.text}`}>
-            {placeable && hint(ghost)}
+            {movable && (forbidden === null ? hint(ghost) : `To drag the robot: ${lowerFirst(forbidden)}`)}
           </Text>
           <CommandErrorAlert command="Placing the robot" error={place.error} onClose={place.reset} />
         </Stack>

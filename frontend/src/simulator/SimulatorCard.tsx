@@ -1,5 +1,6 @@
 import { Group, NumberInput, SimpleGrid, Stack, Switch, Text } from "@mantine/core";
 import { useState } from "react";
+import { useForbidden } from "../access/permissions";
 import type { Fault, Simulator } from "../api/types";
 import { type NumberInputValue, toNumber } from "../battery/form";
 import { toRadians } from "../scene/geometry";
@@ -22,6 +23,7 @@ export function SimulatorCard() {
 function Controls({ simulator }: { simulator: Simulator }) {
   const { gateway, scene } = useServices();
   const live = useLive();
+  const forbidden = useForbidden("POST /simulator/reset");
   const reset = useCommand(async () => {
     await gateway.resetSimulator();
     scene.trail.clear();
@@ -34,7 +36,7 @@ function Controls({ simulator }: { simulator: Simulator }) {
       <Group gap="sm">
         <ReasonButton
           variant="default"
-          reason={live ? (reset.isPending ? NOT_ANSWERED : null) : NOT_CONNECTED}
+          reason={forbidden ?? (live ? (reset.isPending ? NOT_ANSWERED : null) : NOT_CONNECTED)}
           onClick={() => reset.mutate()}
         >
           Reset
@@ -67,6 +69,7 @@ type Place = Record<(typeof FIELDS)[number]["name"], NumberInputValue>;
 function PlaceForm() {
   const { gateway } = useServices();
   const live = useLive();
+  const forbidden = useForbidden("POST /simulator/place");
   const [place, setPlace] = useState<Place>({ x: -1.5, y: 0.4, heading: -20 });
   const put = useCommand(gateway.placeRobot);
   const [x, y, heading] = FIELDS.map(({ name, min, max }) => {
@@ -80,7 +83,7 @@ function PlaceForm() {
       aria-label="Place the robot"
       onSubmit={(event) => {
         event.preventDefault();
-        if (valid) put.mutate({ x, y, theta: toRadians(heading) });
+        if (valid && forbidden === null) put.mutate({ x, y, theta: toRadians(heading) });
       }}
     >
       <SimpleGrid cols={{ base: 2, xs: 4 }} spacing="sm" style={{ alignItems: "end" }}>
@@ -97,13 +100,14 @@ function PlaceForm() {
           type="submit"
           variant="default"
           reason={
-            !live
+            forbidden ??
+            (!live
               ? NOT_CONNECTED
               : !valid
                 ? "One of the numbers is missing or out of range."
                 : put.isPending
                   ? NOT_ANSWERED
-                  : null
+                  : null)
           }
         >
           Place
@@ -117,6 +121,7 @@ function PlaceForm() {
 function Faults({ simulator }: { simulator: Simulator }) {
   const { gateway } = useServices();
   const live = useLive();
+  const reason = useForbidden("PUT /simulator/faults/{fault}") ?? (live ? null : NOT_CONNECTED);
   const change = useCommand(({ fault, active }: { fault: Fault; active: boolean }) =>
     gateway.switchFault(fault, active),
   );
@@ -134,7 +139,8 @@ function Faults({ simulator }: { simulator: Simulator }) {
               aria-label={name}
               description={effect}
               checked={pending?.fault === fault ? pending.active : active}
-              disabled={!live}
+              disabled={reason !== null}
+              wrapperProps={{ title: reason ?? undefined }}
               onChange={(event) => change.mutate({ fault, active: event.currentTarget.checked })}
             />
           );

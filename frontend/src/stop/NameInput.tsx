@@ -1,6 +1,6 @@
-import { TextInput } from "@mantine/core";
+import { Text, TextInput } from "@mantine/core";
 import { useState } from "react";
-import { MAX_NAME, ownName } from "./who";
+import { loginName, MAX_NAME, ownName } from "./who";
 
 /** The name that is kept in this browser, as it was when the dialog was opened. */
 export function useOwnName(): string {
@@ -14,8 +14,15 @@ interface NameInputProps {
   onChange: (name: string) => void;
 }
 
-/** Who makes a change. */
+/** Who makes a change; asked for only where nobody is logged in. */
 export function NameInput({ value, description, onChange }: NameInputProps) {
+  const known = loginName();
+  if (known !== null)
+    return (
+      <Text size="sm" c="dimmed">
+        Saved as {known}
+      </Text>
+    );
   return (
     <TextInput
       label="Your name"

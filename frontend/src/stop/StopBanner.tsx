@@ -1,6 +1,7 @@
 import { Button, Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type ReactNode, useMemo } from "react";
+import { useForbidden } from "../access/permissions";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import type { Naming } from "../fleet/names";
 import { useNaming } from "../fleet/useNaming";
@@ -134,6 +135,7 @@ function Held({ stop, what, large = false, children }: HeldProps) {
 function Release({ held, small = false }: { held: readonly HeldStop[]; small?: boolean }) {
   const { gateway, gatewayOf, store } = useFleet();
   const live = useFleetLive();
+  const forbidden = useForbidden("DELETE /stop");
   const naming = useNaming();
   const [asking, ask] = useDisclosure(false);
   const release = useCommand(async (stops: readonly HeldStop[]) => {
@@ -150,11 +152,12 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
         variant="default"
         size={small ? "compact-md" : "sm"}
         reason={
-          !live
+          forbidden ??
+          (!live
             ? "The gateway is not connected."
             : release.isPending
               ? "The gateway has not answered yet."
-              : null
+              : null)
         }
         aria-label={small ? `Release ${naming.nameOf(held[0]?.robot ?? "/")} …` : undefined}
         onClick={ask.open}

@@ -1,4 +1,5 @@
 import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
+import { useSession } from "../access/session";
 import type { Gateway } from "../api/client";
 import type { BatterySeries } from "../battery/series";
 import type { SceneBuffer } from "../scene/buffer";
@@ -46,7 +47,8 @@ export function useTopicPart<T extends Topic, Part>(topic: T, read: (value: Topi
   return useSyncExternalStore(subscribe, () => read(store.get(topic)));
 }
 
-/** Whether what is shown is what the gateway says now. */
+/** Whether what is shown is what the gateway says now. Renders anew when the login changes, too. */
 export function useLive(): boolean {
-  return useTopicPart("connection", ({ phase }) => phase === "live");
+  const { principal } = useSession();
+  return useTopicPart("connection", ({ phase }) => phase === "live") && principal !== null;
 }

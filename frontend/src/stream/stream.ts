@@ -1,9 +1,12 @@
 import ReconnectingWebSocket, { type Options } from "partysocket/ws";
+import { session } from "../access/session";
 import type { GatewayEvent } from "../api/types";
 import { steadyNow } from "../ui/steadyClock";
 import { type ConnectionInput, SILENCE_MS } from "./connection";
 
 const WATCH_INTERVAL_MS = 500;
+/** The gateway closes a stream with it when the token is no longer valid. */
+const INVALID_TOKEN = 4401;
 
 export interface StreamHandlers {
   onEvent(event: GatewayEvent): void;
@@ -36,17 +39,28 @@ const backoff: Options = {
   maxEnqueuedMessages: 0,
 };
 
-/** Reads events until the returned function is called; reconnects by itself, and goes on after the last event. */
+/**
+ * Reads events until the returned function is called; reconnects by itself, and goes on after the last event. Waits for a
+ * login while one is needed.
+ */
 export function openStream(url: string, handlers: StreamHandlers, options: Options = {}): () => void {
   const merged = Object.create(backoff, Object.getOwnPropertyDescriptors(options)) as Options;
   const position = new Position();
-  const socket = new ReconnectingWebSocket(() => position.resume(url), null, merged);
+  const address = () => session.loggedIn().then(() => position.resume(url));
+  const socket = new ReconnectingWebSocket(address, null, merged);
   let lastHeard = steadyNow();
+  let opened = false;
 
   socket.addEventListener("open", () => {
     lastHeard = steadyNow();
+    opened = true;
   });
-  socket.addEventListener("close", () => handlers.onConnection({ kind: "closed" }));
+  socket.addEventListener("close", ({ code }) => {
+    handlers.onConnection({ kind: "closed" });
+    // A page is not told why a handshake was refused.
+    if (socket.shouldReconnect && (code === INVALID_TOKEN || !opened)) void session.ask();
+    opened = false;
+  });
   socket.addEventListener("message", (message) => {
     lastHeard = steadyNow();
     const event = parse(message.data);
@@ -71,9 +85,11 @@ export function openStream(url: string, handlers: StreamHandlers, options: Optio
   const tryAnew = () => socket.reconnect();
   window.addEventListener("online", retryNow);
   window.addEventListener("offline", tryAnew);
+  const forget = session.subscribe(() => session.loggedOut && socket.reconnect());
 
   return () => {
     clearInterval(watch);
+    forget();
     window.removeEventListener("online", retryNow);
     window.removeEventListener("offline", tryAnew);
     socket.close();

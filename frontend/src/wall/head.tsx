@@ -1,4 +1,5 @@
 import { useMemo } from "react";
+import { useSession } from "../access/session";
 import { alertsOf, openAlerts, urgentFirst } from "../alerts/order";
 import { SeverityMark } from "../alerts/SeverityMark";
 import { useFleetTopic } from "../fleet/context";
@@ -35,6 +36,7 @@ export function Clock() {
 /** Whether what is shown is live, and which robots are stopped; nothing where all is well. */
 export function State() {
   const { phase, since } = useFleetTopic("connection");
+  const loggedOut = useSession().principal === null;
   const stop = useFleetTopic("stop");
   const robots = useFleetTopic("robots");
   const naming = useNaming();
@@ -47,8 +49,12 @@ export function State() {
       {phase === "connecting" && <p className={classes.state}>Connecting to the gateway</p>}
       {(phase === "reconnecting" || phase === "gone") && (
         <p className={classes.state} data-bad={phase}>
-          {phase === "gone" ? "The gateway is gone" : "Reconnecting to the gateway"}: as of{" "}
-          <Time value={since} />
+          {loggedOut
+            ? "The login has ended, leave to log in"
+            : phase === "gone"
+              ? "The gateway is gone"
+              : "Reconnecting to the gateway"}
+          : as of <Time value={since} />
         </p>
       )}
       {names.length > 0 && (

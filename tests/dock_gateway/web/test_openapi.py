@@ -122,6 +122,23 @@ def test_errors_are_problem_documents(document: dict[str, Any]) -> None:
                     assert list(response["content"]) == ["application/problem+json"], operation["operationId"]
 
 
+def test_operations_name_the_role_that_they_need(document: dict[str, Any]) -> None:
+    roles = {
+        (method, path): operation.get("x-role")
+        for path, item in document["paths"].items()
+        for method, operation in item.items()
+    }
+    assert roles["get", "/goals"] == "viewer"
+    assert roles["post", "/dock"] == "operator"
+    assert roles["delete", "/stop"] == "supervisor"
+    assert roles["get", "/tokens"] == "admin"
+    public = {operation for operation, role in roles.items() if role is None}
+    assert public == {(method, "/session") for method in ("get", "post", "delete")} | {
+        ("get", "/healthz"),
+        ("get", "/readyz"),
+    }
+
+
 def test_names_and_ids_have_patterns(document: dict[str, Any]) -> None:
     for path, item in document["paths"].items():
         for operation in item.values():

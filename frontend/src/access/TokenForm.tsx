@@ -1,0 +1,79 @@
+import { Button, Group, NativeSelect, NumberInput, Stack, TextInput } from "@mantine/core";
+import type { UseMutationResult } from "@tanstack/react-query";
+import { type FormEvent, useState } from "react";
+import type { CreatedToken, TokenBody } from "../api/access";
+import type { CommandError } from "../api/errors";
+import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { ROLES } from "./permissions";
+import type { Role } from "./session";
+import { ROLE_WORDS } from "./words";
+
+/** As the gateway allows. */
+const MAX_NAME = 60;
+const MAX_DAYS = 3650;
+const USUAL_DAYS = 90;
+
+interface TokenFormProps {
+  create: UseMutationResult<CreatedToken, CommandError, TokenBody>;
+  onDone: (created: CreatedToken) => void;
+  onCancel: () => void;
+}
+
+/** Creates a token for a person or a script. */
+export function TokenForm({ create, onDone, onCancel }: TokenFormProps) {
+  const [name, setName] = useState("");
+  const [role, setRole] = useState<Role>("viewer");
+  const [days, setDays] = useState<number | string>(USUAL_DAYS);
+  const [tried, setTried] = useState(false);
+  const missing = name.trim() === "";
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    setTried(true);
+    if (missing) return;
+    const body = { name: name.trim(), role, days: typeof days === "number" ? days : null };
+    create.mutate(body, { onSuccess: onDone });
+  };
+  return (
+    <form onSubmit={submit} noValidate>
+      <Stack gap="md">
+        <TextInput
+          label="Name"
+          description="Who uses it, a person or a script. Others read it beside what is done with it."
+          placeholder="Ada"
+          autoComplete="off"
+          maxLength={MAX_NAME}
+          value={name}
+          error={tried && missing && "Type a name."}
+          onChange={(event) => setName(event.currentTarget.value)}
+          data-autofocus
+        />
+        <NativeSelect
+          label="Role"
+          description={ROLE_WORDS[role]}
+          data={[...ROLES]}
+          value={role}
+          onChange={(event) => setRole(event.currentTarget.value as Role)}
+        />
+        <NumberInput
+          label="Valid for (days)"
+          description="Leave empty for a token that is valid until it is revoked."
+          min={1}
+          max={MAX_DAYS}
+          allowDecimal={false}
+          clampBehavior="strict"
+          value={days}
+          onChange={setDays}
+        />
+        <CommandErrorAlert command="Creating the token" error={create.error} onClose={create.reset} />
+        <Group justify="flex-end" gap="sm">
+          <Button variant="default" onClick={onCancel}>
+            Cancel
+          </Button>
+          <Button type="submit" loading={create.isPending}>
+            Create
+          </Button>
+        </Group>
+      </Stack>
+    </form>
+  );
+}

@@ -1,0 +1,17 @@
+import { notifications } from "@mantine/notifications";
+import { logOut } from "../api/access";
+import { toCommandError } from "../api/errors";
+import { useFleet } from "../fleet/context";
+
+/** Logs out, and loads the page again: nothing that it knew stays in it. */
+export function useLogOut(): () => void {
+  const { http } = useFleet();
+  return () =>
+    void logOut(http).then(
+      () => window.location.reload(),
+      (error: unknown) => {
+        const { title, detail } = toCommandError(error);
+        notifications.show({ color: "red", title: `You are still logged in: ${title}`, message: detail });
+      },
+    );
+}

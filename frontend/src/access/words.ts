@@ -1,0 +1,9 @@
+import type { Role } from "./session";
+
+/** What somebody with a role may do besides what those before it may. */
+export const ROLE_WORDS: Record<Role, string> = {
+  viewer: "Sees everything, and may stop robots.",
+  operator: "Also docks and undocks, sends and cancels goals, adds notes, and acknowledges alerts.",
+  supervisor: "Also releases stops, and changes rules, webhooks, names and groups.",
+  admin: "Also creates and revokes tokens.",
+};

@@ -1,0 +1,191 @@
+"""A gateway that asks for a token: login, what a role may do, a login that ends while the page is open, tokens."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from tests.browser.axe import find_violations
+from tests.browser.conftest import PATIENCE_MS
+from tests.browser.width import expect_no_sideways_scrolling
+from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
+
+pytestmark = pytest.mark.timeout(200)
+
+
+@pytest.fixture(scope="module")
+def database_url(tmp_path_factory: pytest.TempPathFactory) -> str:
+    return f"sqlite:///{tmp_path_factory.mktemp('access')}/history.db"
+
+
+@pytest.fixture(scope="module")
+def admin(database_url: str) -> str:
+    """The secret of the first token."""
+    command = ["-m", "dock_gateway", "token", "create", "admin", "--role", "admin", "--database-url", database_url]
+    return subprocess.run([sys.executable, *command], check=True, capture_output=True, text=True).stdout.strip()
+
+
+@pytest.fixture(scope="module")
+def gateway(domain: int, database_url: str, admin: str) -> Iterator[RunningGateway]:
+    settings = {"authentication": "true", "database_url": database_url}
+    with running_dock_server(domain), running_gateway(domain, **settings) as gateway:
+        gateway.wait_until_ready()
+        gateway.http.headers["Authorization"] = f"Bearer {admin}"
+        yield gateway
+
+
+@pytest.fixture(scope="module")
+def secrets(gateway: RunningGateway, admin: str) -> dict[str, str]:
+    """The secrets of tokens that are called as their roles."""
+    roles = {role: create(gateway, role, role)["secret"] for role in ("viewer", "operator")}
+    return {**roles, "admin": admin}
+
+
+def create(gateway: RunningGateway, name: str, role: str) -> dict[str, str]:
+    created: dict[str, str] = gateway.http.post("/tokens", json={"name": name, "role": role}).raise_for_status().json()
+    return created
+
+
+@pytest.fixture
+def page(browser: Browser, gateway: RunningGateway) -> Iterator[Page]:
+    """The page that asks for a login."""
+    with browser.new_context(reduced_motion="reduce", viewport={"width": 1440, "height": 1000}) as context:
+        page = context.new_page()
+        page.set_default_timeout(PATIENCE_MS)
+        page.goto(f"{gateway.url}/ui/goals")
+        yield page
+    gateway.http.delete("/stop")
+
+
+def log_in(page: Page, secret: str) -> None:
+    page.get_by_label("Token", exact=True).fill(secret)
+    page.get_by_label("Token", exact=True).press("Enter")
+
+
+def expect_live(page: Page) -> None:
+    expect(page.get_by_test_id("connection")).to_have_text("live")
+
+
+def test_the_page_asks_for_a_token_first(page: Page, gateway: RunningGateway, secrets: dict[str, str]) -> None:
+    streams: list[str] = []
+    page.on("websocket", lambda socket: streams.append(socket.url))
+    page.reload()
+    field = page.get_by_label("Token", exact=True)
+    expect(field).to_be_focused()
+    expect(field).to_have_attribute("type", "password")
+    page.get_by_role("button", name="Show the token").click()
+    expect(field).to_have_attribute("type", "text")
+    assert find_violations(page) == []
+    page.set_viewport_size({"width": 320, "height": 900})
+    expect_no_sideways_scrolling(page)
+    page.set_viewport_size({"width": 1440, "height": 1000})
+
+    page.get_by_role("button", name="Log in").click()
+    expect(page.get_by_text("Enter your token.")).to_be_visible()
+    log_in(page, "dgw_wrong")
+    expect(page.get_by_text("This token is not valid")).to_be_visible()
+    assert streams == []
+
+    log_in(page, secrets["viewer"])
+    expect(page.get_by_role("heading", name="Goals", level=1)).to_be_visible()  # as the address says
+    expect_live(page)
+    page.get_by_role("button", name="Logged in as viewer, viewer").click()
+    expect(page.get_by_role("menuitem", name="Tokens")).to_have_count(0)
+    page.get_by_role("menuitem", name="Log out").click()
+    expect(field).to_be_visible()
+    page.reload()
+    expect(field).to_be_visible()
+
+
+def test_what_a_viewer_may_not_do_says_why(page: Page, gateway: RunningGateway, secrets: dict[str, str]) -> None:
+    log_in(page, secrets["viewer"])
+    expect_live(page)
+    page.get_by_role("link", name="Overview").click()
+    dock = page.get_by_role("button", name="Dock", exact=True)
+    expect(dock).to_be_disabled()
+    expect(dock).to_have_accessible_description("Needs the role operator; you are viewer.")
+    dock.hover(force=True)
+    expect(page.get_by_role("tooltip")).to_have_text("Needs the role operator; you are viewer.")
+    page.get_by_role("button", name="Stop", exact=True).click()
+    banner = page.get_by_test_id("stop-banner")
+    expect(banner).to_contain_text("stopped by viewer")
+    release = banner.get_by_role("button", name="Release")
+    expect(release).to_have_accessible_description("Needs the role supervisor; you are viewer.")
+    assert find_violations(page) == []
+    page.get_by_role("link", name="Notifications").click()
+    secret = "The addresses of webhooks are often secret. Needs the role supervisor; you are viewer."
+    expect(page.get_by_text(secret)).to_be_visible()
+    page.goto(f"{gateway.url}/ui/tokens")
+    expect(page.get_by_role("main")).to_contain_text("Needs the role admin; you are viewer.")
+
+
+def test_a_login_that_ends_is_said_and_another_one_goes_on(
+    page: Page, gateway: RunningGateway, secrets: dict[str, str]
+) -> None:
+    created = create(gateway, "Bob", "operator")
+    log_in(page, created["secret"])
+    expect_live(page)
+    page.get_by_role("link", name="Overview").click()
+    expect(page.get_by_role("region", name="Docking", exact=True)).to_be_visible()
+    page.add_init_script("window.reloaded = true")
+    gateway.http.delete(f"/tokens/{created['id']}").raise_for_status()
+    ended = page.get_by_role("alert").filter(has_text="Your login has ended")
+    expect(ended).to_be_visible()
+    expect(page.get_by_test_id("connection")).to_have_text("logged out")
+    expect(page.get_by_role("region", name="Docking", exact=True)).to_be_visible()
+    expect(page.get_by_role("button", name="Stop", exact=True)).to_be_enabled()
+    assert find_violations(page) == []
+    streams: list[str] = []
+    page.on("websocket", lambda socket: streams.append(socket.url))
+    page.wait_for_timeout(2500)  # longer than the first attempts of a stream are apart
+    assert streams == []
+
+    ended.get_by_role("button", name="Log in").click()
+    log_in(page, secrets["operator"])
+    expect(ended).to_have_count(0)
+    expect_live(page)
+    expect(page.get_by_role("button", name="Logged in as operator, operator")).to_be_visible()
+    assert page.evaluate("window.reloaded") is None
+
+
+def test_an_admin_creates_and_revokes_tokens(page: Page, gateway: RunningGateway, secrets: dict[str, str]) -> None:
+    log_in(page, secrets["admin"])
+    expect_live(page)
+    page.get_by_role("button", name="Logged in as admin, admin").click()
+    page.get_by_role("menuitem", name="Tokens").click()
+    page.get_by_role("button", name="New token").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_label("Name", exact=True).fill("Night shift")
+    dialog.get_by_label("Role").select_option("supervisor")
+    dialog.get_by_label("Valid for (days)").fill("7")
+    assert find_violations(page) == []
+    dialog.get_by_role("button", name="Create").click()
+    expect(dialog).to_contain_text("it is not shown again")
+    secret = dialog.locator("pre").inner_text()
+    identity = gateway.http.get("/session", headers={"Authorization": f"Bearer {secret}"}).json()
+    assert identity["principal"] == {"name": "Night shift", "role": "supervisor"}
+    dialog.get_by_role("button", name="Close").click()
+    token = page.get_by_role("list", name="Tokens").get_by_role("listitem").filter(has_text="Night shift")
+    expect(token).to_contain_text("by admin")
+    assert find_violations(page) == []
+    for width in (320, 768):
+        page.set_viewport_size({"width": width, "height": 900})
+        expect_no_sideways_scrolling(page)
+    page.get_by_role("button", name="Revoke Night shift").click()
+    expect(dialog).to_contain_text("Goals that Night shift has sent go on")
+    dialog.get_by_role("button", name="Revoke", exact=True).click()
+    expect(token).to_have_count(0)
+
+
+def test_a_phone_has_the_login_in_its_menu(page: Page, secrets: dict[str, str]) -> None:
+    page.set_viewport_size({"width": 320, "height": 900})
+    log_in(page, secrets["admin"])
+    expect_live(page)
+    page.get_by_role("button", name="Pages").click()
+    expect(page.get_by_text("Logged in as admin, admin")).to_be_visible()
+    expect_no_sideways_scrolling(page)
+    assert find_violations(page) == []
+    page.get_by_role("link", name="Tokens").click()
+    expect(page.get_by_role("heading", name="Tokens")).to_be_visible()
