@@ -7,6 +7,8 @@ import pytest
 from tests.chaos.withstand import withstand
 from tests.support.domain import ros_domain
 from tests.support.gateway import RunningGateway, running_gateway, running_hostile_node
+from tests.support.probe import probing
+from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
@@ -32,6 +34,9 @@ def domain() -> Iterator[int]:
 @pytest.fixture(scope="module")
 def gateway(domain: int) -> Iterator[RunningGateway]:
     with running_gateway(domain) as gateway:
+        # What the first flood makes the gateway keep for good, such as loaded code and freed memory, is no leak.
+        with probing(gateway) as findings, running_hostile_node(domain, *next(iter(FLOODS.values()))):
+            wait_until(lambda: findings.complete, "an answer to each probe")
         yield gateway
 
 
