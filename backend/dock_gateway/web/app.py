@@ -108,7 +108,7 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
     routers = api_routers()
     for router in routers:
         app.include_router(router, dependencies=[Depends(authorize)], responses=problems(401, 403))
-    install_openapi(app)
+    install_openapi(app, authentication=settings.authentication)
     install_docs(app)
     install_dashboard(app, settings)
     allowed = allowed_methods([*(route for router in routers for route in router.routes), *app.routes])

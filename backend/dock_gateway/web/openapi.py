@@ -29,12 +29,17 @@ SECURITY_SCHEMES = {
 REF = "#/components/schemas/{model}"
 
 
-def install_openapi(app: FastAPI) -> None:
-    """Make the app serve its OpenAPI document with our schemas in it."""
+def install_openapi(app: FastAPI, *, authentication: bool) -> None:
+    """Make the app serve its OpenAPI document with our schemas in it.
+
+    Args:
+        app: The application.
+        authentication: Whether requests need a token.
+    """
 
     def openapi() -> dict[str, Any]:
         if app.openapi_schema is None:
-            app.openapi_schema = _build(app)
+            app.openapi_schema = _build(app, authentication=authentication)
         return app.openapi_schema
 
     app.openapi = openapi  # type: ignore[method-assign]
@@ -51,7 +56,7 @@ def install_openapi(app: FastAPI) -> None:
         return Response(made[0], media_type="application/json")
 
 
-def _build(app: FastAPI) -> dict[str, Any]:
+def _build(app: FastAPI, *, authentication: bool) -> dict[str, Any]:
     document = get_openapi(
         title=app.title,
         version=app.version,
@@ -60,8 +65,9 @@ def _build(app: FastAPI) -> dict[str, Any]:
         tags=app.openapi_tags,
     )
     components = document.setdefault("components", {})
-    components["securitySchemes"] = SECURITY_SCHEMES
-    document["security"] = [{name: []} for name in SECURITY_SCHEMES]
+    if authentication:
+        components["securitySchemes"] = SECURITY_SCHEMES
+        document["security"] = [{name: []} for name in SECURITY_SCHEMES]
     _add_roles(document, app)
     schemas = components.setdefault("schemas", {})
     models: list[type[BaseModel]] = [*EVENTS, *ACTION_EVENTS, *ECHO_EVENTS, *ANSWERS, Problem, StopProblem]
@@ -88,12 +94,16 @@ def _build(app: FastAPI) -> dict[str, Any]:
 
 
 def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
-    """Add to each operation that needs a token the role that it needs, as `x-role`."""
+    """Add to each operation the role that it needs, as `x-role`; or, where there is security, that it needs none."""
     for route in iter_route_contexts(app.routes):
         operations = document["paths"].get(str(route.path_format), {})
         for operation in (operations.get(method.lower()) for method in route.methods or ()):
-            if operation is not None and route.name not in PUBLIC:
+            if operation is None:
+                continue
+            if route.name not in PUBLIC:
                 operation["x-role"] = ROUTES.get(str(route.name), Role.VIEWER)
+            elif "security" in document:
+                operation["security"] = []
 
 
 def _one_of(schemas: dict[str, Any], events: Iterable[type[BaseModel]], description: str) -> dict[str, Any]:

@@ -33,6 +33,17 @@ def test_it_is_a_valid_openapi_3_1_document(document: dict[str, Any]) -> None:
     assert list(OpenAPIV31SpecValidator(plain).iter_errors())
 
 
+def test_it_asks_for_a_token_where_the_gateway_does(document: dict[str, Any]) -> None:
+    assert "security" not in document
+    settings = Settings(authentication=True, database_url="sqlite:////nowhere")
+    guarded = orjson.loads(orjson.dumps(create_app(settings).openapi()))
+    validate(guarded, cls=OpenAPIV31SpecValidator)
+    assert {name for option in guarded["security"] for name in option} == guarded["components"][
+        "securitySchemes"
+    ].keys()
+    assert guarded["paths"]["/healthz"]["get"]["security"] == []
+
+
 def test_every_reference_has_its_schema(document: dict[str, Any]) -> None:
     names = {f"#/components/schemas/{name}" for name in document["components"]["schemas"]}
     assert references(document) <= names

@@ -2,6 +2,7 @@
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from jsonschema import Draft202012Validator
@@ -27,7 +28,9 @@ DOCK = "action_tutorials_interfaces/action/ConnectToChargingDock"
 
 @pytest.fixture(scope="module")
 def client() -> TestClient:
-    return TestClient(create_app(Settings()), base_url="http://127.0.0.1:8000")  # no lifespan: no ROS
+    client = TestClient(create_app(Settings()), base_url="http://127.0.0.1:8000")  # no lifespan: no ROS
+    client.app_state["gateway"] = SimpleNamespace(settings=Settings())
+    return client
 
 
 def test_action_types_by_name() -> None:
