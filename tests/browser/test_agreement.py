@@ -199,6 +199,8 @@ def docking(browser: Browser, tmp_path: Path) -> Iterator[Views]:
     """A robot that docks, watched on every page, on a site of its own."""
     with running_site(tmp_path) as site, views(browser, site, site.dock()) as seen:
         seen.expect_goal("executing")
+        for page in seen.all:  # a part that is still loading when the gateway is killed has to be loaded again
+            page.wait_for_load_state("networkidle")
         yield seen
 
 
