@@ -159,7 +159,7 @@ class Tokens:
 
 
 def digest_of(secret: str) -> str:
-    """Return what is stored of a secret. Nobody guesses 256 random bits, so a plain hash protects them."""
+    """Return the digest that is stored instead of a secret. A plain hash is enough for 256 random bits."""
     return hashlib.sha256(secret.encode(errors="surrogatepass")).hexdigest()
 
 

@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class Role(StrEnum):
-    """What somebody may do. Each role includes the ones before it."""
+    """A role, which says what a user may do. Each includes the ones before it."""
 
     VIEWER = "viewer"
     OPERATOR = "operator"
@@ -14,7 +14,7 @@ class Role(StrEnum):
     ADMIN = "admin"
 
     def includes(self, other: "Role") -> bool:
-        """Return whether somebody with this role may do what the other role may."""
+        """Return whether this role allows everything that the other one does."""
         roles = list(Role)
         return roles.index(self) >= roles.index(other)
 

@@ -7,7 +7,7 @@ from typing import Any
 MIN_POINTS, MAX_POINTS = 3, 100
 # Metres from base_link to the farthest point.
 MIN_RADIUS, MAX_RADIUS = 0.001, 10.0
-# Round robots come as regular polygons of so many points, whose coordinates are single-precision.
+# A round robot is published as a regular polygon with this number of points, in single precision.
 ROUND_POINTS, ROUND_TOLERANCE = 16, 0.0005
 
 

@@ -39,7 +39,7 @@ class Subscriber:
         self._limit = limit
         self._queue: deque[Event] = deque()
         self._droppable = 0
-        self._untold = 0  # dropped events that the reader has not been told of
+        self._unreported = 0  # dropped events that the next `take` reports
         self._wake = asyncio.Event()
 
     def put(self, event: Event) -> None:
@@ -72,7 +72,7 @@ class Subscriber:
         index = next(i for i, queued in enumerate(self._queue) if queued.droppable)
         del self._queue[index]
         self._droppable -= 1
-        self._untold += 1
+        self._unreported += 1
         self.dropped += 1
 
     def expel(self) -> None:
@@ -88,7 +88,7 @@ class Subscriber:
     def clear(self) -> None:
         """Empty the queue, for a reader that gets a snapshot instead."""
         self._queue.clear()
-        self._droppable = self._untold = 0
+        self._droppable = self._unreported = 0
 
     def catch_up(self, event_id: str) -> None:
         """Drop queued events up to this one; the reader gets them another way."""
@@ -108,9 +108,9 @@ class Subscriber:
         finally:
             self._waiting = False
         self._wake.clear()
-        events, untold = list(self._queue), self._untold
+        events, unreported = list(self._queue), self._unreported
         self.clear()
-        return events, untold
+        return events, unreported
 
 
 class Hold:

@@ -12,7 +12,7 @@ from dock_gateway.core.tasks import Tasks
 from dock_gateway.robots.registry import Robot
 
 LOOK_INTERVAL = 0.25  # seconds between two looks at the running goals
-# Nanoseconds between two stored poses of a goal, which double each time that so many are stored.
+# Nanoseconds between two stored poses of a goal; doubled each time this number of poses has been stored.
 INTERVAL_NS, THIN_AFTER = 200_000_000, 1500
 # What has moved by less, in metres and radians, is where it was.
 MOVED_M, TURNED_RAD = 0.005, 0.01
@@ -57,7 +57,7 @@ def _moved(one: dict[str, float] | None, other: dict[str, float] | None) -> bool
 
 
 class PoseRecorder:
-    """Stores the poses of a robot while a goal on its actions runs, whoever sent it.
+    """Stores the poses of a robot while a goal on its actions runs, also a goal of another client.
 
     Args:
         running: Returns the goals that run.

@@ -90,10 +90,7 @@ def _gauge(name: str, text: str, value: float) -> Metric:
 
 
 def _gauges(name: str, text: str, label: str, values: Mapping[str, float]) -> Metric:
-    family = GaugeMetricFamily(f"{NAMESPACE}_{name}", text, labels=[label])
-    for value, number in values.items():
-        family.add_metric([value], number)
-    return family
+    return _filled(GaugeMetricFamily(f"{NAMESPACE}_{name}", text, labels=[label]), values)
 
 
 def _counter(name: str, text: str, value: float) -> Metric:
@@ -101,7 +98,11 @@ def _counter(name: str, text: str, value: float) -> Metric:
 
 
 def _counters(name: str, text: str, label: str, values: Mapping[str, float]) -> Metric:
-    family = CounterMetricFamily(f"{NAMESPACE}_{name}", text, labels=[label])
+    return _filled(CounterMetricFamily(f"{NAMESPACE}_{name}", text, labels=[label]), values)
+
+
+def _filled(family: GaugeMetricFamily | CounterMetricFamily, values: Mapping[str, float]) -> Metric:
+    """Return a metric with a series for each value of its label."""
     for value, number in values.items():
         family.add_metric([value], number)
     return family

@@ -1,7 +1,7 @@
 """Who makes a request, and whether they may: checked before every route and every command of `/ws`."""
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 from starlette.requests import HTTPConnection, Request
@@ -11,17 +11,16 @@ from dock_gateway.core.errors import NotAllowed, NotAuthenticated
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.gateway import Gateway
-from dock_gateway.web.permissions import PUBLIC, ROUTES
+from dock_gateway.web.permissions import PUBLIC, role_for
 from dock_gateway.web.requests import get_gateway, read_json
 
 SCHEME = "bearer"
 # Browsers accept a cookie of the first name only over TLS, from this very host.
 SECURE_COOKIE, COOKIE = "__Host-dock-gateway", "dock-gateway"
-SAFE_METHODS = frozenset({"GET", "HEAD"})
 
 
 async def authorize(connection: HTTPConnection) -> None:
-    """Find out who makes a request, and refuse what they may not do. A dependency of every route.
+    """Identify the user of a request, and refuse what the user's role does not allow. A dependency of every route.
 
     Raises:
         NotAuthenticated: The request needs a token, and has none that is valid.
@@ -31,7 +30,10 @@ async def authorize(connection: HTTPConnection) -> None:
     if name in PUBLIC:
         return
     connection.scope["principal"] = principal = identify(connection)
-    require(principal, ROUTES.get(name, _usual_role(connection)), name)
+    role = role_for(name, [connection.scope.get("method", "")])
+    if role is None:
+        raise NotAllowed(f"no role may use {name}", code="role_required")
+    require(principal, role, name)
 
 
 def identify(connection: HTTPConnection) -> Principal:
@@ -44,13 +46,8 @@ def identify(connection: HTTPConnection) -> Principal:
     return gateway.tokens.identify(secret_of(connection)) if gateway.settings.authentication else ANYBODY
 
 
-def _usual_role(connection: HTTPConnection) -> Role | None:
-    """Return the role for a route that is not listed; None if nobody may use it."""
-    return Role.VIEWER if connection.scope.get("method") in SAFE_METHODS else None
-
-
 def require_still(gateway: Gateway, principal: Principal, role: Role, what: str) -> None:
-    """Refuse what somebody may not do, who was identified earlier.
+    """Refuse a command that is not allowed. The user was identified when the connection was opened.
 
     Raises:
         NotAuthenticated: Their token was revoked or has expired (`invalid_token`).
@@ -61,16 +58,14 @@ def require_still(gateway: Gateway, principal: Principal, role: Role, what: str)
     require(principal, role, what)
 
 
-def require(principal: Principal, role: Role | None, what: str) -> None:
-    """Refuse what somebody may not do.
+def require(principal: Principal, role: Role, what: str) -> None:
+    """Refuse a request or a command that the user's role does not allow.
 
     Raises:
-        NotAllowed: Their role does not suffice (`role_required`).
+        NotAllowed: The role does not suffice (`role_required`).
     """
-    if role is None or not principal.role.includes(role):
-        raise NotAllowed(
-            f"{what} needs the role {role or 'of nobody'}; {principal.name} is {principal.role}", code="role_required"
-        )
+    if not principal.role.includes(role):
+        raise NotAllowed(f"{what} needs the role {role}; {principal.name} is {principal.role}", code="role_required")
 
 
 def principal_of(connection: HTTPConnection) -> Principal:
@@ -118,10 +113,8 @@ def subscribed(gateway: Gateway, principal: Principal, event_filter: EventFilter
     """
     subscriber = gateway.hub.subscribe(event_filter)
     try:
-        if principal.token_id is None:
-            yield subscriber
-            return
-        with gateway.tokens.watch(principal.token_id, subscriber.expel):
+        token_id = principal.token_id
+        with nullcontext() if token_id is None else gateway.tokens.watch(token_id, subscriber.expel):
             yield subscriber
     finally:
         gateway.hub.unsubscribe(subscriber)

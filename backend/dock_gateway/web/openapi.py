@@ -12,9 +12,8 @@ from pydantic import BaseModel
 from pydantic.json_schema import models_json_schema
 from sensor_msgs.msg import BatteryState
 
-from dock_gateway.core.access import Role
 from dock_gateway.ros.messages.codec import codec
-from dock_gateway.web.permissions import PUBLIC, ROUTES
+from dock_gateway.web.permissions import PUBLIC, role_for
 from dock_gateway.web.schemas.commands import ANSWERS
 from dock_gateway.web.schemas.common import Problem
 from dock_gateway.web.schemas.events import EVENTS
@@ -101,7 +100,7 @@ def _add_roles(document: dict[str, Any], app: FastAPI) -> None:
             if operation is None:
                 continue
             if route.name not in PUBLIC:
-                operation["x-role"] = ROUTES.get(str(route.name), Role.VIEWER)
+                operation["x-role"] = role_for(str(route.name), route.methods or ())
             elif "security" in document:
                 operation["security"] = []
 

@@ -3,6 +3,8 @@
 Routes by their names. All GET routes need VIEWER unless they are listed.
 """
 
+from collections.abc import Collection
+
 from dock_gateway.core.access import Role
 
 # Requests that need no token: health checks, and the login itself.
@@ -13,7 +15,7 @@ ROUTES: dict[str, Role] = {
     "feedback": Role.VIEWER,
     "socket": Role.VIEWER,
     "echo_topic": Role.VIEWER,
-    # Whoever sees that a robot must stand still may stop it. Only a supervisor lets it move again.
+    # Every user may stop a robot. Only a supervisor may release the stop.
     "stop": Role.VIEWER,
     "release_stop": Role.SUPERVISOR,
     # Goals
@@ -64,3 +66,13 @@ COMMANDS: dict[str, Role] = {
     "publish_battery": Role.SUPERVISOR,
     "stop_publishing": Role.SUPERVISOR,
 }
+
+
+def role_for(name: str, methods: Collection[str]) -> Role | None:
+    """Return the role that a route needs; None if no role suffices.
+
+    Args:
+        name: The name of the route.
+        methods: Its methods, or that of the request.
+    """
+    return ROUTES.get(name, Role.VIEWER if "GET" in methods or "HEAD" in methods else None)

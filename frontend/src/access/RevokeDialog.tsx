@@ -1,10 +1,9 @@
-import { Button, Group, Stack, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import type { UseMutationResult } from "@tanstack/react-query";
 import type { Token } from "../api/access";
 import type { CommandError } from "../api/errors";
 import { loginName } from "../stop/who";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
-import { Dialog } from "../ui/Dialog";
+import { RemovalDialog } from "../ui/RemovalDialog";
 
 interface RevokeDialogProps {
   /** Null for none: then it is closed. */
@@ -16,32 +15,24 @@ interface RevokeDialogProps {
 /** Asks before a token is revoked, and says what ends with it. */
 export function RevokeDialog({ token, revoke, onClose }: RevokeDialogProps) {
   return (
-    <Dialog opened={token !== null} onClose={onClose} title={`Revoke the token of ${token?.name}?`}>
-      <Stack gap="md">
-        <Text size="sm">
-          Requests with it are refused, and the open pages and streams of {token?.name} end: here at once, at
-          other gateways within 2 s. Goals that {token?.name} has sent go on. A revoked token cannot be
-          restored.
+    <RemovalDialog
+      title={`Revoke the token of ${token?.name}?`}
+      opened={token !== null}
+      onClose={onClose}
+      remove={revoke}
+      onRemove={() => token !== null && revoke.mutate(token.id, { onSuccess: onClose })}
+      verb="Revoke"
+    >
+      <Text size="sm">
+        Requests with it are refused, and the open pages and streams of {token?.name} end: here at once, at
+        other gateways within 2 s. Goals that {token?.name} has sent go on. A revoked token cannot be
+        restored.
+      </Text>
+      {token !== null && token.name === loginName() && (
+        <Text size="sm" fw={600}>
+          You are logged in with this token: this page will ask you to log in.
         </Text>
-        {token !== null && token.name === loginName() && (
-          <Text size="sm" fw={600}>
-            You are logged in with this token: this page will ask you to log in.
-          </Text>
-        )}
-        <CommandErrorAlert command="Revoking" error={revoke.error} onClose={revoke.reset} />
-        <Group justify="flex-end" gap="sm">
-          <Button variant="default" onClick={onClose} data-autofocus>
-            Keep it
-          </Button>
-          <Button
-            color="red"
-            loading={revoke.isPending}
-            onClick={() => token !== null && revoke.mutate(token.id, { onSuccess: onClose })}
-          >
-            Revoke
-          </Button>
-        </Group>
-      </Stack>
-    </Dialog>
+      )}
+    </RemovalDialog>
   );
 }

@@ -1,9 +1,9 @@
-import { Button, Group, NativeSelect, NumberInput, Stack, TextInput } from "@mantine/core";
+import { NativeSelect, NumberInput, Stack, TextInput } from "@mantine/core";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
 import type { CreatedToken, TokenBody } from "../api/access";
 import type { CommandError } from "../api/errors";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { SaveBar } from "../ui/SaveBar";
 import { ROLES } from "./permissions";
 import type { Role } from "./session";
 import { ROLE_WORDS } from "./words";
@@ -64,15 +64,7 @@ export function TokenForm({ create, onDone, onCancel }: TokenFormProps) {
           value={days}
           onChange={setDays}
         />
-        <CommandErrorAlert command="Creating the token" error={create.error} onClose={create.reset} />
-        <Group justify="flex-end" gap="sm">
-          <Button variant="default" onClick={onCancel}>
-            Cancel
-          </Button>
-          <Button type="submit" loading={create.isPending}>
-            Create
-          </Button>
-        </Group>
+        <SaveBar save={create} onCancel={onCancel} verb="Create" command="Creating the token" />
       </Stack>
     </form>
   );

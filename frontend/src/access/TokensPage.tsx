@@ -1,7 +1,7 @@
 import { Alert, Code, Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useState } from "react";
 import type { CreatedToken, Token } from "../api/access";
-import { useFleetLive } from "../fleet/context";
+import { useWhyNot } from "../fleet/useWhyNot";
 import { Trouble } from "../goals/Trouble";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog } from "../ui/Dialog";
@@ -18,14 +18,13 @@ import { useTokens } from "./useTokens";
 /** The tokens of those who use the gateway; for admins. */
 export default function TokensPage() {
   usePageTitle("Tokens");
-  const live = useFleetLive();
   const forbidden = useForbidden("GET /tokens");
   const { required } = useSession();
   const { tokens, error, refetch, create, revoke } = useTokens();
   const [creating, setCreating] = useState(false);
   const [created, setCreated] = useState<CreatedToken | null>(null);
   const [revoked, setRevoked] = useState<Token | null>(null);
-  const reason = forbidden ?? (live && tokens !== undefined ? null : "The gateway is not connected.");
+  const reason = useWhyNot("GET /tokens", tokens !== undefined);
   const closeForm = () => {
     setCreating(false);
     create.reset();

@@ -1,9 +1,9 @@
 import { Button, Group, Stack, Text, TextInput } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type FormEvent, useState } from "react";
-import { useForbidden } from "../access/permissions";
 import { createAlerts } from "../api/alerts";
-import { useFleet, useFleetLive } from "../fleet/context";
+import { useFleet } from "../fleet/context";
+import { useWhyNot } from "../fleet/useWhyNot";
 import { MAX_NAME, ownName, setOwnName } from "../stop/who";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Dialog } from "../ui/Dialog";
@@ -18,7 +18,7 @@ export function AcknowledgeButton({ id, what }: { id: string; what: string }) {
   const acknowledge = useCommand(async (by: string) =>
     store.setAlert(await createAlerts(http).acknowledge(id, by)),
   );
-  const reason = useWhyNot(acknowledge.isPending);
+  const reason = useWhyNotAnswer(acknowledge.isPending);
   const press = () => {
     const name = ownName().trim();
     if (name === "") ask.open();
@@ -56,12 +56,9 @@ export function AcknowledgeButton({ id, what }: { id: string; what: string }) {
 }
 
 /** Why an alert can neither be acknowledged nor the acknowledgement be withdrawn now; null where it can. */
-export function useWhyNot(sending: boolean): string | null {
-  const forbidden = useForbidden("PUT /alerts/{alert_id}/acknowledgement");
-  const live = useFleetLive();
-  if (forbidden !== null) return forbidden;
-  if (!live) return "The gateway is not connected.";
-  return sending ? "The gateway has not answered yet." : null;
+export function useWhyNotAnswer(sending: boolean): string | null {
+  const reason = useWhyNot("PUT /alerts/{alert_id}/acknowledgement");
+  return reason ?? (sending ? "The gateway has not answered yet." : null);
 }
 
 function NameForm({ onName }: { onName: (name: string) => void }) {

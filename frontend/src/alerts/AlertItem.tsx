@@ -10,7 +10,7 @@ import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";
-import { AcknowledgeButton, useWhyNot } from "./AcknowledgeButton";
+import { AcknowledgeButton, useWhyNotAnswer } from "./AcknowledgeButton";
 import classes from "./alerts.module.css";
 import { SeverityMark } from "./SeverityMark";
 
@@ -70,7 +70,7 @@ interface AcknowledgedProps {
 function Acknowledged({ id, what, by, at }: AcknowledgedProps) {
   const { http, store } = useFleet();
   const withdraw = useCommand(async () => store.setAlert(await createAlerts(http).withdraw(id)));
-  const reason = useWhyNot(withdraw.isPending);
+  const reason = useWhyNotAnswer(withdraw.isPending);
   return (
     <>
       <Group gap="xs" className={classes.answer}>

@@ -3087,7 +3087,7 @@ export interface components {
         };
         /**
          * Role
-         * @description What somebody may do. Each role includes the ones before it.
+         * @description A role, which says what a user may do. Each includes the ones before it.
          * @enum {string}
          */
         Role: "viewer" | "operator" | "supervisor" | "admin";

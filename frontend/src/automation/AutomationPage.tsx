@@ -1,8 +1,7 @@
 import { Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useState } from "react";
-import { useForbidden } from "../access/permissions";
 import type { Rule } from "../api/automation";
-import { useFleetLive } from "../fleet/context";
+import { useWhyNot } from "../fleet/useWhyNot";
 import { Trouble } from "../goals/Trouble";
 import { Dialog } from "../ui/Dialog";
 import { ReasonButton } from "../ui/ReasonButton";
@@ -19,9 +18,8 @@ type Edited = { rule: Rule | null };
 export default function AutomationPage() {
   usePageTitle("Automatic docking");
   useFreshAutomation();
-  const live = useFleetLive();
-  const forbidden = useForbidden("PUT /automation/rules/{rule_id}");
   const { data: rules, error, refetch } = useRules();
+  const reason = useWhyNot("PUT /automation/rules/{rule_id}", rules !== undefined);
   const [edited, setEdited] = useState<Edited | null>(null);
   const close = () => setEdited(null);
   return (
@@ -30,10 +28,7 @@ export default function AutomationPage() {
         <Title order={1} size="h3">
           Automatic docking
         </Title>
-        <ReasonButton
-          reason={forbidden ?? (live && rules !== undefined ? null : "The gateway is not connected.")}
-          onClick={() => setEdited({ rule: null })}
-        >
+        <ReasonButton reason={reason} onClick={() => setEdited({ rule: null })}>
           New rule
         </ReasonButton>
       </Group>

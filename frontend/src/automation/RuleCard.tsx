@@ -1,10 +1,9 @@
 import { SegmentedControl } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
-import { useForbidden } from "../access/permissions";
 import type { Rule, RuleMode } from "../api/automation";
-import { useFleetLive } from "../fleet/context";
 import { robotsWords } from "../fleet/robotChoice";
 import { useNaming } from "../fleet/useNaming";
+import { useWhyNot } from "../fleet/useWhyNot";
 import { ownName } from "../stop/who";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { EntryCard } from "../ui/EntryCard";
@@ -19,9 +18,7 @@ const MODE_OPTIONS = Object.entries(MODES).map(([value, label]) => ({ value, lab
 /** A rule: when it docks which robots, and its mode to choose. */
 export function RuleCard({ rule, onEdit }: { rule: Rule; onEdit: () => void }) {
   const naming = useNaming();
-  const live = useFleetLive();
-  const forbidden = useForbidden("PUT /automation/rules/{rule_id}");
-  const reason = forbidden ?? (live ? null : "The gateway is not connected.");
+  const reason = useWhyNot("PUT /automation/rules/{rule_id}");
   const { save, remove } = useRuleCommands();
   const [asking, ask] = useDisclosure(false);
   const setMode = (mode: RuleMode, by = ownName().trim() || null) =>

@@ -1,7 +1,6 @@
 import { whyForbidden } from "../access/permissions";
 import type { ActionServer, Goal, Verb } from "../api/types";
-
-export const NOT_CONNECTED = "The gateway is not connected.";
+import { NOT_CONNECTED } from "../fleet/useWhyNot";
 
 const SERVERS: Record<Verb, string> = {
   dock: "connect_to_charging_dock_server or docking_server",

@@ -1,6 +1,5 @@
 import { Skeleton, Stack } from "@mantine/core";
-import { useForbidden } from "../access/permissions";
-import { useFleetLive } from "../fleet/context";
+import { useWhyNot } from "../fleet/useWhyNot";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Section } from "../ui/Section";
 import { NoteForm } from "./NoteForm";
@@ -12,10 +11,8 @@ import { useNotes } from "./useNotes";
 /** What people say about a goal: its tags, and notes with their authors. */
 export function NotesSection({ goalId }: { goalId: string }) {
   const { notes, error, refetch, change } = useNotes(goalId);
-  const live = useFleetLive();
-  const forbidden = useForbidden("POST /goals/{goal_id}/notes");
   const reason =
-    forbidden ?? (live ? (change.isPending ? "The last change is being saved." : null) : NOT_LIVE);
+    useWhyNot("POST /goals/{goal_id}/notes") ?? (change.isPending ? "The last change is being saved." : null);
   return (
     <Section title="Notes">
       <Trouble what="The notes could not be loaded" error={error} onRetry={() => void refetch()} />
@@ -47,5 +44,3 @@ export function NotesSection({ goalId }: { goalId: string }) {
     </Section>
   );
 }
-
-const NOT_LIVE = "The gateway is not connected.";

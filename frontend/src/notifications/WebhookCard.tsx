@@ -1,8 +1,8 @@
 import { Alert, Switch } from "@mantine/core";
 import type { Webhook } from "../api/webhooks";
-import { useFleetLive } from "../fleet/context";
 import { robotsWords } from "../fleet/robotChoice";
 import { useNaming } from "../fleet/useNaming";
+import { useWhyNot } from "../fleet/useWhyNot";
 import { ownName } from "../stop/who";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { ENTRY_BUTTON, EntryCard } from "../ui/EntryCard";
@@ -15,9 +15,8 @@ import { severityWords, testWords } from "./words";
 /** A webhook: which alerts it receives, a test, and what was sent to it. */
 export function WebhookCard({ webhook, onEdit }: { webhook: Webhook; onEdit: () => void }) {
   const naming = useNaming();
-  const live = useFleetLive();
   const { save, remove, test } = useWebhookCommands();
-  const reason = live ? null : "The gateway is not connected.";
+  const reason = useWhyNot("GET /webhooks");
   return (
     <EntryCard
       entry={webhook}
@@ -27,7 +26,7 @@ export function WebhookCard({ webhook, onEdit }: { webhook: Webhook; onEdit: () 
           label="On"
           aria-label={`${webhook.name} is on`}
           checked={webhook.enabled}
-          disabled={!live || save.isPending}
+          disabled={reason !== null || save.isPending}
           onChange={({ currentTarget: { checked } }) =>
             save.mutate({ id: webhook.id, body: switched(webhook, checked, ownName().trim() || null) })
           }

@@ -2,7 +2,7 @@ import { Code, Group, Skeleton, Stack, Text } from "@mantine/core";
 import { useState } from "react";
 import { useForbidden } from "../access/permissions";
 import type { StoredWebhook, Webhook } from "../api/webhooks";
-import { useFleetLive } from "../fleet/context";
+import { useWhyNot } from "../fleet/useWhyNot";
 import { Trouble } from "../goals/Trouble";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog } from "../ui/Dialog";
@@ -17,9 +17,9 @@ type Edited = { webhook: Webhook | null };
 
 /** The addresses that receive alerts. */
 export function Webhooks() {
-  const live = useFleetLive();
   const forbidden = useForbidden("GET /webhooks");
   const { data: webhooks, error, refetch } = useWebhooks();
+  const reason = useWhyNot("GET /webhooks", webhooks !== undefined);
   const [edited, setEdited] = useState<Edited | null>(null);
   const [secret, setSecret] = useState<string | null>(null);
   const done = (stored: StoredWebhook | null) => {
@@ -30,11 +30,7 @@ export function Webhooks() {
     <Section
       title="Webhooks"
       aside={
-        <ReasonButton
-          size="compact-md"
-          reason={forbidden ?? (live && webhooks !== undefined ? null : "The gateway is not connected.")}
-          onClick={() => setEdited({ webhook: null })}
-        >
+        <ReasonButton size="compact-md" reason={reason} onClick={() => setEdited({ webhook: null })}>
           New webhook
         </ReasonButton>
       }

@@ -1,9 +1,8 @@
 import { ActionIcon, Skeleton, Tooltip } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Suspense } from "react";
-import { useForbidden } from "../access/permissions";
-import { useFleetLive } from "../fleet/context";
 import { useNaming } from "../fleet/useNaming";
+import { useWhyNot } from "../fleet/useWhyNot";
 import { Dialog } from "../ui/Dialog";
 import { Guarded } from "../ui/Guarded";
 import { lazyPart } from "../ui/lazyPart";
@@ -13,8 +12,7 @@ const LabelForm = lazyPart(() => import("./LabelForm"));
 /** Opens the name and groups of a robot; has the focus again afterwards. */
 export function LabelButton({ robot }: { robot: string }) {
   const naming = useNaming();
-  const live = useFleetLive();
-  const reason = useForbidden("PUT /robots/label") ?? (live ? null : "The gateway is not connected.");
+  const reason = useWhyNot("PUT /robots/label");
   const [opened, dialog] = useDisclosure(false);
   return (
     <>

@@ -1,10 +1,10 @@
 import { Button, Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type ReactNode, useMemo } from "react";
-import { useForbidden } from "../access/permissions";
-import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
+import { useFleet, useFleetTopic } from "../fleet/context";
 import type { Naming } from "../fleet/names";
 import { useNaming } from "../fleet/useNaming";
+import { useWhyNot } from "../fleet/useWhyNot";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Dialog } from "../ui/Dialog";
 import { ReasonButton } from "../ui/ReasonButton";
@@ -134,8 +134,7 @@ function Held({ stop, what, large = false, children }: HeldProps) {
 /** Releases one stop, or all of them, after a confirmation that says whose. */
 function Release({ held, small = false }: { held: readonly HeldStop[]; small?: boolean }) {
   const { gateway, gatewayOf, store } = useFleet();
-  const live = useFleetLive();
-  const forbidden = useForbidden("DELETE /stop");
+  const whyNot = useWhyNot("DELETE /stop");
   const naming = useNaming();
   const [asking, ask] = useDisclosure(false);
   const release = useCommand(async (stops: readonly HeldStop[]) => {
@@ -151,14 +150,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
       <ReasonButton
         variant="default"
         size={small ? "compact-md" : "sm"}
-        reason={
-          forbidden ??
-          (!live
-            ? "The gateway is not connected."
-            : release.isPending
-              ? "The gateway has not answered yet."
-              : null)
-        }
+        reason={whyNot ?? (release.isPending ? "The gateway has not answered yet." : null)}
         aria-label={small ? `Release ${naming.nameOf(held[0]?.robot ?? "/")} …` : undefined}
         onClick={ask.open}
       >

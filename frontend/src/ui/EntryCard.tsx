@@ -1,12 +1,11 @@
-import { Button, Group, Paper, Stack, Text } from "@mantine/core";
+import { Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { type ReactNode, useId } from "react";
 import type { CommandError } from "../api/errors";
-import { CommandErrorAlert } from "./CommandErrorAlert";
-import { Dialog } from "./Dialog";
 import classes from "./EntryCard.module.css";
 import { ReasonButton } from "./ReasonButton";
+import { RemovalDialog } from "./RemovalDialog";
 import { Time } from "./Time";
 
 interface EntryCardProps {
@@ -79,20 +78,15 @@ export function EntryCard(props: EntryCardProps) {
         </Stack>
       </div>
       {children}
-      <Dialog opened={removing} onClose={dialog.close} title={`Remove ${entry.name}?`}>
-        <Stack gap="md">
-          <Text size="sm">{removal}</Text>
-          <CommandErrorAlert command="Removing" error={remove.error} onClose={remove.reset} />
-          <Group justify="flex-end" gap="sm">
-            <Button variant="default" onClick={dialog.close} data-autofocus>
-              Keep it
-            </Button>
-            <Button color="red" loading={remove.isPending} onClick={() => remove.mutate(entry.id)}>
-              Remove
-            </Button>
-          </Group>
-        </Stack>
-      </Dialog>
+      <RemovalDialog
+        title={`Remove ${entry.name}?`}
+        opened={removing}
+        onClose={dialog.close}
+        remove={remove}
+        onRemove={() => remove.mutate(entry.id)}
+      >
+        <Text size="sm">{removal}</Text>
+      </RemovalDialog>
     </Paper>
   );
 }
