@@ -6,21 +6,26 @@ import "../src/access/LoginForm";
 import "../src/access/LoginPage";
 import "../src/access/TokensPage";
 import { NEEDED, whyForbidden } from "../src/access/permissions";
-import { type Role, Session, type SessionState, session } from "../src/access/session";
+import { ANYBODY, type Role, Session, type SessionState, session } from "../src/access/session";
 import type { Token } from "../src/api/access";
 import { whyNot } from "../src/operations/operation";
 import { ownName, setOwnName } from "../src/stop/who";
 import { robot } from "./events";
 import { descriptionOf, fakeGateway, isDisabled, renderPage } from "./page";
 
-const ANYBODY: SessionState = { required: false, principal: { name: null, role: "admin" } };
 const OUT: SessionState = { required: true, principal: null };
-const as = (role: Role, name = "Ada"): SessionState => ({ required: true, principal: { name, role } });
+const as = (role: Role, name = "Ada"): SessionState => ({
+  required: true,
+  principal: { name, kind: "token", role, robots: [], actions: [], topics: [] },
+});
 
 const NIGHT: Token = {
   id: "0123456789abcdef",
   name: "Night shift",
   role: "operator",
+  robots: ["/hall_a/*"],
+  actions: [],
+  topics: [],
   created_by: "Ada",
   created_at: "2026-11-23T09:00:00Z",
   expires_at: null,

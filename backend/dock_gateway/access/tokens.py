@@ -7,13 +7,14 @@ import logging
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import replace
+from dataclasses import asdict, replace
 from datetime import datetime, timedelta
 from typing import Any
 
-from dock_gateway.core.access import Principal, Role, Token
+from dock_gateway.core.access import Kind, Principal, Token
 from dock_gateway.core.errors import Conflict, GatewayError, NotAuthenticated
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.grant import Grant
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.fleet.shared_entries import SYNC_INTERVAL
@@ -70,7 +71,7 @@ class Tokens:
         if token is None or not hmac.compare_digest(token.digest, digest):
             raise NotAuthenticated("the token is not known, was revoked or has expired", code="invalid_token")
         self._used[token_id] = utc_now()
-        return Principal(token.name, token.role, token_id)
+        return Principal(token.name, Kind.TOKEN, token.grant, token_id)
 
     def is_valid(self, token_id: str) -> bool:
         """Return whether a token has neither been revoked nor expired."""
@@ -91,7 +92,7 @@ class Tokens:
         return token if token is not None and token.valid(utc_now()) else None
 
     async def create(
-        self, name: str, role: Role, expires_at: datetime | None = None, by: str | None = None
+        self, name: str, grant: Grant, expires_at: datetime | None = None, by: str | None = None
     ) -> tuple[dict[str, Any], str]:
         """Create a token; return it as the API shows it, and its secret, which is not stored.
 
@@ -101,7 +102,15 @@ class Tokens:
         """
         secret = PREFIX + secrets.token_urlsafe(SECRET_BYTES)
         digest = digest_of(secret)
-        token = Token(name, role, digest, by, utc_now(), expires_at, None)
+        token = Token(
+            name,
+            **asdict(grant),
+            digest=digest,
+            created_by=by,
+            created_at=utc_now(),
+            expires_at=expires_at,
+            used_at=None,
+        )
 
         def check(tokens: Mapping[str, Token]) -> None:
             if any(each.name == name for each in tokens.values()):

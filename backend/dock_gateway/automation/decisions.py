@@ -10,6 +10,7 @@ from dock_gateway.automation.past import require_free
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import fleet_event, utc_now
+from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
 from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.history import Entries
@@ -120,9 +121,9 @@ class DecisionLog:
         }
 
     async def newest(
-        self, *, robot: str | None, rule_id: str | None, goal_id: str | None, limit: int
+        self, *, robot: str | None, rule_id: str | None, goal_id: str | None, limit: int, grant: Grant = UNLIMITED
     ) -> list[dict[str, Any]]:
-        """Return decisions as `GET /automation/decisions` shows them, newest first.
+        """Return the decisions of a grant as `GET /automation/decisions` shows them, newest first.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
@@ -134,6 +135,7 @@ class DecisionLog:
             if robot in (None, decision.robot)
             and rule_id in (None, decision.rule_id)
             and goal_id in (None, decision.goal_id)
+            and grant.covers_robot(decision.robot)
         ]
         return [_document(identity, decisions[identity]) for _, identity in sorted(found, reverse=True)[:limit]]
 

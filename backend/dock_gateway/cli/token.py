@@ -12,13 +12,26 @@ from typing import Any
 import click
 
 from dock_gateway.cli.options import read_settings
-from dock_gateway.core.access import Role
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.grant import LIMITS, PATTERN, Grant, Role
 
 database_option = click.option(
     "--database-url", envvar="DOCK_GATEWAY_DATABASE_URL", show_envvar=True, help="The gateway's database."
 )
+
+
+def limit_option(flag: str, name: str, what: str) -> Callable[[Any], Any]:
+    """Return an option that limits what a token is for. It may be repeated."""
+
+    def check(_: click.Context, __: click.Parameter, patterns: tuple[str, ...]) -> tuple[str, ...]:
+        for pattern in patterns:
+            if not PATTERN.fullmatch(pattern):
+                raise click.BadParameter(f"{pattern!r} is not a name, with * for any text")
+        return patterns
+
+    usage = f"Only these {what}; may be repeated."
+    return click.option(flag, name, multiple=True, metavar="PATTERN", callback=check, help=usage)
 
 
 def with_tokens(database_url: str | None, use: Callable[[Any], Awaitable[Any]]) -> Any:
@@ -54,11 +67,17 @@ def token() -> None:
 @click.argument("name")
 @click.option("--role", type=click.Choice([role.value for role in Role]), default=Role.VIEWER.value, show_default=True)
 @click.option("--days", type=click.IntRange(1, 3650), help="For how long it is valid.  [default: until it is revoked]")
+@limit_option("--robot", "robots", "robots, such as /robot1 or /hall_a/*")
+@limit_option("--action", "actions", "actions, such as */connect_to_charging_dock")
+@limit_option("--topic", "topics", "topics, such as */battery_status")
 @database_option
-def create(name: str, role: str, days: int | None, database_url: str | None) -> None:
+def create(name: str, role: str, days: int | None, database_url: str | None, **limits: tuple[str, ...]) -> None:
     """Create a token for NAME, and print its secret, which is not stored."""
     expires_at = None if days is None else utc_now() + timedelta(days=days)
-    _, secret = with_tokens(database_url, lambda tokens: tokens.create(name, Role(role), expires_at))
+    grant = Grant(Role(role), **limits)
+    if grant.role is Role.ADMIN and grant != Grant(Role.ADMIN):
+        raise click.UsageError("an admin cannot be limited, as an admin can change any limit")
+    _, secret = with_tokens(database_url, lambda tokens: tokens.create(name, grant, expires_at))
     click.echo(secret)
 
 
@@ -70,7 +89,8 @@ def list_tokens(database_url: str | None) -> None:
         expires = "" if each["expires_at"] is None else f", until {each['expires_at']:%Y-%m-%d %H:%M} UTC"
         used = "never used" if each["used_at"] is None else f"used {each['used_at']:%Y-%m-%d %H:%M} UTC"
         state = "" if each["valid"] else ", expired"
-        click.echo(f"{each['id']}  {each['role']:10}  {each['name']}  ({used}{expires}{state})")
+        limits = "".join(f", only {noun} {' '.join(each[noun])}" for noun in LIMITS if each[noun])
+        click.echo(f"{each['id']}  {each['role']:10}  {each['name']}  ({used}{expires}{state}{limits})")
 
 
 @token.command()

@@ -4,19 +4,16 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
+from dock_gateway.core.grant import UNLIMITED, Grant, Role
 
-class Role(StrEnum):
-    """A role, which says what a user may do. Each includes the ones before it."""
 
-    VIEWER = "viewer"
-    OPERATOR = "operator"
-    SUPERVISOR = "supervisor"
-    ADMIN = "admin"
+class Kind(StrEnum):
+    """What shows who makes a request."""
 
-    def includes(self, other: "Role") -> bool:
-        """Return whether this role allows everything that the other one does."""
-        roles = list(Role)
-        return roles.index(self) >= roles.index(other)
+    TOKEN = "token"  # noqa: S105 - it is not one
+    USER = "user"
+    SERVICE = "service"
+    ANYBODY = "anybody"
 
 
 @dataclass(frozen=True)
@@ -26,6 +23,7 @@ class Token:
     Attributes:
         name: Who uses it.
         role: What they may do.
+        robots, actions, topics: With what, as in `Grant`.
         digest: SHA-256 of the secret, in hexadecimal digits.
         created_by: Who created it, if known.
         created_at: When that was.
@@ -35,11 +33,19 @@ class Token:
 
     name: str
     role: Role
+    robots: tuple[str, ...]
+    actions: tuple[str, ...]
+    topics: tuple[str, ...]
     digest: str
     created_by: str | None
     created_at: datetime
     expires_at: datetime | None
     used_at: datetime | None
+
+    @property
+    def grant(self) -> Grant:
+        """What its user may do."""
+        return Grant(self.role, self.robots, self.actions, self.topics)
 
     def valid(self, now: datetime) -> bool:
         """Return whether it has not expired."""
@@ -51,15 +57,17 @@ class Principal:
     """Who makes a request.
 
     Attributes:
-        name: As the token says; None where the gateway asks for no token.
-        role: What they may do.
-        token_id: The token; None where the gateway asks for none.
+        name: Their name; None where the gateway does not ask who it is.
+        kind: What shows who it is.
+        grant: What they may do.
+        credential: Id of the token; None where the gateway does not ask for one.
     """
 
     name: str | None
-    role: Role
-    token_id: str | None
+    kind: Kind
+    grant: Grant
+    credential: str | None
 
 
-# Everybody, where the gateway asks for no token.
-ANYBODY = Principal(None, Role.ADMIN, None)
+# Everybody, where the gateway does not ask who it is.
+ANYBODY = Principal(None, Kind.ANYBODY, UNLIMITED, None)

@@ -7,6 +7,7 @@ from functools import cached_property
 
 from dock_gateway.core.event import Event
 from dock_gateway.core.goal import Goal, GoalStatus, Origin
+from dock_gateway.core.grant import Grant
 
 
 def prefix_of(namespace: str) -> str:
@@ -44,6 +45,7 @@ class EventFilter:
         action_name: Only goals and servers of this action.
         namespace: Only goals and servers of actions in this namespace or below.
         robot: The namespace of the robot whose battery, velocity and scene are wanted.
+        grant: What the reader may see; None means everything.
     """
 
     topics: frozenset[str] = frozenset({"goals"})
@@ -51,6 +53,7 @@ class EventFilter:
     action_name: str | None = None
     namespace: str = "/"
     robot: str = "/"
+    grant: Grant | None = None
 
     def covers(self, event: Event) -> bool:
         """Return whether the filter covers an event."""
@@ -68,6 +71,7 @@ class EventFilter:
             (goal_id is None or self.goal_id in (None, goal_id))
             and self.action_name in (None, action_name)
             and action_name.startswith(self._prefix)
+            and (self.grant is None or self.grant.covers_action(action_name))
         )
 
     @cached_property
@@ -85,14 +89,6 @@ class WithoutFeedback(EventFilter):
 
 
 @dataclass(frozen=True)
-class GroupActions:
-    """The actions of the robots that are in a group: those that have goals."""
-
-    group: str
-    names: frozenset[str]
-
-
-@dataclass(frozen=True)
 class GoalFilter:
     """A query for goals. A goal must meet all conditions.
 
@@ -106,7 +102,8 @@ class GoalFilter:
         until: Created before this time; None means any time.
         id_prefix: With an id that begins with this, in lower case.
         tags: With one of these tags; empty means any, also none.
-        group: On one of the actions of this group; None means any.
+        group: The group that `among` stands for; None if no group was asked for.
+        among: On one of these actions, too; None means any.
     """
 
     action_names: frozenset[str] = frozenset()
@@ -118,7 +115,8 @@ class GoalFilter:
     until: datetime | None = None
     id_prefix: str = ""
     tags: frozenset[str] = frozenset()
-    group: GroupActions | None = None
+    group: str | None = None
+    among: frozenset[str] | None = None
 
     @cached_property
     def prefix(self) -> str:
@@ -136,5 +134,5 @@ class GoalFilter:
             and (self.since is None or goal.created_at >= self.since)
             and (self.until is None or goal.created_at < self.until)
             and goal.goal_id.startswith(self.id_prefix)
-            and (self.group is None or goal.action_name in self.group.names)
+            and (self.among is None or goal.action_name in self.among)
         )

@@ -9,6 +9,7 @@ from dock_gateway.core.errors import TooManyRequests, Unavailable
 from dock_gateway.core.event import Event, EventClock
 from dock_gateway.core.event_buffer import EventBuffer
 from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import narrow
 
 
 class Subscriber:
@@ -46,6 +47,11 @@ class Subscriber:
         """Send an event immediately if possible, else queue it. Never waits."""
         if event.id is not None and event.id <= self.after:
             return
+        grant = self.event_filter.grant
+        shown = event if grant is None else narrow(event, grant)
+        if shown is None:
+            return
+        event = shown
         if self._waiting and self.immediate is not None and not self._queue and self.immediate(event):
             return
         if event.supersedes and self._supersede(event):

@@ -10,6 +10,7 @@ from dock_gateway.core.automation import Decision
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.goal import Goal, encode
+from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alert_rules import NO_DUPLICATES, Alert, AlertRules
@@ -86,9 +87,20 @@ class AlertBoard:
         for heard in self.on_change if changed else ():
             heard()
 
-    def documents(self) -> list[dict[str, Any]]:
-        """Return the alerts as `GET /alerts` shows them: critical ones first, then oldest first."""
-        return [self._document(alert) for alert in self._alerts.values()]
+    def documents(self, grant: Grant = UNLIMITED) -> list[dict[str, Any]]:
+        """Return the alerts of a grant as `GET /alerts` shows them: critical ones first, then oldest first."""
+        return [self._document(alert) for alert in self._alerts.values() if grant.covers_alert(alert.robot)]
+
+    def get(self, alert_id: str) -> Alert:
+        """Return an alert.
+
+        Raises:
+            NotFound: `alert_not_found`.
+        """
+        alert = self._alerts.get(alert_id)
+        if alert is None:
+            raise NotFound(f"there is no alert {alert_id}; it may have cleared", code="alert_not_found")
+        return alert
 
     def _document(self, alert: Alert) -> dict[str, Any]:
         return alert.document(self._acknowledgements.get(alert.id))
@@ -121,9 +133,7 @@ class AlertBoard:
         return await self._change(alert_id, None)
 
     async def _change(self, alert_id: str, acknowledgement: Acknowledgement | None) -> dict[str, Any]:
-        alert = self._alerts.get(alert_id)
-        if alert is None:
-            raise NotFound(f"there is no alert {alert_id}; it may have cleared", code="alert_not_found")
+        alert = self.get(alert_id)
         self._acknowledgements.put(alert_id, acknowledgement)
         self._publish()
         await self._acknowledgements.save()

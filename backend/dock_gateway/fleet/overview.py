@@ -11,6 +11,7 @@ from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.core.event import fleet_event, utc_now
 from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal, encode
+from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alerts import TOPIC, AlertBoard
@@ -122,15 +123,16 @@ class Fleet:
             found[parent_of(name) if owner is None else owner.namespace].append(name)
         return found
 
-    def documents(self, namespace: str | None = None) -> list[dict[str, Any]]:
-        """Return the robots as `GET /robots` shows them, or only the one of a namespace.
+    def documents(self, namespace: str | None = None, grant: Grant = UNLIMITED) -> list[dict[str, Any]]:
+        """Return the robots of a grant as `GET /robots` shows them, or only the one of a namespace.
 
         Raises:
             InvalidField: The namespace is not valid.
             NotFound: `robot_not_found`.
         """
         only = None if namespace is None else self._robots.get(namespace).namespace
-        return [state.document() for state in self.states() if only in (None, state.name)]
+        states = (state for state in self.states() if only in (None, state.name) and grant.covers_robot(state.name))
+        return [state.document() for state in states]
 
     # ------------------------------------------------------------------ publishing
 

@@ -159,8 +159,8 @@ def _on_actions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
         found.append(goals.c.action_name.in_(sorted(wanted.action_names)))
     if wanted.prefix != "/":  # not LIKE, which ignores case in SQLite
         found.append(sa.func.substr(goals.c.action_name, 1, len(wanted.prefix)) == wanted.prefix)
-    if wanted.group is not None:
-        found.append(goals.c.action_name.in_(sorted(wanted.group.names)))
+    if wanted.among is not None:
+        found.append(goals.c.action_name.in_(sorted(wanted.among)))
     return found
 
 

@@ -13,12 +13,13 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from dock_gateway.core.access import Role, Token
+from dock_gateway.core.access import Token
 from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, time_id
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
+from dock_gateway.core.grant import Role
 from dock_gateway.core.tasks import cancel
 from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
 from dock_gateway.history import queries, statistics

@@ -2,16 +2,19 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
-from typing import Any
+from typing import Annotated, Any
 
+from fastapi import Depends
 from starlette.requests import HTTPConnection, Request
 
-from dock_gateway.core.access import ANYBODY, Principal, Role
+from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import NotAllowed, NotAuthenticated
 from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.gateway import Gateway
-from dock_gateway.web.permissions import PUBLIC, role_for
+from dock_gateway.web.limits import require_covered
+from dock_gateway.web.permissions import COMMAND_SCOPES, COMMANDS, PUBLIC, SCOPES, Scope, role_for
 from dock_gateway.web.requests import get_gateway, read_json
 
 SCHEME = "bearer"
@@ -20,11 +23,12 @@ SECURE_COOKIE, COOKIE = "__Host-dock-gateway", "dock-gateway"
 
 
 async def authorize(connection: HTTPConnection) -> None:
-    """Identify the user of a request, and refuse what the user's role does not allow. A dependency of every route.
+    """Identify the user of a request, and refuse what the user's grant does not allow. A dependency of every route.
 
     Raises:
         NotAuthenticated: The request needs a token, and has none that is valid.
-        NotAllowed: Their role does not suffice (`role_required`).
+        NotAllowed: Their role does not suffice (`role_required`), or it is about something beyond their limits
+            (`not_covered`).
     """
     name = connection.scope["route"].name
     if name in PUBLIC:
@@ -34,6 +38,9 @@ async def authorize(connection: HTTPConnection) -> None:
     if role is None:
         raise NotAllowed(f"no role may use {name}", code="role_required")
     require(principal, role, name)
+    names = {**connection.query_params, **connection.path_params}
+    scope = SCOPES.get(name, Scope.EVERY)
+    await require_covered(get_gateway(connection), principal.grant, scope, names, name)
 
 
 def identify(connection: HTTPConnection) -> Principal:
@@ -46,16 +53,17 @@ def identify(connection: HTTPConnection) -> Principal:
     return gateway.tokens.identify(secret_of(connection)) if gateway.settings.authentication else ANYBODY
 
 
-def require_still(gateway: Gateway, principal: Principal, role: Role, what: str) -> None:
+async def authorize_command(gateway: Gateway, principal: Principal, op: str, fields: Mapping[str, Any]) -> None:
     """Refuse a command that is not allowed. The user was identified when the connection was opened.
 
     Raises:
         NotAuthenticated: Their token was revoked or has expired (`invalid_token`).
-        NotAllowed: Their role does not suffice (`role_required`).
+        NotAllowed: As for `authorize`.
     """
-    if principal.token_id is not None and not gateway.tokens.is_valid(principal.token_id):
+    if principal.credential is not None and not gateway.tokens.is_valid(principal.credential):
         raise NotAuthenticated("the token was revoked or has expired", code="invalid_token")
-    require(principal, role, what)
+    require(principal, COMMANDS[op], op)
+    await require_covered(gateway, principal.grant, COMMAND_SCOPES[op], fields, op)
 
 
 def require(principal: Principal, role: Role, what: str) -> None:
@@ -64,14 +72,23 @@ def require(principal: Principal, role: Role, what: str) -> None:
     Raises:
         NotAllowed: The role does not suffice (`role_required`).
     """
-    if not principal.role.includes(role):
-        raise NotAllowed(f"{what} needs the role {role}; {principal.name} is {principal.role}", code="role_required")
+    own = principal.grant.role
+    if not own.includes(role):
+        raise NotAllowed(f"{what} needs the role {role}; {principal.name} is {own}", code="role_required")
 
 
 def principal_of(connection: HTTPConnection) -> Principal:
     """Return who makes a request that was authorized."""
     principal: Principal = connection.scope["principal"]
     return principal
+
+
+async def depend_on_grant(connection: HTTPConnection) -> Grant:
+    """Return what the user of a request may do, for `Depends`."""
+    return principal_of(connection).grant
+
+
+TheGrant = Annotated[Grant, Depends(depend_on_grant)]
 
 
 def secret_of(connection: HTTPConnection) -> str | None:
@@ -113,8 +130,8 @@ def subscribed(gateway: Gateway, principal: Principal, event_filter: EventFilter
     """
     subscriber = gateway.hub.subscribe(event_filter)
     try:
-        token_id = principal.token_id
-        with nullcontext() if token_id is None else gateway.tokens.watch(token_id, subscriber.expel):
+        credential = principal.credential
+        with nullcontext() if credential is None else gateway.tokens.watch(credential, subscriber.expel):
             yield subscriber
     finally:
         gateway.hub.unsubscribe(subscriber)

@@ -6,6 +6,7 @@ from typing import Any
 from fastapi import Path
 
 from dock_gateway.core.errors import FieldError, InvalidField, got
+from dock_gateway.core.grant import LIMITS, PATTERN, Grant, Role
 from dock_gateway.robots.registry import read_namespace
 from dock_gateway.web.requests import MAX_GROUP, ROBOT_PATTERN, name_schema, read_name
 
@@ -30,6 +31,44 @@ ROBOTS_REQUEST = {
         "groups": {"type": "array", "maxItems": MAX_GROUPS, "items": name_schema(MAX_GROUP)},
     },
 }
+
+MAX_PATTERNS = 50
+_PATTERNS_REQUEST = {
+    "type": "array",
+    "maxItems": MAX_PATTERNS,
+    "items": {"type": "string", "maxLength": MAX_ROBOT, "pattern": f"^(?:{PATTERN.pattern})$"},
+}
+GRANT_REQUEST = {
+    "role": {"enum": [role.value for role in Role]},
+    "robots": _PATTERNS_REQUEST
+    | {"description": "Namespaces of robots, in which `*` stands for any text; none means every robot"},
+    "actions": _PATTERNS_REQUEST | {"description": "Names of actions, likewise; none means every action of the robots"},
+    "topics": _PATTERNS_REQUEST | {"description": "Names of topics, likewise; none means every topic of the robots"},
+}
+
+
+def read_grant(fields: dict[str, Any]) -> Grant:
+    """Return a grant from fields as in `GRANT_REQUEST`.
+
+    Raises:
+        InvalidField: It is not a grant, or it limits an admin.
+    """
+    role = str(fields.get("role"))
+    read_choice(role, tuple(Role), "role")
+    grant = Grant(Role(role), *(_read_patterns(fields.get(name, []), name) for name in LIMITS))
+    if grant.role is Role.ADMIN and grant != Grant(Role.ADMIN):
+        limits = next(name for name in LIMITS if getattr(grant, name))
+        raise InvalidField([FieldError(limits, "none, as an admin can change any limit", got(fields[limits]))])
+    return grant
+
+
+def _read_patterns(value: object, path: str) -> tuple[str, ...]:
+    if not isinstance(value, list) or len(value) > MAX_PATTERNS:
+        raise InvalidField([FieldError(path, f"an array of up to {MAX_PATTERNS} patterns of names", got(value))])
+    for index, pattern in enumerate(value):
+        if not isinstance(pattern, str) or len(pattern) > MAX_ROBOT or not PATTERN.fullmatch(pattern):
+            raise InvalidField([FieldError(f"{path}.{index}", "a name such as /robot1 or /hall_a/*", got(pattern))])
+    return tuple(dict.fromkeys(value))
 
 
 def read_slug(value: str, path: str) -> str:

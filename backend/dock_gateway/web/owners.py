@@ -1,8 +1,9 @@
-"""Which robot an action belongs to, and the actions of a group's robots."""
+"""Which robot an action belongs to, and which actions a list of goals is about."""
 
 from collections.abc import Callable, Iterable
 
-from dock_gateway.core.filters import GroupActions, lineage, parent_of
+from dock_gateway.core.filters import lineage, parent_of
+from dock_gateway.core.grant import Grant
 from dock_gateway.gateway import Gateway
 
 
@@ -22,12 +23,17 @@ def owners(gateway: Gateway, action_names: Iterable[str]) -> Callable[[str], str
     return owner
 
 
-async def actions_of_group(gateway: Gateway, group: str) -> GroupActions:
-    """Return the actions of the robots that are in a group now.
+async def choose_actions(gateway: Gateway, grant: Grant, group: str | None) -> frozenset[str] | None:
+    """Return the actions that a grant covers, and whose robots are in a group now; None if that is every action.
 
     Raises:
         Unavailable: The history does not answer (`history_unavailable`).
     """
-    members, names = gateway.labels.in_group(group), await gateway.history.action_names()
-    owner = owners(gateway, names)
-    return GroupActions(group, frozenset(name for name in names if owner(name) in members))
+    if group is None and not grant.limited:
+        return None
+    names = await gateway.history.action_names()
+    chosen = frozenset(filter(grant.covers_action, names))
+    if group is None:
+        return chosen
+    members, owner = gateway.labels.in_group(group), owners(gateway, names)
+    return frozenset(name for name in chosen if owner(name) in members)

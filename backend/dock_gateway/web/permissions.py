@@ -1,11 +1,12 @@
-"""Which role each request and each command needs. What is not listed here is refused.
+"""Which role each request and each command needs, and how limits apply to it. What is not listed here is refused.
 
 Routes by their names. All GET routes need VIEWER unless they are listed.
 """
 
 from collections.abc import Collection
+from enum import Enum, auto
 
-from dock_gateway.core.access import Role
+from dock_gateway.core.grant import Role
 
 # Requests that need no token: health checks, and the login itself.
 PUBLIC = frozenset({"healthz", "readyz", "get_session", "log_in", "log_out"})
@@ -65,6 +66,114 @@ COMMANDS: dict[str, Role] = {
     "cancel_goal": Role.OPERATOR,
     "publish_battery": Role.SUPERVISOR,
     "stop_publishing": Role.SUPERVISOR,
+}
+
+
+class Scope(Enum):
+    """What a request or a command is about, which the user's grant has to include."""
+
+    ANY = auto()  # nothing that a grant is limited to
+    LISTED = auto()  # what the grant includes: the route leaves out the rest
+    ROBOT = auto()  # the robot in `robot`; the configured one if none is named
+    DOCK = auto()  # its docking action
+    UNDOCK = auto()  # its undocking action
+    ACTION = auto()  # the action in `name`
+    GOAL = auto()  # the action of the goal in `goal_id`
+    NEW_GOAL = auto()  # the action in `action`, or the docking action of `robot`
+    ALERT = auto()  # the robot of the alert in `alert_id`
+    TOPIC = auto()  # the topic in `name` or `topic`
+    EVERY = auto()  # every robot
+
+
+# What is not listed here is about every robot.
+SCOPES: dict[str, Scope] = {
+    # Every user may stop every robot.
+    "stop": Scope.ANY,
+    "list_interfaces": Scope.ANY,
+    "get_interface": Scope.ANY,
+    "list_tags": Scope.ANY,
+    # Lists and streams
+    "feedback": Scope.LISTED,
+    "socket": Scope.LISTED,
+    "list_all_goals": Scope.LISTED,
+    "export_goals": Scope.LISTED,
+    "statistics": Scope.LISTED,
+    "list_actions": Scope.LISTED,
+    "list_robots": Scope.LISTED,
+    "list_alerts": Scope.LISTED,
+    "list_decisions": Scope.LISTED,
+    # Robots
+    "get_stop": Scope.ROBOT,
+    "release_stop": Scope.ROBOT,
+    "get_battery": Scope.ROBOT,
+    "battery_history": Scope.ROBOT,
+    "publish_battery": Scope.ROBOT,
+    "get_publisher": Scope.ROBOT,
+    "start_publisher": Scope.ROBOT,
+    "stop_publisher": Scope.ROBOT,
+    "get_simulator": Scope.ROBOT,
+    "reset_simulator": Scope.ROBOT,
+    "place_robot": Scope.ROBOT,
+    "switch_fault": Scope.ROBOT,
+    "acknowledge": Scope.ALERT,
+    "withdraw_acknowledgement": Scope.ALERT,
+    # Actions
+    "dock": Scope.DOCK,
+    "list_goals": Scope.DOCK,
+    "undock": Scope.UNDOCK,
+    "list_undock_goals": Scope.UNDOCK,
+    "get_action": Scope.ACTION,
+    "send_action_goal": Scope.ACTION,
+    "list_action_goals": Scope.ACTION,
+    # Goals
+    "get_goal": Scope.GOAL,
+    "get_undock_goal": Scope.GOAL,
+    "get_any_goal": Scope.GOAL,
+    "get_action_goal": Scope.GOAL,
+    "cancel_goal": Scope.GOAL,
+    "cancel_undock_goal": Scope.GOAL,
+    "cancel_any_goal": Scope.GOAL,
+    "cancel_action_goal": Scope.GOAL,
+    "goal_events": Scope.GOAL,
+    "undock_events": Scope.GOAL,
+    "dock_events": Scope.GOAL,
+    "action_events": Scope.GOAL,
+    "goal_history": Scope.GOAL,
+    "export_goal": Scope.GOAL,
+    "list_notes": Scope.GOAL,
+    "add_note": Scope.GOAL,
+    "delete_note": Scope.GOAL,
+    "replace_tags": Scope.GOAL,
+    # Topics
+    "echo_topic": Scope.TOPIC,
+    "get_topic": Scope.TOPIC,
+    # The rest of the API is about every robot.
+    "get_graph": Scope.EVERY,
+    "metrics": Scope.EVERY,
+    "label_robot": Scope.EVERY,
+    "list_rules": Scope.EVERY,
+    "replace_rule": Scope.EVERY,
+    "remove_rule": Scope.EVERY,
+    "list_webhooks": Scope.EVERY,
+    "list_deliveries": Scope.EVERY,
+    "replace_webhook": Scope.EVERY,
+    "remove_webhook": Scope.EVERY,
+    "test_webhook": Scope.EVERY,
+    "list_tokens": Scope.EVERY,
+    "create_token": Scope.EVERY,
+    "revoke_token": Scope.EVERY,
+}
+
+COMMAND_SCOPES: dict[str, Scope] = {
+    "subscribe": Scope.LISTED,
+    "unsubscribe": Scope.ANY,
+    "ping": Scope.ANY,
+    "stop": Scope.ANY,
+    "release_stop": Scope.ROBOT,
+    "send_goal": Scope.NEW_GOAL,
+    "cancel_goal": Scope.GOAL,
+    "publish_battery": Scope.ROBOT,
+    "stop_publishing": Scope.ROBOT,
 }
 
 

@@ -11,10 +11,13 @@ from pydantic import AfterValidator, AwareDatetime, BeforeValidator, StringConst
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.filters import EventFilter, WithoutFeedback
 from dock_gateway.core.goal import Origin
+from dock_gateway.core.grant import Grant
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
 from dock_gateway.robots.registry import NAME_PART, read_namespace
-from dock_gateway.web.owners import actions_of_group
+from dock_gateway.web.access import TheGrant
+from dock_gateway.web.limits import not_covered
+from dock_gateway.web.owners import choose_actions
 from dock_gateway.web.requests import MAX_GROUP, MAX_TAG, NAME, ROBOT_PATTERN, StatusQuery, TheGateway, read_goal_id
 
 QUERY = ("robot", "action", "status", "error", "origin", "since", "until", "id", "tag", "group")
@@ -84,6 +87,7 @@ GroupQuery = Annotated[
 async def read_goal_filter(
     *,
     gateway: TheGateway,
+    grant: TheGrant,
     robot: NamespaceQuery = None,
     action: ActionsQuery = None,
     status: StatusQuery = None,
@@ -103,6 +107,7 @@ async def read_goal_filter(
     """
     namespace = "/" if robot is None else read_namespace(robot)
     under = None if robot is None else namespace
+    group = None if group is None else group.strip()
     return GoalFilter(
         action_names=frozenset(gateway.settings.resolve(name, under) for name in action or ()),
         namespace=namespace,
@@ -113,7 +118,8 @@ async def read_goal_filter(
         until=until,
         id_prefix=id or "",
         tags=frozenset(name.strip() for name in tag or ()),
-        group=None if group is None else await actions_of_group(gateway, group.strip()),
+        group=group,
+        among=await choose_actions(gateway, grant, group),
     )
 
 
@@ -169,14 +175,16 @@ def read_feedback(query: Mapping[str, str]) -> bool:
     return text == "true"
 
 
-async def read_event_filter(gateway: Gateway, query: Mapping[str, str]) -> EventFilter:
-    """Return the event filter of a query.
+async def read_event_filter(gateway: Gateway, query: Mapping[str, str], grant: Grant) -> EventFilter:
+    """Return the event filter of a query, for a reader with this grant.
 
-    Without `robot`, goals are those of all robots; battery, velocity and scene are those of the configured robot.
+    Without `robot`, goals are those of all robots that the grant covers; battery, velocity and scene are those of the
+    configured robot, or of the first one that the grant covers.
 
     Raises:
         InvalidField: A value is invalid.
         NotFound: There is no such goal or robot.
+        NotAllowed: The grant does not cover the goal or the robot (`not_covered`).
     """
     robot, action, goal_id = query.get("robot"), query.get("action"), query.get("goal_id")
     namespace = "/" if robot is None else read_namespace(robot)
@@ -184,10 +192,24 @@ async def read_event_filter(gateway: Gateway, query: Mapping[str, str]) -> Event
     if unknown := [name for name in names if name not in INCLUDES]:
         raise InvalidField([FieldError("query.include", f"any of {', '.join(INCLUDES)}", f"got {unknown[0][:60]!r}")])
     kind = EventFilter if read_feedback(query) else WithoutFeedback
+    goal = None if goal_id is None else await gateway.goal(read_goal_id(goal_id))
+    if goal is not None and not grant.covers_action(goal.action_name):
+        raise not_covered(f"goals on {goal.action_name}")
     return kind(
         topics=frozenset({"goals", *names}),
-        goal_id=None if goal_id is None else (await gateway.goal(read_goal_id(goal_id))).goal_id,
+        goal_id=None if goal is None else goal.goal_id,
         action_name=None if action is None else gateway.settings.resolve(action, None if robot is None else namespace),
         namespace=namespace,
-        robot=gateway.robots.get(robot).namespace,
+        robot=_read_robot(gateway, robot, grant),
+        grant=grant if grant.limited else None,
     )
+
+
+def _read_robot(gateway: Gateway, robot: str | None, grant: Grant) -> str:
+    found = gateway.robots.get(robot).namespace
+    if grant.covers_robot(found):
+        return found
+    covered = [each.namespace for each in gateway.robots.all() if grant.covers_robot(each.namespace)]
+    if robot is not None or not covered:
+        raise not_covered(f"the robot {found}")
+    return min(covered)

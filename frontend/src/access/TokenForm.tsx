@@ -1,12 +1,10 @@
-import { NativeSelect, NumberInput, Stack, TextInput } from "@mantine/core";
+import { NumberInput, Stack, TextInput } from "@mantine/core";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
 import type { CreatedToken, TokenBody } from "../api/access";
 import type { CommandError } from "../api/errors";
 import { SaveBar } from "../ui/SaveBar";
-import { ROLES } from "./permissions";
-import type { Role } from "./session";
-import { ROLE_WORDS } from "./words";
+import { type Grant, GrantFields, NO_LIMITS, wrongLimits } from "./GrantFields";
 
 /** As the gateway allows. */
 const MAX_NAME = 60;
@@ -22,15 +20,15 @@ interface TokenFormProps {
 /** Creates a token for a person or a script. */
 export function TokenForm({ create, onDone, onCancel }: TokenFormProps) {
   const [name, setName] = useState("");
-  const [role, setRole] = useState<Role>("viewer");
+  const [grant, setGrant] = useState<Grant>({ role: "viewer", ...NO_LIMITS });
   const [days, setDays] = useState<number | string>(USUAL_DAYS);
   const [tried, setTried] = useState(false);
   const missing = name.trim() === "";
   const submit = (event: FormEvent) => {
     event.preventDefault();
     setTried(true);
-    if (missing) return;
-    const body = { name: name.trim(), role, days: typeof days === "number" ? days : null };
+    if (missing || wrongLimits(grant).length > 0) return;
+    const body = { name: name.trim(), ...grant, days: typeof days === "number" ? days : null };
     create.mutate(body, { onSuccess: onDone });
   };
   return (
@@ -47,13 +45,7 @@ export function TokenForm({ create, onDone, onCancel }: TokenFormProps) {
           onChange={(event) => setName(event.currentTarget.value)}
           data-autofocus
         />
-        <NativeSelect
-          label="Role"
-          description={ROLE_WORDS[role]}
-          data={[...ROLES]}
-          value={role}
-          onChange={(event) => setRole(event.currentTarget.value as Role)}
-        />
+        <GrantFields grant={grant} tried={tried} onChange={(part) => setGrant({ ...grant, ...part })} />
         <NumberInput
           label="Valid for (days)"
           description="Leave empty for a token that is valid until it is revoked."

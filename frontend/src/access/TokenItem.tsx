@@ -6,6 +6,7 @@ import { Fact, FactList } from "../ui/Fact";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Time } from "../ui/Time";
 import classes from "./access.module.css";
+import { limitWords } from "./GrantFields";
 
 interface TokenItemProps {
   token: Token;
@@ -18,6 +19,7 @@ interface TokenItemProps {
 export function TokenItem({ token, reason, onRevoke }: TokenItemProps) {
   const { name, role, created_by, created_at, expires_at, used_at, valid } = token;
   const titleId = useId();
+  const limits = limitWords(token);
   return (
     <Paper
       component="li"
@@ -42,6 +44,7 @@ export function TokenItem({ token, reason, onRevoke }: TokenItemProps) {
           <Fact name={valid ? "Expires" : "Expired"}>
             {expires_at === null ? "Never" : <Time value={expires_at} />}
           </Fact>
+          {limits !== "" && <Fact name="Only for">{limits}</Fact>}
           <Fact name="Last used">{used_at === null ? "Never" : <Time value={used_at} />}</Fact>
         </FactList>
       </div>

@@ -8,7 +8,11 @@ export type Role = components["schemas"]["Role"];
 /** A page that got no answer is shown all the same: what needs a login is refused, and then it is asked again (ms). */
 const ANSWER_MS = 3000;
 
-const ANYBODY: SessionState = { required: false, principal: { name: null, role: "admin" } };
+/** Where no login is needed. */
+export const ANYBODY: SessionState = {
+  required: false,
+  principal: { name: null, kind: "anybody", role: "admin", robots: [], actions: [], topics: [] },
+};
 
 /** Who uses this page, as the gateway says. The login itself is a cookie, which scripts cannot read. */
 export class Session {

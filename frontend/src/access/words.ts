@@ -2,7 +2,7 @@ import type { Role } from "./session";
 
 /** What somebody with a role may do besides what those before it may. */
 export const ROLE_WORDS: Record<Role, string> = {
-  viewer: "Sees everything, and may stop robots.",
+  viewer: "Sees its robots, and may stop every robot.",
   operator: "Also docks and undocks, sends and cancels goals, adds notes, and acknowledges alerts.",
   supervisor: "Also releases stops, and changes rules, webhooks, names and groups.",
   admin: "Also creates and revokes tokens.",

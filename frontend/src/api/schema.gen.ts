@@ -1862,11 +1862,17 @@ export interface components {
          * @description A new token with its secret, which is not shown again.
          */
         CreatedToken: {
+            role: components["schemas"]["Role"];
+            /** Robots */
+            robots: string[];
+            /** Actions */
+            actions: string[];
+            /** Topics */
+            topics: string[];
             /** Id */
             id: string;
             /** Name */
             name: string;
-            role: components["schemas"]["Role"];
             /** Created By */
             created_by: string | null;
             /**
@@ -2597,6 +2603,12 @@ export interface components {
             interfaces: components["schemas"]["Interface"][];
         };
         /**
+         * Kind
+         * @description What shows who makes a request.
+         * @enum {string}
+         */
+        Kind: "token" | "user" | "service" | "anybody";
+        /**
          * Label
          * @description The display name of a robot, null if it has none, and the groups that it is in.
          * @example {
@@ -2939,9 +2951,16 @@ export interface components {
          * @description Who makes a request. `name` is null where requests need no token.
          */
         Requester: {
+            role: components["schemas"]["Role"];
+            /** Robots */
+            robots: string[];
+            /** Actions */
+            actions: string[];
+            /** Topics */
+            topics: string[];
             /** Name */
             name: string | null;
-            role: components["schemas"]["Role"];
+            kind: components["schemas"]["Kind"];
         };
         /**
          * ResultEvent
@@ -3690,11 +3709,17 @@ export interface components {
          * @description A token without its secret. `used_at` is to the minute.
          */
         Token: {
+            role: components["schemas"]["Role"];
+            /** Robots */
+            robots: string[];
+            /** Actions */
+            actions: string[];
+            /** Topics */
+            topics: string[];
             /** Id */
             id: string;
             /** Name */
             name: string;
-            role: components["schemas"]["Role"];
             /** Created By */
             created_by: string | null;
             /**
@@ -8948,6 +8973,12 @@ export interface operations {
                     name: string;
                     /** @enum {unknown} */
                     role: "viewer" | "operator" | "supervisor" | "admin";
+                    /** @description Namespaces of robots, in which `*` stands for any text; none means every robot */
+                    robots?: string[];
+                    /** @description Names of actions, likewise; none means every action of the robots */
+                    actions?: string[];
+                    /** @description Names of topics, likewise; none means every topic of the robots */
+                    topics?: string[];
                     /** @description For how long it is valid; null: until it is revoked */
                     days?: number | null;
                 };

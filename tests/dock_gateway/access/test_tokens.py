@@ -8,9 +8,10 @@ from datetime import timedelta
 import pytest
 
 from dock_gateway.access.tokens import ID_DIGITS, Tokens, digest_of
-from dock_gateway.core.access import Role, Token
+from dock_gateway.core.access import Token
 from dock_gateway.core.errors import Conflict, NotAuthenticated, NotFound, Unavailable
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.fleet.shared_book import SharedBook
 from tests.support.entries import SharedStore
 
@@ -41,7 +42,7 @@ def site() -> Site:
 @asynccontextmanager
 async def watching(tokens: Tokens, secret: str) -> AsyncIterator[list[str]]:
     """The ends of a stream with this token."""
-    token_id = tokens.identify(secret).token_id
+    token_id = tokens.identify(secret).credential
     assert token_id is not None
     ends: list[str] = []
     with tokens.watch(token_id, lambda: ends.append("ended")):
@@ -50,9 +51,9 @@ async def watching(tokens: Tokens, secret: str) -> AsyncIterator[list[str]]:
 
 async def test_a_token_says_who_shows_it(site: Site) -> None:
     tokens = site.tokens()
-    document, secret = await tokens.create("ada", Role.OPERATOR, by="root")
+    document, secret = await tokens.create("ada", Grant(Role.OPERATOR), by="root")
     principal = tokens.identify(secret)
-    assert (principal.name, principal.role, principal.token_id) == ("ada", Role.OPERATOR, document["id"])
+    assert (principal.name, principal.grant.role, principal.credential) == ("ada", Role.OPERATOR, document["id"])
     assert secret.startswith("dgw_")
     assert len(secret) == len("dgw_") + 43
     assert {"digest", "secret"}.isdisjoint(document)
@@ -64,7 +65,7 @@ async def test_a_token_says_who_shows_it(site: Site) -> None:
 @pytest.mark.parametrize("secret", [None, "", "dgw_", "dgw_wrong", "\udcff\U0001f511", "x" * 100_000])
 async def test_any_other_secret_is_refused(site: Site, secret: str | None) -> None:
     tokens = site.tokens()
-    await tokens.create("ada", Role.ADMIN)
+    await tokens.create("ada", Grant(Role.ADMIN))
     with pytest.raises(NotAuthenticated) as refused:
         tokens.identify(secret)
     assert refused.value.code == ("not_authenticated" if secret is None else "invalid_token")
@@ -73,7 +74,7 @@ async def test_any_other_secret_is_refused(site: Site, secret: str | None) -> No
 async def test_the_whole_digest_counts(site: Site) -> None:
     """Not the digits of the id alone, for which a second secret could be found."""
     tokens = site.tokens()
-    _, secret = await tokens.create("ada", Role.ADMIN)
+    _, secret = await tokens.create("ada", Grant(Role.ADMIN))
     await site.change(secret, digest=digest_of(secret)[:ID_DIGITS] + "0" * 48)
     await tokens.look()
     with pytest.raises(NotAuthenticated):
@@ -82,7 +83,7 @@ async def test_the_whole_digest_counts(site: Site) -> None:
 
 async def test_an_expired_token_is_refused_and_its_streams_end(site: Site) -> None:
     tokens = site.tokens()
-    _, secret = await tokens.create("ada", Role.ADMIN, utc_now() + timedelta(days=1))
+    _, secret = await tokens.create("ada", Grant(Role.ADMIN), utc_now() + timedelta(days=1))
     async with watching(tokens, secret) as ends:
         await tokens.look()
         assert ends == []
@@ -96,7 +97,7 @@ async def test_an_expired_token_is_refused_and_its_streams_end(site: Site) -> No
 
 async def test_a_revocation_is_known_at_once_here_and_soon_elsewhere(site: Site) -> None:
     here, elsewhere = site.tokens(), site.tokens()
-    document, secret = await here.create("ada", Role.ADMIN)
+    document, secret = await here.create("ada", Grant(Role.ADMIN))
     await elsewhere.look()
     async with watching(here, secret) as ends, watching(elsewhere, secret) as ends_elsewhere:
         await here.revoke(document["id"])
@@ -113,7 +114,7 @@ async def test_a_revocation_is_known_at_once_here_and_soon_elsewhere(site: Site)
 
 async def test_the_use_of_a_token_does_not_bring_it_back(site: Site) -> None:
     here, elsewhere = site.tokens(), site.tokens()
-    document, secret = await here.create("ada", Role.ADMIN)
+    document, secret = await here.create("ada", Grant(Role.ADMIN))
     await elsewhere.look()
     elsewhere.identify(secret)
     await here.revoke(document["id"])
@@ -123,7 +124,7 @@ async def test_the_use_of_a_token_does_not_bring_it_back(site: Site) -> None:
 
 async def test_its_use_is_recorded_once_a_minute(site: Site) -> None:
     tokens = site.tokens()
-    _, secret = await tokens.create("ada", Role.ADMIN)
+    _, secret = await tokens.create("ada", Grant(Role.ADMIN))
     tokens.identify(secret)
     await tokens.look()
     (first,) = await site.stored()
@@ -142,13 +143,13 @@ async def test_its_use_is_recorded_once_a_minute(site: Site) -> None:
 
 async def test_known_tokens_stay_valid_while_the_history_is_away(site: Site) -> None:
     tokens = site.tokens()
-    _, secret = await tokens.create("ada", Role.ADMIN)
+    _, secret = await tokens.create("ada", Grant(Role.ADMIN))
     site.store.away = True
     tokens.identify(secret)
     await tokens.look()
     assert tokens.identify(secret).name == "ada"
     with pytest.raises(Unavailable):
-        await tokens.create("eve", Role.VIEWER)
+        await tokens.create("eve", Grant(Role.VIEWER))
     with pytest.raises(Unavailable):
         await tokens.revoke(digest_of(secret)[:ID_DIGITS])
     assert tokens.identify(secret).name == "ada"
@@ -156,12 +157,12 @@ async def test_known_tokens_stay_valid_while_the_history_is_away(site: Site) -> 
 
 async def test_names_are_used_once_and_tokens_are_limited(site: Site) -> None:
     tokens = site.tokens(most=2)
-    await tokens.create("ada", Role.ADMIN)
+    await tokens.create("ada", Grant(Role.ADMIN))
     with pytest.raises(Conflict) as taken:
-        await site.tokens().create("ada", Role.VIEWER)
+        await site.tokens().create("ada", Grant(Role.VIEWER))
     assert taken.value.code == "token_exists"
-    await tokens.create("bob", Role.VIEWER)
+    await tokens.create("bob", Grant(Role.VIEWER))
     with pytest.raises(Conflict) as full:
-        await tokens.create("eve", Role.VIEWER)
+        await tokens.create("eve", Grant(Role.VIEWER))
     assert full.value.code == "too_many_tokens"
     assert [token["name"] for token in await tokens.documents()] == ["ada", "bob"]

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from dock_gateway.core.filters import GroupActions
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.history import GoalFilter, History, MemoryHistory
 from dock_gateway.history.sql import SqlHistory
@@ -65,10 +64,10 @@ async def numbers(history: History, **wanted: object) -> list[int]:
         ({"namespace": "/robot"}, []),
         ({"action_names": {"/dock", "/robot10/dock"}}, [4, 1]),
         ({"action_names": {"/dock"}, "namespace": "/robot1"}, []),
-        ({"group": GroupActions("hall 1", frozenset({"/dock", "/robot1/dock"}))}, [2, 1]),
-        ({"group": GroupActions("hall 1", frozenset({"/dock", "/robot1/dock"})), "namespace": "/robot1"}, [2]),
-        ({"group": GroupActions("hall 1", frozenset({"/dock"})), "action_names": {"/robot1/dock"}}, []),
-        ({"group": GroupActions("nobody", frozenset())}, []),
+        ({"among": frozenset({"/dock", "/robot1/dock"})}, [2, 1]),
+        ({"among": frozenset({"/dock", "/robot1/dock"}), "namespace": "/robot1"}, [2]),
+        ({"among": frozenset({"/dock"}), "action_names": {"/robot1/dock"}}, []),
+        ({"among": frozenset()}, []),
         ({"statuses": {GoalStatus.ABORTED, GoalStatus.EXECUTING}}, [3, 2]),
         ({"error_codes": {"blocked", "stopped"}}, [5, 2]),
         ({"error_codes": {"blocked"}, "statuses": {GoalStatus.CANCELED}}, []),

@@ -13,7 +13,6 @@ import sqlalchemy as sa
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.filters import GroupActions
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.history import GoalFilter, History, queries
 from dock_gateway.history import statistics as tallies
@@ -152,10 +151,10 @@ async def test_the_filter_applies(place: str, tmp_path: Path) -> None:
         assert await counted(action_names=frozenset({"/robot1/dock"})) == {"/robot1/dock": 2}
         assert await counted(origin="external") == {"/robot2/dock": 1}
         assert await counted(error_codes=frozenset({"blocked"})) == {"/robot1/dock": 1}
-        hall = GroupActions("hall 1", frozenset({"/robot1/dock", "/robot2/undock"}))
-        assert await counted(group=hall) == {"/robot1/dock": 2, "/robot2/undock": 1}
-        assert await counted(group=hall, namespace="/robot2") == {"/robot2/undock": 1}
-        assert await counted(group=GroupActions("nobody", frozenset())) == {}
+        hall = frozenset({"/robot1/dock", "/robot2/undock"})
+        assert await counted(among=hall) == {"/robot1/dock": 2, "/robot2/undock": 1}
+        assert await counted(among=hall, namespace="/robot2") == {"/robot2/undock": 1}
+        assert await counted(among=frozenset()) == {}
         await history.notes.replace_tags("goal-0002", ["blocked", "maintenance"])
         await history.notes.replace_tags("goal-0004", ["maintenance"])
         await history.notes.replace_tags("goal-0005", ["maintenance"])

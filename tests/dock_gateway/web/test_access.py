@@ -12,14 +12,14 @@ from fastapi.routing import APIRoute, APIWebSocketRoute
 from starlette.testclient import TestClient, WebSocketDenialResponse, WebSocketTestSession
 
 from dock_gateway.access.tokens import Tokens
-from dock_gateway.core.access import Role
 from dock_gateway.core.errors import NotFound
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.gateway import Gateway
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import api_routers, create_app
-from dock_gateway.web.permissions import COMMANDS, PUBLIC, ROUTES
+from dock_gateway.web.permissions import COMMAND_SCOPES, COMMANDS, PUBLIC, ROUTES, SCOPES
 from dock_gateway.web.streams.commands import COMMANDS as IMPLEMENTED
 from tests.support.shapes import check_answer
 
@@ -52,7 +52,7 @@ class Site:
         self._app = create_app(settings, cast("Gateway", gateway))
 
     async def _fill(self) -> dict[Role, str]:
-        return {role: (await self._tokens.create(role.value, role))[1] for role in Role}
+        return {role: (await self._tokens.create(role.value, Grant(role)))[1] for role in Role}
 
     @contextmanager
     def client(self, role: Role | None = None, url: str = "http://127.0.0.1:8000") -> Iterator[TestClient]:
@@ -64,6 +64,11 @@ class Site:
 @pytest.fixture(scope="module")
 def site() -> Site:
     return Site(Settings(authentication=True, database_url="sqlite:////nowhere"))
+
+
+def described(name: str | None, kind: str, role: str, robots: list[str] | None = None) -> dict[str, Any]:
+    """A principal, as the API shows it."""
+    return {"name": name, "kind": kind, "role": role, "robots": robots or [], "actions": [], "topics": []}
 
 
 def connect(client: TestClient, path: str, **options: Any) -> WebSocketTestSession:
@@ -81,7 +86,8 @@ def test_every_route_that_changes_something_is_listed_and_no_other() -> None:
     everything = {name for _, _, name in REQUESTS} | {name for _, name in SOCKETS}
     assert changing <= ROUTES.keys() | PUBLIC
     assert ROUTES.keys() | PUBLIC <= everything
-    assert COMMANDS.keys() == IMPLEMENTED.keys() | {"subscribe", "unsubscribe"}
+    assert COMMANDS.keys() == COMMAND_SCOPES.keys() == IMPLEMENTED.keys() | {"subscribe", "unsubscribe"}
+    assert SCOPES.keys() == everything - PUBLIC
 
 
 def test_without_a_token_there_are_health_checks_and_the_login(site: Site) -> None:
@@ -126,7 +132,7 @@ def test_a_browser_logs_in_and_out(site: Site, url: str, cookie: str) -> None:
         assert client.post("/session", json={}).status_code == 422
         assert not client.cookies
         answer = client.post("/session", json={"token": f" {secret}\n"})
-        who = {"required": True, "principal": {"name": "operator", "role": "operator"}}
+        who = {"required": True, "principal": described("operator", "token", "operator")}
         assert answer.json() == who
         attributes = answer.headers["set-cookie"].lower()
         assert attributes.startswith(f"{cookie.lower()}=")
@@ -153,7 +159,8 @@ def test_a_page_of_another_site_cannot_use_the_login(site: Site) -> None:
 
 def test_tokens_over_http(site: Site) -> None:
     with site.client(Role.ADMIN) as admin:
-        created = admin.post("/tokens", json={"name": "cron", "role": "operator", "days": 2})
+        robots = ["/robot1", "/hall_a/*", "/robot1"]
+        created = admin.post("/tokens", json={"name": "cron", "role": "operator", "days": 2, "robots": robots})
         assert created.status_code == 201
         assert created.headers["cache-control"] == "no-store"
         check_answer("POST", "/tokens", 201, "application/json", created.content)
@@ -170,7 +177,9 @@ def test_tokens_over_http(site: Site) -> None:
             "viewer",
         ]
         use = {"Authorization": f"Bearer {token['secret']}"}
-        assert admin.get("/session", headers=use).json()["principal"] == {"name": "cron", "role": "operator"}
+        assert admin.get("/session", headers=use).json()["principal"] == described(
+            "cron", "token", "operator", ["/robot1", "/hall_a/*"]
+        )
         assert admin.post("/tokens", json={"name": "cron", "role": "viewer"}).json()["code"] == "token_exists"
         assert admin.delete(f"/tokens/{token['id']}").status_code == 204
         assert admin.get("/robots", headers=use).json()["code"] == "invalid_token"
@@ -189,7 +198,15 @@ def test_tokens_over_http(site: Site) -> None:
         ({"name": "x", "role": "viewer", "days": 0}, "days"),
         ({"name": "x", "role": "viewer", "days": True}, "days"),
         ({"name": "x", "role": "viewer", "days": 1e9}, "days"),
-        ({"name": "x", "role": "viewer", "robots": []}, "robots"),
+        ({"name": "x", "role": "viewer", "robots": "/robot1"}, "robots"),
+        ({"name": "x", "role": "viewer", "robots": ["robot1"]}, "robots.0"),
+        ({"name": "x", "role": "viewer", "robots": ["/a", "/robot?"]}, "robots.1"),
+        ({"name": "x", "role": "viewer", "robots": ["/a"] * 51}, "robots"),
+        ({"name": "x", "role": "viewer", "actions": [7]}, "actions.0"),
+        ({"name": "x", "role": "viewer", "topics": ["/" + "x" * 255]}, "topics.0"),
+        ({"name": "x", "role": "admin", "robots": ["/robot1"]}, "robots"),
+        ({"name": "x", "role": "admin", "topics": ["/odom"]}, "topics"),
+        ({"name": "x", "role": "viewer", "groups": []}, "groups"),
     ],
 )
 def test_what_is_no_token(site: Site, body: object, path: str) -> None:
@@ -200,7 +217,7 @@ def test_what_is_no_token(site: Site, body: object, path: str) -> None:
 
 
 def test_without_authentication_everybody_may_do_everything() -> None:
-    anybody = {"required": False, "principal": {"name": None, "role": "admin"}}
+    anybody = {"required": False, "principal": described(None, "anybody", "admin")}
     with Site(Settings()).client() as client:
         assert client.get("/session").json() == anybody
         login = client.post("/session", json={"token": "dgw_x"})

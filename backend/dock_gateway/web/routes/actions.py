@@ -4,6 +4,7 @@ from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
 from dock_gateway.actions.registry import Action
+from dock_gateway.web.access import TheGrant
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -45,8 +46,9 @@ def describe(action: Action) -> dict[str, object]:
 
 
 @router.get("", response_model=ActionList, dependencies=[NO_QUERY])
-async def list_actions(gateway: TheGateway) -> Response:
+async def list_actions(gateway: TheGateway, grant: TheGrant) -> Response:
     """List every action on the graph. If an action's interface package is missing, `hint` says what to install."""
+    found = [describe(action) for action in gateway.actions.all() if grant.covers_action(action.name)]
     missing = [
         {
             "action_name": entry.name,
@@ -61,8 +63,9 @@ async def list_actions(gateway: TheGateway) -> Response:
             "feedback_dropped": 0,
         }
         for entry in gateway.actions.uninstalled()
+        if grant.covers_action(entry.name)
     ]
-    return json_response({"actions": [*map(describe, gateway.actions.all()), *missing]})
+    return json_response({"actions": [*found, *missing]})
 
 
 @router.post(

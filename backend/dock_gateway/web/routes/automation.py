@@ -11,7 +11,7 @@ from dock_gateway.core.automation import WEEKDAYS, Mode, Rule
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.event import utc_now
 from dock_gateway.robots.registry import read_namespace
-from dock_gateway.web.access import read_signed_json
+from dock_gateway.web.access import TheGrant, read_signed_json
 from dock_gateway.web.fields import (
     ROBOTS_REQUEST,
     SLUG_IN_PATH,
@@ -140,6 +140,8 @@ async def remove_rule(rule_id: RuleId, gateway: TheGateway) -> Response:
 )
 async def list_decisions(
     gateway: TheGateway,
+    grant: TheGrant,
+    *,
     robot: RobotQuery = None,
     rule: Annotated[str | None, Query(description="Id of a rule")] = None,
     goal_id: GoalIdQuery = None,
@@ -151,6 +153,7 @@ async def list_decisions(
         rule_id=rule,
         goal_id=None if goal_id is None else read_goal_id(goal_id),
         limit=limit,
+        grant=grant,
     )
     return json_response({"decisions": found})
 

@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
-from dock_gateway.web.access import read_signed_json
+from dock_gateway.web.access import TheGrant, read_signed_json
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -30,9 +30,9 @@ NO_QUERY = Depends(known_query())
     responses=problems(404, 422),
     dependencies=[Depends(known_query("robot"))],
 )
-async def list_robots(gateway: TheGateway, robot: RobotQuery = None) -> Response:
+async def list_robots(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
     """List every robot that was found, or only the one given by `robot`."""
-    return json_response({"robots": gateway.fleet.documents(robot)})
+    return json_response({"robots": gateway.fleet.documents(robot, grant)})
 
 
 MAX_NAME = 60
@@ -46,9 +46,9 @@ AlertId = Annotated[str, Path(description="`id` of the alert")]
 
 
 @router.get("/alerts", tags=["Alerts"], response_model=AlertList, responses=problems(422), dependencies=[NO_QUERY])
-async def list_alerts(gateway: TheGateway) -> Response:
+async def list_alerts(gateway: TheGateway, grant: TheGrant) -> Response:
     """List the active alerts: critical ones first, then oldest first."""
-    return json_response({"alerts": gateway.alerts.documents()})
+    return json_response({"alerts": gateway.alerts.documents(grant)})
 
 
 @router.put(

@@ -1,5 +1,7 @@
 """`/session`: who one is, and the dashboard's login with a token."""
 
+from dataclasses import asdict
+
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
@@ -25,7 +27,7 @@ LOGIN_REQUEST = {
 
 
 def _session(gateway: Gateway, principal: Principal | None) -> Response:
-    who = None if principal is None else {"name": principal.name, "role": principal.role}
+    who = None if principal is None else {"name": principal.name, "kind": principal.kind, **asdict(principal.grant)}
     response = json_response({"required": gateway.settings.authentication, "principal": who})
     response.headers["Cache-Control"] = "no-store"
     return response

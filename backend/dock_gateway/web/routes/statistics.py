@@ -17,6 +17,7 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.history import GoalFilter
 from dock_gateway.history.statistics import Span, Tallies, Tally, merged
+from dock_gateway.web.access import TheGrant
 from dock_gateway.web.owners import owners
 from dock_gateway.web.problems import problems
 from dock_gateway.web.queries import (
@@ -55,6 +56,7 @@ Group = tuple[str, GoalFilter, Tally]
 async def read_wanted(
     *,
     gateway: TheGateway,
+    grant: TheGrant,
     robot: NamespaceQuery = None,
     action: ActionsQuery = None,
     origin: OriginQuery = None,
@@ -73,7 +75,15 @@ async def read_wanted(
     if since >= until:
         raise InvalidField([FieldError("query.since", "a time before `until`", f"got {since.isoformat()}")])
     return await read_goal_filter(
-        gateway=gateway, robot=robot, action=action, origin=origin, since=since, until=until, tag=tag, group=group
+        gateway=gateway,
+        grant=grant,
+        robot=robot,
+        action=action,
+        origin=origin,
+        since=since,
+        until=until,
+        tag=tag,
+        group=group,
     )
 
 
@@ -190,7 +200,7 @@ def _path(chosen: GoalFilter) -> str:
         *(("action", name) for name in sorted(chosen.action_names)),
         *([("origin", chosen.origin)] if chosen.origin is not None else []),
         *(("tag", tag) for tag in sorted(chosen.tags)),
-        *([("group", chosen.group.group)] if chosen.group is not None else []),
+        *([("group", chosen.group)] if chosen.group is not None else []),
         *zip(("since", "until"), (each.isoformat().replace("+00:00", "Z") for each in _span(chosen)), strict=True),
     ]
     return f"/goals?{urlencode(query, safe='/:')}"

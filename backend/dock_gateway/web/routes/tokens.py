@@ -7,11 +7,11 @@ from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
 from dock_gateway.access.tokens import ID_DIGITS
-from dock_gateway.core.access import Role
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.event import utc_now
+from dock_gateway.core.grant import LIMITS, Grant
 from dock_gateway.web.access import principal_of
-from dock_gateway.web.fields import read_choice
+from dock_gateway.web.fields import GRANT_REQUEST, read_grant
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -34,7 +34,7 @@ TOKEN_REQUEST = {
     "additionalProperties": False,
     "properties": {
         "name": name_schema(MAX_NAME) | {"description": "Who uses it: a person or a script"},
-        "role": {"enum": [role.value for role in Role]},
+        **GRANT_REQUEST,
         "days": {
             "type": ["integer", "null"],
             "minimum": 1,
@@ -42,7 +42,7 @@ TOKEN_REQUEST = {
             "description": "For how long it is valid; null: until it is revoked",
         },
     },
-    "examples": [{"name": "night shift script", "role": "operator", "days": 90}],
+    "examples": [{"name": "night shift script", "role": "operator", "robots": ["/hall_a/*"], "days": 90}],
 }
 TokenId = Annotated[str, Path(json_schema_extra={"pattern": f"^[0-9a-f]{{{ID_DIGITS}}}$"})]
 
@@ -63,8 +63,8 @@ async def list_tokens(gateway: TheGateway) -> Response:
 )
 async def create_token(request: Request, gateway: TheGateway) -> Response:
     """Create a token. Only this answer has its secret."""
-    name, role, expires_at = read_token(await read_json(request))
-    token, secret = await gateway.tokens.create(name, role, expires_at, principal_of(request).name)
+    name, grant, expires_at = read_token(await read_json(request))
+    token, secret = await gateway.tokens.create(name, grant, expires_at, principal_of(request).name)
     return json_response({**token, "secret": secret}, 201, {"Cache-Control": "no-store"})
 
 
@@ -75,16 +75,15 @@ async def revoke_token(token_id: TokenId, gateway: TheGateway) -> Response:
     return Response(status_code=204)
 
 
-def read_token(value: Any) -> tuple[str, Role, datetime | None]:
-    """Return the name, the role and the expiry of a token from a decoded body.
+def read_token(value: Any) -> tuple[str, Grant, datetime | None]:
+    """Return the name, the grant and the expiry of a token from a decoded body.
 
     Raises:
         InvalidField: It is not a token.
     """
-    fields = read_object(value, "name", "role", "days")
-    role, days = str(fields.get("role")), fields.get("days")
-    read_choice(role, tuple(Role), "role")
+    fields = read_object(value, "name", "role", *LIMITS, "days")
+    grant, days = read_grant(fields), fields.get("days")
     if days is not None and (type(days) is not int or not 0 < days <= MAX_DAYS):
         raise InvalidField([FieldError("days", f"1 to {MAX_DAYS} days, or null", got(days))])
     expires_at = None if days is None else utc_now() + timedelta(days=days)
-    return read_name(fields.get("name"), MAX_NAME, "name"), Role(role), expires_at
+    return read_name(fields.get("name"), MAX_NAME, "name"), grant, expires_at

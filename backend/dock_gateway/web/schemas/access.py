@@ -2,15 +2,25 @@
 
 from datetime import datetime
 
-from dock_gateway.core.access import Role
+from dock_gateway.core.access import Kind
+from dock_gateway.core.grant import Role
 from dock_gateway.web.schemas.common import Schema
 
 
-class Requester(Schema):
+class Grant(Schema):
+    """What someone may do. An empty list means every robot, or every action or topic of the robots."""
+
+    role: Role
+    robots: list[str]
+    actions: list[str]
+    topics: list[str]
+
+
+class Requester(Grant):
     """Who makes a request. `name` is null where requests need no token."""
 
     name: str | None
-    role: Role
+    kind: Kind
 
 
 class Session(Schema):
@@ -20,12 +30,11 @@ class Session(Schema):
     principal: Requester | None
 
 
-class Token(Schema):
+class Token(Grant):
     """A token without its secret. `used_at` is to the minute."""
 
     id: str
     name: str
-    role: Role
     created_by: str | None
     created_at: datetime
     expires_at: datetime | None

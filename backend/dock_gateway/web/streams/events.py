@@ -42,7 +42,8 @@ async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     """
     query = websocket.query_params
     after, max_rate = read_after(query), read_max_rate(query)
-    with subscribed(gateway, principal_of(websocket), await read_event_filter(gateway, query)) as subscriber:
+    principal = principal_of(websocket)
+    with subscribed(gateway, principal, await read_event_filter(gateway, query, principal.grant)) as subscriber:
         await websocket.accept()
         if max_rate is None:
             subscriber.immediate = fast_path(websocket)
@@ -122,7 +123,7 @@ async def _sse(request: Request, gateway: Gateway, goal_id: str) -> Response:
 async def _sse_chunks(
     gateway: Gateway, principal: Principal, query: dict[str, str], after: str | None, max_rate: float | None
 ) -> AsyncGenerator[bytes]:
-    with subscribed(gateway, principal, await read_event_filter(gateway, query)) as subscriber:
+    with subscribed(gateway, principal, await read_event_filter(gateway, query, principal.grant)) as subscriber:
         # The events that the client is sent show whether the goal has ended. It could end during a separate lookup.
         ended = False
         async for event in begin(gateway, subscriber, after):

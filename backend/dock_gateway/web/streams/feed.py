@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
 from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.throttle import Throttle
 from dock_gateway.gateway import Gateway
@@ -20,7 +21,8 @@ async def snapshot(gateway: Gateway, event_filter: EventFilter) -> Event:
     dock, undock = gateway.servers_of(event_filter.robot)
     fleet = {}
     if "robots" in event_filter.topics:
-        fleet = {"robots": gateway.fleet.documents(), "alerts": gateway.alerts.documents()}
+        grant = event_filter.grant or UNLIMITED
+        fleet = {"robots": gateway.fleet.documents(grant=grant), "alerts": gateway.alerts.documents(grant)}
     return notice(
         "snapshot",
         utc_now(),
@@ -50,8 +52,9 @@ def present(gateway: Gateway, event_filter: EventFilter) -> list[Event]:
         events.append(system_event("simulator", simulator, now, robot=name))
     wanted = [event for event in events if event_filter.covers(event)]
     if "robots" in event_filter.topics:
-        wanted.append(fleet_event("robots", now, robots=gateway.fleet.documents(), gone=[]))
-        wanted.append(fleet_event("alerts", now, alerts=gateway.alerts.documents()))
+        grant = event_filter.grant or UNLIMITED
+        wanted.append(fleet_event("robots", now, robots=gateway.fleet.documents(grant=grant), gone=[]))
+        wanted.append(fleet_event("alerts", now, alerts=gateway.alerts.documents(grant)))
     return wanted
 
 

@@ -29,7 +29,7 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
-from dock_gateway.web.access import principal_of, require_still, signed, subscribed
+from dock_gateway.web.access import authorize_command, principal_of, signed, subscribed
 from dock_gateway.web.permissions import COMMANDS as PERMISSIONS
 from dock_gateway.web.problems import INTERNAL
 from dock_gateway.web.queries import read_after, read_event_filter, read_max_rate
@@ -121,7 +121,7 @@ class Session:
         try:
             op, identity, fields = read_command(_decode(received))
             if op in PERMISSIONS:
-                require_still(self._gateway, self._principal, PERMISSIONS[op], op)
+                await authorize_command(self._gateway, self._principal, op, fields)
             if op == STOP:
                 fields = signed(self._principal, fields)
             if op == "subscribe":
@@ -166,7 +166,7 @@ class Session:
         self, identity: str, query: dict[str, str], after: str | None, max_rate: float | None
     ) -> None:
         try:
-            event_filter = await read_event_filter(self._gateway, query)
+            event_filter = await read_event_filter(self._gateway, query, self._principal.grant)
             with subscribed(self._gateway, self._principal, event_filter) as subscriber:
                 await self._answer("ack", identity, {"subscription": identity})
                 self._subscriptions[identity].acknowledged = True

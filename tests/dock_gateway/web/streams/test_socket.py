@@ -82,7 +82,7 @@ class Lookups:
 
     async def goal(self, goal_id: str) -> Any:
         await asyncio.sleep(0.05)
-        return SimpleNamespace(goal_id=goal_id)
+        return SimpleNamespace(goal_id=goal_id, action_name="/dock")
 
 
 @pytest.fixture

@@ -1,0 +1,123 @@
+"""What someone may do, and with which robots, actions and topics. Plain data."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from functools import cached_property
+
+import orjson
+
+from dock_gateway.core.event import Event
+from dock_gateway.core.goal import encode
+
+# What a grant can be limited to.
+LIMITS = ("robots", "actions", "topics")
+# A pattern of names, in which `*` stands for any text.
+PATTERN = re.compile(r"/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+")
+# The topics of the events that are about several robots.
+MIXED = frozenset({"robots", "scenes"})
+
+
+class Role(StrEnum):
+    """A role, which says what a user may do. Each includes the ones before it."""
+
+    VIEWER = "viewer"
+    OPERATOR = "operator"
+    SUPERVISOR = "supervisor"
+    ADMIN = "admin"
+
+    def includes(self, other: "Role") -> bool:
+        """Return whether this role allows everything that the other one does."""
+        roles = list(Role)
+        return roles.index(self) >= roles.index(other)
+
+
+@dataclass(frozen=True)
+class Grant:
+    """What someone may do, and with what. Patterns are names, in which `*` stands for any text.
+
+    Attributes:
+        role: What they may do.
+        robots: Patterns of the namespaces of their robots; empty means every robot. A namespace includes those below
+            it, but `/` is only the robot without a namespace.
+        actions: Patterns of the actions whose goals they see and send; empty means every action of their robots.
+        topics: Patterns of the topics that they may read on `/ws/topics`; empty means every topic of their robots.
+    """
+
+    role: Role
+    robots: tuple[str, ...] = ()
+    actions: tuple[str, ...] = ()
+    topics: tuple[str, ...] = ()
+
+    @property
+    def limited(self) -> bool:
+        """Whether it leaves out any robot or action."""
+        return bool(self.robots or self.actions)
+
+    def covers_robot(self, namespace: str) -> bool:
+        """Return whether a robot is one of theirs."""
+        return bool(self._robots.fullmatch(f"{namespace.rstrip('/')}/_"))
+
+    def covers_action(self, name: str) -> bool:
+        """Return whether they see and send the goals of an action."""
+        return bool(self._robots.fullmatch(name) and self._actions.fullmatch(name))
+
+    def covers_topic(self, name: str) -> bool:
+        """Return whether they may read a topic."""
+        return bool(self._robots.fullmatch(name) and self._topics.fullmatch(name))
+
+    def covers_alert(self, robot: str | None) -> bool:
+        """Return whether they see an alert of a robot; None: one of the gateway, which everyone sees."""
+        return robot is None or self.covers_robot(robot)
+
+    @cached_property
+    def _robots(self) -> re.Pattern[str]:
+        return _pattern("/[^/]+" if each == "/" else _text(f"{each.rstrip('/')}/*") for each in self.robots)
+
+    @cached_property
+    def _actions(self) -> re.Pattern[str]:
+        return _pattern(map(_text, self.actions))
+
+    @cached_property
+    def _topics(self) -> re.Pattern[str]:
+        return _pattern(map(_text, self.topics))
+
+
+# Someone who may do everything.
+UNLIMITED = Grant(Role.ADMIN)
+
+
+def _text(pattern: str) -> str:
+    return ".*".join(map(re.escape, pattern.split("*")))
+
+
+def _pattern(texts: Iterable[str]) -> re.Pattern[str]:
+    """Return an expression that matches what any of the texts does; everything if there is none."""
+    return re.compile("|".join(texts) or ".*")
+
+
+def narrow(event: Event, grant: Grant) -> Event | None:
+    """Return an event about several robots with those of a grant; None if none of them is left.
+
+    Such an event is encoded again for each reader whose grant is limited, and only for those.
+    """
+    if event.robot is not None or event.action_name is not None or event.topic not in MIXED:
+        return event
+    document = orjson.loads(event.data)
+    match document["type"]:
+        case "robots":
+            document["robots"] = [robot for robot in document["robots"] if grant.covers_robot(robot["name"])]
+            document["gone"] = list(filter(grant.covers_robot, document["gone"]))
+            if not document["robots"] and not document["gone"]:
+                return None
+        case "alerts":
+            document["alerts"] = [alert for alert in document["alerts"] if grant.covers_alert(alert["robot"])]
+        case "scenes":
+            scenes = document["scenes"].items()
+            document["scenes"] = {robot: scene for robot, scene in scenes if grant.covers_robot(robot)}
+        case "automation":
+            return event if grant.covers_robot(document["automation"]["robot"]) else None
+        case _:
+            return None
+    return replace(event, data=encode(document))

@@ -1,0 +1,116 @@
+"""Each role includes the ones before it; a limited grant covers its robots, actions and topics and nothing else."""
+
+import orjson
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dock_gateway.core.event import Event, fleet_event, message_event, scenes_event, utc_now
+from dock_gateway.core.grant import UNLIMITED, Grant, Role, narrow
+
+NAMES = st.lists(st.sampled_from(["robot1", "robot10", "hall_a", "dock", "x"]), max_size=3).map(
+    lambda parts: "/" + "/".join(parts)
+)
+
+
+@pytest.mark.parametrize(
+    ("role", "included"),
+    [
+        (Role.VIEWER, {"viewer"}),
+        (Role.OPERATOR, {"viewer", "operator"}),
+        (Role.SUPERVISOR, {"viewer", "operator", "supervisor"}),
+        (Role.ADMIN, {"viewer", "operator", "supervisor", "admin"}),
+    ],
+)
+def test_roles_include_those_before(role: Role, included: set[str]) -> None:
+    assert {each.value for each in Role if role.includes(each)} == included
+
+
+def robots(*patterns: str) -> Grant:
+    return Grant(Role.OPERATOR, robots=patterns)
+
+
+@pytest.mark.parametrize(
+    ("patterns", "inside", "outside"),
+    [
+        ((), ["/", "/robot1", "/hall_a/robot1"], []),
+        (("/",), ["/"], ["/robot1", "/hall_a/robot1"]),
+        (("/robot1",), ["/robot1", "/robot1/arm"], ["/", "/robot10", "/hall_a/robot1", "/Robot1"]),
+        (("/robot1/",), ["/robot1"], ["/robot10"]),
+        (("/hall_a/*",), ["/hall_a/robot1", "/hall_a/x/arm"], ["/hall_a", "/hall_b/robot1", "/"]),
+        (("/*",), ["/robot1", "/hall_a/robot1"], ["/"]),
+        (("*/robot1",), ["/robot1", "/hall_a/robot1"], ["/", "/robot10", "/hall_a"]),
+        (("/robot1", "/robot2"), ["/robot1", "/robot2"], ["/robot3"]),
+        (("/robot.",), [], ["/robot1"]),
+    ],
+)
+def test_robots(patterns: tuple[str, ...], inside: list[str], outside: list[str]) -> None:
+    grant = robots(*patterns)
+    for namespace in inside:
+        assert grant.covers_robot(namespace)
+        assert grant.covers_action(f"{namespace.rstrip('/')}/connect_to_charging_dock")
+        assert grant.covers_topic(f"{namespace.rstrip('/')}/battery_status")
+    for namespace in outside:
+        assert not grant.covers_robot(namespace)
+        assert not grant.covers_action(f"{namespace.rstrip('/')}/connect_to_charging_dock")
+        assert not grant.covers_topic(f"{namespace.rstrip('/')}/battery_status")
+
+
+def test_actions_and_topics_narrow_the_robots() -> None:
+    grant = Grant(Role.VIEWER, ("/robot1",), ("*/undock",), ("*/battery_status", "/robot2/odom"))
+    assert grant.covers_action("/robot1/undock")
+    assert not grant.covers_action("/robot1/dock")
+    assert not grant.covers_action("/robot2/undock")
+    assert grant.covers_topic("/robot1/battery_status")
+    assert not grant.covers_topic("/robot1/odom")
+    assert not grant.covers_topic("/robot2/odom")
+    assert grant.covers_robot("/robot1")
+
+
+@given(NAMES, st.lists(NAMES, min_size=1, max_size=3))
+def test_a_robot_is_covered_exactly_if_it_is_or_lies_in_a_named_one(namespace: str, patterns: list[str]) -> None:
+    expected = any(
+        namespace == pattern or (pattern != "/" and namespace.startswith(f"{pattern}/")) for pattern in patterns
+    )
+    assert robots(*patterns).covers_robot(namespace) is expected
+
+
+@pytest.mark.parametrize(("grant", "limited"), [(UNLIMITED, False), (robots("/a"), True), (robots(), False)])
+def test_limited(grant: Grant, limited: bool) -> None:
+    assert grant.limited is limited
+
+
+NOW = utc_now()
+
+
+def shown(event: Event, grant: Grant) -> object:
+    narrowed = narrow(event, grant)
+    return None if narrowed is None else orjson.loads(narrowed.data)
+
+
+def test_events_about_several_robots_keep_those_of_the_grant() -> None:
+    grant = robots("/robot1")
+    rows = [{"name": "/robot1", "battery": 1}, {"name": "/robot2", "battery": 2}]
+    changed = fleet_event("robots", NOW, robots=rows, gone=["/robot1/arm", "/robot3"])
+    assert shown(changed, grant) == orjson.loads(fleet_event("robots", NOW, robots=rows[:1], gone=["/robot1/arm"]).data)
+    alerts = [{"robot": "/robot2"}, {"robot": None}, {"robot": "/robot1"}]
+    assert shown(fleet_event("alerts", NOW, alerts=alerts), grant) == orjson.loads(
+        fleet_event("alerts", NOW, alerts=alerts[1:]).data
+    )
+    scenes = scenes_event({"/robot1": {"x": 1}, "/robot2": {"x": 2}}, NOW)
+    assert shown(scenes, grant) == orjson.loads(scenes_event({"/robot1": {"x": 1}}, NOW).data)
+
+
+def test_events_about_other_robots_alone_are_left_out() -> None:
+    grant = robots("/robot1")
+    assert narrow(fleet_event("robots", NOW, robots=[{"name": "/robot2"}], gone=["/robot3"]), grant) is None
+    assert narrow(fleet_event("automation", NOW, automation={"robot": "/robot2"}), grant) is None
+    assert narrow(fleet_event("something_new", NOW, robots=[{"name": "/robot1"}]), grant) is None
+
+
+def test_other_events_are_the_same_for_all_readers() -> None:
+    grant = robots("/robot1")
+    battery = message_event("battery", b"{}", 1, robot="/robot1")
+    assert narrow(battery, grant) is battery
+    decision = fleet_event("automation", NOW, automation={"robot": "/robot1"})
+    assert narrow(decision, grant) is decision

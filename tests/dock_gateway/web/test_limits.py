@@ -1,0 +1,128 @@
+"""A limited grant: every route and every command about another robot is refused, whatever the role."""
+
+import asyncio
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+from starlette.testclient import TestClient
+
+from dock_gateway.access.tokens import Tokens
+from dock_gateway.core.errors import NotAllowed, NotFound
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.fleet.shared_book import SharedBook
+from dock_gateway.gateway import Gateway
+from dock_gateway.history.memory import MemoryHistory
+from dock_gateway.settings import Settings
+from dock_gateway.web.app import create_app
+from dock_gateway.web.limits import require_covered
+from dock_gateway.web.permissions import COMMAND_SCOPES, PUBLIC, SCOPES, Scope
+from tests.dock_gateway.web.test_access import REQUESTS, path_of
+
+SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
+GOAL = "00000000-0000-4000-8000-000000000000"
+
+
+async def _goal(_: str) -> Any:
+    return SimpleNamespace(action_name="/robot2/connect_to_charging_dock")
+
+
+class Other:
+    """A gateway with a robot `/robot2`, a goal and an alert of it. What else it is asked for shows a gap."""
+
+    def __init__(self) -> None:
+        self.settings = SETTINGS
+        self.tokens = Tokens(SharedBook(MemoryHistory(10).tokens, "token", 10))
+        self.robots = SimpleNamespace(default_namespace="/robot2")
+        self.alerts = SimpleNamespace(get=lambda _: SimpleNamespace(robot="/robot2"))
+        self.goal = _goal
+
+    def __getattr__(self, name: str) -> Any:
+        raise NotFound(f"there is no {name}")
+
+
+@pytest.fixture
+def gateway() -> Gateway:
+    return cast("Gateway", Other())
+
+
+def refused(gateway: Gateway, grant: Grant, scope: Scope, names: dict[str, Any]) -> bool:
+    try:
+        asyncio.run(require_covered(gateway, grant, scope, names, "it"))
+    except NotAllowed as error:
+        return error.code == "not_covered"
+    return False
+
+
+@pytest.mark.parametrize("limits", [{"robots": ("/robot1",)}, {"actions": ("/robot1/*",)}])
+def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str, ...]]) -> None:
+    gateway: Any = Other()
+    grant = Grant(Role.SUPERVISOR, **limits)
+    _, secret = asyncio.run(gateway.tokens.create("limited", grant))
+    app = create_app(SETTINGS, gateway)
+    with TestClient(app, "http://127.0.0.1:8000", raise_server_exceptions=False) as client:
+        client.headers["Authorization"] = f"Bearer {secret}"
+        for method, template, name in REQUESTS:
+            scope = SCOPES.get(name)
+            if name in PUBLIC or scope in (Scope.ANY, Scope.LISTED) or "token" in name:
+                continue
+            if scope in (Scope.ROBOT, Scope.ALERT, Scope.TOPIC) and "actions" in limits:
+                continue  # they are about a robot, not about one of its actions
+            answer = client.request(method, path_of(template))
+            assert answer.json()["code"] == "not_covered", name
+
+
+ROBOT1 = Grant(Role.SUPERVISOR, robots=("/robot1",))
+NAMES: dict[Scope, dict[str, Any]] = {
+    Scope.ROBOT: {"robot": "/robot1"},
+    Scope.DOCK: {"robot": "/robot1"},
+    Scope.UNDOCK: {"robot": "/robot1/"},
+    Scope.ACTION: {"name": "robot1/fibonacci"},
+    Scope.NEW_GOAL: {"action": "fibonacci", "robot": "/robot1"},
+    Scope.TOPIC: {"topic": "/robot1/odom"},
+}
+OTHERS: dict[Scope, list[dict[str, Any]]] = {
+    Scope.ROBOT: [{}, {"robot": "/robot2"}, {"robot": "/"}, {"robot": "/robot10"}],
+    Scope.DOCK: [{}, {"robot": "/robot2"}],
+    Scope.UNDOCK: [{}, {"robot": "/robot2"}],
+    Scope.ACTION: [{"name": "robot2/fibonacci"}, {"name": "robot1"}, {"name": "fibonacci"}],
+    Scope.NEW_GOAL: [
+        {},
+        {"robot": "/robot2"},
+        {"action": "fibonacci"},
+        {"action": "/robot2/fibonacci", "robot": "/robot1"},
+        {"action": "robot2/fibonacci"},
+    ],
+    Scope.TOPIC: [{"topic": "/robot2/odom"}, {"topic": "odom"}, {}, {"name": "rosout"}],
+    Scope.GOAL: [{"goal_id": GOAL}],
+    Scope.ALERT: [{"alert_id": "x"}],
+    Scope.EVERY: [{}, {"robot": "/robot1"}],
+}
+
+
+@pytest.mark.parametrize("scope", list(NAMES))
+def test_what_is_about_the_own_robot_is_allowed(gateway: Gateway, scope: Scope) -> None:
+    assert not refused(gateway, ROBOT1, scope, NAMES[scope])
+
+
+@pytest.mark.parametrize(("scope", "names"), [(scope, names) for scope, many in OTHERS.items() for names in many])
+def test_what_is_about_another_one_is_not(gateway: Gateway, scope: Scope, names: dict[str, Any]) -> None:
+    assert refused(gateway, ROBOT1, scope, names)
+
+
+@pytest.mark.parametrize("scope", list(Scope))
+def test_without_limits_everything_is_allowed(gateway: Gateway, scope: Scope) -> None:
+    assert not refused(gateway, Grant(Role.VIEWER), scope, {"topic": "/x"})
+
+
+def test_a_list_of_topics_alone_limits_nothing_else(gateway: Gateway) -> None:
+    grant = Grant(Role.OPERATOR, topics=("*/battery_status",))
+    assert not refused(gateway, grant, Scope.ROBOT, {"robot": "/robot2"})
+    assert not refused(gateway, grant, Scope.TOPIC, {"topic": "/robot2/battery_status"})
+    assert refused(gateway, grant, Scope.TOPIC, {"topic": "/robot2/odom"})
+
+
+def test_every_scope_is_used_and_known() -> None:
+    used = {*SCOPES.values(), *COMMAND_SCOPES.values()}
+    assert used == set(Scope)
+    assert used - NAMES.keys() - OTHERS.keys() == {Scope.ANY, Scope.LISTED}
