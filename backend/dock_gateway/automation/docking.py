@@ -173,7 +173,7 @@ class AutomaticDocking:
         for decision in verdict.decisions:
             if decision.robot not in self._deciding:
                 self._deciding.add(decision.robot)
-                self._tasks.spawn(self._carry_out(decision))
+                self._tasks.spawn(self._carry_out(decision, self._rules.get(decision.rule_id)))
         for identity, decision in self.decisions.interrupted(utc_now() - INTERRUPTED_AFTER).items():
             if decision.robot not in self._deciding:
                 self._deciding.add(decision.robot)
@@ -216,9 +216,12 @@ class AutomaticDocking:
 
     # ------------------------------------------------------------------ carrying out
 
-    async def _carry_out(self, decision: Decision) -> None:
+    async def _carry_out(self, decision: Decision, rule: Rule | None) -> None:
         identity = uuid.uuid4().hex
         try:
+            await self._rules.sync()
+            if self._rules.get(decision.rule_id) != rule:
+                return  # another gateway has changed it meanwhile, and the earlier decisions no longer count
             await self.decisions.claim(identity, decision)
             if decision.outcome is Outcome.SENDING:
                 decision = await self._send(identity, decision)

@@ -227,6 +227,20 @@ async def test_a_changed_rule_begins_anew_and_gives_up_no_more(site: Site) -> No
     assert [decision.outcome for decision in await site.decided(2)] == [Outcome.GAVE_UP, Outcome.SENT]
 
 
+async def test_a_gateway_that_does_not_know_of_a_change_yet_decides_nothing_by_the_old_rule(
+    site: Site, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, second = site.gateway(), site.gateway()
+    await first.replace("low", replace(AT_ONCE, mode=Mode.DRY_RUN))
+    await until(lambda: [each.outcome for each in second.decisions.all().values()] == [Outcome.DRY_RUN])
+    monkeypatch.setattr(docking_module, "SYNC_EVERY", 1_000_000)
+    await first.replace("low", AT_ONCE)
+    assert [decision.outcome for decision in await site.decided(2)] == [Outcome.DRY_RUN, Outcome.SENT]
+    second.decisions.close_rule("low")  # as if it had read the decisions, but not the rule
+    await asyncio.sleep(0.2)
+    assert [decision.outcome for decision in await site.decided(2)] == [Outcome.DRY_RUN, Outcome.SENT]
+
+
 async def test_the_oldest_decisions_are_deleted(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(decisions_module, "MAX_KEPT", 2)
     old = utc_now() - timedelta(hours=1)
