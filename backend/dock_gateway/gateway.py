@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol, TypeVar
 
+from dock_gateway.access.tickets import Tickets
 from dock_gateway.access.tokens import MAX_TOKENS, Tokens
 from dock_gateway.actions.cancellation import require_unfinished
 from dock_gateway.actions.liveness import ServerState
@@ -79,6 +80,7 @@ class Gateway:
     automation: AutomaticDocking
     notifier: Notifier
     tokens: Tokens
+    tickets: Tickets
     graph: GraphCache
     echoes: EchoRegistry
     metrics: Metrics
@@ -299,6 +301,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
         automation,
         notifier,
         tokens,
+        Tickets(),
         graph,
         echoes,
         metrics,

@@ -1,9 +1,6 @@
 """Tokens of a real gateway: made on the command line, revoked while streams are open and a goal runs."""
 
-import os
-import subprocess
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +8,9 @@ import orjson
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from tests.support.clients import connect
-from tests.support.gateway import LOW, RunningGateway, running_dock_server, running_gateway
-from tests.support.processes import BIN, ros_environment
+from tests.support.access import Site, bearer, stream
+from tests.support.gateway import LOW, running_dock_server
+from tests.support.processes import ros_environment
 from tests.support.waiting import wait_until
 
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
@@ -21,40 +18,9 @@ pytestmark = [pytest.mark.ros, pytest.mark.timeout(120)]
 INVALID_TOKEN = 4401
 
 
-class Site:
-    """A database with tokens."""
-
-    def __init__(self, folder: Path) -> None:
-        self.database = f"sqlite:///{folder}/history.db"
-
-    def run(self, *command: str, **environment: str) -> subprocess.CompletedProcess[str]:
-        variables = {**os.environ, "DOCK_GATEWAY_DATABASE_URL": self.database, **environment}
-        return subprocess.run(
-            [BIN / "dock-gateway", *command], env=variables, capture_output=True, text=True, check=False
-        )
-
-    def token(self, name: str, role: str) -> str:
-        created = self.run("token", "create", name, "--role", role)
-        assert created.returncode == 0, created.stderr
-        return created.stdout.strip()
-
-    @contextmanager
-    def gateway(self, domain: int) -> Iterator[RunningGateway]:
-        with running_gateway(domain, database_url=self.database, authentication="true") as gateway:
-            yield gateway
-
-
 @pytest.fixture
 def site(tmp_path: Path) -> Site:
     return Site(tmp_path)
-
-
-def bearer(secret: str) -> dict[str, str]:
-    return {"Authorization": f"Bearer {secret}"}
-
-
-def stream(gateway: RunningGateway, path: str, secret: str) -> Any:
-    return connect(f"{gateway.url.replace('http', 'ws')}{path}", additional_headers=bearer(secret))
 
 
 def ends_with(socket: Any) -> tuple[int, str]:

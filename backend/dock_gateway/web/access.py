@@ -18,6 +18,8 @@ from dock_gateway.web.permissions import COMMAND_SCOPES, COMMANDS, PUBLIC, SCOPE
 from dock_gateway.web.requests import get_gateway, read_json
 
 SCHEME = "bearer"
+# The query parameter of a WebSocket that says who opens it.
+TICKET = "ticket"
 # Browsers accept a cookie of the first name only over TLS, from this very host.
 SECURE_COOKIE, COOKIE = "__Host-dock-gateway", "dock-gateway"
 
@@ -50,6 +52,9 @@ def identify(connection: HTTPConnection) -> Principal:
         NotAuthenticated: The request needs a token, and has none that is valid.
     """
     gateway = get_gateway(connection)
+    ticket = connection.query_params.get(TICKET) if connection.scope["type"] == "websocket" else None
+    if ticket is not None:
+        return gateway.tickets.redeem(ticket)
     return gateway.tokens.identify(secret_of(connection)) if gateway.settings.authentication else ANYBODY
 
 

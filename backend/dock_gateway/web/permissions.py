@@ -19,6 +19,7 @@ ROUTES: dict[str, Role] = {
     # Every user may stop a robot. Only a supervisor may release the stop.
     "stop": Role.VIEWER,
     "release_stop": Role.SUPERVISOR,
+    "issue_ticket": Role.VIEWER,
     # Goals
     "dock": Role.OPERATOR,
     "undock": Role.OPERATOR,
@@ -89,6 +90,7 @@ class Scope(Enum):
 SCOPES: dict[str, Scope] = {
     # Every user may stop every robot.
     "stop": Scope.ANY,
+    "issue_ticket": Scope.ANY,
     "list_interfaces": Scope.ANY,
     "get_interface": Scope.ANY,
     "list_tags": Scope.ANY,

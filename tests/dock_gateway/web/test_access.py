@@ -11,6 +11,7 @@ import pytest
 from fastapi.routing import APIRoute, APIWebSocketRoute
 from starlette.testclient import TestClient, WebSocketDenialResponse, WebSocketTestSession
 
+from dock_gateway.access.tickets import Tickets
 from dock_gateway.access.tokens import Tokens
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.grant import Grant, Role
@@ -48,7 +49,9 @@ class Site:
         self._tokens = Tokens(SharedBook(MemoryHistory(10).tokens, "token", 10))
         self.secrets = asyncio.run(self._fill()) if settings.authentication else {}
         gateway: Any = Refusing()
-        gateway.__dict__.update(settings=settings, tokens=self._tokens, bridge=SimpleNamespace(alive=False))
+        gateway.__dict__.update(
+            settings=settings, tokens=self._tokens, tickets=Tickets(), bridge=SimpleNamespace(alive=False)
+        )
         self._app = create_app(settings, cast("Gateway", gateway))
 
     async def _fill(self) -> dict[Role, str]:
@@ -144,6 +147,29 @@ def test_a_browser_logs_in_and_out(site: Site, url: str, cookie: str) -> None:
         assert client.delete("/session").json() == {"required": True, "principal": None}
         assert not client.cookies
         assert client.get("/robots").status_code == 401
+
+
+def test_a_ticket_opens_one_socket_for_the_one_who_asked(site: Site) -> None:
+    with site.client(Role.VIEWER) as viewer:
+        issued = viewer.post("/session/ticket")
+        check_answer("POST", "/session/ticket", 201, "application/json", issued.content)
+        assert issued.headers["cache-control"] == "no-store"
+        ticket = issued.json()["ticket"]
+    with site.client() as client:
+        assert client.post("/session/ticket").status_code == 401
+        assert client.get("/robots", params={"ticket": ticket}).status_code == 401
+        assert denied(client, f"/ws/feedback?ticket={ticket}") == 404  # let through, but there is no robot
+        assert denied(client, f"/ws/feedback?ticket={ticket}") == 401
+        for secret in (site.secrets[Role.ADMIN], ""):
+            assert denied(client, f"/ws/feedback?ticket={secret}") == 401
+        assert denied(client, f"/ws/feedback?token={site.secrets[Role.ADMIN]}") == 401
+
+
+def denied(client: TestClient, path: str) -> int:
+    with pytest.raises(WebSocketDenialResponse) as refused, connect(client, path):
+        pass
+    code: int = refused.value.status_code
+    return code
 
 
 def test_a_page_of_another_site_cannot_use_the_login(site: Site) -> None:

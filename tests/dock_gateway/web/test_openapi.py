@@ -81,6 +81,7 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("get", "/automation/decisions"),
         ("get", "/session"),
         ("post", "/session"),
+        ("post", "/session/ticket"),
         ("delete", "/session"),
         ("get", "/tokens"),
         ("post", "/tokens"),

@@ -1,18 +1,19 @@
-"""`/session`: who one is, and the dashboard's login with a token."""
+"""`/session`: who one is, the dashboard's login with a token, and tickets for WebSockets."""
 
 from dataclasses import asdict
 
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
+from dock_gateway.access.tickets import LIFETIME
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import FieldError, InvalidField, NotAuthenticated
 from dock_gateway.gateway import Gateway
-from dock_gateway.web.access import cookie_name, identify
+from dock_gateway.web.access import cookie_name, identify, principal_of
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import TheGateway, json_response, known_query, read_json, read_object
-from dock_gateway.web.schemas.access import Session
+from dock_gateway.web.schemas.access import Session, Ticket
 
 router = APIRouter(tags=["Access"], prefix="/session", dependencies=[Depends(known_query())])
 
@@ -67,6 +68,16 @@ async def log_out(request: Request, gateway: TheGateway) -> Response:
     response = _session(gateway, None if gateway.settings.authentication else ANYBODY)
     _set_cookie(response, request, "", 0)
     return response
+
+
+@router.post("/ticket", name="issue_ticket", status_code=201, response_model=Ticket, responses=problems(401, 403, 422))
+async def issue_ticket(request: Request, gateway: TheGateway) -> Response:
+    """Return a ticket that opens one WebSocket of this gateway within 30 s, as `?ticket=`.
+
+    For pages of other origins: a browser sends their WebSockets neither an `Authorization` header nor the cookie.
+    """
+    ticket = gateway.tickets.issue(principal_of(request))
+    return json_response({"ticket": ticket, "expires_in_s": LIFETIME}, 201, {"Cache-Control": "no-store"})
 
 
 def _set_cookie(response: Response, request: Request, secret: str, seconds: int) -> None:

@@ -42,6 +42,13 @@ class Token(Grant):
     valid: bool
 
 
+class Ticket(Schema):
+    """A ticket for one WebSocket."""
+
+    ticket: str
+    expires_in_s: float
+
+
 class CreatedToken(Token):
     """A new token with its secret, which is not shown again."""
 

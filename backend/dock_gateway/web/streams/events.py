@@ -14,7 +14,7 @@ from dock_gateway.core.event import Event
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
-from dock_gateway.web.access import principal_of, subscribed
+from dock_gateway.web.access import TICKET, principal_of, subscribed
 from dock_gateway.web.paced import PacedResponse, send_in_time
 from dock_gateway.web.problems import problems
 from dock_gateway.web.queries import STREAM_QUERY, read_after, read_event_filter, read_max_rate
@@ -33,7 +33,7 @@ SSE_RESPONSES = {
 }
 
 
-@router.websocket("/ws/feedback", dependencies=[Depends(known_query(*STREAM_QUERY, "after", "max_rate"))])
+@router.websocket("/ws/feedback", dependencies=[Depends(known_query(*STREAM_QUERY, "after", "max_rate", TICKET))])
 async def feedback(websocket: WebSocket, gateway: TheGateway) -> None:
     """Send a snapshot, then every event as it happens.
 

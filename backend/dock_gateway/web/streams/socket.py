@@ -29,7 +29,7 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
-from dock_gateway.web.access import authorize_command, principal_of, signed, subscribed
+from dock_gateway.web.access import TICKET, authorize_command, principal_of, signed, subscribed
 from dock_gateway.web.permissions import COMMANDS as PERMISSIONS
 from dock_gateway.web.problems import INTERNAL
 from dock_gateway.web.queries import read_after, read_event_filter, read_max_rate
@@ -49,7 +49,7 @@ MAX_STOPS = 64
 SUBSCRIPTION_TEXTS = ("goal_id", "action", "robot", "include", "after")
 
 
-@router.websocket("/ws", dependencies=[Depends(known_query())])
+@router.websocket("/ws", dependencies=[Depends(known_query(TICKET))])
 async def socket(websocket: WebSocket, gateway: TheGateway) -> None:
     """Receive commands, send acks and events."""
     principal = principal_of(websocket)

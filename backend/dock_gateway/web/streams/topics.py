@@ -4,7 +4,7 @@ from fastapi import APIRouter, Depends, WebSocket
 
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.web.access import principal_of, subscribed
+from dock_gateway.web.access import TICKET, principal_of, subscribed
 from dock_gateway.web.queries import read_max_rate
 from dock_gateway.web.requests import TheGateway, known_query
 from dock_gateway.web.streams.events import ignore_input, until_one_ends, write_events
@@ -15,7 +15,7 @@ router = APIRouter()
 MIN_RATE, MAX_RATE, USUAL_RATE = 0.1, 20.0, 5.0
 
 
-@router.websocket("/ws/topics", dependencies=[Depends(known_query("topic", "max_rate"))])
+@router.websocket("/ws/topics", dependencies=[Depends(known_query("topic", "max_rate", TICKET))])
 async def echo_topic(websocket: WebSocket, gateway: TheGateway) -> None:
     """Send a topic's endpoints, its newest messages, and once a second the rate of all its messages.
 

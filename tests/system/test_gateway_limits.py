@@ -1,0 +1,241 @@
+"""Two robots, and people who are to have one of them only: what they see, and what they can do."""
+
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import orjson
+import pytest
+from websockets.exceptions import InvalidStatus
+
+from tests.support.access import Site, bearer, stream
+from tests.support.clients import connect
+from tests.support.domain import ros_domain
+from tests.support.gateway import LOW, RunningGateway, running_dock_server
+from tests.support.waiting import wait_until
+
+pytestmark = [pytest.mark.ros, pytest.mark.timeout(150)]
+
+ONE, TWO = "/robot1", "/robot2"
+
+
+class Robots:
+    """A gateway with two robots, and the tokens of those who use it."""
+
+    def __init__(self, gateway: RunningGateway, site: Site) -> None:
+        self.gateway = gateway
+        self.admin = site.token("root", "admin")
+        self.one = site.token("one", "supervisor", "--robot", ONE)
+        self.undocker = site.token("undocker", "operator", "--action", "*/disconnect_from_charging_dock")
+        self.reporter = site.token("reporter", "viewer", "--topic", "*/battery_status")
+        wait_until(lambda: self.ask(self.one, "GET", "/session")["principal"] is not None, "the tokens")
+
+    def answer(self, who: str, method: str, path: str, body: object = None) -> Any:
+        return self.gateway.http.request(method, path, headers=bearer(who), **({} if body is None else {"json": body}))
+
+    def ask(self, who: str, method: str, path: str, body: object = None) -> Any:
+        return self.answer(who, method, path, body).raise_for_status().json()
+
+    def refused(self, who: str, method: str, path: str, body: object = None) -> bool:
+        answer = self.answer(who, method, path, body)
+        return answer.status_code == 403 and answer.json()["code"] == "not_covered"
+
+    def names(self, who: str) -> list[str]:
+        return [robot["name"] for robot in self.ask(who, "GET", "/robots")["robots"]]
+
+    def dock(self, robot: str) -> str:
+        goal_id: str = self.ask(self.admin, "POST", f"/dock?robot={robot}")["goal_id"]
+        return goal_id
+
+
+@pytest.fixture(scope="module")
+def robots(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robots]:
+    site = Site(tmp_path_factory.mktemp("site"))
+    with (
+        ros_domain() as domain,
+        site.gateway(domain) as gateway,
+        running_dock_server(domain, "-r", f"__ns:={ONE}"),
+        running_dock_server(domain, "-r", f"__ns:={TWO}"),
+    ):
+        robots = Robots(gateway, site)
+        wait_until(lambda: robots.names(robots.admin) == ["/", ONE, TWO], "both robots")
+        for robot in (ONE, TWO):
+            robots.ask(robots.admin, "PUT", f"/battery/publisher?robot={robot}", {"state": LOW, "rate_hz": 5})
+            wait_until(lambda robot=robot: server(robots, robot)["answering"], f"the dock server of {robot}")
+        yield robots
+
+
+def server(robots: Robots, robot: str) -> Any:
+    (found,) = robots.ask(robots.admin, "GET", f"/robots?robot={robot}")["robots"]
+    return found["dock"] or {"answering": False}
+
+
+@pytest.fixture(scope="module")
+def goals(robots: Robots) -> dict[str, str]:
+    """A running goal of each robot."""
+    return {robot: robots.dock(robot) for robot in (ONE, TWO)}
+
+
+def test_lists_have_the_own_robot_only(robots: Robots, goals: dict[str, str]) -> None:
+    assert robots.names(robots.one) == [ONE]
+    listed = robots.ask(robots.one, "GET", "/goals")["goals"]
+    assert [goal["goal_id"] for goal in listed] == [goals[ONE]]
+    exported = robots.ask(robots.one, "GET", "/goals/export?format=json")
+    assert [goal["goal_id"] for goal in exported] == [goals[ONE]]
+    actions = robots.ask(robots.one, "GET", "/actions")["actions"]
+    assert {action["action_name"].rpartition("/")[0] for action in actions} == {ONE}
+    by_robot = robots.ask(robots.one, "GET", "/statistics?by=robot")["groups"]
+    assert TWO not in [group["name"] for group in by_robot]
+    assert robots.ask(robots.one, "GET", f"/goals?robot={TWO}")["goals"] == []
+    assert len(robots.ask(robots.admin, "GET", "/goals")["goals"]) == 2
+
+
+def test_the_other_robot_is_out_of_reach(robots: Robots, goals: dict[str, str]) -> None:
+    other = goals[TWO]
+    for method, path in (
+        ("POST", "/dock"),
+        ("POST", f"/dock?robot={TWO}"),
+        ("POST", f"/undock?robot={TWO}"),
+        ("POST", f"/actions{TWO}/connect_to_charging_dock/goals"),
+        ("POST", f"/dock/{other}/cancel"),
+        ("POST", f"/goals/{other}/cancel"),
+        ("GET", f"/goals/{other}"),
+        ("GET", f"/goals/{other}/events"),
+        ("GET", f"/goals/{other}/history"),
+        ("GET", f"/actions{ONE}/connect_to_charging_dock/goals/{other}/events"),
+        ("GET", f"/battery?robot={TWO}"),
+        ("GET", f"/battery/history?robot={TWO}"),
+        ("DELETE", f"/stop?robot={TWO}"),
+        ("DELETE", "/stop"),
+        ("GET", "/graph"),
+        ("GET", "/metrics"),
+        ("GET", f"/graph/topics{TWO}/battery_status"),
+    ):
+        assert robots.refused(robots.one, method, path), (method, path)
+    assert robots.refused(robots.one, "PUT", f"/battery/publisher?robot={TWO}", {"state": LOW})
+    assert robots.refused(robots.one, "POST", f"/goals/{other}/notes", {"by": "x", "text": "x"})
+    assert robots.ask(robots.admin, "GET", f"/goals/{other}")["status"] == "executing"
+
+
+def test_commands_of_a_socket_have_the_same_limits(robots: Robots, goals: dict[str, str]) -> None:
+    with stream(robots.gateway, "/ws", robots.one) as socket:
+        for number, command in enumerate(
+            (
+                {"op": "send_goal"},
+                {"op": "send_goal", "robot": TWO},
+                {"op": "send_goal", "action": f"{TWO}/connect_to_charging_dock", "goal": {}},
+                {"op": "cancel_goal", "goal_id": goals[TWO]},
+                {"op": "publish_battery", "robot": TWO, "state": {}},
+                {"op": "stop_publishing", "robot": TWO},
+                {"op": "release_stop", "robot": TWO},
+                {"op": "release_stop"},
+                {"op": "subscribe", "robot": TWO},
+                {"op": "subscribe", "goal_id": goals[TWO]},
+            )
+        ):
+            socket.send(orjson.dumps({"id": str(number), **command}).decode())
+            answer = orjson.loads(socket.recv())
+            assert (answer["op"], answer["id"], answer.get("code")) == ("error", str(number), "not_covered"), command
+
+
+def test_a_stream_carries_the_own_robot_only(robots: Robots, goals: dict[str, str]) -> None:
+    """What the other robot does is seen by an admin, and by then the limited reader would have seen it, too."""
+    query = "?include=robots,battery,system,scenes"
+    with (
+        stream(robots.gateway, f"/ws/feedback{query}", robots.one) as limited,
+        stream(robots.gateway, f"/ws/feedback{query}", robots.admin) as everything,
+    ):
+        robots.ask(robots.admin, "POST", f"/goals/{goals[TWO]}/cancel")
+        goals[TWO] = robots.dock(TWO)
+        robots.ask(robots.admin, "POST", f"/goals/{goals[ONE]}/cancel")
+        goals[ONE] = robots.dock(ONE)
+        assert goals[TWO] in texts_until(everything, goals[ONE])
+        seen = texts_until(limited, goals[ONE])
+        later = texts_for(limited, 1.5)
+    assert ONE in seen
+    assert TWO not in seen + later
+    snapshot = orjson.loads(seen.splitlines()[0])
+    assert [robot["name"] for robot in snapshot["robots"]] == [ONE]
+    assert snapshot["action_server"]["action_name"] == f"{ONE}/connect_to_charging_dock"
+
+
+def texts_until(socket: Any, text: str) -> str:
+    """Read on to a message with this text, and a second more."""
+    seen: list[str] = []
+    while not seen or text not in seen[-1]:
+        seen.append(socket.recv(timeout=30))
+    return "\n".join(seen)
+
+
+def texts_for(socket: Any, seconds: float) -> str:
+    seen, deadline = [], time.monotonic() + seconds
+    while (left := deadline - time.monotonic()) > 0:
+        try:
+            seen.append(socket.recv(timeout=left))
+        except TimeoutError:
+            break
+    return "\n".join(seen)
+
+
+def test_a_stream_of_the_other_robot_is_refused(robots: Robots, goals: dict[str, str]) -> None:
+    for query in (f"?robot={TWO}", f"?goal_id={goals[TWO]}"):
+        with pytest.raises(InvalidStatus) as refused, stream(robots.gateway, f"/ws/feedback{query}", robots.one):
+            pass
+        assert refused.value.response.status_code == 403
+
+
+def test_a_stream_that_resumes_has_the_same_limits(robots: Robots, goals: dict[str, str]) -> None:
+    with stream(robots.gateway, "/ws/feedback", robots.one) as socket:
+        first = orjson.loads(texts_until(socket, '"type":"feedback"').splitlines()[-1])
+    robots.ask(robots.admin, "POST", f"/goals/{goals[TWO]}/cancel")
+    goals[TWO] = robots.dock(TWO)
+    wait_until(lambda: robots.ask(robots.admin, "GET", f"/goals/{goals[TWO]}")["status"] == "executing", "a goal")
+    with stream(robots.gateway, f"/ws/feedback?after={first['id']}", robots.one) as socket:
+        seen = texts_for(socket, 1.0)
+    assert goals[ONE] in seen
+    assert goals[TWO] not in seen
+
+
+def test_a_ticket_has_the_limits_of_the_one_who_asked_for_it(robots: Robots) -> None:
+    def ticket() -> str:
+        return str(robots.ask(robots.one, "POST", "/session/ticket")["ticket"])
+
+    url = robots.gateway.url.replace("http", "ws")
+    with connect(f"{url}/ws/feedback?include=robots&ticket={ticket()}") as socket:
+        assert [robot["name"] for robot in orjson.loads(socket.recv())["robots"]] == [ONE]
+    with pytest.raises(InvalidStatus) as refused, connect(f"{url}/ws/feedback?robot={TWO}&ticket={ticket()}"):
+        pass
+    assert refused.value.response.status_code == 403
+
+
+def test_everyone_stops_every_robot_and_releases_the_own_one(robots: Robots) -> None:
+    robots.ask(robots.one, "POST", f"/stop?robot={TWO}")
+    assert robots.ask(robots.admin, "GET", f"/stop?robot={TWO}")["latched"] is True
+    assert robots.refused(robots.one, "DELETE", f"/stop?robot={TWO}")
+    robots.ask(robots.one, "POST", f"/stop?robot={ONE}")
+    assert robots.ask(robots.one, "DELETE", f"/stop?robot={ONE}")["latched"] is False
+    assert robots.ask(robots.admin, "GET", f"/stop?robot={TWO}")["latched"] is True
+    alerts = robots.ask(robots.one, "GET", "/alerts")["alerts"]
+    assert TWO not in [alert["robot"] for alert in alerts]
+    (latched,) = [
+        each
+        for each in wait_until(lambda: robots.ask(robots.admin, "GET", "/alerts")["alerts"], "the alert of the stop")
+        if each["kind"] == "stop_latched"
+    ]
+    assert robots.refused(robots.one, "PUT", f"/alerts/{latched['id']}/acknowledgement", {"by": "x"})
+    robots.ask(robots.admin, "DELETE", f"/stop?robot={TWO}")
+
+
+def test_actions_and_topics_are_limits_of_their_own(robots: Robots) -> None:
+    assert robots.refused(robots.undocker, "POST", f"/dock?robot={ONE}")
+    assert robots.ask(robots.undocker, "GET", "/goals")["goals"] == []
+    answer = robots.answer(robots.undocker, "POST", f"/undock?robot={ONE}")
+    assert answer.json()["code"] != "not_covered"  # there is no undocking server, but it was let through
+    with stream(robots.gateway, f"/ws/topics?topic={TWO}/battery_status", robots.reporter) as socket:
+        assert "battery_status" in socket.recv(timeout=30)
+    with (
+        pytest.raises(InvalidStatus) as refused,
+        stream(robots.gateway, f"/ws/topics?topic={TWO}/cmd_vel", robots.reporter),
+    ):
+        pass
+    assert refused.value.response.status_code == 403
