@@ -159,16 +159,32 @@ def test_an_admin_creates_and_revokes_tokens(page: Page, gateway: RunningGateway
     dialog = page.get_by_role("dialog")
     dialog.get_by_label("Name", exact=True).fill("Night shift")
     dialog.get_by_label("Role").select_option("supervisor")
+    robots = dialog.get_by_label("Robots")
+    robots.fill("hall_a")
+    robots.press("Enter")
     dialog.get_by_label("Valid for (days)").fill("7")
+    dialog.get_by_role("button", name="Create").click()
+    expect(dialog).to_contain_text("Names begin with / or *")
+    robots.press("Backspace")
+    robots.fill("/hall_a/*")
+    robots.press("Enter")
     assert find_violations(page) == []
     dialog.get_by_role("button", name="Create").click()
     expect(dialog).to_contain_text("it is not shown again")
     secret = dialog.locator("pre").inner_text()
     identity = gateway.http.get("/session", headers={"Authorization": f"Bearer {secret}"}).json()
-    assert identity["principal"] == {"name": "Night shift", "role": "supervisor"}
+    assert identity["principal"] == {
+        "name": "Night shift",
+        "kind": "token",
+        "role": "supervisor",
+        "robots": ["/hall_a/*"],
+        "actions": [],
+        "topics": [],
+    }
     dialog.get_by_role("button", name="Close").click()
     token = page.get_by_role("list", name="Tokens").get_by_role("listitem").filter(has_text="Night shift")
     expect(token).to_contain_text("by admin")
+    expect(token).to_contain_text("/hall_a/*")
     assert find_violations(page) == []
     for width in (320, 768):
         page.set_viewport_size({"width": width, "height": 900})

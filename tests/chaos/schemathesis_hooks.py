@@ -1,5 +1,6 @@
 """What an OpenAPI document cannot say: requests that fit it, and are refused with a reason all the same."""
 
+import os
 import uuid
 from datetime import UTC, datetime
 
@@ -16,13 +17,38 @@ def filter_case(_: schemathesis.HookContext, case: schemathesis.Case) -> bool:
         return not _is_reversed(query) and "tz" not in query and query.get("by") in ("robot", "action")
     if case.operation.path == "/stop":
         return not _names_two_robots(query, case.body)
+    if case.operation.path in ("/tokens", "/users/{name}"):
+        return not _limits_an_admin(case.body)
     return not _is_uuid(query.get("cursor"))
+
+
+# What needs no credentials.
+PUBLIC = {("GET", "/healthz"), ("GET", "/readyz"), ("GET", "/session"), ("DELETE", "/session")}
+
+
+@schemathesis.check
+def refused_without_token(
+    _: schemathesis.CheckContext, response: schemathesis.Response, case: schemathesis.Case
+) -> None:
+    """A request without credentials is refused. Only for a run that has none."""
+    if "WITHOUT_CREDENTIALS" not in os.environ or (case.method, case.operation.path) in PUBLIC:
+        return
+    if case.method == "OPTIONS" and response.status_code == 204:
+        return  # which methods there are is no secret: the document says it
+    allowed = (400, 401, 405, 415, 422, 429) if case.operation.path == "/session" else (401, 405)
+    assert response.status_code in allowed, f"{response.status_code}: {response.text}"
 
 
 def _names_two_robots(query: dict[str, object], body: object) -> bool:
     """A robot may be named in the query or in the body of a stop, but not another one in each."""
     named = body.get("robot") if isinstance(body, dict) else None
     return named is not None and "robot" in query and query["robot"] != named
+
+
+def _limits_an_admin(body: object) -> bool:
+    """An admin can change any limit."""
+    limits = ("robots", "actions", "topics")
+    return isinstance(body, dict) and body.get("role") == "admin" and any(body.get(name) for name in limits)
 
 
 def _is_uuid(cursor: object) -> bool:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.chaos.report import report
+from tests.support.access import Site
 from tests.support.gateway import running_gateway, running_program
 from tests.support.processes import BIN
 
@@ -18,27 +19,48 @@ EXAMPLES = os.environ.get("CHAOS_EXAMPLES", "1")
 SEED = os.environ.get("CHAOS_SEED", "1")
 
 
+def schemathesis(folder: Path, url: str, *options: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Send what the document of a gateway allows, and what it does not."""
+    here = Path(__file__).parent
+    command = [
+        str(BIN / "schemathesis"),
+        "--config-file",
+        str(here / "schemathesis.toml"),
+        "run",
+        f"{url}/openapi.json",
+    ]
+    return subprocess.run(
+        [*command, "--max-examples", EXAMPLES, "--seed", SEED, "--no-color", *options],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(here.parents[1]), **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
 def test_the_gateway_does_what_its_document_says(domain: int, tmp_path: Path) -> None:
     """A simulated robot obeys meanwhile: it docks, is stopped, put elsewhere, and its battery falls silent."""
-    folder = Path(__file__).parent
     with (
         running_program(domain, "dock_simulator"),
         running_program(domain, "docking_server", "-p", "controller:=dock_pose", "-p", "goal_timeout:=2.0"),
         running_gateway(domain) as gateway,
     ):
         gateway.wait_until_ready()
-        command = [str(BIN / "schemathesis"), "--config-file", str(folder / "schemathesis.toml"), "run"]
-        options = ["--max-examples", EXAMPLES, "--seed", SEED, "--no-color"]
-        run = subprocess.run(
-            [*command, f"{gateway.url}/openapi.json", *options],
-            cwd=tmp_path,
-            env={**os.environ, "PYTHONPATH": str(folder.parents[1])},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        run = schemathesis(tmp_path, gateway.url)
         assert run.returncode == 0, run.stdout + run.stderr
         assert "Traceback" not in gateway.process.output
     figures = re.search(r"(\d+) generated, (.+)", run.stdout)
     assert figures is not None, run.stdout
     report("OpenAPI", {"requests": figures[1], "result": figures[2], "seed": SEED})
+
+
+def test_without_credentials_nothing_is_carried_out(domain: int, tmp_path: Path) -> None:
+    """Whatever is sent: no 2xx but for health checks, the login and who one is."""
+    with Site(tmp_path).gateway(domain) as gateway:
+        options = ("--phases", "coverage,fuzzing", "--checks", "refused_without_token")
+        run = schemathesis(tmp_path, gateway.url, *options, WITHOUT_CREDENTIALS="yes")
+        assert run.returncode == 0, run.stdout + run.stderr
+        assert gateway.http.get("/session").json()["principal"] is None
+        assert "Traceback" not in gateway.process.output
+    assert re.search(r"[1-9]\d+ generated", run.stdout), run.stdout
