@@ -63,6 +63,9 @@ class Settings(BaseSettings):
         description="Log level. At most 20 similar lines are logged in 10 s and the rest are counted, except with "
         "`debug`.",
     )
+    log_format: Literal["human", "json"] = Field(
+        "human", description="Format of log lines: `human`, or `json` for a log collector: [logs.md](logs.md)."
+    )
     authentication: bool = Field(
         False,
         description="Whether requests need a token: [access.md](access.md).",

@@ -1,5 +1,6 @@
 """The real gateway as a process, and clients that speak to it as users do."""
 
+import re
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -63,8 +64,11 @@ class RunningGateway:
     http: HttpClient
 
     @contextmanager
-    def stream(self, query: str = "", path: str = "/ws/feedback") -> Iterator[Stream]:
-        with connect(f"{self.url.replace('http', 'ws')}{path}{query}") as connection:
+    def stream(
+        self, query: str = "", path: str = "/ws/feedback", headers: dict[str, str] | None = None
+    ) -> Iterator[Stream]:
+        url = f"{self.url.replace('http', 'ws')}{path}{query}"
+        with connect(url, additional_headers=headers) as connection:
             yield Stream(connection)
 
     @contextmanager
@@ -124,7 +128,7 @@ def running_gateway(domain: int, *prefix: str, **settings: str) -> Iterator[Runn
         environment = ros_environment(domain, **variables)
         start = Process if prefix else ForkedProcess
         process = stack.enter_context(start(*prefix, "dock-gateway", "serve", env=environment))
-        url = process.wait_for("listening on ").rpartition(" ")[2]
+        url = re.sub(r'.*(http://[^"]+).*', r"\1", process.wait_for("listening on "))
         with HttpClient(url) as http:
             yield RunningGateway(process, url, http)
 

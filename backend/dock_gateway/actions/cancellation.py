@@ -156,7 +156,7 @@ class Canceler:
         why = self._why_unwanted(goal)
         if why is None or goal.goal_id in self._insisting:
             return
-        log.warning("canceling goal %s: %s", goal.goal_id, why.detail)
+        log.warning("canceling goal %s: %s", goal.goal_id, why.detail, extra={"goal_id": goal.goal_id})
         self._tracker.explain(goal, why)
         self._insisting.add(goal.goal_id)
         self._tracker.tasks.spawn(self._insist(goal))
@@ -189,10 +189,20 @@ class Canceler:
                         return
                 except Conflict as error:
                     if not refused:
-                        log.warning("goal %s could not be canceled: %s", goal.goal_id, error.detail)
+                        log.warning(
+                            "goal %s could not be canceled: %s",
+                            goal.goal_id,
+                            error.detail,
+                            extra={"goal_id": goal.goal_id},
+                        )
                     refused = True
                 except GatewayError as error:
-                    log.info("goal %s could not be canceled yet: %s", goal.goal_id, error.detail)
+                    log.info(
+                        "goal %s could not be canceled yet: %s",
+                        goal.goal_id,
+                        error.detail,
+                        extra={"goal_id": goal.goal_id},
+                    )
                 await asyncio.sleep(RETRY_INTERVAL)
             self._tracker.explain(goal, None)  # the stop was released, so the goal may run
         finally:

@@ -154,7 +154,10 @@ class GoalMachine:
             self.end(now, goal, status, result=answer.result, error=answer.error, stamp_ns=stamp_ns)
         else:
             log.warning(
-                "goal %s: ignored a result with the status %s, which does not end a goal", goal.goal_id, status.value
+                "goal %s: ignored a result with the status %s, which does not end a goal",
+                goal.goal_id,
+                status.value,
+                extra=_about(goal),
             )
 
     def _hear(self, now: Now, goal_id: str, take: Message, *, created_ns: int, running: bool) -> None:
@@ -185,7 +188,7 @@ class GoalMachine:
 
     def add(self, now: Now, goal: Goal) -> None:
         """Track a goal that is being sent."""
-        self.live[goal.goal_id] = goal
+        self._track(goal)
         self.taken_up.discard(goal.goal_id)
         if goal.status is GoalStatus.LOST:  # it is being sent again
             self.move(now, goal, GoalStatus.PENDING)
@@ -219,14 +222,24 @@ class GoalMachine:
         self._begin(now, goal, newcomer, runs=newcomer.running)
 
     def _begin(self, now: Now, goal: Goal, newcomer: Newcomer | None, *, runs: bool) -> None:
-        log.info("goal %s on %s, %s, origin %s", goal.goal_id, goal.action_name, goal.status.value, goal.origin)
-        self.live[goal.goal_id] = goal
+        self._track(goal)
         goal.verb = goal.verb or self._verb  # an older gateway that shares the history stores none
         for take in newcomer.messages if newcomer else ():
             take(now, goal)
         self.outputs.append(AwaitResult(goal))
         if runs:
             self.outputs.append(Notify(News.SEEN, goal))
+
+    def _track(self, goal: Goal) -> None:
+        log.info(
+            "goal %s on %s, %s, origin %s",
+            goal.goal_id,
+            goal.action_name,
+            goal.status.value,
+            goal.origin,
+            extra=_about(goal),
+        )
+        self.live[goal.goal_id] = goal
 
     # ------------------------------------------------------------------ changes
 
@@ -245,7 +258,7 @@ class GoalMachine:
         self._publish(status_event, goal, stamp_ns or now.ns)
         self.outputs.append(Store(goal))
         if was_lost:
-            log.info("goal %s is no longer lost", goal.goal_id)
+            log.info("goal %s is no longer lost", goal.goal_id, extra=_about(goal))
             self.outputs.append(Notify(News.RETURNED, goal))
 
     def stall(self, now: Now, goal: Goal, *, stalled: bool) -> None:
@@ -263,7 +276,7 @@ class GoalMachine:
         """Mark a goal as lost because the action server is gone. It stays tracked, as it may return."""
         if not goal.lose(error, moment(now.ns)):
             return
-        log.warning("goal %s is lost: %s", goal.goal_id, error.detail)
+        log.warning("goal %s is lost: %s", goal.goal_id, error.detail, extra=_about(goal))
         self._publish(status_event, goal, now.ns)
         self.outputs += [Store(goal), Notify(News.LOST, goal)]
         lost = [other for other in self.live.values() if other.status is GoalStatus.LOST]
@@ -288,6 +301,8 @@ class GoalMachine:
             return
         goal.result = result
         goal.error = error or (None if status is GoalStatus.SUCCEEDED else goal.error)
+        reason = f": {goal.error.code}, {goal.error.detail}" if goal.error else ""
+        log.info("goal %s %s%s", goal.goal_id, status.value, reason, extra=_about(goal))
         self.outputs += [Store(goal), PublishEnd(goal, stamp_ns or now.ns)]
         self._retire(goal)
         self._note_ended(goal.goal_id)
@@ -305,3 +320,8 @@ class GoalMachine:
         self._ended[goal_id] = None
         if len(self._ended) > MAX_REMEMBERED:
             self._ended.popitem(last=False)
+
+
+def _about(goal: Goal) -> dict[str, str]:
+    """Return the fields of a log line about a goal."""
+    return {"goal_id": goal.goal_id}

@@ -155,7 +155,7 @@ class GoalTracker:
                     try:
                         self._adopt(goal_id, (known or {}).get(goal_id))
                     except Exception:
-                        log.exception("while adopting goal %s", goal_id)
+                        log.exception("while adopting goal %s", goal_id, extra={"goal_id": goal_id})
                     if self._machine.ended(goal_id):
                         self._let_go(goal_id)
                 await asyncio.sleep(pause)
@@ -194,7 +194,11 @@ class GoalTracker:
 
     def _expire(self, goal_id: str) -> None:
         if goal_id in self._places:
-            log.warning("goal %s: its result is late, so later events are published before its end", goal_id)
+            log.warning(
+                "goal %s: its result is late, so later events are published before its end",
+                goal_id,
+                extra={"goal_id": goal_id},
+            )
             self._let_go(goal_id)
 
     def _let_go(self, goal_id: str) -> None:

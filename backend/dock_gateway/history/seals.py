@@ -46,7 +46,12 @@ class Sealer:
             async with asyncio.timeout(SEAL_TIMEOUT):
                 stored = await seal.stored
         except DATABASE_ERRORS as error:
-            log.warning("goal %s: its state is published before it is stored: %s", goal.goal_id, brief(error))
+            log.warning(
+                "goal %s: its state is published before it is stored: %s",
+                goal.goal_id,
+                brief(error),
+                extra={"goal_id": goal.goal_id},
+            )
             return list(end)
         return [replace(stored.get(event.key or "", event), ends_goal=event.ends_goal) for event in end]
 

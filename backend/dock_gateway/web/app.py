@@ -124,8 +124,11 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
                 "If-None-Match",
                 "Last-Event-ID",
                 "Prefer",
+                "Traceparent",
+                "Tracestate",
+                "X-Request-ID",
             ),
-            expose_headers=("Content-Disposition", "ETag", "Location", "Retry-After"),
+            expose_headers=("Content-Disposition", "ETag", "Location", "Retry-After", "X-Request-ID"),
             allow_private_network=True,  # a robot's address is usually in one
         )
     app.add_middleware(OriginGuard, settings=settings)

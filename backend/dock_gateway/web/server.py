@@ -11,7 +11,7 @@ from typing import cast
 import uvicorn
 from uvicorn.config import STARTUP_FAILURE
 
-from dock_gateway.core.log_limit import LogLimit
+from dock_gateway.core.log_config import configure_logs
 from dock_gateway.gateway import Gateway, open_gateway
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
@@ -19,6 +19,7 @@ from dock_gateway.web.edge.limits import raise_file_limit
 from dock_gateway.web.edge.listener import Listener
 from dock_gateway.web.edge.options import edge_options
 from dock_gateway.web.edge.security import SecurityHeaders
+from dock_gateway.web.request_id import RequestId
 
 log = logging.getLogger(__name__)
 
@@ -39,7 +40,7 @@ class Server(uvicorn.Server):
         if self.should_exit:
             return
         self._gateway = gateway
-        self.config.app = SecurityHeaders(create_app(settings, gateway))
+        self.config.app = RequestId(SecurityHeaders(create_app(settings, gateway)))
         gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then
         await self.serve()
 
@@ -71,20 +72,9 @@ class Server(uvicorn.Server):
         await super().shutdown(sockets)
 
 
-def _log_config(level: str) -> None:
-    logging.basicConfig(level=level.upper(), format="[%(levelname)s] [%(asctime)s] [%(name)s]: %(message)s")
-    if level != "debug":
-        for handler in logging.getLogger().handlers:
-            handler.addFilter(LogLimit())
-    for noisy in ("asyncio", "httpcore", "httpx2", "websockets"):
-        logging.getLogger(noisy).setLevel(logging.WARNING)
-    if level != "debug":
-        logging.getLogger("uvicorn").setLevel(logging.WARNING)
-
-
 def run(settings: Settings) -> bool:
     """Serve until a signal arrives. Return False if the server could not be started."""
-    _log_config(settings.log_level)
+    configure_logs(settings)
     raise_file_limit()
     if settings.open_to_the_network:
         log.warning(
