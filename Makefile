@@ -76,7 +76,7 @@ format: setup ## format Python and TypeScript
 lock: $(UV) ## write both locks anew from the pyproject.toml files
 	$(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
 	    --no-emit-index-url --no-annotate --no-header \
-	    --no-emit-package action-tutorials-interfaces --group dev pyproject.toml -o requirements.lock
+	    --no-emit-package action-tutorials-interfaces --group dev --extra traces pyproject.toml -o requirements.lock
 	scripts/lock-build-requirements
 
 interfaces-wheel: $(UV) ## build and try the interface package on PYTHON=3.12 (or another CPython)

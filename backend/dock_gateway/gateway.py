@@ -40,6 +40,7 @@ from dock_gateway.notifications.notifier import MAX_WEBHOOKS, Notifier
 from dock_gateway.notifications.outbox import Outbox
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.observability.parts import Parts
+from dock_gateway.observability.traces import open_traces
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.on_demand import OnDemand
 from dock_gateway.robots.registry import RobotRegistry, normalize_namespace
@@ -280,7 +281,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
     if settings.authentication:
         await tokens.open()
     parts = Parts(settings, bridge, hub, history, actions, robots, stopper, alerts, notifier)
-    metrics = _closed_by(stack, Metrics(parts))
+    metrics = _observe(parts, stack)
     departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
     tasks = _closed_by(stack, Tasks("running the gateway"))
     tasks.spawn(_watch_graph(bridge, actions, robots, departures))
@@ -320,6 +321,13 @@ PartT = TypeVar("PartT", bound=_Part)
 def _closed_by(stack: AsyncExitStack, part: PartT) -> PartT:
     stack.push_async_callback(part.close)
     return part
+
+
+def _observe(parts: Parts, stack: AsyncExitStack) -> Metrics:
+    """Measure the parts, and trace their goals if that is configured."""
+    if traces := open_traces(parts):
+        _closed_by(stack, traces)
+    return _closed_by(stack, Metrics(parts))
 
 
 def _subscribe_on_demand(

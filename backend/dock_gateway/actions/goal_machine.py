@@ -28,11 +28,14 @@ MakeEvent = Callable[[Goal, int, int], Event]
 class News(Enum):
     """What other parts of the gateway want to know about a goal.
 
-    `SEEN`: it runs, this process did not send it, and it was unknown so far. `LOST`, `RETURNED`: it was lost, or is
-    back. `RETIRED`: no further events of it are expected.
+    `SENT`: this process sends it. `SEEN`: it runs, this process did not send it, and it was unknown so far. `CHANGED`:
+    it has an event before its end. `LOST`, `RETURNED`: it was lost, or is back. `RETIRED`: no further events of it are
+    expected.
     """
 
+    SENT = auto()
     SEEN = auto()
+    CHANGED = auto()
     LOST = auto()
     RETURNED = auto()
     RETIRED = auto()
@@ -40,9 +43,10 @@ class News(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Publish:
-    """Publish an event."""
+    """Publish an event of a goal."""
 
     event: Event
+    goal: Goal
 
 
 @dataclass(frozen=True, slots=True)
@@ -308,7 +312,7 @@ class GoalMachine:
         self._note_ended(goal.goal_id)
 
     def _publish(self, make: MakeEvent, goal: Goal, source_ns: int) -> None:
-        self.outputs.append(Publish(make(goal, self._stamp(source_ns), source_ns)))
+        self.outputs.append(Publish(make(goal, self._stamp(source_ns), source_ns), goal))
 
     def _retire(self, goal: Goal) -> None:
         self.live.pop(goal.goal_id, None)

@@ -5,6 +5,7 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from dock_gateway.actions.cancellation import Canceler
 from dock_gateway.actions.goal_machine import News
@@ -113,6 +114,8 @@ class ActionRegistry:
         interlock: The latched stops.
 
     Attributes:
+        on_sent: Called with a goal of any action when this gateway sends it.
+        on_change: Called with a goal of any action after each of its events before its end.
         on_end: Called with a goal of any action when no further events of it are expected.
         on_lost: Called with a goal of any action that is lost. It may return.
     """
@@ -131,6 +134,8 @@ class ActionRegistry:
         self._bridge = bridge
         self._parts = (settings, hub, history, reasons)
         self._interlock = interlock
+        self.on_sent: list[Callable[[Goal], None]] = []
+        self.on_change: list[Callable[[Goal], None]] = []
         self.on_end: list[Callable[[Goal], None]] = []
         self.on_lost: list[Callable[[Goal], None]] = []
         self._hub = hub
@@ -173,8 +178,13 @@ class ActionRegistry:
         kind = await asyncio.to_thread(ActionKind, type_name)
         port = await self._bridge.call(lambda: ActionPort(self._bridge, name, kind), undo=ActionPort.close)
         action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
-        action.tracker.on[News.RETIRED].append(self._ended)
-        action.tracker.on[News.LOST].append(self._lost)
+        for news, listeners in (
+            (News.SENT, self.on_sent),
+            (News.CHANGED, self.on_change),
+            (News.RETIRED, self.on_end),
+            (News.LOST, self.on_lost),
+        ):
+            action.tracker.on[news].append(partial(_notify, listeners))
         self._actions[name] = action
         unfinished = self._unfinished.pop(name, {})
         try:
@@ -215,14 +225,6 @@ class ActionRegistry:
             self._changed.set()
             self._changed.clear()
 
-    def _ended(self, goal: Goal) -> None:
-        for notify in self.on_end:
-            notify(goal)
-
-    def _lost(self, goal: Goal) -> None:
-        for notify in self.on_lost:
-            notify(goal)
-
     def _give_up(self) -> None:
         """Mark goals whose action has not come back as lost, until it does."""
         for goal in (goal for goals in self._unfinished.values() for goal in goals.values()):
@@ -230,7 +232,7 @@ class ActionRegistry:
                 now_ns = time.time_ns()
                 self._hub.publish(status_event(goal, self._hub.clock.stamp(now_ns), now_ns))
                 self._history.record(goal)
-                self._lost(goal)
+                _notify(self.on_lost, goal)
 
     async def _take_up(self, name: str) -> None:
         types = self._types[name]
@@ -339,3 +341,8 @@ class ActionRegistry:
                 await action.close()
             except GatewayError as error:
                 log.debug("while closing %s: %s", action.name, error)
+
+
+def _notify(listeners: list[Callable[[Goal], None]], goal: Goal) -> None:
+    for listener in listeners:
+        listener(goal)

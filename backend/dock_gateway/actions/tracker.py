@@ -116,10 +116,15 @@ class GoalTracker:
         """Request a goal's result again: the server may have restarted and lost the first request."""
         self._results.request_again(goal)
 
+    def add(self, goal: Goal) -> None:
+        """Track a goal that is being sent."""
+        self._add(goal)
+        self._notify(News.SENT, goal)
+
     # The machine's inputs; it documents them.
     _report, _feedback, _answered = _now(GoalMachine.report), _now(GoalMachine.feedback), _now(GoalMachine.answered)
     on_progress = _now(GoalMachine.progress)
-    add, take_up, _adopt = _now(GoalMachine.add), _now(GoalMachine.take_up), _now(GoalMachine.adopt)
+    _add, take_up, _adopt = _now(GoalMachine.add), _now(GoalMachine.take_up), _now(GoalMachine.adopt)
     accept, move, stall = _now(GoalMachine.accept), _now(GoalMachine.move), _now(GoalMachine.stall)
     lose, end = _now(GoalMachine.lose), _now(GoalMachine.end)
 
@@ -129,8 +134,9 @@ class GoalTracker:
         """Do what the machine wants done."""
         while self._machine.outputs:
             match self._machine.outputs.popleft():
-                case Publish(event):
+                case Publish(event, goal):
                     self._hub.publish(event)
+                    self._notify(News.CHANGED, goal)
                 case Store(goal):
                     self._history.record(goal)
                 case AwaitResult(goal, reported):
@@ -138,11 +144,14 @@ class GoalTracker:
                 case PublishEnd(goal, source_ns):
                     self._publish_end(goal, source_ns)
                 case Notify(news, goal):
-                    for listener in self.on[news]:
-                        listener(goal)
+                    self._notify(news, goal)
         if self._machine.newcomers and not self._looking_up:
             self._looking_up = True
             self._lookups.spawn(self._look_up())
+
+    def _notify(self, news: News, goal: Goal) -> None:
+        for listener in self.on[news]:
+            listener(goal)
 
     async def _look_up(self) -> None:
         """Look up unknown goals in the history, as long as there are any."""

@@ -1,0 +1,68 @@
+"""Traces are exported only if OpenTelemetry's variables say so, and a mistake in them stops nothing."""
+
+import builtins
+import subprocess
+import sys
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from dock_gateway.observability.traces import open_traces
+
+ENDPOINT = "OTEL_EXPORTER_OTLP_ENDPOINT"
+
+
+@pytest.fixture
+def parts() -> Any:
+    return SimpleNamespace(actions=SimpleNamespace(on_sent=[], on_change=[], on_end=[]), robots=None)
+
+
+def test_without_an_endpoint_nothing_is_imported() -> None:
+    # FastAPI imports `opentelemetry.trace`, which is small.
+    program = "import sys; import dock_gateway.web.server; print([n for n in sys.modules if 'opentelemetry.sdk' in n])"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_without_an_endpoint_there_are_none(parts: Any) -> None:
+    assert open_traces(parts) is None
+    assert not parts.actions.on_sent
+
+
+def test_they_can_be_disabled(parts: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(ENDPOINT, "http://127.0.0.1:9")
+    monkeypatch.setenv("OTEL_SDK_DISABLED", "true")
+    assert open_traces(parts) is None
+
+
+@pytest.mark.parametrize("variable", [ENDPOINT, "OTEL_EXPORTER_OTLP_TRACES_ENDPOINT"])
+async def test_with_an_endpoint(parts: Any, monkeypatch: pytest.MonkeyPatch, variable: str) -> None:
+    monkeypatch.setenv(variable, "http://127.0.0.1:9")
+    traces = open_traces(parts)
+    assert traces is not None
+    assert parts.actions.on_sent
+    await traces.close()
+
+
+def test_a_package_that_is_missing(
+    parts: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    importing = builtins.__import__
+
+    def fails(name: str, *args: Any, **kwargs: Any) -> Any:
+        if name.endswith("goal_traces"):
+            raise ModuleNotFoundError("No module named 'opentelemetry'")
+        return importing(name, *args, **kwargs)
+
+    monkeypatch.setenv(ENDPOINT, "http://127.0.0.1:9")
+    monkeypatch.setattr(builtins, "__import__", fails)
+    assert open_traces(parts) is None
+    assert "dock-gateway[traces] is not installed" in caplog.text
+
+
+def test_a_wrong_variable(parts: Any, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+    monkeypatch.setenv(ENDPOINT, "http://127.0.0.1:9")
+    monkeypatch.setenv("OTEL_BSP_SCHEDULE_DELAY", "-1")
+    assert open_traces(parts) is None
+    assert "check the variables OTEL_" in caplog.text
