@@ -21,7 +21,7 @@ from benchmarks.startup import startup
 from benchmarks.systems import LEFT_OUT
 from benchmarks.systems.bare import Bare
 from benchmarks.systems.base import System
-from benchmarks.systems.gateway import Gateway
+from benchmarks.systems.gateway import Gateway, GatewayWithTokens
 from benchmarks.systems.http_gateway import HttpGateway
 from benchmarks.systems.rosbridge import Rosbridge
 from benchmarks.table import table
@@ -35,7 +35,8 @@ def _own(stack: ExitStack, options: Options, robots: int = 0) -> list[Bare | Gat
     def where() -> Site:
         return stack.enter_context(site(options.payload, robots))
 
-    return [Bare(where()), *(Gateway(where(), variant) for variant in (*options.variants, None))]
+    gateways = [Gateway(where(), variant) for variant in (*options.variants, None)]
+    return [Bare(where()), *gateways, *([GatewayWithTokens(where())] if options.tokens else [])]
 
 
 def _peers(stack: ExitStack, options: Options, results: Results) -> list[System]:

@@ -20,6 +20,7 @@ class Options:
     robots: int
     peers: Path | None
     variants: tuple[tuple[str, Path], ...]
+    tokens: bool
     output: Path
 
 
@@ -42,6 +43,7 @@ def read_options(arguments: list[str]) -> Options:
         metavar="NAME=PATH",
         help="also measure the gateway of another checkout, in which `make setup` was run",
     )
+    parser.add_argument("--tokens", action="store_true", help="also measure the gateway with authentication")
     parser.add_argument("--output", type=Path, default=Path(__file__).parent / "results")
     read = parser.parse_args(arguments)
     if set(read.cases) - set(CASES):
@@ -62,5 +64,6 @@ def read_options(arguments: list[str]) -> Options:
         robots=read.robots,
         peers=read.peers.resolve() if read.peers else None,
         variants=tuple(variants),
+        tokens=read.tokens,
         output=read.output,
     )

@@ -4,7 +4,7 @@ import asyncio
 import re
 import time
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from picows import WSFrame, WSListener, WSMsgType, WSTransport, ws_connect
 
@@ -60,9 +60,12 @@ class WebSocketReader(WSListener):  # type: ignore[misc]
         self._others(text)
 
 
-async def connect(url: str, reader: Callable[[], WebSocketReader]) -> tuple[WSTransport, WebSocketReader]:
+async def connect(
+    url: str, reader: Callable[[], WebSocketReader], headers: Mapping[str, str] | None = None
+) -> tuple[WSTransport, WebSocketReader]:
     """Open one connection."""
-    transport, listener = await ws_connect(reader, url, websocket_handshake_timeout=30, use_aiofastnet=False)
+    options = {"websocket_handshake_timeout": 30, "use_aiofastnet": False, "extra_headers": dict(headers or {})}
+    transport, listener = await ws_connect(reader, url, **options)
     return transport, listener
 
 

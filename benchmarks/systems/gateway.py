@@ -1,6 +1,7 @@
 """dock-gateway, out of this checkout or another one."""
 
 import asyncio
+import subprocess
 import tempfile
 import time
 from pathlib import Path
@@ -32,6 +33,7 @@ class Gateway(System):
         super().__init__(where)
         self.name = f"{OURS} {variant[0]}" if variant else OURS
         self._prefix = variant[1] / ".venv" if variant else PRODUCT
+        self._headers: dict[str, str] = {}  # of every request
 
     async def start(self) -> None:
         """Start it and have a first goal accepted."""
@@ -41,13 +43,21 @@ class Gateway(System):
     async def start_idle(self) -> None:
         """Start it, and come back when it answers HTTP."""
         self.port = free_port()
-        self._kept = KeptConnection(lambda: Connection(self.port))
+        self._kept = KeptConnection(self._connection)
         self._data = tempfile.TemporaryDirectory()
         variables = {"XDG_DATA_HOME": self._data.name, "DOCK_GATEWAY_PORT": str(self.port)}
         variables |= {"DOCK_GATEWAY_MAX_SUBSCRIBERS": "2000", "DOCK_GATEWAY_LOG_LEVEL": "warning"}
-        command = (str(self._prefix / "bin/dock-gateway"), "serve")
-        self.process = Process(*command, env=self.site.environment(self._prefix, **variables)).__enter__()
+        environment = self.site.environment(self._prefix, **variables, **await asyncio.to_thread(self._protect))
+        self.process = Process(str(self._prefix / "bin/dock-gateway"), "serve", env=environment).__enter__()
         await asyncio.to_thread(self._until_listening)
+
+    def _protect(self) -> dict[str, str]:
+        """Prepare what the gateway asks its users for, and return the settings for it."""
+        return {}
+
+    def _connection(self) -> Connection:
+        lines = "".join(f"{name}: {value}\r\n" for name, value in self._headers.items())
+        return Connection(self.port, headers=lines)
 
     def _until_listening(self) -> None:
         deadline = time.monotonic() + START_TIMEOUT
@@ -64,7 +74,7 @@ class Gateway(System):
         deadline = time.monotonic() + START_TIMEOUT
         while time.monotonic() < deadline and self.process.running:
             try:
-                with Connection(self.port) as connection:
+                with self._connection() as connection:
                     if connection.request("POST", "/dock")[0] == 202:
                         return
             except OSError:
@@ -112,7 +122,10 @@ class Gateway(System):
         url = f"ws://127.0.0.1:{self.port}/ws/feedback"
         connections = []
         for first in range(0, readers, 50):
-            batch = (connect(url, lambda: WebSocketReader(tally, MARK)) for _ in range(first, min(readers, first + 50)))
+            batch = (
+                connect(url, lambda: WebSocketReader(tally, MARK), self._headers)
+                for _ in range(first, min(readers, first + 50))
+            )
             connections += await asyncio.gather(*batch)
         try:
             await asyncio.wait_for(asyncio.gather(*(reader.begun for _, reader in connections)), 30)
@@ -127,13 +140,13 @@ class Gateway(System):
         return Reading.of(expected, list(tally.latencies), list(tally.stamps), cpu)
 
     def _post(self, paths: list[str], body: dict[str, Any]) -> None:
-        with Connection(self.port) as connection:
+        with self._connection() as connection:
             for path in paths:
                 status, answer = connection.request("POST", path, body)
                 assert status == 202, orjson.dumps(answer).decode()
 
     def _actions(self) -> set[str]:
-        with Connection(self.port) as connection:
+        with self._connection() as connection:
             _, answer = connection.request("GET", "/actions")
         return {action["action_name"] for action in answer["actions"] if action["available"]}
 
@@ -141,3 +154,18 @@ class Gateway(System):
         """End it."""
         await super().close()
         self._data.cleanup()
+
+
+class GatewayWithTokens(Gateway):
+    """The gateway with authentication: every request and every stream shows a token."""
+
+    def __init__(self, where: Site) -> None:
+        super().__init__(where)
+        self.name = f"{OURS} with tokens"
+
+    def _protect(self) -> dict[str, str]:
+        environment = self.site.environment(self._prefix, XDG_DATA_HOME=self._data.name)
+        create = (str(self._prefix / "bin/dock-gateway"), "token", "create", "benchmark", "--role", "admin")
+        secret = subprocess.run(create, env=environment, check=True, capture_output=True, text=True).stdout.strip()
+        self._headers = {"Authorization": f"Bearer {secret}"}
+        return {"DOCK_GATEWAY_AUTHENTICATION": "true"}

@@ -10,7 +10,17 @@ from benchmarks.site import Goal
 from benchmarks.systems.base import Impossible, Reading, System, Timing
 
 OPTIONS = Options(
-    cases="b", rounds=3, goals=30, seconds=0.1, quiet=0.0, payload=0, robots=1, peers=None, variants=(), output=Path()
+    cases="b",
+    rounds=3,
+    goals=30,
+    seconds=0.1,
+    quiet=0.0,
+    payload=0,
+    robots=1,
+    peers=None,
+    variants=(),
+    tokens=False,
+    output=Path(),
 )
 
 
