@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol, TypeVar
 
+from dock_gateway.access.quotas import Quotas
 from dock_gateway.access.tickets import Tickets
 from dock_gateway.access.tokens import MAX_TOKENS, Tokens
 from dock_gateway.actions.cancellation import require_unfinished
@@ -82,6 +83,7 @@ class Gateway:
     notifier: Notifier
     tokens: Tokens
     tickets: Tickets
+    quotas: Quotas
     graph: GraphCache
     echoes: EchoRegistry
     metrics: Metrics
@@ -303,6 +305,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
         notifier,
         tokens,
         Tickets(),
+        Quotas(settings),
         graph,
         echoes,
         metrics,

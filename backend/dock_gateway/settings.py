@@ -245,6 +245,15 @@ class Settings(BaseSettings):
         1000, ge=10, description="Maximum number of ended goals in the history `memory:`. The oldest are deleted first."
     )
     max_subscribers: int = Field(1000, ge=1, description="Maximum number of WebSocket subscribers (429).")
+    max_streams_per_user: int = Field(
+        250, ge=1, description="Maximum number of streams of one user (429), with `authentication`."
+    )
+    max_goals_per_minute: int = Field(
+        600, ge=1, description="Maximum number of goals of one user in a minute (429), with `authentication`."
+    )
+    max_exports_per_user: int = Field(
+        2, ge=1, description="Maximum number of simultaneous exports of one user (429), with `authentication`."
+    )
     subscriber_queue: int = Field(
         256,
         ge=1,

@@ -14,7 +14,7 @@ from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.gateway import Gateway
 from dock_gateway.web.limits import require_covered
-from dock_gateway.web.permissions import COMMAND_SCOPES, COMMANDS, PUBLIC, SCOPES, Scope, role_for
+from dock_gateway.web.permissions import COMMAND_SCOPES, COMMANDS, PUBLIC, SCOPES, SENDING, Scope, role_for
 from dock_gateway.web.requests import get_gateway, read_json
 
 SCHEME = "bearer"
@@ -31,6 +31,7 @@ async def authorize(connection: HTTPConnection) -> None:
         NotAuthenticated: The request needs a token, and has none that is valid.
         NotAllowed: Their role does not suffice (`role_required`), or it is about something beyond their limits
             (`not_covered`).
+        TooManyRequests: They have sent too many goals in the last minute (`too_many_goals`).
     """
     name = connection.scope["route"].name
     if name in PUBLIC:
@@ -42,7 +43,10 @@ async def authorize(connection: HTTPConnection) -> None:
     require(principal, role, name)
     names = {**connection.query_params, **connection.path_params}
     scope = SCOPES.get(name, Scope.EVERY)
-    await require_covered(get_gateway(connection), principal.grant, scope, names, name)
+    gateway = get_gateway(connection)
+    await require_covered(gateway, principal.grant, scope, names, name)
+    if name in SENDING:
+        gateway.quotas.spend_goal(principal)
 
 
 def identify(connection: HTTPConnection) -> Principal:
@@ -63,12 +67,14 @@ async def authorize_command(gateway: Gateway, principal: Principal, op: str, fie
 
     Raises:
         NotAuthenticated: Their token was revoked or has expired (`invalid_token`).
-        NotAllowed: As for `authorize`.
+        NotAllowed, TooManyRequests: As for `authorize`.
     """
     if principal.credential is not None and not gateway.tokens.is_valid(principal.credential):
         raise NotAuthenticated("the token was revoked or has expired", code="invalid_token")
     require(principal, COMMANDS[op], op)
     await require_covered(gateway, principal.grant, COMMAND_SCOPES[op], fields, op)
+    if op in SENDING:
+        gateway.quotas.spend_goal(principal)
 
 
 def require(principal: Principal, role: Role, what: str) -> None:
@@ -130,13 +136,14 @@ def subscribed(gateway: Gateway, principal: Principal, event_filter: EventFilter
     """Subscribe a reader while the block runs. Its stream ends when the reader's token is no longer valid.
 
     Raises:
-        TooManyRequests: There are too many already.
+        TooManyRequests: There are too many already, or too many of this user (`too_many_streams`).
         Unavailable: The gateway is shutting down.
     """
     subscriber = gateway.hub.subscribe(event_filter)
     try:
         credential = principal.credential
-        with nullcontext() if credential is None else gateway.tokens.watch(credential, subscriber.expel):
+        watching = nullcontext() if credential is None else gateway.tokens.watch(credential, subscriber.expel)
+        with gateway.quotas.hold(principal, "streams"), watching:
             yield subscriber
     finally:
         gateway.hub.unsubscribe(subscriber)

@@ -70,6 +70,10 @@ COMMANDS: dict[str, Role] = {
 }
 
 
+# Requests and commands that send a goal.
+SENDING = frozenset({"dock", "undock", "send_action_goal", "send_goal"})
+
+
 class Scope(Enum):
     """What a request or a command is about, which the user's grant has to include."""
 

@@ -11,6 +11,7 @@ import pytest
 from fastapi.routing import APIRoute, APIWebSocketRoute
 from starlette.testclient import TestClient, WebSocketDenialResponse, WebSocketTestSession
 
+from dock_gateway.access.quotas import Quotas
 from dock_gateway.access.tickets import Tickets
 from dock_gateway.access.tokens import Tokens
 from dock_gateway.core.errors import NotFound
@@ -50,7 +51,11 @@ class Site:
         self.secrets = asyncio.run(self._fill()) if settings.authentication else {}
         gateway: Any = Refusing()
         gateway.__dict__.update(
-            settings=settings, tokens=self._tokens, tickets=Tickets(), bridge=SimpleNamespace(alive=False)
+            settings=settings,
+            tokens=self._tokens,
+            tickets=Tickets(),
+            quotas=Quotas(settings),
+            bridge=SimpleNamespace(alive=False),
         )
         self._app = create_app(settings, cast("Gateway", gateway))
 

@@ -2,9 +2,10 @@
 
 import asyncio
 from collections.abc import AsyncGenerator
+from contextlib import aclosing
 from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.core.event import FEEDBACK, STORED_KINDS, Event, utc_now
@@ -12,10 +13,11 @@ from dock_gateway.core.goal import Goal, encode
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
 from dock_gateway.history.protocol import NEVER
+from dock_gateway.web.access import principal_of
 from dock_gateway.web.paced import PacedResponse
 from dock_gateway.web.problems import problems
 from dock_gateway.web.queries import QUERY, GoalFilterQuery
-from dock_gateway.web.requests import GoalId, TheGateway, known_query
+from dock_gateway.web.requests import GoalId, TheGateway, get_gateway, known_query
 from dock_gateway.web.routes.goals import with_tags
 from dock_gateway.web.routes.sheets import GOAL_COLUMNS, FeedbackSheet, goal_row, rows_of
 from dock_gateway.web.schemas.goals import ExportedGoal, TaggedGoal
@@ -34,40 +36,59 @@ CSV = {"text/csv": {"schema": {"type": "string"}}}
 @router.get(
     "/export",
     response_model=list[TaggedGoal],
-    responses={200: {"description": "A file", "content": CSV}, **problems(422, 503)},
+    responses={200: {"description": "A file", "content": CSV}, **problems(422, 429, 503)},
     dependencies=[Depends(known_query(*QUERY, "format"))],
 )
-async def export_goals(gateway: TheGateway, wanted: GoalFilterQuery, format: FormatQuery = "json") -> Response:  # noqa: A002
+async def export_goals(
+    request: Request,
+    gateway: TheGateway,
+    wanted: GoalFilterQuery,
+    format: FormatQuery = "json",  # noqa: A002
+) -> Response:
     """Download all matching goals, newest first.
 
     CSV has one row per goal, with its goal and result messages as JSON. JSON is one array.
     """
     chunks = goals_as_csv(gateway, wanted) if format == "csv" else goals_as_json(gateway, wanted)
-    return await download(gateway, chunks, f"goals-{utc_now():%Y%m%dT%H%M%SZ}", format)
+    return await download(request, chunks, f"goals-{utc_now():%Y%m%dT%H%M%SZ}", format)
 
 
 @router.get(
     "/{goal_id}/export",
     response_model=ExportedGoal,
-    responses={200: {"description": "A file", "content": CSV}, **problems(404, 422, 503)},
+    responses={200: {"description": "A file", "content": CSV}, **problems(404, 422, 429, 503)},
     dependencies=[Depends(known_query("format"))],
 )
-async def export_goal(goal_id: GoalId, gateway: TheGateway, format: FormatQuery = "json") -> Response:  # noqa: A002
+async def export_goal(
+    request: Request,
+    goal_id: GoalId,
+    gateway: TheGateway,
+    format: FormatQuery = "json",  # noqa: A002
+) -> Response:
     """Download one goal.
 
     CSV has its feedback: one row per event, one column per field. JSON has the goal with its events.
     """
     goal = await gateway.goal(goal_id)
     chunks = goal_as_csv(gateway, goal) if format == "csv" else goal_as_json(gateway, goal)
-    return await download(gateway, chunks, f"goal-{goal_id}", format)
+    return await download(request, chunks, f"goal-{goal_id}", format)
 
 
-async def download(gateway: Gateway, chunks: AsyncGenerator[bytes], name: str, kind: Format) -> Response:
+async def download(request: Request, chunks: AsyncGenerator[bytes], name: str, kind: Format) -> Response:
     """Return a file as a stream. An error before the first piece becomes an error response."""
-    first = await anext(chunks)
+    gateway, principal = get_gateway(request), principal_of(request)
+
+    async def counted() -> AsyncGenerator[bytes]:
+        async with aclosing(chunks):
+            with gateway.quotas.hold(principal, "exports"):
+                async for chunk in chunks:
+                    yield chunk
+
+    held = counted()
+    first = await anext(held)
     headers = {"Content-Disposition": f'attachment; filename="{name}.{kind}"'}
     timeout = gateway.settings.subscriber_timeout
-    return PacedResponse(first, chunks, timeout, media_type=MEDIA_TYPES[kind], headers=headers)
+    return PacedResponse(first, held, timeout, media_type=MEDIA_TYPES[kind], headers=headers)
 
 
 async def goals_as_csv(gateway: Gateway, wanted: GoalFilter) -> AsyncGenerator[bytes]:

@@ -10,11 +10,13 @@ import orjson
 import pytest
 from fastapi import WebSocket
 
+from dock_gateway.access.quotas import Quotas
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.event import Event, notice, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.gateway import Gateway
+from dock_gateway.settings import Settings
 from dock_gateway.web.streams import socket as socket_module
 from dock_gateway.web.streams.socket import Session
 from tests.support.stopping import fake_fleet
@@ -59,8 +61,9 @@ async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytes
     monkeypatch.setattr(socket_module, "MAX_COMMANDS", 2)
     goals = [f'{{"op": "send_goal", "id": "{number}"}}' for number in range(3)]
     websocket = FakeWebSocket(*goals, "no JSON", '{"op": "stop", "id": "stop"}')
-    settings = SimpleNamespace(subscriber_timeout=1.0)
-    session = Session(cast("WebSocket", websocket), cast("Gateway", SimpleNamespace(settings=settings)), ANYBODY)
+    settings = Settings(subscriber_timeout=1.0)
+    gateway = SimpleNamespace(settings=settings, quotas=Quotas(settings))
+    session = Session(cast("WebSocket", websocket), cast("Gateway", gateway), ANYBODY)
     await session._read()
     await asyncio.sleep(0.01)
     assert [(answer["op"], answer.get("code"), answer["id"]) for answer in websocket.told] == [
@@ -77,6 +80,7 @@ class Lookups:
 
     def __init__(self) -> None:
         self.hub = Hub(queue_limit=10, max_subscribers=10)
+        self.quotas = Quotas(Settings())
         self.settings = SimpleNamespace(subscriber_timeout=1.0)
         self.robots = SimpleNamespace(get=lambda _: SimpleNamespace(namespace="/"))
 
