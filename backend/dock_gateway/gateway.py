@@ -16,6 +16,7 @@ from dock_gateway.actions.cancellation import require_unfinished
 from dock_gateway.actions.liveness import ServerState
 from dock_gateway.actions.registry import Action, ActionRegistry
 from dock_gateway.actions.unfinished import store_unfinished, take_over_unfinished
+from dock_gateway.audit.log import AuditLog
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import MAX_RULES, AutomaticDocking
@@ -84,6 +85,7 @@ class Gateway:
     tokens: Tokens
     tickets: Tickets
     quotas: Quotas
+    audit: AuditLog
     graph: GraphCache
     echoes: EchoRegistry
     metrics: Metrics
@@ -187,10 +189,12 @@ async def open_gateway(settings: Settings) -> AsyncIterator[Gateway]:
     """Open the history, join the ROS graph and run the gateway until the block ends."""
     async with AsyncExitStack() as stack:
         history = await stack.enter_async_context(open_history(settings))
-        yield await _open(settings, history, stack)
+        audit = _closed_by(stack, AuditLog(history.audit))
+        audit.open()
+        yield await _open(settings, history, audit, stack)
 
 
-async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> Gateway:
+async def _open(settings: Settings, history: History, audit: AuditLog, stack: AsyncExitStack) -> Gateway:
     """Make every part, and register it with the stack for closing."""
     hub = Hub(
         queue_limit=settings.subscriber_queue,
@@ -306,6 +310,7 @@ async def _open(settings: Settings, history: History, stack: AsyncExitStack) -> 
         tokens,
         Tickets(),
         Quotas(settings),
+        audit,
         graph,
         echoes,
         metrics,

@@ -193,6 +193,16 @@ class Settings(BaseSettings):
         description="Maximum size of the stored goals with their status and result events, in megabytes. The oldest "
         "ended goals are deleted first.",
     )
+    audit_retention_days: float = Field(
+        365.0,
+        ge=1,
+        description="Days for which the entries of the [audit log](audit.md) are kept.",
+    )
+    audit_max_entries: int = Field(
+        1_000_000,
+        ge=1000,
+        description="Maximum number of entries of the audit log, about 0.6 kB each. The oldest are deleted first.",
+    )
 
     max_actions: int = Field(
         1000,

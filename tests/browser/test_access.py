@@ -205,3 +205,50 @@ def test_a_phone_has_the_login_in_its_menu(page: Page, secrets: dict[str, str]) 
     assert find_violations(page) == []
     page.get_by_role("link", name="Tokens").click()
     expect(page.get_by_role("heading", name="Tokens")).to_be_visible()
+
+
+def test_an_admin_reads_the_audit_log(page: Page, gateway: RunningGateway, secrets: dict[str, str]) -> None:
+    viewer = {"Authorization": f"Bearer {secrets['viewer']}"}
+    gateway.http.post("/stop").raise_for_status()
+    assert gateway.http.delete("/stop", headers=viewer).status_code == 403
+    for _ in range(60):
+        gateway.http.delete("/stop").raise_for_status()
+    log_in(page, secrets["admin"])
+    expect_live(page)
+    page.get_by_role("button", name="Logged in as admin, admin").click()
+    page.get_by_role("menuitem", name="Audit").click()
+    rows = page.get_by_role("table").locator("tbody tr")
+    expect(rows).to_have_count(50)
+    expect(rows.filter(has_text="Log in").first).to_contain_text("admin")
+    assert find_violations(page) == []
+    page.get_by_role("button", name="Load older records").press("Enter")
+    expect(rows.nth(55)).to_be_visible()
+    page.get_by_label("Outcome").select_option("Refused")
+    page.get_by_label("What").select_option("Release the stop")
+    expect(rows).to_have_count(1)
+    expect(rows).to_contain_text("viewer")
+    expect(rows).to_contain_text("Role required")
+    who = page.get_by_label("Who", exact=True)
+    who.fill("nobody")
+    who.press("Enter")
+    expect(page.get_by_text("No record fits.")).to_be_visible()
+    assert "principal=nobody" in page.url
+    page.get_by_label("Goal id").fill("x")
+    expect(page.get_by_text("The whole id of a goal")).to_be_visible()
+    assert find_violations(page) == []
+    page.get_by_role("button", name="Clear filters").click()
+    expect(rows.nth(55)).to_be_visible()  # as it was
+    with page.expect_download() as download:
+        page.get_by_role("link", name="Export CSV of these records").click()
+    assert download.value.path().read_text().startswith("sequence,entry_id,at,principal")
+    for width in (320, 768):
+        page.set_viewport_size({"width": width, "height": 900})
+        expect_no_sideways_scrolling(page)
+        assert find_violations(page) == []
+
+
+def test_a_viewer_does_not_read_the_audit_log(page: Page, gateway: RunningGateway, secrets: dict[str, str]) -> None:
+    log_in(page, secrets["viewer"])
+    expect_live(page)
+    page.goto(f"{gateway.url}/ui/audit")
+    expect(page.get_by_role("main")).to_contain_text("Needs the role admin; you are viewer.")

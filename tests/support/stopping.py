@@ -15,6 +15,7 @@ from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.robots.registry import read_namespace
 from dock_gateway.settings import Settings
+from tests.support.audit import audit_parts
 
 
 class FakeVelocity:
@@ -98,7 +99,7 @@ class FakeFleet:
         registry: Any = SimpleNamespace(get=self._get, under=self._robots_under)
         self._actions = {name: Action(f"{name.rstrip('/')}/dock", goals) for name, goals in self.goals.items()}
         self.stopper = Stopper(registry, actions, self.interlock)
-        self.gateway: Any = SimpleNamespace(stopper=self.stopper, settings=Settings())
+        self.gateway: Any = SimpleNamespace(**audit_parts(), stopper=self.stopper, settings=Settings())
 
     def _get(self, namespace: str | None = None) -> Any:
         name = next(iter(self.robots)) if namespace is None else read_namespace(namespace)

@@ -77,6 +77,11 @@ class Tokens:
         """Return whether a token has neither been revoked nor expired."""
         return self._valid(token_id) is not None
 
+    def name_of(self, token_id: str) -> str | None:
+        """Return the name of a token, if there is one with this id."""
+        token = self._book.get(token_id)
+        return None if token is None else token.name
+
     @contextmanager
     def watch(self, token_id: str, end: Callable[[], None]) -> Iterator[None]:
         """Call `end` as soon as it is known that a token is no longer valid, while the block runs."""

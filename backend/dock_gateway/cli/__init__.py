@@ -1,4 +1,4 @@
-"""The command line: `dock-gateway up`, `serve`, `token`, and a client of a running gateway."""
+"""The command line: `dock-gateway up`, `serve`, `token`, `audit`, and a client of a running gateway."""
 
 import gc
 import importlib
@@ -18,6 +18,7 @@ COMMANDS = {
     "watch": "client",
     "battery": "client",
     "token": "token",
+    "audit": "audit",
     "openapi": "serve",
 }
 """The commands, in the order of the help, and the modules that they are in."""

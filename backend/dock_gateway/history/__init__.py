@@ -10,6 +10,7 @@ from dock_gateway.history.handover import take_over_database, take_over_spool
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.history.protocol import (
     Acknowledgement,
+    AuditStore,
     Entries,
     EntryT,
     GoalNotes,
@@ -28,6 +29,7 @@ from dock_gateway.settings import Settings, data_file
 
 __all__ = [
     "Acknowledgement",
+    "AuditStore",
     "Entries",
     "EntryT",
     "GoalFilter",
@@ -60,6 +62,8 @@ async def open_history(settings: Settings) -> AsyncIterator[History]:
             event_bytes=settings.retention_mb * 1_000_000,
             goal_age=settings.goal_retention_days * 86_400,
             goal_bytes=settings.goal_retention_mb * 1_000_000,
+            audit_age=settings.audit_retention_days * 86_400,
+            audit_entries=settings.audit_max_entries,
         ),
     )
     try:

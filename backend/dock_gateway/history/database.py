@@ -12,8 +12,8 @@ from dock_gateway.history.protocol import Incident
 
 CONNECT_TIMEOUT = 2.0  # seconds
 WRITE_TIMEOUT = 10.0  # seconds per transaction of goals and events
-# Connections for writes (batches, new keys, ends of goals) and for reads, so that none blocks another.
-WRITERS, READERS = 3, 3
+# Connections for writes (batches, new keys, ends of goals, audit) and for reads, so that none blocks another.
+WRITERS, READERS = 4, 3
 
 # The errors that a database may raise.
 DATABASE_ERRORS = (sa_errors.SQLAlchemyError, OSError, TimeoutError, RuntimeError)

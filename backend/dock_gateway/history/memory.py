@@ -13,6 +13,7 @@ from dock_gateway.core.event import FEEDBACK, Event, kind_of
 from dock_gateway.core.filters import GoalFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.webhook import Delivery, Webhook
+from dock_gateway.history.audit import MemoryAudit
 from dock_gateway.history.battery import BatterySpan, Bucket, add_events
 from dock_gateway.history.merge import merge
 from dock_gateway.history.notes import MemoryNotes
@@ -74,6 +75,7 @@ class MemoryHistory:
         self.webhooks = MemoryEntries[Webhook]()
         self.webhook_deliveries = MemoryEntries[Delivery]()
         self.tokens = MemoryEntries[Token]()
+        self.audit = MemoryAudit()
         self.on_loss: Callable[[], None] = lambda: None
         self._limit = limit
         self._event_limit = event_limit

@@ -7,6 +7,7 @@ from datetime import datetime, timedelta
 from typing import Protocol, TypeVar
 
 from dock_gateway.core.access import Token
+from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
 from dock_gateway.core.automation import Decision, Rule
 from dock_gateway.core.event import Event, nanoseconds, time_id
 from dock_gateway.core.filters import GoalFilter
@@ -151,6 +152,19 @@ class Notes(Protocol):
         """Store the tags of a goal; return what it has then."""
 
 
+class AuditStore(Protocol):
+    """Stores the entries of the audit log.
+
+    Both methods raise `Unavailable` (`history_unavailable`) if the database does not answer in time.
+    """
+
+    async def append(self, entries: Sequence[AuditEntry]) -> list[AuditRow]:
+        """Store entries in their order; return the new rows. Entries that are stored already are left out."""
+
+    async def page(self, wanted: AuditFilter, *, limit: int, before: int | None = None) -> list[AuditRow]:
+        """Return rows, newest first; with `before`, only rows before that number."""
+
+
 class History(Protocol):
     """Stores goals, their events and their idempotency keys. Goals are returned as copies.
 
@@ -189,6 +203,10 @@ class History(Protocol):
     @property
     def tokens(self) -> Entries[Token]:
         """The tokens, by id."""
+
+    @property
+    def audit(self) -> AuditStore:
+        """The audit log."""
 
     @property
     def incident(self) -> Incident | None:

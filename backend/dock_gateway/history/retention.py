@@ -12,7 +12,7 @@ import sqlalchemy as sa
 
 from dock_gateway.core.event import time_id
 from dock_gateway.core.goal import GoalStatus
-from dock_gateway.history import notes, queries
+from dock_gateway.history import audit, notes, queries
 from dock_gateway.history.database import DATABASE_ERRORS, Database
 from dock_gateway.history.tables import IS_KEPT, events, goals, idempotency_keys
 
@@ -49,12 +49,16 @@ class Limits:
         event_bytes: Maximum size of encoded feedback and battery events, without the database's overhead.
         goal_age: Maximum age of goals with their events, in seconds.
         goal_bytes: Maximum size of goals with their status and result events; about their size in the file.
+        audit_age: Maximum age of the entries of the audit log, in seconds.
+        audit_entries: Maximum number of them.
     """
 
     event_age: float
     event_bytes: int
     goal_age: float
     goal_bytes: int
+    audit_age: float
+    audit_entries: int
 
 
 class Retention:
@@ -90,7 +94,16 @@ class Retention:
         deleted += await self._delete(_delete_goals, await self._read(_goal_bytes) - limits.goal_bytes)
         async with asyncio.timeout(TIMEOUT):
             await self._database.write(_delete_old_keys, durable=False)
+        await self._delete_audit()
         return deleted
+
+    async def _delete_audit(self) -> None:
+        before = datetime.now(UTC) - timedelta(seconds=self._limits.audit_age)
+        deleted = audit.CHUNK
+        while deleted == audit.CHUNK:
+            async with asyncio.timeout(TIMEOUT):
+                deleted = await self._database.write(audit.delete_old, before, self._limits.audit_entries)
+            await asyncio.sleep(PAUSE)
 
     async def _read(self, size: Callable[[sa.Connection], int]) -> int:
         async with asyncio.timeout(TIMEOUT):

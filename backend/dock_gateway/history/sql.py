@@ -23,6 +23,7 @@ from dock_gateway.core.grant import Role
 from dock_gateway.core.tasks import cancel
 from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
 from dock_gateway.history import queries, statistics
+from dock_gateway.history.audit import SqlAudit
 from dock_gateway.history.battery import BatterySpan, Bucket
 from dock_gateway.history.database import DATABASE_ERRORS, Database
 from dock_gateway.history.entries import SqlEntries
@@ -98,6 +99,7 @@ class SqlHistory:
         self.webhooks = SqlEntries(self._reader, writer, webhooks, Webhook)
         self.webhook_deliveries = SqlEntries(self._reader, writer, webhook_deliveries, _delivery)
         self.tokens = SqlEntries(self._reader, writer, tokens, _token)
+        self.audit = SqlAudit(self._reader, writer)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
         self.on_loss: Callable[[], None] = lambda: None

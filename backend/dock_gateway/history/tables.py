@@ -252,6 +252,42 @@ tokens = sa.Table(
     sa.Column("used_at", UtcTime),
 )
 
+audit = sa.Table(
+    "audit",
+    metadata,
+    sa.Column("sequence", sa.BigInteger, primary_key=True, autoincrement=False),
+    sa.Column("entry_id", sa.Text, nullable=False),
+    sa.Column("at", UtcTime, nullable=False),
+    sa.Column("principal", sa.Text),
+    sa.Column("role", sa.Text),
+    sa.Column("token_id", sa.Text),
+    sa.Column("client", sa.Text),
+    sa.Column("request_id", sa.Text),
+    sa.Column("what", sa.Text, nullable=False),
+    sa.Column("robot", sa.Text),
+    sa.Column("action_name", sa.Text),
+    sa.Column("goal_id", sa.Text),
+    sa.Column("subject", sa.Text),
+    sa.Column("status", sa.Integer, nullable=False),
+    sa.Column("code", sa.Text),
+    sa.Column("digest", sa.Text, nullable=False),
+    sa.Index("audit_by_entry", "entry_id", unique=True),
+    sa.Index("audit_by_principal", "principal", "sequence"),
+    sa.Index("audit_by_what", "what", "sequence"),
+    sa.Index("audit_by_goal", "goal_id", "sequence"),
+)
+
+# One row: the last row of the audit log that was deleted for its age, and the last one that was written.
+audit_chain = sa.Table(
+    "audit_chain",
+    metadata,
+    sa.Column("chain_id", sa.Integer, primary_key=True, autoincrement=False),
+    sa.Column("anchor_sequence", sa.BigInteger, nullable=False),
+    sa.Column("anchor_digest", sa.Text, nullable=False),
+    sa.Column("head_sequence", sa.BigInteger, nullable=False),
+    sa.Column("head_digest", sa.Text, nullable=False),
+)
+
 # The newest missing event of each topic, dropped by retention or because memory was full. The row with an empty topic
 # is the time when the tables were made: what is later is complete, even if no event is stored yet.
 BEGINNING = ""

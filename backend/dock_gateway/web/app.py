@@ -12,6 +12,7 @@ from dock_gateway.gateway import Gateway, open_gateway
 from dock_gateway.observability.request_metrics import RequestMetrics
 from dock_gateway.settings import Settings
 from dock_gateway.web.access import authorize
+from dock_gateway.web.audit import AuditTrail
 from dock_gateway.web.dashboard import install_dashboard
 from dock_gateway.web.docs import install_docs
 from dock_gateway.web.methods import allowed_methods
@@ -21,6 +22,7 @@ from dock_gateway.web.problems import install_problems, problems
 from dock_gateway.web.request_meter import RequestMeter
 from dock_gateway.web.routes import (
     actions,
+    audit,
     automation,
     battery,
     battery_history,
@@ -73,6 +75,7 @@ def api_routers() -> tuple[APIRouter, ...]:
         simulator,
         session,
         tokens,
+        audit,
         health,
         metrics,
         socket,
@@ -131,6 +134,7 @@ def create_app(settings: Settings, gateway: Gateway | None = None) -> FastAPI:
             expose_headers=("Content-Disposition", "ETag", "Location", "Retry-After", "X-Request-ID"),
             allow_private_network=True,  # a robot's address is usually in one
         )
+    app.add_middleware(AuditTrail)
     app.add_middleware(OriginGuard, settings=settings)
     install_problems(app, allowed)  # what is added last is the outermost
     app.state.requests = RequestMetrics()

@@ -54,7 +54,17 @@ ROUTES: dict[str, Role] = {
     "list_tokens": Role.ADMIN,
     "create_token": Role.ADMIN,
     "revoke_token": Role.ADMIN,
+    # The audit log
+    "list_audit": Role.ADMIN,
+    "export_audit": Role.ADMIN,
 }
+
+# The audit log has every request that is not a GET, and these. They hand out much at once, or say who did what.
+AUDITED_READS = frozenset({"export_goals", "export_goal", "list_audit", "export_audit"})
+# The commands that it leaves out, as they change nothing.
+UNAUDITED_COMMANDS = frozenset({"subscribe", "unsubscribe", "ping"})
+# The requests and commands whose entry is stored before they are answered, if they succeed.
+STORED_FIRST = frozenset({"log_in", "log_out", "create_token", "revoke_token", "release_stop"})
 
 # The commands of `/ws`.
 COMMANDS: dict[str, Role] = {
@@ -168,6 +178,8 @@ SCOPES: dict[str, Scope] = {
     "list_tokens": Scope.EVERY,
     "create_token": Scope.EVERY,
     "revoke_token": Scope.EVERY,
+    "list_audit": Scope.EVERY,
+    "export_audit": Scope.EVERY,
 }
 
 COMMAND_SCOPES: dict[str, Scope] = {

@@ -7,6 +7,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 from starlette.middleware.exceptions import ExceptionMiddleware
+from starlette.requests import HTTPConnection
 from starlette.responses import Response
 from starlette.websockets import WebSocket
 
@@ -48,8 +49,8 @@ def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> 
     app.add_middleware(ExceptionMiddleware, handlers={GatewayError: _gateway_error})  # type: ignore[dict-item]
 
     @app.exception_handler(RequestValidationError)
-    async def validation_error(_: Request, error: RequestValidationError) -> Response:
-        return problem_response(InvalidField([_field_error(item) for item in error.errors()[:20]]))
+    async def validation_error(request: Request, error: RequestValidationError) -> Response:
+        return _answer(request, InvalidField([_field_error(item) for item in error.errors()[:20]]))
 
     @app.exception_handler(HTTPException)
     async def http_error(request: Request, error: HTTPException) -> Response:
@@ -59,7 +60,8 @@ def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> 
             if request.method == "OPTIONS":
                 return Response(status_code=HTTPStatus.NO_CONTENT, headers=headers)
         code = CODES.get(error.status_code, "malformed_request")
-        response = problem_response(GatewayError(str(error.detail), code=code, status=HTTPStatus(error.status_code)))
+        problem = GatewayError(str(error.detail), code=code, status=HTTPStatus(error.status_code))
+        response = _answer(request, problem)
         response.headers.update(headers)
         return response
 
@@ -68,10 +70,16 @@ def install_problems(app: FastAPI, allowed: AllowedMethods = lambda _: None) -> 
         return problem_response(INTERNAL)
 
 
+def _answer(connection: HTTPConnection, error: GatewayError) -> Response:
+    """Return the answer for an error, and note its code for the audit log."""
+    connection.scope["problem"] = error.code
+    return problem_response(error)
+
+
 async def _gateway_error(connection: Request | WebSocket, error: Exception) -> Response | None:
     """Answer a request, or refuse a WebSocket that has not been accepted yet."""
     assert isinstance(error, GatewayError)
-    response = problem_response(error)
+    response = _answer(connection, error)
     if isinstance(connection, Request):
         return response
     await connection.send_denial_response(response)

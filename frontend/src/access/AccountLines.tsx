@@ -15,9 +15,14 @@ export function AccountLines({ className, onChoose }: { className: string; onCho
         Logged in as {principal.name}, {principal.role}
       </Text>
       {principal.role === "admin" && (
-        <Link to="/ui/tokens" className={className} onClick={onChoose}>
-          Tokens
-        </Link>
+        <>
+          <Link to="/ui/tokens" className={className} onClick={onChoose}>
+            Tokens
+          </Link>
+          <Link to="/ui/audit" className={className} onClick={onChoose}>
+            Audit
+          </Link>
+        </>
       )}
       <UnstyledButton className={className} onClick={logOut}>
         Log out

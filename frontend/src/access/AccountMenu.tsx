@@ -25,9 +25,14 @@ export default function AccountMenu({ principal: { name, role } }: { principal: 
           {name}, {role}
         </Menu.Label>
         {role === "admin" && (
-          <Menu.Item component={Link} to="/ui/tokens">
-            Tokens
-          </Menu.Item>
+          <>
+            <Menu.Item component={Link} to="/ui/tokens">
+              Tokens
+            </Menu.Item>
+            <Menu.Item component={Link} to="/ui/audit">
+              Audit
+            </Menu.Item>
+          </>
         )}
         <Menu.Item onClick={logOut}>Log out</Menu.Item>
       </Menu.Dropdown>

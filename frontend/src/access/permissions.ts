@@ -20,6 +20,7 @@ export const NEEDED = {
   "PUT /automation/rules/{rule_id}": "supervisor",
   "GET /webhooks": "supervisor",
   "GET /tokens": "admin",
+  "GET /audit": "admin",
 } as const satisfies Record<string, Role>;
 
 /** A request that a command of the page sends. */

@@ -1157,6 +1157,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/audit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Audit
+         * @description List requests and commands, newest first: all that change something, exports, and reads of this list.
+         */
+        get: operations["list_audit"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/audit/export": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Export Audit
+         * @description Download all matching records, newest first.
+         */
+        get: operations["export_audit"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/healthz": {
         parameters: {
             query?: never;
@@ -1569,6 +1609,61 @@ export interface components {
         };
         /** @description The answer to a command of /ws. */
         Answer: components["schemas"]["GoalAck"] | components["schemas"]["PublisherAck"] | components["schemas"]["PublishedAck"] | components["schemas"]["StopAck"] | components["schemas"]["ReleaseAck"] | components["schemas"]["SubscriptionAck"] | components["schemas"]["PingAck"] | components["schemas"]["CommandError"];
+        /**
+         * AuditPage
+         * @description A page of the audit log, newest first.
+         */
+        AuditPage: {
+            /** Records */
+            records: components["schemas"]["AuditRecord"][];
+            /** Next Cursor */
+            next_cursor: number | null;
+        };
+        /**
+         * AuditRecord
+         * @description One request or command.
+         *
+         *     `what` is the `operationId` of a request, or the `op` of a command of `/ws`. `principal`, `role` and `token_id` are
+         *     null without a valid token. `robot` has several robots separated by commas. `digest` is the SHA-256 over the digest
+         *     of the previous record and this one.
+         */
+        AuditRecord: {
+            /** Sequence */
+            sequence: number;
+            /** Entry Id */
+            entry_id: string;
+            /**
+             * At
+             * Format: date-time
+             */
+            at: string;
+            /** Principal */
+            principal: string | null;
+            role: components["schemas"]["Role"] | null;
+            /** Token Id */
+            token_id: string | null;
+            /** Client */
+            client: string | null;
+            /** Request Id */
+            request_id: string | null;
+            /** What */
+            what: string;
+            /** Robot */
+            robot: string | null;
+            /** Action Name */
+            action_name: string | null;
+            /** Goal Id */
+            goal_id: string | null;
+            /** Subject */
+            subject: string | null;
+            /** Status */
+            status: number;
+            /** Code */
+            code: string | null;
+            outcome: components["schemas"]["dock_gateway__core__audit__Outcome"];
+            /** Digest */
+            digest: string;
+        };
         /**
          * AutomationEvent
          * @description A rule of automatic docking has decided, at any gateway that shares the history.
@@ -2762,6 +2857,12 @@ export interface components {
          */
         Outcome: "dry_run" | "sending" | "sent" | "held" | "refused" | "skipped" | "gave_up";
         /**
+         * Outcome
+         * @description What came of a request or a command.
+         * @enum {string}
+         */
+        "Outcome-Input": "done" | "refused" | "failed";
+        /**
          * PingAck
          * @description The answer to `ping`.
          */
@@ -3937,6 +4038,20 @@ export interface components {
              */
             nanosec?: number;
         };
+        /**
+         * Outcome
+         * @description What came of a request or a command.
+         * @enum {string}
+         */
+        dock_gateway__core__audit__Outcome: "done" | "refused" | "failed";
+        /**
+         * Outcome
+         * @description What came of a decision.
+         *
+         *     `sending` becomes another one within seconds, or a minute later if the gateway ended meanwhile.
+         * @enum {string}
+         */
+        dock_gateway__core__automation__Outcome: "dry_run" | "sending" | "sent" | "held" | "refused" | "skipped" | "gave_up";
         /**
          * Header
          * @description Standard metadata for higher-level stamped data types.
@@ -9212,6 +9327,154 @@ export interface operations {
             };
             /** @description Not Found */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_audit: {
+        parameters: {
+            query?: {
+                limit?: number;
+                /** @description `next_cursor` of the previous page */
+                cursor?: number | null;
+                /** @description Only with the token of this name */
+                principal?: string | null;
+                /** @description Only this operation, such as `release_stop` */
+                what?: string | null;
+                /** @description Only about this robot */
+                robot?: string | null;
+                /** @description Only about this goal */
+                goal_id?: string | null;
+                /** @description Only with this outcome */
+                outcome?: components["schemas"]["Outcome-Input"] | null;
+                /** @description At this time or later, RFC 3339 */
+                since?: string | null;
+                /** @description Before this time, RFC 3339 */
+                until?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AuditPage"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    export_audit: {
+        parameters: {
+            query?: {
+                /** @description `csv` for spreadsheets, `json` for programs */
+                format?: "csv" | "json";
+                /** @description Only with the token of this name */
+                principal?: string | null;
+                /** @description Only this operation, such as `release_stop` */
+                what?: string | null;
+                /** @description Only about this robot */
+                robot?: string | null;
+                /** @description Only about this goal */
+                goal_id?: string | null;
+                /** @description Only with this outcome */
+                outcome?: components["schemas"]["Outcome-Input"] | null;
+                /** @description At this time or later, RFC 3339 */
+                since?: string | null;
+                /** @description Before this time, RFC 3339 */
+                until?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description A file */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AuditRecord"][];
+                    "text/csv": string;
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -18,6 +18,7 @@ const AutomationPage = lazyPart(() => import("../automation/AutomationPage"));
 const NotificationsPage = lazyPart(() => import("../notifications/NotificationsPage"));
 const GraphPage = lazyPart(() => import("../graph/GraphPage"));
 const TokensPage = lazyPart(() => import("../access/TokensPage"));
+const AuditPage = lazyPart(() => import("../audit/AuditPage"));
 const MapPage = lazyPart(() => import("../map/MapPage"));
 const WallPage = lazyPart(() => import("../wall/WallPage"));
 
@@ -52,6 +53,7 @@ export function App() {
             <Route path="automation" element={<AutomationPage />} />
             <Route path="notifications" element={<NotificationsPage />} />
             <Route path="tokens" element={<TokensPage />} />
+            <Route path="audit" element={<AuditPage />} />
             <Route path="graph" element={<GraphPage />} />
           </Route>
           <Route path="*" element={<NotFoundPage />} />

@@ -23,6 +23,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.web.app import api_routers, create_app
 from dock_gateway.web.permissions import COMMAND_SCOPES, COMMANDS, PUBLIC, ROUTES, SCOPES
 from dock_gateway.web.streams.commands import COMMANDS as IMPLEMENTED
+from tests.support.audit import audit_parts
 from tests.support.shapes import check_answer
 
 ROUTES_OF_API = [route for router in api_routers() for route in router.routes]
@@ -51,6 +52,7 @@ class Site:
         self.secrets = asyncio.run(self._fill()) if settings.authentication else {}
         gateway: Any = Refusing()
         gateway.__dict__.update(
+            audit_parts(),
             settings=settings,
             tokens=self._tokens,
             tickets=Tickets(),

@@ -52,6 +52,8 @@ def test_every_reference_has_its_schema(document: dict[str, Any]) -> None:
 def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
     operations = {(method, path) for path, item in document["paths"].items() for method in item}
     assert operations == {
+        ("get", "/audit"),
+        ("get", "/audit/export"),
         ("post", "/dock"),
         ("get", "/dock"),
         ("get", "/dock/{goal_id}"),

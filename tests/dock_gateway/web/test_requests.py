@@ -7,17 +7,21 @@ import pytest
 from starlette.requests import Request
 
 from dock_gateway.core.errors import InvalidField
+from dock_gateway.core.goal import GoalStatus
 from dock_gateway.settings import Settings
+from dock_gateway.web.audit import Trail
 from dock_gateway.web.requests import read_goal_id, read_json, read_name
 from dock_gateway.web.routes.goals import send_goal
+from tests.support.history import make_goal
 
 
-def request(body: bytes) -> Request:
+def request(body: bytes, headers: list[tuple[bytes, bytes]] | None = None) -> Request:
     async def receive() -> dict[str, Any]:
         return {"type": "http.request", "body": body, "more_body": False}
 
     state = {"gateway": SimpleNamespace(settings=Settings())}
-    return Request({"type": "http", "headers": [], "state": state}, receive)
+    scope = {"type": "http", "headers": headers or [], "state": state}
+    return Request(scope | {"audit": Trail(scope)}, receive)
 
 
 async def test_an_empty_body_is_refused() -> None:
@@ -52,9 +56,42 @@ def test_what_is_no_name(value: object) -> None:
 
 
 async def test_no_goal_is_sent_for_an_empty_body() -> None:
-    action: Any = SimpleNamespace(port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value)))
+    action: Any = SimpleNamespace(
+        name="/fibonacci", port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value))
+    )
     with pytest.raises(InvalidField):
         await send_goal(request(b""), action, "/actions/fibonacci/goals")
+
+
+async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted() -> None:
+    """The gateway may be killed before the goal ends."""
+    recorded: list[int] = []
+
+    async def submit(*_: object) -> Any:
+        return make_goal(1, GoalStatus.EXECUTING)
+
+    async def record(status: int) -> None:
+        recorded.append(status)
+
+    async def wait_terminal(*_: object) -> None:
+        assert recorded == [202]
+        recorded.append(0)
+
+    action: Any = SimpleNamespace(
+        name="/robot1/spin",
+        port=SimpleNamespace(goal_codec=SimpleNamespace(parse=lambda value: value)),
+        submitter=SimpleNamespace(submit=submit),
+        tracker=SimpleNamespace(wait_terminal=wait_terminal),
+    )
+    asked = request(b"{}", [(b"prefer", b"wait=30")])
+    asked.scope["audit"].record = record
+    await send_goal(asked, action, "/actions/spin/goals")
+    assert recorded == [202, 0]
+    assert asked.scope["audit"].fields == {
+        "robot": "/robot1",
+        "action_name": "/robot1/spin",
+        "goal_id": "goal-0001",
+    }
 
 
 @pytest.mark.parametrize("text", ["7D9C1C9E-0000-4000-8000-00000000000A", "7d9c1c9e00004000800000000000000a"])

@@ -1,6 +1,7 @@
 """`/goals`: the goals of every action; and sending, listing and finding goals for `/dock` and `/actions/…`."""
 
 import uuid
+from http import HTTPStatus
 from typing import Annotated, Any, Literal
 
 import orjson
@@ -10,9 +11,11 @@ from starlette.responses import Response
 from dock_gateway.actions.registry import Action
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import KINDS, STORED_KINDS
+from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
+from dock_gateway.web.audit import audited
 from dock_gateway.web.problems import problems
 from dock_gateway.web.queries import EVENT_ID, QUERY, GoalFilterQuery
 from dock_gateway.web.requests import (
@@ -45,10 +48,13 @@ async def send_goal(request: Request, action: Action, base: str, default: dict[s
         default: The goal's fields if the body is empty; None if it must not be empty. To use a message's defaults, a
             client has to send `{}`: all zeros may be a pose to drive to.
     """
+    audited(request, action_name=action.name, robot=parent_of(action.name))
     wait, key = read_wait(request), read_key(request)
     message = action.port.goal_codec.parse(await read_json(request, empty=default))
     goal = await action.submitter.submit(message, key)
+    trail = audited(request, goal_id=goal.goal_id)
     if wait:
+        await trail.record(HTTPStatus.ACCEPTED)  # the gateway may be killed before the goal ends
         await action.tracker.wait_terminal(goal, wait)
     return goal_response(goal, f"{base}/{goal.goal_id}", 200 if wait and goal.status.terminal else 202)
 

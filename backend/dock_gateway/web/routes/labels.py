@@ -5,6 +5,7 @@ from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.history import RobotLabel
+from dock_gateway.web.audit import audited
 from dock_gateway.web.fields import MAX_GROUPS, MAX_ROBOT, read_robot
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
@@ -59,6 +60,7 @@ async def label_robot(request: Request, gateway: TheGateway) -> Response:
     `null` without groups removes the label. A label outlives restarts, and may be set before the robot appears.
     """
     robot, label = read_label(await read_json(request))
+    audited(request, robot=robot)
     await gateway.labels.replace(robot, label)
     return json_response({"robot": robot, **vars(label)})
 

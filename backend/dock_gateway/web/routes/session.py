@@ -1,5 +1,6 @@
 """`/session`: who one is, the dashboard's login with a token, and tickets for WebSockets."""
 
+from contextlib import suppress
 from dataclasses import asdict
 
 from fastapi import APIRouter, Depends, Request
@@ -56,8 +57,10 @@ async def log_in(request: Request, gateway: TheGateway) -> Response:
     if not isinstance(secret, str):
         raise InvalidField([FieldError("token", "the secret of a token", "got something else")])
     if not gateway.settings.authentication:
+        request.scope["principal"] = ANYBODY
         return _session(gateway, ANYBODY)
-    response = _session(gateway, gateway.tokens.identify(secret.strip()))
+    request.scope["principal"] = principal = gateway.tokens.identify(secret.strip())
+    response = _session(gateway, principal)
     _set_cookie(response, request, secret.strip(), REMEMBERED)
     return response
 
@@ -65,6 +68,8 @@ async def log_in(request: Request, gateway: TheGateway) -> Response:
 @router.delete("", name="log_out", response_model=Session, responses=problems(422))
 async def log_out(request: Request, gateway: TheGateway) -> Response:
     """Let the browser forget the token. The token itself stays valid."""
+    with suppress(NotAuthenticated):
+        request.scope["principal"] = identify(request)
     response = _session(gateway, None if gateway.settings.authentication else ANYBODY)
     _set_cookie(response, request, "", 0)
     return response

@@ -17,6 +17,7 @@ from starlette.responses import Response
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, got
 from dock_gateway.gateway import Gateway
 from dock_gateway.web.access import principal_of, signed
+from dock_gateway.web.audit import audited, robots_text
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -172,6 +173,8 @@ async def stop(request: Request, gateway: TheGateway, robot: RobotsQuery = None)
     with _noting(wrong):
         wait = read_wait(request)
     robots = _read_robots(request.query_params, value, wrong)
+    if robots:
+        audited(request, robot=robots_text(robots))
     return json_response(await stop_robots(gateway, robots, value, wait=wait, wrong=wrong))
 
 

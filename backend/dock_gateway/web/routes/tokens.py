@@ -11,6 +11,7 @@ from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import LIMITS, Grant
 from dock_gateway.web.access import principal_of
+from dock_gateway.web.audit import audited
 from dock_gateway.web.fields import GRANT_REQUEST, read_grant
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
@@ -64,13 +65,15 @@ async def list_tokens(gateway: TheGateway) -> Response:
 async def create_token(request: Request, gateway: TheGateway) -> Response:
     """Create a token. Only this answer has its secret."""
     name, grant, expires_at = read_token(await read_json(request))
+    audited(request, subject=name)
     token, secret = await gateway.tokens.create(name, grant, expires_at, principal_of(request).name)
     return json_response({**token, "secret": secret}, 201, {"Cache-Control": "no-store"})
 
 
 @router.delete("/{token_id}", name="revoke_token", status_code=204, responses=problems(401, 403, 404, 422, 503))
-async def revoke_token(token_id: TokenId, gateway: TheGateway) -> Response:
+async def revoke_token(token_id: TokenId, request: Request, gateway: TheGateway) -> Response:
     """Revoke a token: requests with it are refused, and its streams end, at other gateways within 2 s."""
+    audited(request, subject=gateway.tokens.name_of(token_id) or token_id)
     await gateway.tokens.revoke(token_id)
     return Response(status_code=204)
 

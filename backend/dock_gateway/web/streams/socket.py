@@ -7,6 +7,7 @@ import asyncio
 import logging
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import orjson
@@ -30,6 +31,7 @@ from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
 from dock_gateway.web.access import TICKET, authorize_command, principal_of, signed, subscribed
+from dock_gateway.web.audit import audited_command
 from dock_gateway.web.permissions import COMMANDS as PERMISSIONS
 from dock_gateway.web.problems import INTERNAL
 from dock_gateway.web.queries import read_after, read_event_filter, read_max_rate
@@ -120,14 +122,13 @@ class Session:
         identity: str | None = None
         try:
             op, identity, fields = read_command(_decode(received))
-            if op in PERMISSIONS:
-                await authorize_command(self._gateway, self._principal, op, fields)
-            if op == STOP:
-                fields = signed(self._principal, fields)
             if op == "subscribe":
+                await self._authorize(op, fields)
                 self._subscribe(identity, fields)  # it sends its own answer
             else:
-                await self._answer("ack", identity, await self._do(op, fields))
+                carry_out = partial(self._do, op, fields)
+                answer = await audited_command(self._websocket.scope, op, fields, carry_out)
+                await self._answer("ack", identity, answer)
         except GatewayError as error:
             await self._answer_error(identity, error)
         except (WebSocketDisconnect, TimeoutError, RuntimeError) as error:
@@ -136,14 +137,19 @@ class Session:
             log.exception("a command failed")
             await self._answer_error(identity, INTERNAL)
 
+    async def _authorize(self, op: str, fields: Fields) -> None:
+        if op in PERMISSIONS:
+            await authorize_command(self._gateway, self._principal, op, fields)
+
     async def _do(self, op: str, fields: Fields) -> Fields:
+        await self._authorize(op, fields)
         if op == "unsubscribe":
             return await self._unsubscribe(fields)
         command = COMMANDS.get(op)
         if command is None:
             expected = f"one of subscribe, unsubscribe, {', '.join(COMMANDS)}"
             raise InvalidField([FieldError("op", expected, f"got {op[:60]!r}")])
-        return await command(self._gateway, fields)
+        return await command(self._gateway, signed(self._principal, fields) if op == STOP else fields)
 
     def _subscribe(self, identity: str | None, fields: Fields) -> None:
         """Start a subscription. Nothing is awaited here, so the checks still hold when its id is registered."""

@@ -18,6 +18,7 @@ from dock_gateway.gateway import Gateway
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
+from tests.support.audit import audit_parts
 from tests.support.shapes import check_answer
 
 BATTERY = {"name": "Low battery", "robots": {"all": True}, "battery": {"below": 0.2, "idle_s": 60}}
@@ -42,7 +43,7 @@ class Client:
         docking._fleet = cast("Any", SimpleNamespace(states=lambda: states))
         docking._activity = cast("Activity", None)
         docking._waits = {}
-        gateway = SimpleNamespace(settings=settings, automation=docking)
+        gateway = SimpleNamespace(**audit_parts(), settings=settings, automation=docking)
         self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
 
     def __enter__(self) -> Self:

@@ -14,6 +14,7 @@ from dock_gateway.history import RobotLabel
 from dock_gateway.history.memory import MemoryEntries
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
+from tests.support.audit import audit_parts
 from tests.support.shapes import check_answer
 
 LEFT = {"robot": "/robot1", "display_name": "Left forklift", "groups": ["hall 1", "forklifts"]}
@@ -25,7 +26,7 @@ class Client:
     def __init__(self) -> None:
         settings = Settings(database_url="memory:")
         self.labels = Labels(MemoryEntries[RobotLabel](), lambda: ["/", "/robot1"])
-        gateway = SimpleNamespace(settings=settings, labels=self.labels)
+        gateway = SimpleNamespace(**audit_parts(), settings=settings, labels=self.labels)
         self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
 
     def __enter__(self) -> Self:

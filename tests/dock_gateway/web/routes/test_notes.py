@@ -13,6 +13,7 @@ from dock_gateway.gateway import Gateway
 from dock_gateway.history import MemoryHistory
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
+from tests.support.audit import audit_parts
 from tests.support.history import make_goal
 from tests.support.shapes import check_answer
 
@@ -28,7 +29,7 @@ class Client:
         self.history = MemoryHistory(10)
         self.history.record(make_goal(1, goal_id=GOAL))
         settings = Settings(database_url="memory:")
-        gateway = SimpleNamespace(settings=settings, history=self.history, goal=self._goal)
+        gateway = SimpleNamespace(**audit_parts(), settings=settings, history=self.history, goal=self._goal)
         self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
 
     async def _goal(self, goal_id: str) -> Goal:

@@ -17,6 +17,7 @@ from dock_gateway.notifications.notifier import Notifier
 from dock_gateway.notifications.outbox import Outbox
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
+from tests.support.audit import audit_parts
 from tests.support.shapes import check_answer
 from tests.support.webhooks import Receiver, running_receiver
 
@@ -30,7 +31,7 @@ class Client:
         settings = Settings(database_url="memory:")
         history = MemoryHistory(10)
         self._notifier: Notifier | None = None
-        gateway = SimpleNamespace(settings=settings)
+        gateway = SimpleNamespace(**audit_parts(), settings=settings)
 
         @asynccontextmanager
         async def opened(_: object) -> AsyncIterator[dict[str, Any]]:

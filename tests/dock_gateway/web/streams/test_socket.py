@@ -19,6 +19,7 @@ from dock_gateway.gateway import Gateway
 from dock_gateway.settings import Settings
 from dock_gateway.web.streams import socket as socket_module
 from dock_gateway.web.streams.socket import Session
+from tests.support.audit import audit_parts
 from tests.support.stopping import fake_fleet
 from tests.support.tracking import A
 from tests.support.waiting import until
@@ -31,6 +32,8 @@ class FakeWebSocket:
         self._texts = list(texts)
         self._stays = stays
         self.told: list[dict[str, Any]] = []
+        gateway = SimpleNamespace(**audit_parts(), settings=SimpleNamespace(namespace=""))
+        self.scope = {"type": "websocket", "principal": ANYBODY, "state": {"gateway": gateway}}
 
     async def receive(self) -> dict[str, Any]:
         await asyncio.sleep(0.01)

@@ -1,0 +1,189 @@
+"""The audit log of this gateway: entries wait in memory until the history has stored them."""
+
+import asyncio
+import logging
+import uuid
+from collections.abc import Sequence
+from contextlib import suppress
+from itertools import islice
+
+import orjson
+
+from dock_gateway.core.audit import AuditEntry, AuditRow
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.history import AuditStore
+
+log = logging.getLogger("dock_gateway.audit")
+
+MAX_WAITING = 10_000  # entries in memory; more are lost, and counted
+BATCH = 500  # entries per transaction
+BATCH_INTERVAL = 0.2  # seconds to collect a batch, unless an answer waits for it
+RETRY_FIRST, RETRY_LAST = 0.1, 2.0  # seconds before the first retry, and at most
+ANSWER_TIMEOUT = 0.5  # seconds that an answer waits until its entry is stored
+CLOSE_TIMEOUT = 1.0  # seconds
+# Entries of clients without a valid token in a period of seconds. More are counted, so that they fill no disk.
+MAX_UNKNOWN, UNKNOWN_PERIOD = 30, 60.0
+
+
+class AuditLog:
+    """Takes entries without waiting, and stores them in batches, in the order in which they came.
+
+    Each entry is also logged, once: with its digest when it is stored, or without it if that takes longer.
+
+    Args:
+        store: Stores them.
+    """
+
+    def __init__(self, store: AuditStore) -> None:
+        self.lost = 0  # entries since the start
+        self._store = store
+        self._waiting: dict[str, AuditEntry] = {}
+        self._logged: set[str] = set()  # which of them
+        self._tickets: dict[str, asyncio.Future[None]] = {}  # of answers, by entry id
+        self._unreported = 0  # lost entries that no entry says yet
+        self._unknown = 0  # requests without a valid token in this period
+        self._period: asyncio.TimerHandle | None = None
+        self._answering = True
+        self._wake = asyncio.Event()
+        self._urgent = asyncio.Event()
+        self._tasks = Tasks("writing the audit log")
+
+    def open(self) -> None:
+        """Start to write."""
+        self._tasks.spawn(self._write_on())
+
+    def __len__(self) -> int:
+        return len(self._waiting)
+
+    def record(self, entry: AuditEntry) -> None:
+        """Record an entry; never waits, never raises."""
+        if entry.role is None:
+            self._unknown += 1
+            if self._period is None:
+                self._period = asyncio.get_running_loop().call_later(UNKNOWN_PERIOD, self._end_period)
+            if self._unknown > MAX_UNKNOWN:
+                return
+        self._put(entry)
+
+    async def store(self, entry: AuditEntry) -> None:
+        """Record an entry and wait until it is stored, for half a second at most and only if the history answers."""
+        self.record(entry)
+        if not self._answering or entry.entry_id not in self._waiting:
+            return
+        ticket = self._tickets[entry.entry_id] = asyncio.get_running_loop().create_future()
+        self._urgent.set()
+        try:
+            with suppress(TimeoutError):
+                async with asyncio.timeout(ANSWER_TIMEOUT):
+                    await ticket
+        finally:
+            del self._tickets[entry.entry_id]
+
+    def _put(self, entry: AuditEntry) -> None:
+        if len(self._waiting) >= MAX_WAITING:
+            self.lost += 1
+            self._unreported += 1
+            log.warning("an entry is lost, as %d wait for the history: %s", MAX_WAITING, _text(entry))
+            return
+        self._waiting[entry.entry_id] = entry
+        self._wake.set()
+
+    def _end_period(self) -> None:
+        """Record how many requests without a valid token have no entry of their own."""
+        if self._period is not None:
+            self._period.cancel()
+        self._period = None
+        more, self._unknown = self._unknown - MAX_UNKNOWN, 0
+        if more > 0:
+            subject = f"{more} more requests without a valid token"
+            self._put(_remark("more_requests", subject, 401, "not_authenticated"))
+
+    # ------------------------------------------------------------------ the history
+
+    async def _write_on(self) -> None:
+        pause = 0.0
+        while True:
+            if pause:
+                await asyncio.sleep(pause)
+            else:
+                await self._wake.wait()
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(BATCH_INTERVAL):
+                        await self._urgent.wait()
+            pause = 0.0 if await self._flush() else min(max(2 * pause, RETRY_FIRST), RETRY_LAST)
+
+    async def _flush(self) -> bool:
+        """Store all entries; return False if the history does not answer."""
+        while self._waiting:
+            self._urgent.clear()
+            batch = list(islice(self._waiting.values(), BATCH))
+            try:
+                rows = await self._store.append(batch)
+            except Exception as error:
+                if not isinstance(error, Unavailable):
+                    log.exception("while writing the audit log")
+                self._answering = False
+                self._log(batch, {})
+                return False
+            self._answering = True
+            self._done(batch, rows)
+        self._wake.clear()
+        return True
+
+    def _done(self, batch: Sequence[AuditEntry], rows: Sequence[AuditRow]) -> None:
+        self._log(batch, {row.entry.entry_id: row for row in rows})
+        for entry in batch:
+            del self._waiting[entry.entry_id]
+            self._logged.discard(entry.entry_id)
+            ticket = self._tickets.get(entry.entry_id)
+            if ticket is not None and not ticket.done():
+                ticket.set_result(None)
+        if self._unreported:
+            self._put(_remark("entries_lost", f"{self._unreported} entries", 500, "entries_lost"))
+            self._unreported = 0
+
+    def _log(self, batch: Sequence[AuditEntry], rows: dict[str, AuditRow]) -> None:
+        # Different messages, so that a flood of one kind does not keep the others out of the log.
+        for entry in batch:
+            if entry.entry_id in self._logged:
+                continue
+            row = rows.get(entry.entry_id)
+            about = {"goal_id": entry.goal_id}
+            if row is None:
+                log.info("not stored yet: %s", _text(entry), extra=about)
+            elif entry.status < 400:
+                log.info("%s", _text(row), extra=about)
+            else:
+                log.info("not carried out: %s", _text(row), extra=about)
+            self._logged.add(entry.entry_id)
+
+    async def close(self) -> None:
+        """Store what waits, for one second at most."""
+        await self._tasks.close()
+        self._end_period()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(CLOSE_TIMEOUT):
+                await self._flush()
+        if self._waiting:
+            log.error("%d entries are lost: the history does not answer", len(self._waiting))
+
+
+def new_id() -> str:
+    """Return an id for an entry."""
+    return uuid.uuid4().hex
+
+
+def _remark(what: str, subject: str, status: int, code: str) -> AuditEntry:
+    """Return an entry of the gateway itself."""
+    nobody = dict.fromkeys(
+        ("principal", "role", "token_id", "client", "request_id", "robot", "action_name", "goal_id"), None
+    )
+    return AuditEntry(new_id(), utc_now(), what=what, subject=subject, status=status, code=code, **nobody)
+
+
+def _text(entry: AuditEntry | AuditRow) -> str:
+    """Return an entry for the log: its fields that have a value, as JSON."""
+    fields = entry.document() if isinstance(entry, AuditRow) else vars(entry)
+    return orjson.dumps({name: value for name, value in fields.items() if value is not None}).decode()

@@ -1,0 +1,113 @@
+import { Button, NativeSelect, TextInput } from "@mantine/core";
+import { type KeyboardEvent, useEffect, useState } from "react";
+import { useFleet } from "../fleet/context";
+import { useRobotOptions } from "../fleet/useNaming";
+import { TimeRangeField } from "../ui/TimeRangeField";
+import classes from "./audit.module.css";
+import { type AuditFilter, GOAL_ID, NO_FILTER, OUTCOMES, type Outcome, writeFilter } from "./filter";
+import { OUTCOME_WORDS, WHAT_WORDS, whatWords } from "./words";
+
+interface AuditFiltersProps {
+  filter: AuditFilter;
+  onChange: (filter: AuditFilter) => void;
+}
+
+/** What to narrow the list by. */
+export function AuditFilters({ filter, onChange }: AuditFiltersProps) {
+  const { store } = useFleet();
+  const change = (part: Partial<AuditFilter>) => onChange({ ...filter, ...part });
+  const robots = useRobotOptions(filter.robot || null);
+  const filtered = writeFilter(filter).size > 0;
+  return (
+    <section aria-label="Filter the records">
+      <TimeRangeField value={filter} onChange={change} now={() => store.gatewayNow()} any />
+      <div className={classes.filters}>
+        <LateField label="Who" value={filter.principal} onValue={(principal) => change({ principal })} />
+        <NativeSelect
+          label="What"
+          value={filter.what}
+          onChange={(event) => change({ what: event.currentTarget.value })}
+          data={[{ value: "", label: "Everything" }, ...whatOptions(filter.what)]}
+        />
+        <NativeSelect
+          label="Robot"
+          value={filter.robot}
+          onChange={(event) => change({ robot: event.currentTarget.value })}
+          data={[{ value: "", label: "All robots" }, ...robots]}
+        />
+        <NativeSelect
+          label="Outcome"
+          value={filter.outcome ?? ""}
+          onChange={(event) => change({ outcome: (event.currentTarget.value || null) as Outcome | null })}
+          data={[
+            { value: "", label: "Any" },
+            ...OUTCOMES.map((value) => ({ value, label: OUTCOME_WORDS[value] })),
+          ]}
+        />
+        <LateField
+          label="Goal id"
+          value={filter.goalId}
+          onValue={(goalId) => change({ goalId })}
+          isValid={(text) => GOAL_ID.test(text)}
+          invalid="The whole id of a goal"
+        />
+        <Button
+          variant="subtle"
+          disabled={!filtered}
+          title={filtered ? undefined : "Nothing is filtered"}
+          onClick={() => onChange(NO_FILTER)}
+        >
+          Clear filters
+        </Button>
+      </div>
+    </section>
+  );
+}
+
+interface LateFieldProps {
+  label: string;
+  value: string;
+  onValue: (value: string) => void;
+  isValid?: (text: string) => boolean;
+  invalid?: string;
+}
+
+/** Keeps what is typed to itself until Enter is pressed or the field is left. */
+function LateField({ label, value, onValue, isValid = () => true, invalid }: LateFieldProps) {
+  const [text, setText] = useState(value);
+  useEffect(() => setText(value), [value]);
+  const typed = text.trim();
+  const wrong = typed !== "" && !isValid(typed);
+  const apply = () => {
+    if (!wrong && typed !== value) onValue(typed);
+  };
+  return (
+    <TextInput
+      type="search"
+      label={label}
+      placeholder="Any"
+      spellCheck={false}
+      maxLength={100}
+      value={text}
+      error={wrong && invalid}
+      onChange={(event) => setText(event.currentTarget.value)}
+      onKeyDown={(event: KeyboardEvent) => event.key === "Enter" && apply()}
+      onBlur={apply}
+    />
+  );
+}
+
+/** By their words; several operations may have the same ones, and are told apart by their names. */
+function whatOptions(chosen: string): { value: string; label: string }[] {
+  const names = [...new Set([...Object.keys(WHAT_WORDS), ...(chosen === "" ? [] : [chosen])])];
+  const words = names.map(whatWords);
+  return names
+    .map((value, index) => {
+      const label = words[index] ?? value;
+      return {
+        value,
+        label: words.filter((each) => each === label).length > 1 ? `${label} (${value})` : label,
+      };
+    })
+    .sort((a, b) => a.label.localeCompare(b.label));
+}

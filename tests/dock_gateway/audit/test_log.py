@@ -1,0 +1,192 @@
+"""The audit log: nothing waits for it but the answers that shall, and what it cannot keep is counted."""
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+
+import orjson
+import pytest
+
+from dock_gateway.audit import log as module
+from dock_gateway.audit.log import MAX_UNKNOWN, AuditLog
+from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.history.memory import MemoryAudit
+from tests.support.audit import make_entry
+from tests.support.history import timed
+from tests.support.waiting import PATIENCE, until
+
+
+class Store(MemoryAudit):
+    """Can be away, and slow."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.away = False
+        self.answering = asyncio.Event()
+        self.answering.set()
+        self.batches: list[int] = []
+
+    async def append(self, entries: Sequence[AuditEntry]) -> list[AuditRow]:
+        await self.answering.wait()
+        if self.away:
+            raise Unavailable("away", code="history_unavailable")
+        self.batches.append(len(entries))
+        return await super().append(entries)
+
+    async def stored(self) -> list[AuditEntry]:
+        return [row.entry for row in (await self.page(AuditFilter(), limit=100_000))[::-1]]
+
+
+@pytest.fixture
+def store() -> Store:
+    return Store()
+
+
+@asynccontextmanager
+async def opened(store: Store) -> AsyncIterator[AuditLog]:
+    audit = AuditLog(store)
+    audit.open()
+    try:
+        yield audit
+    finally:
+        await audit.close()
+
+
+async def test_entries_are_stored_in_their_order_soon(store: Store) -> None:
+    entries = [make_entry(number) for number in range(1200)]
+    async with opened(store) as audit:
+        for entry in entries:
+            audit.record(entry)
+        await until(lambda: not len(audit))
+    assert await store.stored() == entries
+    assert store.batches == [500, 500, 200]
+
+
+async def test_an_answer_goes_out_after_its_entry_is_stored(store: Store) -> None:
+    store.answering.clear()
+    async with opened(store) as audit:
+        waiting = asyncio.create_task(audit.store(make_entry(1)))
+        await asyncio.sleep(0)
+        assert not waiting.done()
+        store.answering.set()
+        await waiting
+        assert await store.stored() == [make_entry(1)]
+
+
+async def test_it_is_stored_at_once(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It does not wait for a batch to fill."""
+    monkeypatch.setattr(module, "BATCH_INTERVAL", 1000.0)
+    monkeypatch.setattr(module, "ANSWER_TIMEOUT", 1000.0)
+    async with opened(store) as audit:
+        audit.record(make_entry(1))
+        async with asyncio.timeout(PATIENCE):
+            await audit.store(make_entry(2))
+        assert store.batches == [2]
+
+
+async def test_while_the_history_is_away_an_answer_waits_once_and_entries_are_kept(store: Store) -> None:
+    store.answering.clear()
+    async with opened(store) as audit:
+        assert 0.4 < await timed(audit.store(make_entry(1))) < PATIENCE
+        store.away = True
+        store.answering.set()
+        await until(lambda: not audit._answering)
+        async with asyncio.timeout(0.3):  # it is known to be away
+            await audit.store(make_entry(2))
+        audit.record(make_entry(3))
+        assert len(audit) == 3
+        store.away = False
+        await until(lambda: not len(audit))
+        assert await store.stored() == [make_entry(1), make_entry(2), make_entry(3)]
+        await audit.store(make_entry(4))
+        assert (await store.stored())[-1] == make_entry(4)
+
+
+async def test_an_error_of_the_store_ends_nothing(
+    store: Store, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    original = store.append
+
+    async def fail(_: Sequence[AuditEntry]) -> list[AuditRow]:
+        raise RuntimeError("a bug")
+
+    monkeypatch.setattr(store, "append", fail)
+    async with opened(store) as audit:
+        audit.record(make_entry(1))
+        await until(lambda: "a bug" in caplog.text)
+        monkeypatch.setattr(store, "append", original)
+        await until(lambda: not len(audit))
+    assert await store.stored() == [make_entry(1)]
+
+
+async def test_beyond_the_limit_entries_are_lost_and_the_log_says_so(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "MAX_WAITING", 10)
+    store.away = True
+    async with opened(store) as audit:
+        for number in range(17):
+            audit.record(make_entry(number))
+        assert (len(audit), audit.lost) == (10, 7)
+        store.away = False
+        await until(lambda: not len(audit))
+    *kept, remark = await store.stored()
+    assert kept == [make_entry(number) for number in range(10)]
+    assert (remark.what, remark.subject, remark.outcome) == ("entries_lost", "7 entries", "failed")
+
+
+async def test_a_flood_without_a_token_is_counted(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "UNKNOWN_PERIOD", 0.5)
+    async with opened(store) as audit:
+        for number in range(100_000):
+            audit.record(make_entry(number, principal=None, role=None, token_id=None, status=401))
+            assert len(audit) <= MAX_UNKNOWN
+        audit.record(make_entry(100_000))  # of somebody who is known
+        await until(lambda: len(store._rows) == MAX_UNKNOWN + 2)
+        stored = await store.stored()
+        assert stored[MAX_UNKNOWN] == make_entry(100_000)
+        assert (stored[-1].what, stored[-1].subject) == (
+            "more_requests",
+            f"{100_000 - MAX_UNKNOWN} more requests without a valid token",
+        )
+        audit.record(make_entry(7, role=None))  # in the next period
+        await until(lambda: len(store._rows) == MAX_UNKNOWN + 3)
+
+
+async def test_closing_stores_what_waits(store: Store) -> None:
+    async with opened(store) as audit:
+        for number in range(MAX_UNKNOWN + 2):
+            audit.record(make_entry(number, role=None))
+    stored = await store.stored()
+    assert len(stored) == MAX_UNKNOWN + 1
+    assert stored[-1].subject == "2 more requests without a valid token"
+
+
+async def test_closing_does_not_wait_for_a_history_that_is_away(store: Store, caplog: pytest.LogCaptureFixture) -> None:
+    store.answering.clear()
+    audit = AuditLog(store)
+    audit.open()
+    audit.record(make_entry(1))
+    assert await timed(audit.close()) < PATIENCE
+    assert "1 entries are lost" in caplog.text
+
+
+async def test_each_entry_is_logged_once_with_its_digest(store: Store, caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO, "dock_gateway.audit")
+    async with opened(store) as audit:
+        await audit.store(make_entry(1, subject='a "name"\nof two lines'))
+        store.away = True
+        audit.record(make_entry(2, status=403, code="role_required"))
+        await until(lambda: len(caplog.messages) == 2)
+        store.away = False
+        await until(lambda: not len(audit))
+        await audit.store(make_entry(3, status=403, code="role_required"))
+    first, second, third = caplog.messages
+    document = orjson.loads(first)
+    assert document["digest"] == (await store.page(AuditFilter(), limit=3))[-1].digest
+    assert document["subject"] == 'a "name"\nof two lines'
+    assert "\n" not in first
+    assert orjson.loads(second.removeprefix("not stored yet: "))["entry_id"] == make_entry(2).entry_id
+    assert orjson.loads(third.removeprefix("not carried out: "))["sequence"] == 3

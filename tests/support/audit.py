@@ -1,0 +1,73 @@
+"""An audit log in a list, and examples of entries. As a program: a process that appends, and can be killed."""
+
+import asyncio
+import itertools
+import sys
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from dock_gateway.core.audit import AuditEntry
+from dock_gateway.core.errors import Unavailable
+from tests.support.history import open_at
+from tests.support.waiting import until
+
+NOON = datetime(2026, 11, 21, 12, tzinfo=UTC)
+
+
+class AuditList:
+    """Takes entries, as `AuditLog` does."""
+
+    def __init__(self) -> None:
+        self.entries: list[AuditEntry] = []
+        self.stored_first: list[str] = []
+
+    def record(self, entry: AuditEntry) -> None:
+        self.entries.append(entry)
+
+    async def store(self, entry: AuditEntry) -> None:
+        self.entries.append(entry)
+        self.stored_first.append(entry.what)
+
+
+def audit_parts() -> dict[str, Any]:
+    """The parts of a gateway that are needed to record a request."""
+    return {"audit": AuditList(), "actions": SimpleNamespace(goal=lambda _: None)}
+
+
+def make_entry(number: int, **fields: Any) -> AuditEntry:
+    """An entry; the number orders them by time and makes them differ."""
+    usual: dict[str, Any] = {
+        "entry_id": f"{number:032x}",
+        "at": NOON + timedelta(seconds=number),
+        "principal": "ada",
+        "role": "admin",
+        "token_id": "0123456789abcdef",
+        "client": "192.0.2.1",
+        "request_id": None,
+        "what": "dock",
+        "robot": "/robot1",
+        "action_name": "/robot1/connect_to_charging_dock",
+        "goal_id": None,
+        "subject": None,
+        "status": 202,
+        "code": None,
+    }
+    return AuditEntry(**usual | fields)
+
+
+async def append_on(url: str, folder: str, first: int) -> None:
+    """Append entries one after the other, and say so, until killed."""
+    async with open_at(url, Path(folder)) as history:
+        await until(lambda: history.stats().database_reachable)
+        for number in itertools.count(first):
+            try:
+                await history.audit.append([make_entry(number)])
+            except Unavailable:
+                continue
+            print("stored", number, flush=True)
+
+
+if __name__ == "__main__":
+    asyncio.run(append_on(sys.argv[1], sys.argv[2], int(sys.argv[3])))
