@@ -2,6 +2,7 @@
 
 import os
 import re
+from ipaddress import ip_network
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, Self
 
@@ -74,6 +75,21 @@ class Settings(BaseSettings):
         False,
         description="Whether the gateway may listen on other than loopback addresses without `authentication`: then "
         "everyone who reaches it can move the robots.",
+    )
+    tls_cert: Path | None = Field(
+        None,
+        description="PEM file with the gateway's certificate and its intermediates. With it, the gateway speaks only "
+        "TLS: [deployment.md](deployment.md#tls).",
+    )
+    tls_key: Path | None = Field(None, description="PEM file with the private key of `TLS_CERT`, without a passphrase.")
+    tls_client_ca: Path | None = Field(
+        None,
+        description="PEM file with certificate authorities. Only clients with a certificate of theirs can connect.",
+    )
+    trusted_proxies: Annotated[tuple[str, ...], NoDecode] = Field(
+        ("127.0.0.1", "::1"),
+        description="IP addresses and networks (`10.0.0.0/8`) of proxies, separated by commas. Only their "
+        "`X-Forwarded-Proto` and `X-Forwarded-For` are believed. Empty: none.",
     )
     dashboard_dir: Path | None = Field(
         None,
@@ -275,13 +291,25 @@ class Settings(BaseSettings):
     )
     heartbeat_interval: Seconds = Field(5.0, description="Seconds between heartbeats on a stream.")
 
-    @field_validator("allowed_hosts", "allowed_origins", mode="before")
+    @field_validator("allowed_hosts", "allowed_origins", "trusted_proxies", mode="before")
     @classmethod
     def _split(cls, value: object) -> object:
         parts = value.split(",") if isinstance(value, str) else value
         if not isinstance(parts, list | tuple):
             return value
         return tuple(part.strip().lower() if isinstance(part, str) else part for part in parts if part)
+
+    @field_validator("trusted_proxies")
+    @classmethod
+    def _check_proxies(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        for part in value:
+            ip_network(part)
+        return value
+
+    @field_validator("tls_cert", "tls_key", "tls_client_ca", mode="before")
+    @classmethod
+    def _read_empty(cls, value: object) -> object:
+        return value or None
 
     @field_validator("node_name")
     @classmethod
@@ -312,6 +340,10 @@ class Settings(BaseSettings):
             raise ValueError("ping_interval must be shorter than stalled_after")
         if self.lost_after <= self.stalled_after:
             raise ValueError("lost_after must be longer than stalled_after")
+        if (self.tls_cert is None) != (self.tls_key is None):
+            raise ValueError("tls_cert and tls_key belong together: set both or neither")
+        if self.tls_client_ca is not None and not self.tls:
+            raise ValueError("tls_client_ca needs tls_cert and tls_key")
         if self.authentication and self.database_url == "memory:":
             raise ValueError("authentication needs a database for its tokens: the history `memory:` keeps none")
         return self
@@ -320,6 +352,11 @@ class Settings(BaseSettings):
     def open_to_the_network(self) -> bool:
         """Whether anyone who reaches this machine could move the robots."""
         return self.host not in LOOPBACK_HOSTS and not self.authentication
+
+    @property
+    def tls(self) -> bool:
+        """Whether the gateway speaks TLS."""
+        return self.tls_cert is not None
 
     @property
     def stop_file(self) -> Path:

@@ -31,7 +31,9 @@ def test_every_setting_is_documented_as_it_is() -> None:
 
 
 def describe_default(default: object) -> str:
-    return f"`{default}`" if default not in ("", (), None) else "empty"
+    if isinstance(default, tuple):
+        default = ",".join(default)
+    return f"`{default}`" if default not in ("", None) else "empty"
 
 
 def test_the_environment_is_read_and_options_win(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -63,6 +65,12 @@ def test_the_environment_is_read_and_options_win(monkeypatch: pytest.MonkeyPatch
         ("dock_action_type", "some_package/msg/Dock"),
         ("dock_action_type", "../action/Dock"),
         ("undock_action_type", "Undock"),
+        ("trusted_proxies", "proxy.example"),
+        ("trusted_proxies", "10.0.0.1/8"),
+        ("trusted_proxies", "*"),
+        ("tls_cert", "cert.pem"),
+        ("tls_key", "key.pem"),
+        ("tls_client_ca", "ca.pem"),
     ],
 )
 def test_wrong_settings_are_refused_by_name(name: str, value: str) -> None:
@@ -149,3 +157,15 @@ def test_what_is_kept_of_one_robot_is_kept_apart_from_another(monkeypatch: pytes
         Path("/tmp/b"),
         "sqlite:////tmp/c",
     )
+
+
+def test_trusted_proxies() -> None:
+    assert Settings().trusted_proxies == ("127.0.0.1", "::1")
+    assert Settings.model_validate({"trusted_proxies": "10.0.0.0/8, ::1"}).trusted_proxies == ("10.0.0.0/8", "::1")
+    assert Settings.model_validate({"trusted_proxies": ""}).trusted_proxies == ()
+
+
+def test_an_empty_path_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("CERT", "KEY", "CLIENT_CA"):
+        monkeypatch.setenv(f"DOCK_GATEWAY_TLS_{name}", "")
+    assert not Settings().tls

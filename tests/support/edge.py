@@ -11,7 +11,9 @@ import uvicorn
 from starlette.types import ASGIApp
 
 from dock_gateway.settings import Settings
+from dock_gateway.web.edge.certificates import load_certificates
 from dock_gateway.web.edge.options import edge_options
+from dock_gateway.web.edge.security import SecurityHeaders
 from dock_gateway.web.server import Server
 
 HOST = b"Host: localhost\r\n"
@@ -22,14 +24,15 @@ class Edge:
     """Where it listens."""
 
     port: int
+    scheme: str = "http"
 
     @property
     def url(self) -> str:
-        return f"http://127.0.0.1:{self.port}"
+        return f"{self.scheme}://127.0.0.1:{self.port}"
 
     @property
     def websocket(self) -> str:
-        return f"ws://127.0.0.1:{self.port}"
+        return self.url.replace("http", "ws")
 
     @asynccontextmanager
     async def connect(self) -> AsyncIterator[tuple[asyncio.StreamReader, asyncio.StreamWriter]]:
@@ -58,14 +61,17 @@ class Edge:
 @asynccontextmanager
 async def serving(app: ASGIApp, **settings: object) -> AsyncIterator[Edge]:
     """Serve an application, with settings of the gateway's."""
-    options = edge_options(Settings.model_validate(settings))
-    config = uvicorn.Config(app, port=0, lifespan="off", log_config=None, server_header=False, **options)
+    checked = Settings.model_validate(settings)
+    options = edge_options(checked)
+    config = uvicorn.Config(
+        SecurityHeaders(app, tls=checked.tls), port=0, lifespan="off", log_config=None, server_header=False, **options
+    )
     config.load()
-    server = Server(config)
+    server = Server(config, load_certificates(checked))
     server.lifespan = config.lifespan_class(config)
     await server.startup()
     try:
-        yield Edge(server.servers[0].sockets[0].getsockname()[1])
+        yield Edge(server.servers[0].sockets[0].getsockname()[1], "https" if checked.tls else "http")
     finally:
         server.force_exit = True
         await server.shutdown()

@@ -128,7 +128,7 @@ def running_gateway(domain: int, *prefix: str, **settings: str) -> Iterator[Runn
         environment = ros_environment(domain, **variables)
         start = Process if prefix else ForkedProcess
         process = stack.enter_context(start(*prefix, "dock-gateway", "serve", env=environment))
-        url = re.sub(r'.*(http://[^"]+).*', r"\1", process.wait_for("listening on "))
+        url = re.sub(r'.*(https?://[^"]+).*', r"\1", process.wait_for("listening on "))
         with HttpClient(url) as http:
             yield RunningGateway(process, url, http)
 

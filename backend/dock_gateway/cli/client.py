@@ -1,6 +1,7 @@
 """`dock-gateway dock`, `undock`, `cancel`, `stop`, `release`, `watch`, `battery`: a client of a running gateway."""
 
 import os
+import ssl
 import sys
 import uuid
 from collections.abc import Iterator, Mapping
@@ -63,6 +64,26 @@ def authorization() -> dict[str, str]:
     return {"Authorization": f"Bearer {secret}"} if secret else {}
 
 
+def tls_context(url: str) -> ssl.SSLContext | None:
+    """Return how an https:// address is connected to; None for others.
+
+    The authorities are those of the system, or those in the file SSL_CERT_FILE. DOCK_GATEWAY_CLIENT_CERT is a file
+    with a certificate and its key, for a gateway that asks for one.
+
+    Raises:
+        click.ClickException: That file cannot be used.
+    """
+    if not url.lower().startswith("https:"):
+        return None
+    context = ssl.create_default_context()
+    if path := os.environ.get("DOCK_GATEWAY_CLIENT_CERT"):
+        try:
+            context.load_cert_chain(path)
+        except OSError as error:
+            raise click.ClickException(f"DOCK_GATEWAY_CLIENT_CERT: {path} cannot be used: {error}") from None
+    return context
+
+
 def robot_query(robot: str | None) -> str:
     """Return the query that names a robot."""
     return "" if robot is None else f"?{urlencode({'robot': robot})}"
@@ -86,6 +107,7 @@ def call(url: str, method: str, path: str, body: object = None, headers: Mapping
             },
             timeout=TIMEOUT,
             trust_env=not on_this_machine(url),
+            verify=tls_context(url) or True,
         )
     except (httpx2.TransportError, httpx2.InvalidURL) as error:
         raise click.ClickException(
@@ -116,6 +138,7 @@ def events(url: str, query: str) -> Iterator[dict[str, Any]]:
             address,
             max_size=None,
             proxy=None if on_this_machine(url) else True,
+            ssl=tls_context(url),
             additional_headers=authorization(),
         ) as stream:
             for message in stream:

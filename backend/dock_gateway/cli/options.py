@@ -20,11 +20,12 @@ def settings_options(command: Command) -> Command:
     """Add an option for each setting. They arrive as keyword arguments; those that are not given are None."""
     for name, field in reversed(Settings.model_fields.items()):
         variable = f"DOCK_GATEWAY_{name.upper()}"
+        default = ",".join(field.default) if isinstance(field.default, tuple) else field.default
         command = click.option(
             option_name(name),
             name,
             metavar="VALUE",
-            help=f"{field.description}  [env: {variable}; default: {field.default}]",
+            help=f"{field.description}  [env: {variable}; default: {default}]",
         )(command)
     return command
 

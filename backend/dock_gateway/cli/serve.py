@@ -48,9 +48,14 @@ def serve(**options: str | None) -> None:
     check_installed("dock_action_type", settings.dock_action_type)
     check_installed("undock_action_type", settings.undock_action_type)
     check_exposure(settings)
-    from dock_gateway.web.server import run  # noqa: PLC0415 - see above
+    from dock_gateway.web.edge.certificates import CertificateError  # noqa: PLC0415 - see above
+    from dock_gateway.web.server import run  # noqa: PLC0415
 
-    if not run(settings):
+    try:
+        started = run(settings)
+    except CertificateError as error:
+        raise click.UsageError(str(error)) from None
+    if not started:
         raise SystemExit(1)
 
 

@@ -7,6 +7,7 @@ import os
 import shutil
 import signal
 import socket
+import ssl
 import subprocess
 import sys
 import time
@@ -16,6 +17,7 @@ from pathlib import Path
 import click
 import httpx2
 
+from dock_gateway.cli.client import tls_context
 from dock_gateway.cli.options import option_name, read_settings, settings_options
 from dock_gateway.settings import Settings
 
@@ -100,7 +102,11 @@ def _find(name: str) -> str:
 
 
 async def _announce(url: str) -> None:
-    async with httpx2.AsyncClient(timeout=1.0, trust_env=False) as http:
+    context = tls_context(url)
+    if context is not None:  # the certificate is for another name than that of this machine's loopback interface
+        context.check_hostname = False
+        context.verify_mode = ssl.CERT_NONE
+    async with httpx2.AsyncClient(timeout=1.0, trust_env=False, verify=context or True) as http:
         ready = False
         while not ready:
             await asyncio.sleep(0.1)
@@ -163,7 +169,8 @@ def robot_commands(programs: Programs, settings: Settings) -> dict[str, list[str
 def own_url(settings: Settings) -> str:
     """Return the gateway's URL on this machine."""
     host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(settings.host, settings.host)  # noqa: S104 - every address is ours
-    return f"http://[{host}]:{settings.port}" if ":" in host else f"http://{host}:{settings.port}"
+    scheme = "https" if settings.tls else "http"
+    return f"{scheme}://[{host}]:{settings.port}" if ":" in host else f"{scheme}://{host}:{settings.port}"
 
 
 def require_free_port(settings: Settings) -> None:

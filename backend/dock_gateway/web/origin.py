@@ -60,7 +60,7 @@ class OriginGuard:
         raise NotAllowed(
             f"pages of {', '.join(origins)[:100] or 'another site'!r} may not use this gateway, which is at "
             f"{address.scheme}://{hosts[0]}; DOCK_GATEWAY_ALLOWED_ORIGINS can allow them, and a proxy that speaks TLS "
-            "has to send X-Forwarded-Proto"
+            "has to send X-Forwarded-Proto, from an address in DOCK_GATEWAY_TRUSTED_PROXIES"
         )
 
 

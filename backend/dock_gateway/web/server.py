@@ -6,19 +6,24 @@ import logging
 import signal
 import socket
 import time
+from collections.abc import Callable
 from typing import cast
 
 import uvicorn
 from uvicorn.config import STARTUP_FAILURE
 
 from dock_gateway.core.log_config import configure_logs
+from dock_gateway.core.tasks import Tasks
 from dock_gateway.gateway import Gateway, open_gateway
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
+from dock_gateway.web.edge.certificates import Certificates, load_certificates
+from dock_gateway.web.edge.connection import Connection
 from dock_gateway.web.edge.limits import raise_file_limit
 from dock_gateway.web.edge.listener import Listener
 from dock_gateway.web.edge.options import edge_options
 from dock_gateway.web.edge.security import SecurityHeaders
+from dock_gateway.web.edge.tls import open_tls
 from dock_gateway.web.request_id import RequestId
 
 log = logging.getLogger(__name__)
@@ -27,20 +32,24 @@ log = logging.getLogger(__name__)
 GRACE = 1
 FAREWELL = 0.5
 
+ConnectionFactory = Callable[..., Connection]
+
 
 class Server(uvicorn.Server):
     """A uvicorn server that logs its address and lets streams send `closing` before it closes their connections."""
 
-    def __init__(self, config: uvicorn.Config) -> None:
+    def __init__(self, config: uvicorn.Config, certificates: Certificates | None = None) -> None:
         super().__init__(config)
+        self._certificates = certificates
         self._gateway: Gateway | None = None
+        self._tasks = Tasks("watching the certificate")
 
     async def serve_gateway(self, gateway: Gateway, settings: Settings) -> None:
         """Serve until a signal arrives. Return at once if one has arrived before."""
         if self.should_exit:
             return
         self._gateway = gateway
-        self.config.app = RequestId(SecurityHeaders(create_app(settings, gateway)))
+        self.config.app = RequestId(SecurityHeaders(create_app(settings, gateway), tls=settings.tls))
         gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then
         await self.serve()
 
@@ -53,14 +62,22 @@ class Server(uvicorn.Server):
             raise SystemExit(STARTUP_FAILURE) from error
         await super().startup(sockets=[])
         self.servers.append(cast("asyncio.Server", listener))
-        listener.start(self._connect)
+        listener.start(self._open)
+        scheme = "http"
+        if self._certificates is not None:
+            scheme = "https"
+            self._tasks.spawn(self._certificates.watch())
         for host, port, *_ in (bound.getsockname() for bound in listener.sockets):
-            log.info("listening on http://%s:%d", f"[{host}]" if ":" in host else host, port)
+            log.info("listening on %s://%s:%d", scheme, f"[{host}]" if ":" in host else host, port)
 
-    def _connect(self) -> asyncio.BaseProtocol:
-        return self.config.http_protocol_class(  # type: ignore[call-arg]
+    async def _open(self, sock: socket.socket) -> None:
+        connection = cast("ConnectionFactory", self.config.http_protocol_class)(
             config=self.config, server_state=self.server_state, app_state=self.lifespan.state
         )
+        if self._certificates is None:
+            await asyncio.get_running_loop().connect_accepted_socket(lambda: connection, sock)
+        else:
+            await open_tls(sock, connection, self._certificates.context)
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """End every stream with a reason, then shut down."""
@@ -70,10 +87,16 @@ class Server(uvicorn.Server):
             while len(self._gateway.hub) and time.monotonic() < deadline:  # noqa: ASYNC110 - the last one does not say
                 await asyncio.sleep(0.01)
         await super().shutdown(sockets)
+        await self._tasks.close()
 
 
 def run(settings: Settings) -> bool:
-    """Serve until a signal arrives. Return False if the server could not be started."""
+    """Serve until a signal arrives. Return False if the server could not be started.
+
+    Raises:
+        CertificateError: A certificate or key cannot be used.
+    """
+    certificates = load_certificates(settings)
     configure_logs(settings)
     raise_file_limit()
     if settings.open_to_the_network:
@@ -92,7 +115,7 @@ def run(settings: Settings) -> bool:
         **edge_options(settings),
     )
     with asyncio.Runner(loop_factory=config.get_loop_factory()) as runner:
-        return runner.run(_serve(Server(config), settings))
+        return runner.run(_serve(Server(config, certificates), settings))
 
 
 async def _serve(server: Server, settings: Settings) -> bool:

@@ -1,5 +1,7 @@
 """`dock-gateway up`: where it says that the gateway is, and what it starts where."""
 
+from pathlib import Path
+
 import pytest
 from click.testing import CliRunner
 
@@ -20,6 +22,8 @@ from dock_gateway.settings import Settings
 )
 def test_the_address_that_is_announced(host: str, url: str) -> None:
     assert own_url(Settings(host=host)) == url
+    secure = Settings(host=host, tls_cert=Path("cert.pem"), tls_key=Path("key.pem"))
+    assert own_url(secure) == url.replace("http://", "https://")
 
 
 def test_a_port_that_cannot_be_announced_is_refused() -> None:

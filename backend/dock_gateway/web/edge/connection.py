@@ -14,6 +14,8 @@ log = logging.getLogger(__name__)
 
 # Bytes of further input that are discarded after an answer, so that the answer reaches a client that still sends.
 LINGER_BYTES = 64_000_000
+# Bytes that wait in a connection until its protocol stops writing. TLS would hold eight times as many.
+WRITE_BUFFER = 65_536
 # Incomplete input of all clients together, in bodies of the maximum size. Beyond this limit, a client that has sent
 # more than SHARE bytes is refused; small requests still pass.
 UNFINISHED_BODIES = 8
@@ -88,7 +90,7 @@ class Connection(asyncio.BufferedProtocol):
         self.address = ""
         self.regular = False
         self.protocol = protocol
-        self._edge = edge
+        self.edge = edge
         self._transport: asyncio.Transport = None  # type: ignore[assignment]
         self._pending = b""  # received but not handled yet
         self._unfinished = 0  # bytes received of an incomplete request or message
@@ -100,23 +102,35 @@ class Connection(asyncio.BufferedProtocol):
 
     # Opening and closing.
 
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Apply the limits, and hand the connection to the protocol."""
-        self._transport = cast("asyncio.Transport", transport)
+    def arrive(self, transport: asyncio.Transport) -> None:
+        """Apply the limits: before the TLS handshake, if there is one."""
+        self._transport = transport
         self.address = (transport.get_extra_info("peername") or ("",))[0]
-        self.regular = self._edge.limits.admit(self)
+        self.regular = self.edge.limits.admit(self)
         if not self.regular:
-            self._abort_in(self._edge.settings.header_timeout + ANSWER_WITHIN)
-        self.protocol.connection_made(cast("asyncio.Transport", ConnectionTransport(self, self._transport)))
+            self._abort_in(self.edge.settings.header_timeout + ANSWER_WITHIN)
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Hand the connection to the protocol."""
+        opened = cast("asyncio.Transport", transport)
+        if self._transport is None:
+            self.arrive(opened)
+        self._transport = opened
+        opened.set_write_buffer_limits(high=WRITE_BUFFER)
+        self.protocol.connection_made(cast("asyncio.Transport", ConnectionTransport(self, opened)))
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Notify the limits and the protocol."""
-        self._edge.limits.release(self)
+        self.depart()
         self._count_unfinished(-self._unfinished)
         self._pending = b""
+        self.protocol.connection_lost(exc)
+
+    def depart(self) -> None:
+        """Notify the limits."""
+        self.edge.limits.release(self)
         if self._timer is not None:
             self._timer.cancel()
-        self.protocol.connection_lost(exc)
 
     @property
     def priority(self) -> Priority:
@@ -147,9 +161,10 @@ class Connection(asyncio.BufferedProtocol):
         self._lingering = LINGER_BYTES
         self._pending = b""
         self._count_unfinished(-self._unfinished)
-        self._transport.write_eof()
+        if self._transport.can_write_eof():  # TLS cannot
+            self._transport.write_eof()
         self._arrange_reading()
-        self._abort_in(self._edge.settings.header_timeout)
+        self._abort_in(self.edge.settings.header_timeout)
 
     @property
     def closing(self) -> bool:
@@ -159,21 +174,21 @@ class Connection(asyncio.BufferedProtocol):
     def _abort_in(self, seconds: float) -> None:
         if self._timer is not None:
             self._timer.cancel()
-        self._timer = asyncio.get_running_loop().call_later(seconds, self._transport.abort)
+        self._timer = asyncio.get_running_loop().call_later(seconds, self.abort)
 
     # Input.
 
     def get_buffer(self, sizehint: int) -> memoryview:
         """Return the buffer for the next piece."""
-        return self._edge.scheduler.buffer
+        return self.edge.scheduler.buffer
 
     def buffer_updated(self, nbytes: int) -> None:
         """Handle a piece, now or in turn."""
-        data = bytes(self._edge.scheduler.buffer[:nbytes])
+        data = bytes(self.edge.scheduler.buffer[:nbytes])
         urgent = not self._pending and not self._lingering and self.protocol.is_urgent(data)
         self._pending += data
-        if not self._queued and (urgent or self._edge.scheduler.free):
-            self._edge.scheduler.run(self._handle)
+        if not self._queued and (urgent or self.edge.scheduler.free):
+            self.edge.scheduler.run(self._handle)
         else:
             self.enqueue()
 
@@ -182,7 +197,7 @@ class Connection(asyncio.BufferedProtocol):
         if not self._queued:
             self._queued = True
             self._arrange_reading()
-            self._edge.scheduler.enqueue(self._handle_in_turn)
+            self.edge.scheduler.enqueue(self._handle_in_turn)
 
     def _handle_in_turn(self) -> None:
         self._queued = False
@@ -211,13 +226,13 @@ class Connection(asyncio.BufferedProtocol):
     def _limit_unfinished(self, size: int) -> None:
         receiving = self.protocol.receiving and not self.closing
         self._count_unfinished(size if receiving else -self._unfinished)
-        most = UNFINISHED_BODIES * self._edge.settings.max_body_bytes
-        if self._unfinished > SHARE and self._edge.unfinished > most:
+        most = UNFINISHED_BODIES * self.edge.settings.max_body_bytes
+        if self._unfinished > SHARE and self.edge.unfinished > most:
             self.protocol.refuse_input()
 
     def _count_unfinished(self, size: int) -> None:
         self._unfinished += size
-        self._edge.unfinished += size
+        self.edge.unfinished += size
 
     def pause_reading(self) -> None:
         """Stop reading until the protocol wants more."""

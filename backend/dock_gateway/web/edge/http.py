@@ -9,7 +9,7 @@ from typing import Any
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from dock_gateway.core.errors import GatewayError, Unavailable
+from dock_gateway.core.errors import GatewayError, MalformedRequest, Unavailable
 from dock_gateway.web.edge.connection import LINGER_BYTES, Connection, ConnectionTransport, Edge
 from dock_gateway.web.edge.limits import Priority
 from dock_gateway.web.edge.refusal import http_answer, refusal
@@ -26,6 +26,8 @@ STOP_LINE = b"POST /stop"
 STOP_PIECES = 4
 # Seconds that a request costs in addition to reading it: routing, validation, response.
 REQUEST_COST = 0.001
+# Seconds at shutdown for the client of an idle connection to confirm the end of TLS. Many do not read meanwhile.
+END_OF_TLS = 0.3
 # Seconds that a piece of a body costs in addition to reading it: the route wakes up and takes it.
 PIECE_COST = 0.0001
 
@@ -51,9 +53,12 @@ class HttpProtocol(H11Protocol):
         self._stop_pieces = 0
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Wait for the first request."""
+        """Wait for the first request. A gateway with TLS answers none without."""
         super().connection_made(transport)
-        self._watch(incomplete=True)
+        if self._edge.settings.tls and not self._secure:
+            self._answer(MalformedRequest("this port speaks TLS: use https:// or wss://", code="tls_required"))
+        else:
+            self._watch(incomplete=True)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Cancel the deadline."""
@@ -66,6 +71,12 @@ class HttpProtocol(H11Protocol):
             self.transport.abort()
         else:
             super().shutdown()
+            if self._secure and self.transport.is_closing():
+                self.loop.call_later(END_OF_TLS, self.transport.abort)
+
+    @property
+    def _secure(self) -> bool:
+        return self.scheme == "https"
 
     # Input.
 
@@ -196,5 +207,5 @@ class HttpProtocol(H11Protocol):
                 return
             self.cycle.disconnected = True
             self.cycle.message_event.set()
-        self.transport.write(http_answer(error))
+        self.transport.write(http_answer(error, tls=self._secure))
         self.transport.close()

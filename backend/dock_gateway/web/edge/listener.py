@@ -3,9 +3,12 @@
 import asyncio
 import logging
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from typing import Any
 
 log = logging.getLogger(__name__)
+
+Opener = Callable[[socket.socket], Coroutine[Any, Any, object]]
 
 BACKLOG = 2048
 # Connections accepted per turn of the event loop. uvloop accepts one: a stop behind 600 connections that had closed
@@ -35,18 +38,18 @@ class Listener:
             self.close()
             raise
 
-    def start(self, connect: Callable[[], asyncio.BaseProtocol]) -> None:
-        """Start accepting. `connect` creates the protocol of a connection."""
+    def start(self, open_connection: Opener) -> None:
+        """Start accepting. `open_connection` takes each accepted socket."""
         for listener in self.sockets:
-            self._listen(listener, connect)
+            self._listen(listener, open_connection)
 
-    def _listen(self, listener: socket.socket, connect: Callable[[], asyncio.BaseProtocol]) -> None:
+    def _listen(self, listener: socket.socket, open_connection: Opener) -> None:
         if listener in self.sockets:
-            asyncio.get_running_loop().add_reader(listener, self._accept, listener, connect)
+            asyncio.get_running_loop().add_reader(listener, self._accept, listener, open_connection)
 
-    def _accept(self, listener: socket.socket, connect: Callable[[], asyncio.BaseProtocol]) -> None:
+    def _accept(self, listener: socket.socket, open_connection: Opener) -> None:
         loop = asyncio.get_running_loop()
-        while len(self._arriving) < AT_ONCE:
+        for _ in range(AT_ONCE):
             try:
                 connection, _ = listener.accept()
             except (BlockingIOError, InterruptedError, ConnectionAbortedError):
@@ -54,17 +57,18 @@ class Listener:
             except OSError as error:
                 log.error("no connection can be accepted: %s", error)
                 loop.remove_reader(listener)
-                loop.call_later(PAUSE, self._listen, listener, connect)
+                loop.call_later(PAUSE, self._listen, listener, open_connection)
                 return
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            task = loop.create_task(loop.connect_accepted_socket(connect, connection))
+            connection.setblocking(False)
+            task = loop.create_task(open_connection(connection))
             self._arriving.add(task)
             task.add_done_callback(self._arrived)
 
     def _arrived(self, task: asyncio.Task[object]) -> None:
         self._arriving.discard(task)
         if not task.cancelled() and (error := task.exception()) is not None:
-            log.debug("a connection was closed before it was accepted: %s", error)
+            log.debug("a connection was closed before it was open: %r", error)
 
     def close(self) -> None:
         """Stop accepting."""
@@ -72,6 +76,8 @@ class Listener:
             listener = self.sockets.pop()
             asyncio.get_running_loop().remove_reader(listener)
             listener.close()
+        for task in self._arriving:
+            task.cancel()
 
     async def wait_closed(self) -> None:
         """Do nothing: uvicorn closes the connections."""

@@ -5,7 +5,7 @@ from http import HTTPStatus
 
 from dock_gateway.core.errors import GatewayError, MalformedRequest
 from dock_gateway.core.goal import encode
-from dock_gateway.web.edge.security import SECURITY_HEADERS
+from dock_gateway.web.edge.security import security_headers
 
 MEDIA_TYPE = "application/problem+json"
 CODES = {
@@ -20,20 +20,20 @@ def refusal(status: HTTPStatus, detail: str) -> GatewayError:
     return MalformedRequest(detail, code=CODES.get(status, "malformed_request"), status=status)
 
 
-def refusal_headers(body: bytes) -> dict[str, str]:
+def refusal_headers(body: bytes, *, tls: bool) -> dict[str, str]:
     """Return the headers of an answer after which the connection is closed."""
     return {
         "Date": formatdate(usegmt=True),
         "Connection": "close",
         "Content-Type": MEDIA_TYPE,
         "Content-Length": str(len(body)),
-        **SECURITY_HEADERS,
+        **security_headers(tls=tls),
     }
 
 
-def http_answer(error: GatewayError) -> bytes:
+def http_answer(error: GatewayError, *, tls: bool) -> bytes:
     """Return a complete HTTP answer for an error."""
     body = encode(error.problem())
     status = HTTPStatus(error.status)
-    headers = "".join(f"{name}: {value}\r\n" for name, value in refusal_headers(body).items())
+    headers = "".join(f"{name}: {value}\r\n" for name, value in refusal_headers(body, tls=tls).items())
     return f"HTTP/1.1 {status:d} {status.phrase}\r\n{headers}\r\n".encode() + body

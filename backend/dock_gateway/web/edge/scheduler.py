@@ -45,6 +45,18 @@ class InputScheduler:
         self._queue.append(work)
         self.charge(0.0)
 
+    async def wait(self, cost: float) -> None:
+        """Wait for a turn, and charge it with the seconds that the caller's work will cost."""
+        granted = asyncio.get_running_loop().create_future()
+
+        def grant() -> None:
+            if not granted.done():
+                self.charge(cost)
+                granted.set_result(None)
+
+        self.enqueue(grant)
+        await granted
+
     def charge(self, seconds: float) -> None:
         """Charge time to this turn, including time that its work will cost elsewhere."""
         self._spent += seconds

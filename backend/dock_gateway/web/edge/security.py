@@ -18,13 +18,25 @@ SECURITY_HEADERS = {
     "Referrer-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
+# For a year, browsers use HTTPS only with this host name, on every port. They ignore it for IP addresses.
+HSTS = {"Strict-Transport-Security": "max-age=31536000"}
+
+
+def security_headers(*, tls: bool) -> dict[str, str]:
+    """Return the headers of an answer.
+
+    Args:
+        tls: Whether the gateway itself speaks TLS. Behind a proxy that does, HSTS is up to the proxy.
+    """
+    return SECURITY_HEADERS | HSTS if tls else SECURITY_HEADERS
 
 
 class SecurityHeaders:
     """ASGI middleware that adds the headers that an answer does not have already."""
 
-    def __init__(self, app: ASGIApp) -> None:
+    def __init__(self, app: ASGIApp, *, tls: bool = False) -> None:
         self._app = app
+        self._headers = security_headers(tls=tls)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on, and add the headers to the answer."""
@@ -32,7 +44,7 @@ class SecurityHeaders:
         async def send_with_headers(message: Message) -> None:
             if message["type"] in ("http.response.start", "websocket.http.response.start"):
                 headers = MutableHeaders(scope=message)
-                for name, value in SECURITY_HEADERS.items():
+                for name, value in self._headers.items():
                     headers.setdefault(name, value)
             await send(message)
 

@@ -46,11 +46,13 @@ class FrameWriter(Protocol):
 class Handshake(ServerProtocol):
     """A connection of `websockets` that refuses handshakes in the gateway's error format."""
 
+    tls = False
+
     def reject(self, status: StatusLike, text: str) -> Response:
         """Return the answer to a refused handshake."""
         status = HTTPStatus(status)
         body = encode(refusal(status, text.partition("\n")[0]).problem())
-        return Response(status, status.phrase, Headers(refusal_headers(body)), body)
+        return Response(status, status.phrase, Headers(refusal_headers(body, tls=self.tls)), body)
 
 
 class Rate:
@@ -80,6 +82,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         super().__init__(**options)
         self.logger = log
         self.conn = Handshake(max_size=self.config.ws_max_size, logger=log)
+        self.conn.tls = edge.settings.tls
         self._edge = edge
         self._frames = Rate(edge.settings.max_frames_per_second)
         self._bytes = Rate(edge.settings.max_frame_bytes_per_second)

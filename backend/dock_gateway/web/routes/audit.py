@@ -3,7 +3,7 @@
 from collections.abc import AsyncGenerator
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, Query
+from fastapi import APIRouter, Depends, Query, Request
 from pydantic import StringConstraints
 from starlette.responses import Response
 
@@ -91,13 +91,18 @@ async def list_audit(
     "/export",
     name="export_audit",
     response_model=list[AuditRecord],
-    responses={200: {"description": "A file", "content": CSV}, **problems(422, 503)},
+    responses={200: {"description": "A file", "content": CSV}, **problems(422, 429, 503)},
     dependencies=[Depends(known_query(*FILTERS, "format"))],
 )
-async def export_audit(gateway: TheGateway, wanted: AuditFilterQuery, format: FormatQuery = "json") -> Response:  # noqa: A002
+async def export_audit(
+    request: Request,
+    gateway: TheGateway,
+    wanted: AuditFilterQuery,
+    format: FormatQuery = "json",  # noqa: A002
+) -> Response:
     """Download all matching records, newest first."""
     chunks = _as_csv(gateway, wanted) if format == "csv" else _as_json(gateway, wanted)
-    return await download(gateway, chunks, f"audit-{utc_now():%Y%m%dT%H%M%SZ}", format)
+    return await download(request, chunks, f"audit-{utc_now():%Y%m%dT%H%M%SZ}", format)
 
 
 async def _as_csv(gateway: Gateway, wanted: AuditFilter) -> AsyncGenerator[bytes]:

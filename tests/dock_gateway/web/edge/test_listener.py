@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from dock_gateway.web.edge.listener import Listener
+from dock_gateway.web.edge.listener import Listener, Opener
 
 
 class Counter(asyncio.Protocol):
@@ -24,6 +24,11 @@ class Counter(asyncio.Protocol):
         transport.close()
 
 
+def opener(turns: list[int]) -> Opener:
+    loop = asyncio.get_running_loop()
+    return lambda sock: loop.connect_accepted_socket(lambda: Counter(turns), sock)
+
+
 @pytest.fixture
 def file_limit() -> Iterator[None]:
     before = resource.getrlimit(resource.RLIMIT_NOFILE)
@@ -35,7 +40,7 @@ async def test_many_connections_are_accepted_in_one_turn() -> None:
     listener = Listener("127.0.0.1", 0)
     clients = [socket.create_connection(listener.sockets[0].getsockname()) for _ in range(100)]
     turns: list[int] = []
-    listener.start(lambda: Counter(turns))
+    listener.start(opener(turns))
     async with asyncio.timeout(10):
         while len(turns) < len(clients):
             Counter.turn += 1
@@ -51,7 +56,7 @@ async def test_it_goes_on_after_the_files_were_used_up(file_limit: None, caplog:
     turns: list[int] = []
     with socket.create_connection(listener.sockets[0].getsockname()):
         _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-        listener.start(lambda: Counter(turns))
+        listener.start(opener(turns))
         os.close(next_file := os.dup(0))
         resource.setrlimit(resource.RLIMIT_NOFILE, (next_file, hard))
         await asyncio.sleep(0.3)

@@ -56,3 +56,21 @@ async def test_work_that_costs_time_elsewhere_is_charged_for_it(clock: list[floa
     scheduler = InputScheduler()
     scheduler.run(lambda: scheduler.charge(InputScheduler.TURN))
     assert not scheduler.free
+
+
+async def test_a_task_waits_for_its_turn_and_is_charged_for_it(clock: list[float]) -> None:
+    scheduler = InputScheduler()
+    turns: list[int] = []
+    turn = 0
+
+    async def wait() -> None:
+        await scheduler.wait(InputScheduler.TURN / 2)
+        turns.append(turn)
+
+    tasks = [asyncio.create_task(wait()) for _ in range(6)]
+    tasks[2].cancel()
+    while len(turns) < 5:
+        turn += 1
+        await asyncio.sleep(0)
+    assert max(turns.count(one) for one in turns) == 2
+    assert not scheduler._queue
