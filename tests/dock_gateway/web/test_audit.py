@@ -11,6 +11,7 @@ from typing import Any, cast
 import pytest
 from starlette.testclient import TestClient
 
+from dock_gateway.access.quotas import Quotas
 from dock_gateway.access.tokens import Tokens
 from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.errors import Conflict, NotFound
@@ -45,6 +46,7 @@ class Site:
             tokens=tokens,
             actions=SimpleNamespace(goal=self._goal),
             stopper=SimpleNamespace(release=self._release),
+            quotas=Quotas(self.settings),
             robots=SimpleNamespace(get=self._no_robot),
         )
         self._app = create_app(self.settings, cast("Gateway", gateway))
@@ -248,7 +250,8 @@ COMMAND = [
 async def test_commands(op: str, fields: dict[str, Any], result: Any, found: tuple[Any, ...]) -> None:
     site = await asyncio.to_thread(Site)
     actions = SimpleNamespace(goal=site._goal)
-    gateway = SimpleNamespace(settings=site.settings, audit=site.audit, actions=actions)
+    quotas = Quotas(site.settings)
+    gateway = SimpleNamespace(settings=site.settings, audit=site.audit, actions=actions, quotas=quotas)
     scope = {"type": "websocket", "client": ("192.0.2.7", 1), "state": {"gateway": gateway}, "request_id": "r1"}
 
     async def carry_out() -> Any:
