@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Protocol, TypeVar
 
+from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
 from dock_gateway.access.tickets import Tickets
-from dock_gateway.access.tokens import MAX_TOKENS, Tokens
 from dock_gateway.actions.cancellation import require_unfinished
 from dock_gateway.actions.liveness import ServerState
 from dock_gateway.actions.registry import Action, ActionRegistry
@@ -82,7 +82,7 @@ class Gateway:
     alerts: AlertBoard
     automation: AutomaticDocking
     notifier: Notifier
-    tokens: Tokens
+    logins: Logins
     tickets: Tickets
     quotas: Quotas
     audit: AuditLog
@@ -283,9 +283,9 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     webhooks = SharedBook(history.webhooks, "webhook", MAX_WEBHOOKS)
     outbox = Outbox(webhooks, SharedEntries(history.webhook_deliveries))
     notifier = _closed_by(stack, Notifier(alerts, labels, webhooks=webhooks, outbox=outbox))
-    tokens = _closed_by(stack, Tokens(SharedBook(history.tokens, "token", MAX_TOKENS)))
+    logins = _closed_by(stack, Logins(history))
     if settings.authentication:
-        await tokens.open()
+        await logins.open()
     parts = Parts(settings, bridge, hub, history, actions, robots, stopper, alerts, notifier)
     metrics = _observe(parts, stack)
     departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
@@ -307,7 +307,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
         alerts,
         automation,
         notifier,
-        tokens,
+        logins,
         Tickets(),
         Quotas(settings),
         audit,

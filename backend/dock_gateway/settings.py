@@ -69,7 +69,7 @@ class Settings(BaseSettings):
     )
     authentication: bool = Field(
         False,
-        description="Whether requests need a token: [access.md](access.md).",
+        description="Whether requests need a login or a token: [access.md](access.md).",
     )
     insecure_open: bool = Field(
         False,
@@ -345,7 +345,7 @@ class Settings(BaseSettings):
         if self.tls_client_ca is not None and not self.tls:
             raise ValueError("tls_client_ca needs tls_cert and tls_key")
         if self.authentication and self.database_url == "memory:":
-            raise ValueError("authentication needs a database for its tokens: the history `memory:` keeps none")
+            raise ValueError("authentication needs a database for users and tokens: the history `memory:` keeps none")
         return self
 
     @property

@@ -5,19 +5,33 @@ import "../src/access/AccountMenu";
 import "../src/access/LoginForm";
 import "../src/access/LoginPage";
 import "../src/access/TokensPage";
+import "../src/access/UsersPage";
 import { NEEDED, whyForbidden } from "../src/access/permissions";
 import { ANYBODY, type Role, Session, type SessionState, session } from "../src/access/session";
-import type { Token } from "../src/api/access";
+import type { Token, User } from "../src/api/access";
 import { whyNot } from "../src/operations/operation";
 import { ownName, setOwnName } from "../src/stop/who";
 import { robot } from "./events";
 import { descriptionOf, fakeGateway, isDisabled, renderPage } from "./page";
 
 const OUT: SessionState = { required: true, principal: null };
-const as = (role: Role, name = "Ada"): SessionState => ({
+const as = (role: Role, name = "Ada", kind: "token" | "user" = "token"): SessionState => ({
   required: true,
-  principal: { name, kind: "token", role, robots: [], actions: [], topics: [] },
+  principal: { name, kind, role, robots: [], actions: [], topics: [] },
 });
+
+const BOB: User = {
+  name: "bob",
+  role: "operator",
+  robots: ["/hall_a/*"],
+  actions: [],
+  topics: [],
+  disabled: false,
+  created_by: "root",
+  created_at: "2026-11-23T09:00:00Z",
+  logged_in_at: null,
+  sessions: 2,
+};
 
 const NIGHT: Token = {
   id: "0123456789abcdef",
@@ -33,17 +47,42 @@ const NIGHT: Token = {
   valid: true,
 };
 
-/** A gateway with one valid token, `dgw_right`, and a list of tokens; it remembers what it is asked. */
-function answering(tokens: Token[] = []) {
+/**
+ * A gateway with one valid token, `dgw_right`, a user `ada` with the password `right`, and lists of tokens and users; it
+ * remembers what it is asked, and the bodies.
+ */
+function answering(tokens: Token[] = [], users: User[] = []) {
   const asked: string[] = [];
+  const refuse = (status: number, code: string) =>
+    Response.json({ code, title: "No", detail: "no" }, { status });
   vi.stubGlobal("fetch", async (request: Request | string) => {
     if (typeof request === "string") return Response.json(session.state);
     const { pathname } = new URL(request.url);
     asked.push(`${request.method} ${pathname}`);
     if (pathname === "/session" && request.method === "POST") {
-      const { token } = (await request.json()) as { token: string };
-      if (token === "dgw_right") return Response.json(as("operator"));
-      return Response.json({ code: "invalid_token", title: "No", detail: "no" }, { status: 401 });
+      const body = (await request.json()) as { token?: string; user?: string; password?: string };
+      if (body.token === "dgw_right") return Response.json(as("operator"));
+      if (body.token !== undefined) return refuse(401, "invalid_token");
+      if (body.password === "slow") return refuse(429, "too_many_logins");
+      if (body.password !== "right") return refuse(401, "invalid_login");
+      return Response.json(as("operator", body.user, "user"));
+    }
+    if (pathname === "/session/password") {
+      const { old } = (await request.json()) as { old: string };
+      return old === "right" ? new Response(null, { status: 204 }) : refuse(403, "wrong_password");
+    }
+    if (pathname === "/users") return Response.json({ users });
+    if (request.method === "PUT" && pathname.startsWith("/users/")) {
+      const name = pathname.slice("/users/".length);
+      const body = (await request.json()) as Partial<User>;
+      asked.push(JSON.stringify(body));
+      users = [...users.filter((user) => user.name !== name), { ...BOB, ...body, name }];
+      return Response.json(users.at(-1));
+    }
+    if (request.method === "DELETE" && pathname.startsWith("/users/")) {
+      if (pathname.endsWith("/sessions")) users = users.map((user) => ({ ...user, sessions: 0 }));
+      else users = users.filter(({ name }) => pathname !== `/users/${name}`);
+      return new Response(null, { status: 204 });
     }
     if (pathname === "/tokens" && request.method === "GET") return Response.json({ tokens });
     if (pathname === "/tokens") {
@@ -137,13 +176,36 @@ describe("the page", () => {
     expect(screen.queryByRole("button", { name: /Logged in/ })).toBeNull();
   });
 
-  it("asks for a token first, says what is wrong with it, and then shows the page", async () => {
+  it("asks for a name and a password first, says what is wrong, and then shows the page", async () => {
     answering();
     session.set(OUT);
     const { user } = renderPage(fakeGateway());
+    const name = await screen.findByLabelText("Name");
+    expect(document.activeElement).toBe(name);
+    expect(screen.queryByRole("button", { name: "Stop" })).toBeNull();
+    await user.keyboard("{Enter}");
+    expect(await screen.findByText("Enter your name.")).toBeDefined();
+    await user.type(name, "ada{Enter}");
+    expect(await screen.findByText("Enter your password.")).toBeDefined();
+    const password = screen.getByLabelText("Password");
+    expect(document.activeElement).toBe(password);
+    await user.type(password, "wrong{Enter}");
+    expect(await screen.findByText(/The name or the password is wrong/)).toBeDefined();
+    await user.clear(password);
+    await user.type(password, "slow{Enter}");
+    expect(await screen.findByText(/too many logins have failed/)).toBeDefined();
+    await user.clear(password);
+    await user.type(password, "right{Enter}");
+    expect(await screen.findByRole("button", { name: "Logged in as ada, operator" })).toBeDefined();
+  });
+
+  it("takes a token, too, and says what is wrong with it", async () => {
+    answering();
+    session.set(OUT);
+    const { user } = renderPage(fakeGateway());
+    await user.click(await screen.findByRole("button", { name: "Log in with a token" }));
     const field = await screen.findByLabelText("Token");
     expect(document.activeElement).toBe(field);
-    expect(screen.queryByRole("button", { name: "Stop" })).toBeNull();
     await user.keyboard("{Enter}");
     expect(await screen.findByText("Enter your token.")).toBeDefined();
     await user.paste("dgw_wrong");
@@ -177,9 +239,8 @@ describe("the page", () => {
     expect(isDisabled("Dock")).toBe(true);
     expect(isDisabled("Stop")).toBe(false);
     await user.click(screen.getByRole("button", { name: "Log in …" }));
-    await user.click(await screen.findByLabelText("Token"));
-    await user.paste("dgw_right");
-    await user.keyboard("{Enter}");
+    await user.type(await screen.findByLabelText("Name"), "ada");
+    await user.type(screen.getByLabelText("Password"), "right{Enter}");
     await waitFor(() => expect(screen.queryByText("Your login has ended")).toBeNull());
     expect(isDisabled("Dock")).toBe(false);
   });
@@ -212,5 +273,84 @@ describe("the page", () => {
     await screen.findByRole("heading", { name: "Tokens" });
     expect(screen.getAllByText("Needs the role admin; you are supervisor.").length).toBeGreaterThan(0);
     expect(asked).not.toContain("GET /tokens");
+  });
+
+  it("changes the own password", async () => {
+    const asked = answering();
+    session.set(as("viewer", "ada", "user"));
+    const { user } = renderPage(fakeGateway());
+    await user.click(await screen.findByRole("button", { name: "Logged in as ada, viewer" }));
+    expect(screen.queryByRole("menuitem", { name: "Users" })).toBeNull();
+    expect(await screen.findByRole("menuitem", { name: "Log out everywhere" })).toBeDefined();
+    await user.click(screen.getByRole("menuitem", { name: "Change password …" }));
+    await user.click(await screen.findByRole("button", { name: "Change" }));
+    expect(await screen.findByText("Enter your old password.")).toBeDefined();
+    expect(screen.getByText("Type at least 12 characters.")).toBeDefined();
+    expect(asked).not.toContain("PUT /session/password");
+    await user.type(screen.getByLabelText("Old password"), "wrong");
+    await user.type(screen.getByLabelText("New password"), "correct horse battery");
+    await user.click(screen.getByRole("button", { name: "Change" }));
+    expect(await screen.findByText("The old password is wrong.")).toBeDefined();
+    await user.clear(screen.getByLabelText("Old password"));
+    await user.type(screen.getByLabelText("Old password"), "right");
+    await user.click(screen.getByRole("button", { name: "Change" }));
+    await waitFor(() => expect(screen.queryByLabelText("Old password")).toBeNull());
+  });
+
+  it("has no password for who logged in with a token", async () => {
+    answering();
+    session.set(as("admin"));
+    const { user } = renderPage(fakeGateway());
+    await user.click(await screen.findByRole("button", { name: "Logged in as Ada, admin" }));
+    expect(await screen.findByRole("menuitem", { name: "Users" })).toBeDefined();
+    expect(screen.queryByRole("menuitem", { name: "Change password …" })).toBeNull();
+    expect(screen.queryByRole("menuitem", { name: "Log out everywhere" })).toBeNull();
+  });
+
+  it("has users for admins: adds, changes, logs out and removes them", async () => {
+    const asked = answering([], [BOB]);
+    session.set(as("admin"));
+    const { user } = renderPage(fakeGateway(), {}, "/ui/users");
+    expect((await screen.findByRole("listitem", { name: "bob" })).textContent).toMatch(
+      /operator.*Added.*by root.*Only for.*hall_a.*Last login.*Never.*Logged in.*In 2 browsers/,
+    );
+    await user.click(screen.getByRole("button", { name: "New user" }));
+    await user.click(await screen.findByRole("button", { name: "Add" }));
+    expect(await screen.findByText("Type a name.")).toBeDefined();
+    expect(screen.getByText("Type at least 12 characters.")).toBeDefined();
+    await user.type(screen.getByLabelText("Name"), "bob");
+    expect(await screen.findByText("There is a user of this name.")).toBeDefined();
+    await user.type(screen.getByLabelText("Name"), "by");
+    await user.type(screen.getByLabelText("Password"), "correct horse battery");
+    await user.click(screen.getByRole("button", { name: "Add" }));
+    expect(await screen.findByRole("listitem", { name: "bobby" })).toBeDefined();
+    await waitFor(() => expect(screen.queryByRole("dialog")).toBeNull());
+    expect(asked.at(-2)).toMatch(/"role":"viewer".*"password":"correct horse battery"/);
+
+    await user.click(screen.getByRole("button", { name: "Edit bob" }));
+    await user.click(await screen.findByRole("switch", { name: "Disabled" }));
+    await user.click(screen.getByRole("button", { name: "Save" }));
+    await waitFor(() =>
+      expect(screen.getByRole("listitem", { name: "bob" }).textContent).toMatch(/disabled/),
+    );
+    const changed = asked.findLast((each) => each.startsWith("{"));
+    expect(changed).toMatch(/"robots":\["\/hall_a\/\*"\].*"disabled":true/);
+    expect(changed).not.toMatch(/password/);
+
+    await user.click(screen.getByRole("button", { name: "Log out bob" }));
+    await waitFor(() => expect(isDisabled("Log out bob")).toBe(true));
+    await user.click(screen.getByRole("button", { name: "Remove bob" }));
+    await user.click(await screen.findByRole("button", { name: "Remove" }));
+    await waitFor(() => expect(screen.queryByRole("listitem", { name: "bob" })).toBeNull());
+    expect(asked).toContain("DELETE /users/bob");
+  });
+
+  it("says to others that users are for admins", async () => {
+    const asked = answering([], [BOB]);
+    session.set(as("supervisor"));
+    renderPage(fakeGateway(), {}, "/ui/users");
+    await screen.findByRole("heading", { name: "Users" });
+    expect(screen.getAllByText("Needs the role admin; you are supervisor.").length).toBeGreaterThan(0);
+    expect(asked).not.toContain("GET /users");
   });
 });

@@ -88,6 +88,7 @@ describe("a warning of the gateway", () => {
     detail: "No space left on device",
     errors: null,
     goal_id: null,
+    retry_after: null,
   };
 
   it("is shown with the stop that it is about, until it is dismissed", async () => {

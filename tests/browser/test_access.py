@@ -1,4 +1,4 @@
-"""A gateway that asks for a token: login, what a role may do, a login that ends while the page is open, tokens."""
+"""A gateway that asks for a login: with a password or a token, what a role may do, a login that ends, users, tokens."""
 
 import subprocess
 import sys
@@ -13,6 +13,8 @@ from tests.browser.width import expect_no_sideways_scrolling
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
 
 pytestmark = pytest.mark.timeout(200)
+
+PASSWORD = "correct horse battery staple"
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +50,10 @@ def create(gateway: RunningGateway, name: str, role: str) -> dict[str, str]:
     return created
 
 
+def add_user(gateway: RunningGateway, name: str, role: str) -> None:
+    gateway.http.put(f"/users/{name}", json={"role": role, "password": PASSWORD}).raise_for_status()
+
+
 @pytest.fixture
 def page(browser: Browser, gateway: RunningGateway) -> Iterator[Page]:
     """The page that asks for a login."""
@@ -59,7 +65,14 @@ def page(browser: Browser, gateway: RunningGateway) -> Iterator[Page]:
     gateway.http.delete("/stop")
 
 
+def log_in_as(page: Page, name: str, password: str = PASSWORD) -> None:
+    page.get_by_label("Name", exact=True).fill(name)
+    page.get_by_label("Password", exact=True).fill(password)
+    page.get_by_label("Password", exact=True).press("Enter")
+
+
 def log_in(page: Page, secret: str) -> None:
+    page.get_by_role("button", name="Log in with a token").click()
     page.get_by_label("Token", exact=True).fill(secret)
     page.get_by_label("Token", exact=True).press("Enter")
 
@@ -68,10 +81,91 @@ def expect_live(page: Page) -> None:
     expect(page.get_by_test_id("connection")).to_have_text("live")
 
 
-def test_the_page_asks_for_a_token_first(page: Page, gateway: RunningGateway, secrets: dict[str, str]) -> None:
+def test_a_user_logs_in_changes_the_password_and_logs_out_everywhere(
+    page: Page, browser: Browser, gateway: RunningGateway
+) -> None:
+    add_user(gateway, "ada", "operator")
     streams: list[str] = []
     page.on("websocket", lambda socket: streams.append(socket.url))
     page.reload()
+    expect(page.get_by_label("Name", exact=True)).to_be_focused()
+    expect(page.get_by_label("Password", exact=True)).to_have_attribute("type", "password")
+    assert find_violations(page) == []
+    for width in (320, 768):
+        page.set_viewport_size({"width": width, "height": 900})
+        expect_no_sideways_scrolling(page)
+    page.set_viewport_size({"width": 1440, "height": 1000})
+    log_in_as(page, "ada", "wrong")
+    expect(page.get_by_text("The name or the password is wrong")).to_be_visible()
+    assert streams == []
+    log_in_as(page, "ada")
+    expect(page.get_by_role("heading", name="Goals", level=1)).to_be_visible()  # as the address says
+    expect_live(page)
+
+    with browser.new_context() as context:
+        other = context.new_page()
+        other.set_default_timeout(PATIENCE_MS)
+        other.goto(f"{gateway.url}/ui/goals")
+        log_in_as(other, "ada")
+        expect_live(other)
+        page.get_by_role("button", name="Logged in as ada, operator").click()
+        page.get_by_role("menuitem", name="Change password …").click()
+        dialog = page.get_by_role("dialog")
+        dialog.get_by_label("Old password", exact=True).fill(PASSWORD)
+        dialog.get_by_label("New password", exact=True).fill("another horse, another battery")
+        assert find_violations(page) == []
+        dialog.get_by_role("button", name="Change", exact=True).click()
+        expect(dialog).to_have_count(0)
+        expect(other.get_by_role("alert").filter(has_text="Your login has ended")).to_be_visible()
+        expect_live(page)
+        expect(page.get_by_role("alert").filter(has_text="Your login has ended")).to_have_count(0)
+        other.get_by_role("button", name="Log in").click()
+        log_in_as(other, "ada", "another horse, another battery")
+        expect_live(other)
+        page.get_by_role("button", name="Logged in as ada, operator").click()
+        page.get_by_role("menuitem", name="Log out everywhere").click()
+        expect(page.get_by_label("Password", exact=True)).to_be_visible()
+        expect(other.get_by_role("alert").filter(has_text="Your login has ended")).to_be_visible()
+
+
+def test_an_admin_adds_changes_and_removes_users(page: Page, gateway: RunningGateway) -> None:
+    add_user(gateway, "root", "admin")
+    log_in_as(page, "root")
+    expect_live(page)
+    page.get_by_role("button", name="Logged in as root, admin").click()
+    page.get_by_role("menuitem", name="Users").click()
+    page.get_by_role("button", name="New user").click()
+    dialog = page.get_by_role("dialog")
+    dialog.get_by_label("Name", exact=True).fill("bob")
+    dialog.get_by_label("Role").select_option("supervisor")
+    dialog.get_by_label("Password", exact=True).fill(PASSWORD)
+    assert find_violations(page) == []
+    dialog.get_by_role("button", name="Add", exact=True).click()
+    expect(dialog).to_have_count(0)
+    bob = page.get_by_role("list", name="Users").get_by_role("listitem").filter(has_text="bob")
+    expect(bob).to_contain_text("by root")
+    assert find_violations(page) == []
+    for width in (320, 768):
+        page.set_viewport_size({"width": width, "height": 900})
+        expect_no_sideways_scrolling(page)
+    page.get_by_role("button", name="Edit bob").click()
+    expect_no_sideways_scrolling(page)
+    dialog.get_by_label("Role").select_option("viewer")
+    dialog.get_by_role("switch", name="Disabled").focus()
+    page.keyboard.press("Space")
+    dialog.get_by_role("button", name="Save").click()
+    expect(bob).to_contain_text("viewer")
+    expect(bob).to_contain_text("disabled")
+    page.get_by_role("button", name="Remove bob").click()
+    dialog.get_by_role("button", name="Remove", exact=True).click()
+    expect(bob).to_have_count(0)
+
+
+def test_a_token_is_the_second_way(page: Page, gateway: RunningGateway, secrets: dict[str, str]) -> None:
+    streams: list[str] = []
+    page.on("websocket", lambda socket: streams.append(socket.url))
+    page.reload()
+    page.get_by_role("button", name="Log in with a token").click()
     field = page.get_by_label("Token", exact=True)
     expect(field).to_be_focused()
     expect(field).to_have_attribute("type", "password")
@@ -82,21 +176,24 @@ def test_the_page_asks_for_a_token_first(page: Page, gateway: RunningGateway, se
     expect_no_sideways_scrolling(page)
     page.set_viewport_size({"width": 1440, "height": 1000})
 
-    page.get_by_role("button", name="Log in").click()
+    page.get_by_role("button", name="Log in", exact=True).click()
     expect(page.get_by_text("Enter your token.")).to_be_visible()
-    log_in(page, "dgw_wrong")
+    field.fill("dgw_wrong")
+    field.press("Enter")
     expect(page.get_by_text("This token is not valid")).to_be_visible()
     assert streams == []
 
-    log_in(page, secrets["viewer"])
+    field.fill(secrets["viewer"])
+    field.press("Enter")
     expect(page.get_by_role("heading", name="Goals", level=1)).to_be_visible()  # as the address says
     expect_live(page)
     page.get_by_role("button", name="Logged in as viewer, viewer").click()
     expect(page.get_by_role("menuitem", name="Tokens")).to_have_count(0)
     page.get_by_role("menuitem", name="Log out").click()
-    expect(field).to_be_visible()
+    password = page.get_by_label("Password", exact=True)
+    expect(password).to_be_visible()
     page.reload()
-    expect(field).to_be_visible()
+    expect(password).to_be_visible()
 
 
 def test_what_a_viewer_may_not_do_says_why(page: Page, gateway: RunningGateway, secrets: dict[str, str]) -> None:

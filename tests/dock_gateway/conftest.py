@@ -1,13 +1,17 @@
-"""Databases for the tests of the history: real ones, fresh for each test."""
+"""Databases for the tests of the history: real ones, fresh for each test; quick passwords."""
 
 import asyncio
 import itertools
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import asyncpg
 import pytest
+from pwdlib import PasswordHash
+from pwdlib.hashers.argon2 import Argon2Hasher
 
+from dock_gateway.access import logins
 from dock_gateway.history import reader, sql, writer
 from tests.support.postgresql import PostgreSQL, binaries, running_postgresql
 
@@ -59,3 +63,16 @@ def place(request: pytest.FixtureRequest) -> str:
     """Each of the places where a history can be: a URL, as `open_place` takes it."""
     url: str = "memory:" if request.param == "memory" else request.getfixturevalue(f"{request.param}_url")
     return url
+
+
+@pytest.fixture
+def quick_hashes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Passwords are hashed as weakly as possible: a test makes many."""
+    weak = PasswordHash((Argon2Hasher(time_cost=1, memory_cost=8, parallelism=1),))
+    monkeypatch.setattr(PasswordHash, "recommended", lambda: weak)
+
+
+@pytest.fixture
+def stopped_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No time goes by between two logins."""
+    monkeypatch.setattr(logins, "time", SimpleNamespace(monotonic=lambda: 1000.0))

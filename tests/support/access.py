@@ -1,4 +1,4 @@
-"""A gateway that asks for tokens, and tokens that are made on the command line."""
+"""A gateway that asks for a login; users and tokens that are made on the command line."""
 
 import os
 import subprocess
@@ -7,22 +7,32 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from tests.support.clients import connect
+import pytest
+from websockets.exceptions import ConnectionClosed
+
+from tests.support.clients import HttpClient, connect
 from tests.support.gateway import RunningGateway, running_gateway
 from tests.support.processes import BIN
+from tests.support.waiting import wait_until
+
+PASSWORD = "correct horse battery staple"
 
 
 class Site:
-    """A database with tokens."""
+    """A database with users and tokens."""
 
-    def __init__(self, folder: Path) -> None:
-        self.database = f"sqlite:///{folder}/history.db"
+    def __init__(self, folder: Path, database: str | None = None) -> None:
+        self.database = database or f"sqlite:///{folder}/history.db"
 
-    def run(self, *command: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    def run(self, *command: str, typed: str = "", **environment: str) -> subprocess.CompletedProcess[str]:
         variables = {**os.environ, "DOCK_GATEWAY_DATABASE_URL": self.database, **environment}
         return subprocess.run(
-            [BIN / "dock-gateway", *command], env=variables, capture_output=True, text=True, check=False
+            [BIN / "dock-gateway", *command], env=variables, input=typed, capture_output=True, text=True, check=False
         )
+
+    def user(self, name: str, role: str, *limits: str) -> None:
+        added = self.run("user", "add", name, "--role", role, *limits, typed=f"{PASSWORD}\n")
+        assert added.returncode == 0, added.stderr
 
     def token(self, name: str, role: str, *limits: str) -> str:
         created = self.run("token", "create", name, "--role", role, *limits)
@@ -39,5 +49,28 @@ def bearer(secret: str) -> dict[str, str]:
     return {"Authorization": f"Bearer {secret}"}
 
 
+def try_login(http: HttpClient, name: str, password: str = PASSWORD, address: str = "127.0.0.1") -> Any:
+    """Log in as a browser at this address does; the answer."""
+    # The gateway trusts a proxy on its own machine.
+    body, headers = {"user": name, "password": password}, {"X-Forwarded-For": address}
+    answer = http.post("/session", json=body, headers=headers)
+    http.cookies.clear()
+    return answer
+
+
+def log_in(gateway: RunningGateway, name: str, password: str = PASSWORD) -> str:
+    """Log in, once the database of a busy machine answers; the secret of the session."""
+    answer = wait_until(lambda: try_login(gateway.http, name, password).raise_for_status(), f"the login of {name}")
+    return str(answer.cookies["dock-gateway"])
+
+
 def stream(gateway: RunningGateway, path: str, secret: str) -> Any:
     return connect(f"{gateway.url.replace('http', 'ws')}{path}", additional_headers=bearer(secret))
+
+
+def ends_with(socket: Any) -> tuple[int, str]:
+    """Read a WebSocket to its end; why it was closed."""
+    with pytest.raises(ConnectionClosed) as closed:
+        list(socket)
+    assert closed.value.rcvd is not None
+    return closed.value.rcvd.code, closed.value.rcvd.reason

@@ -2,13 +2,12 @@
 
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
 import orjson
 import pytest
-from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.exceptions import InvalidStatus
 
-from tests.support.access import Site, bearer, stream
+from tests.support.access import Site, bearer, ends_with, stream
 from tests.support.gateway import LOW, running_dock_server
 from tests.support.processes import ros_environment
 from tests.support.waiting import wait_until
@@ -21,14 +20,6 @@ INVALID_TOKEN = 4401
 @pytest.fixture
 def site(tmp_path: Path) -> Site:
     return Site(tmp_path)
-
-
-def ends_with(socket: Any) -> tuple[int, str]:
-    """Read a WebSocket to its end; why it was closed."""
-    with pytest.raises(ConnectionClosed) as closed:
-        list(socket)
-    assert closed.value.rcvd is not None
-    return closed.value.rcvd.code, closed.value.rcvd.reason
 
 
 def test_roles_over_every_way(domain: int, site: Site) -> None:

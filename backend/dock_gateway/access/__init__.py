@@ -1,1 +1,1 @@
-"""Who may do what: tokens, and the streams that end with them."""
+"""Who may do what: users, their sessions, tokens, and the streams that end with them."""

@@ -1,4 +1,4 @@
-"""The command line: `dock-gateway up`, `serve`, `token`, `audit`, and a client of a running gateway."""
+"""The command line: `dock-gateway up`, `serve`, `user`, `token`, `audit`, and a client of a running gateway."""
 
 import gc
 import importlib
@@ -17,6 +17,7 @@ COMMANDS = {
     "release": "client",
     "watch": "client",
     "battery": "client",
+    "user": "user",
     "token": "token",
     "audit": "audit",
     "openapi": "serve",

@@ -36,7 +36,7 @@ def check_exposure(settings: Settings) -> None:
     if settings.open_to_the_network and not settings.insecure_open:
         raise click.UsageError(
             f"on {settings.host}, anyone who reaches this machine over the network could move the robots. "
-            "Ask for tokens with --authentication true (docs/access.md), or accept that with --insecure-open true"
+            "Ask for a login with --authentication true (docs/access.md), or accept that with --insecure-open true"
         )
 
 

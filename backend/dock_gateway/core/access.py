@@ -1,10 +1,13 @@
 """Who uses the gateway, and what they may do. Plain data."""
 
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from enum import StrEnum
 
 from dock_gateway.core.grant import UNLIMITED, Grant, Role
+
+# Time after which a session that is not used ends.
+IDLE = timedelta(days=7)
 
 
 class Kind(StrEnum):
@@ -53,6 +56,69 @@ class Token:
 
 
 @dataclass(frozen=True)
+class User:
+    """A person who logs in with a name and a password, as stored.
+
+    Attributes:
+        role: What they may do.
+        robots, actions, topics: With what, as in `Grant`.
+        password: The Argon2 hash of their password.
+        era: A random text, which is new when all their sessions are to end.
+        disabled: Whether they can log in no longer.
+        created_by: Who added them, if known.
+        created_at: When that was.
+        logged_in_at: When they logged in last; None: never.
+    """
+
+    role: Role
+    robots: tuple[str, ...]
+    actions: tuple[str, ...]
+    topics: tuple[str, ...]
+    password: str
+    era: str
+    disabled: bool
+    created_by: str | None
+    created_at: datetime
+    logged_in_at: datetime | None
+
+    @property
+    def grant(self) -> Grant:
+        """What they may do."""
+        return Grant(self.role, self.robots, self.actions, self.topics)
+
+
+@dataclass(frozen=True)
+class Session:
+    """The login of a user in one browser, as stored: without its secret.
+
+    Attributes:
+        user: The user's name.
+        era: The user's era at the login.
+        digest: SHA-256 of the secret, in hexadecimal digits.
+        created_at: When the user logged in.
+        expires_at: When it ends at the latest.
+        used_at: When it was used last, to the minute.
+    """
+
+    user: str
+    era: str
+    digest: str
+    created_at: datetime
+    expires_at: datetime
+    used_at: datetime
+
+    def valid(self, user: User | None, now: datetime) -> bool:
+        """Return whether it has not ended.
+
+        Args:
+            user: Its user as they are now; None if they were removed.
+            now: The time.
+        """
+        current = user is not None and not user.disabled and user.era == self.era
+        return current and now < self.expires_at and now < self.used_at + IDLE
+
+
+@dataclass(frozen=True)
 class Principal:
     """Who makes a request.
 
@@ -60,7 +126,7 @@ class Principal:
         name: Their name; None where the gateway does not ask who it is.
         kind: What shows who it is.
         grant: What they may do.
-        credential: Id of the token; None where the gateway does not ask for one.
+        credential: Id of the token or the session; None where the gateway does not ask for one.
     """
 
     name: str | None

@@ -4,11 +4,11 @@ GatewayError
 ├── MalformedRequest            400 malformed_json, tls_required, 408 request_timeout, 413 body_too_large,
 │                               415 unsupported_media_type, 431 header_too_large
 ├── InvalidField                422 invalid_field
-├── NotAuthenticated            401 not_authenticated, invalid_token
-├── NotAllowed                  403 origin_not_allowed, host_not_allowed, role_required
+├── NotAuthenticated            401 not_authenticated, invalid_token, invalid_login
+├── NotAllowed                  403 origin_not_allowed, host_not_allowed, role_required, not_covered, wrong_password, …
 ├── NotFound                    404 goal_not_found, action_not_found, interface_not_found, topic_not_found, …
 ├── Conflict                    409 goal_rejected, dock_busy, goal_terminal, cancel_rejected, stop_latched, …
-├── TooManyRequests             429 too_many_requests
+├── TooManyRequests             429 too_many_requests, too_many_logins
 ├── Unavailable                 503 action_server_unavailable, ros_unavailable, history_unavailable, shutting_down,
 │                               too_many_connections, stop_not_persisted (as a warning)
 └── ServerTimeout               504 action_server_timeout
@@ -95,7 +95,7 @@ class InvalidField(GatewayError):
 
 
 class NotAuthenticated(GatewayError):
-    """The request does not say who makes it, or its token is not valid."""
+    """The request does not say who makes it, or its token or login is not valid."""
 
     status = HTTPStatus.UNAUTHORIZED
     code = "not_authenticated"
@@ -123,7 +123,7 @@ class Conflict(GatewayError):
 
 
 class TooManyRequests(GatewayError):
-    """A queue is full."""
+    """A queue is full, or too many logins have failed."""
 
     status = HTTPStatus.TOO_MANY_REQUESTS
     code = "too_many_requests"

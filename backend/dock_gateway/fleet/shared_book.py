@@ -1,4 +1,4 @@
-"""What people edit and gateways share through the history: rules, webhooks, tokens."""
+"""What people edit and gateways share through the history: rules, webhooks, tokens, users."""
 
 from collections.abc import Callable, Mapping
 
@@ -57,7 +57,7 @@ class SharedBook(SharedEntries[EntryT]):
         """Remove an entry.
 
         Raises:
-            NotFound: `rule_not_found`, `webhook_not_found` or `token_not_found`.
+            NotFound: `rule_not_found`, `webhook_not_found`, `token_not_found`, ….
             Unavailable: The history does not answer (`history_unavailable`); the entry is still there.
         """
         await self.store(key, None, lambda entries: self._require(key, entries))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Protocol, TypeVar
 
-from dock_gateway.core.access import Token
+from dock_gateway.core.access import Session, Token, User
 from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
 from dock_gateway.core.automation import Decision, Rule
 from dock_gateway.core.event import Event, nanoseconds, time_id
@@ -203,6 +203,14 @@ class History(Protocol):
     @property
     def tokens(self) -> Entries[Token]:
         """The tokens, by id."""
+
+    @property
+    def users(self) -> Entries[User]:
+        """The users, by name."""
+
+    @property
+    def sessions(self) -> Entries[Session]:
+        """The sessions of users, by id."""
 
     @property
     def audit(self) -> AuditStore:

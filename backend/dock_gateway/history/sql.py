@@ -13,7 +13,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from dock_gateway.core.access import Token
+from dock_gateway.core.access import Session, Token, User
 from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, time_id
@@ -53,7 +53,9 @@ from dock_gateway.history.tables import (
     automation_rules,
     goal_tags,
     robot_labels,
+    sessions,
     tokens,
+    users,
     webhook_deliveries,
     webhooks,
 )
@@ -99,6 +101,8 @@ class SqlHistory:
         self.webhooks = SqlEntries(self._reader, writer, webhooks, Webhook)
         self.webhook_deliveries = SqlEntries(self._reader, writer, webhook_deliveries, _delivery)
         self.tokens = SqlEntries(self._reader, writer, tokens, _token)
+        self.users = SqlEntries(self._reader, writer, users, _user)
+        self.sessions = SqlEntries(self._reader, writer, sessions, Session)
         self.audit = SqlAudit(self._reader, writer)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
@@ -331,6 +335,10 @@ def _decision(rule_id: str, rule_name: str, robot: str, at: datetime, outcome: s
 
 def _token(name: str, role: str, *fields: Any) -> Token:
     return Token(name, Role(role), *fields)
+
+
+def _user(role: str, *fields: Any) -> User:
+    return User(Role(role), *fields)
 
 
 def _delivery(webhook_id: str, event_type: str, state: str, *fields: Any) -> Delivery:

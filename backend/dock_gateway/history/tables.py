@@ -288,6 +288,34 @@ audit_chain = sa.Table(
     sa.Column("head_digest", sa.Text, nullable=False),
 )
 
+users = sa.Table(
+    "users",
+    metadata,
+    sa.Column("name", sa.Text, primary_key=True),
+    sa.Column("role", sa.Text, nullable=False),
+    sa.Column("robots", Names, nullable=False),
+    sa.Column("actions", Names, nullable=False),
+    sa.Column("topics", Names, nullable=False),
+    sa.Column("password", sa.Text, nullable=False),
+    sa.Column("era", sa.Text, nullable=False),
+    sa.Column("disabled", sa.Boolean, nullable=False),
+    sa.Column("created_by", sa.Text),
+    sa.Column("created_at", UtcTime, nullable=False),
+    sa.Column("logged_in_at", UtcTime),
+)
+
+sessions = sa.Table(
+    "sessions",
+    metadata,
+    sa.Column("session_id", sa.Text, primary_key=True),
+    sa.Column("user_name", sa.Text, nullable=False),
+    sa.Column("era", sa.Text, nullable=False),
+    sa.Column("digest", sa.Text, nullable=False),
+    sa.Column("created_at", UtcTime, nullable=False),
+    sa.Column("expires_at", UtcTime, nullable=False),
+    sa.Column("used_at", UtcTime, nullable=False),
+)
+
 # The newest missing event of each topic, dropped by retention or because memory was full. The row with an empty topic
 # is the time when the tables were made: what is later is complete, even if no event is stored yet.
 BEGINNING = ""

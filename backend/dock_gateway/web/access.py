@@ -1,14 +1,15 @@
 """Who makes a request, and whether they may: checked before every route and every command of `/ws`."""
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from typing import Annotated, Any
 
 from fastapi import Depends
 from starlette.requests import HTTPConnection, Request
+from starlette.responses import Response
 
 from dock_gateway.core.access import ANYBODY, Principal
-from dock_gateway.core.errors import NotAllowed, NotAuthenticated
+from dock_gateway.core.errors import NotAllowed
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.hub import Subscriber
@@ -22,13 +23,15 @@ SCHEME = "bearer"
 TICKET = "ticket"
 # Browsers accept a cookie of the first name only over TLS, from this very host.
 SECURE_COOKIE, COOKIE = "__Host-dock-gateway", "dock-gateway"
+# Seconds after which a browser forgets the token or the session.
+REMEMBERED = 30 * 86_400
 
 
 async def authorize(connection: HTTPConnection) -> None:
     """Identify the user of a request, and refuse what the user's grant does not allow. A dependency of every route.
 
     Raises:
-        NotAuthenticated: The request needs a token, and has none that is valid.
+        NotAuthenticated: The request needs a login, and has none that is valid.
         NotAllowed: Their role does not suffice (`role_required`), or it is about something beyond their limits
             (`not_covered`).
         TooManyRequests: They have sent too many goals in the last minute (`too_many_goals`).
@@ -53,24 +56,25 @@ def identify(connection: HTTPConnection) -> Principal:
     """Return who makes a request.
 
     Raises:
-        NotAuthenticated: The request needs a token, and has none that is valid.
+        NotAuthenticated: The request needs a login, and has none that is valid.
     """
     gateway = get_gateway(connection)
     ticket = connection.query_params.get(TICKET) if connection.scope["type"] == "websocket" else None
-    if ticket is not None:
-        return gateway.tickets.redeem(ticket)
-    return gateway.tokens.identify(secret_of(connection)) if gateway.settings.authentication else ANYBODY
+    if ticket is None:
+        return gateway.logins.identify(secret_of(connection)) if gateway.settings.authentication else ANYBODY
+    principal = gateway.tickets.redeem(ticket)
+    gateway.logins.require_valid(principal)
+    return principal
 
 
 async def authorize_command(gateway: Gateway, principal: Principal, op: str, fields: Mapping[str, Any]) -> None:
     """Refuse a command that is not allowed. The user was identified when the connection was opened.
 
     Raises:
-        NotAuthenticated: Their token was revoked or has expired (`invalid_token`).
+        NotAuthenticated: Their login has ended, or what they may do has changed (`invalid_token`).
         NotAllowed, TooManyRequests: As for `authorize`.
     """
-    if principal.credential is not None and not gateway.tokens.is_valid(principal.credential):
-        raise NotAuthenticated("the token was revoked or has expired", code="invalid_token")
+    gateway.logins.require_valid(principal)
     require(principal, COMMANDS[op], op)
     await require_covered(gateway, principal.grant, COMMAND_SCOPES[op], fields, op)
     if op in SENDING:
@@ -110,9 +114,27 @@ def secret_of(connection: HTTPConnection) -> str | None:
     return connection.cookies.get(cookie_name(connection))
 
 
+def address_of(connection: HTTPConnection) -> str:
+    """Return the address of the client; behind a trusted proxy, that which the proxy names."""
+    return "" if connection.client is None else connection.client.host
+
+
 def cookie_name(connection: HTTPConnection) -> str:
-    """Return the name of the cookie with the dashboard's token."""
+    """Return the name of the cookie with the dashboard's token or session."""
     return SECURE_COOKIE if connection.url.scheme in ("https", "wss") else COOKIE
+
+
+def keep_login(response: Response, request: Request, secret: str, seconds: int = REMEMBERED) -> None:
+    """Let the browser keep the secret of a token or a session as a cookie that scripts cannot read."""
+    secure = request.url.scheme == "https"
+    response.set_cookie(
+        cookie_name(request), secret, max_age=seconds, path="/", secure=secure, httponly=True, samesite="strict"
+    )
+
+
+def forget_login(response: Response, request: Request) -> None:
+    """Let the browser forget the secret."""
+    keep_login(response, request, "", 0)
 
 
 def signed(principal: Principal, fields: Any) -> Any:
@@ -133,7 +155,7 @@ async def read_signed_json(request: Request) -> Any:
 
 @contextmanager
 def subscribed(gateway: Gateway, principal: Principal, event_filter: EventFilter) -> Iterator[Subscriber]:
-    """Subscribe a reader while the block runs. Its stream ends when the reader's token is no longer valid.
+    """Subscribe a reader while the block runs. Its stream ends when the reader's login ends or is changed.
 
     Raises:
         TooManyRequests: There are too many already, or too many of this user (`too_many_streams`).
@@ -141,9 +163,7 @@ def subscribed(gateway: Gateway, principal: Principal, event_filter: EventFilter
     """
     subscriber = gateway.hub.subscribe(event_filter)
     try:
-        credential = principal.credential
-        watching = nullcontext() if credential is None else gateway.tokens.watch(credential, subscriber.expel)
-        with gateway.quotas.hold(principal, "streams"), watching:
+        with gateway.quotas.hold(principal, "streams"), gateway.logins.watch(principal, subscriber.expel):
             yield subscriber
     finally:
         gateway.hub.unsubscribe(subscriber)

@@ -41,6 +41,7 @@ from dock_gateway.web.routes import (
     statistics,
     stop,
     tokens,
+    users,
     webhooks,
 )
 from dock_gateway.web.streams import events, socket, topics
@@ -74,6 +75,7 @@ def api_routers() -> tuple[APIRouter, ...]:
         webhooks,
         simulator,
         session,
+        users,
         tokens,
         audit,
         health,

@@ -8,7 +8,7 @@ from enum import Enum, auto
 
 from dock_gateway.core.grant import Role
 
-# Requests that need no token: health checks, and the login itself.
+# Requests that need no login: health checks, and the login itself.
 PUBLIC = frozenset({"healthz", "readyz", "get_session", "log_in", "log_out"})
 
 ROUTES: dict[str, Role] = {
@@ -50,7 +50,14 @@ ROUTES: dict[str, Role] = {
     "replace_webhook": Role.SUPERVISOR,
     "remove_webhook": Role.SUPERVISOR,
     "test_webhook": Role.SUPERVISOR,
-    # Tokens
+    # The own login
+    "change_password": Role.VIEWER,
+    "log_out_everywhere": Role.VIEWER,
+    # Users and tokens
+    "list_users": Role.ADMIN,
+    "put_user": Role.ADMIN,
+    "remove_user": Role.ADMIN,
+    "end_sessions": Role.ADMIN,
     "list_tokens": Role.ADMIN,
     "create_token": Role.ADMIN,
     "revoke_token": Role.ADMIN,
@@ -64,7 +71,20 @@ AUDITED_READS = frozenset({"export_goals", "export_goal", "list_audit", "export_
 # The commands that it leaves out, as they change nothing.
 UNAUDITED_COMMANDS = frozenset({"subscribe", "unsubscribe", "ping"})
 # The requests and commands whose entry is stored before they are answered, if they succeed.
-STORED_FIRST = frozenset({"log_in", "log_out", "create_token", "revoke_token", "release_stop"})
+STORED_FIRST = frozenset(
+    {
+        "log_in",
+        "log_out",
+        "log_out_everywhere",
+        "change_password",
+        "put_user",
+        "remove_user",
+        "end_sessions",
+        "create_token",
+        "revoke_token",
+        "release_stop",
+    }
+)
 
 # The commands of `/ws`.
 COMMANDS: dict[str, Role] = {
@@ -108,6 +128,8 @@ SCOPES: dict[str, Scope] = {
     "list_interfaces": Scope.ANY,
     "get_interface": Scope.ANY,
     "list_tags": Scope.ANY,
+    "change_password": Scope.ANY,
+    "log_out_everywhere": Scope.ANY,
     # Lists and streams
     "feedback": Scope.LISTED,
     "socket": Scope.LISTED,
@@ -175,6 +197,10 @@ SCOPES: dict[str, Scope] = {
     "replace_webhook": Scope.EVERY,
     "remove_webhook": Scope.EVERY,
     "test_webhook": Scope.EVERY,
+    "list_users": Scope.EVERY,
+    "put_user": Scope.EVERY,
+    "remove_user": Scope.EVERY,
+    "end_sessions": Scope.EVERY,
     "list_tokens": Scope.EVERY,
     "create_token": Scope.EVERY,
     "revoke_token": Scope.EVERY,

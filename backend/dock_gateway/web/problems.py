@@ -22,9 +22,9 @@ CODES = {404: "not_found", 405: "method_not_allowed"}
 
 def problem_response(error: GatewayError) -> Response:
     """Return the answer for an error."""
-    headers = (
-        {"Retry-After": "1"} if error.status in (HTTPStatus.SERVICE_UNAVAILABLE, HTTPStatus.TOO_MANY_REQUESTS) else {}
-    )
+    headers = {}
+    if error.status in (HTTPStatus.SERVICE_UNAVAILABLE, HTTPStatus.TOO_MANY_REQUESTS):
+        headers["Retry-After"] = str(error.extra.get("retry_after", 1))
     if error.status is HTTPStatus.UNAUTHORIZED:
         headers["WWW-Authenticate"] = "Bearer"
     if error.status in (HTTPStatus.REQUEST_ENTITY_TOO_LARGE, HTTPStatus.REQUEST_TIMEOUT):

@@ -1,14 +1,21 @@
 import { Text, UnstyledButton } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
+import { Suspense } from "react";
 import { Link } from "react-router";
+import { lazyPart } from "../ui/lazyPart";
 import classes from "./access.module.css";
 import { useSession } from "./session";
 import { useLogOut } from "./useLogOut";
+
+const PasswordDialog = lazyPart(() => import("./PasswordDialog"));
 
 /** What the menu of the header has, below the pages on a phone. */
 export function AccountLines({ className, onChoose }: { className: string; onChoose: () => void }) {
   const { required, principal } = useSession();
   const logOut = useLogOut();
+  const [opened, dialog] = useDisclosure(false);
   if (!required || principal === null) return null;
+  const isUser = principal.kind === "user";
   return (
     <div className={classes.lines}>
       <Text size="sm" c="dimmed" px="0.5rem">
@@ -16,6 +23,9 @@ export function AccountLines({ className, onChoose }: { className: string; onCho
       </Text>
       {principal.role === "admin" && (
         <>
+          <Link to="/ui/users" className={className} onClick={onChoose}>
+            Users
+          </Link>
           <Link to="/ui/tokens" className={className} onClick={onChoose}>
             Tokens
           </Link>
@@ -24,9 +34,24 @@ export function AccountLines({ className, onChoose }: { className: string; onCho
           </Link>
         </>
       )}
-      <UnstyledButton className={className} onClick={logOut}>
+      {isUser && (
+        <UnstyledButton className={className} onClick={dialog.open}>
+          Change password …
+        </UnstyledButton>
+      )}
+      <UnstyledButton className={className} onClick={() => logOut()}>
         Log out
       </UnstyledButton>
+      {isUser && (
+        <UnstyledButton className={className} onClick={() => logOut(true)}>
+          Log out everywhere
+        </UnstyledButton>
+      )}
+      {opened && (
+        <Suspense fallback={null}>
+          <PasswordDialog opened onClose={dialog.close} />
+        </Suspense>
+      )}
     </div>
   );
 }

@@ -15,9 +15,9 @@ export function LoginEnded() {
       <Alert color="orange" title="Your login has ended">
         <Stack gap="xs" align="flex-start">
           <Text size="sm">
-            The token was revoked or has expired, or you have logged out in another tab. What you see below is
-            not live, and running goals go on. Until you log in, Stop does not work either: use the robot's
-            own emergency stop.
+            You were logged out, here or elsewhere, or the login has expired. What you see below is not live,
+            and running goals go on. Until you log in, Stop does not work either: use the robot's own
+            emergency stop.
           </Text>
           <Button variant="default" onClick={dialog.open}>
             Log in …

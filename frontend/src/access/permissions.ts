@@ -19,6 +19,7 @@ export const NEEDED = {
   "PUT /robots/label": "supervisor",
   "PUT /automation/rules/{rule_id}": "supervisor",
   "GET /webhooks": "supervisor",
+  "GET /users": "admin",
   "GET /tokens": "admin",
   "GET /audit": "admin",
 } as const satisfies Record<string, Role>;

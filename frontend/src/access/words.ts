@@ -5,5 +5,5 @@ export const ROLE_WORDS: Record<Role, string> = {
   viewer: "Sees its robots, and may stop every robot.",
   operator: "Also docks and undocks, sends and cancels goals, adds notes, and acknowledges alerts.",
   supervisor: "Also releases stops, and changes rules, webhooks, names and groups.",
-  admin: "Also creates and revokes tokens, and reads the audit log.",
+  admin: "Also adds and changes users and tokens, and reads the audit log.",
 };

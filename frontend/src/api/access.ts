@@ -10,13 +10,49 @@ export type CreatedToken = Schemas["CreatedToken"];
 /** What a client says of a new token. */
 export type TokenBody = paths["/tokens"]["post"]["requestBody"]["content"]["application/json"];
 
-/** Logs this browser in; throws a CommandError with `invalid_token` where the token is not valid. */
-export function logIn(http: Http, token: string): Promise<Schemas["Session"]> {
-  return settle(http.POST("/session", { body: { token }, signal: deadline() }));
+/** A person who logs in with a name and a password. */
+export type User = Schemas["User"];
+/** What an admin says of a user; a new one needs a password. */
+export type UserBody = paths["/users/{user}"]["put"]["requestBody"]["content"]["application/json"];
+/** A name and a password, or a token. */
+export type LoginBody = paths["/session"]["post"]["requestBody"]["content"]["application/json"];
+
+/** Logs this browser in; throws a CommandError with `invalid_login` or `invalid_token` where that is wrong. */
+export function logIn(http: Http, body: LoginBody): Promise<Schemas["Session"]> {
+  return settle(http.POST("/session", { body, signal: deadline() }));
 }
 
 export function logOut(http: Http): Promise<Schemas["Session"]> {
   return settle(http.DELETE("/session", { signal: deadline() }));
+}
+
+export async function logOutEverywhere(http: Http): Promise<void> {
+  await settle(http.DELETE("/sessions", { signal: deadline() }));
+}
+
+/** Changes the own password; every other browser is logged out. */
+export async function changePassword(http: Http, body: { old: string; new: string }): Promise<void> {
+  await settle(http.PUT("/session/password", { body, signal: deadline() }));
+}
+
+/** By name. */
+export async function listUsers(http: Http): Promise<User[]> {
+  return (await settle(http.GET("/users", { signal: deadline() }))).users;
+}
+
+/** Adds a user or changes one. */
+export async function putUser(http: Http, name: string, body: UserBody): Promise<void> {
+  await settle(http.PUT("/users/{user}", { params: { path: { user: name } }, body, signal: deadline() }));
+}
+
+export async function removeUser(http: Http, name: string): Promise<void> {
+  await settle(http.DELETE("/users/{user}", { params: { path: { user: name } }, signal: deadline() }));
+}
+
+export async function endSessions(http: Http, name: string): Promise<void> {
+  await settle(
+    http.DELETE("/users/{user}/sessions", { params: { path: { user: name } }, signal: deadline() }),
+  );
 }
 
 /** By name. */

@@ -83,24 +83,37 @@ const WORDS: Record<string, Words> = {
     title: "The gateway made a mistake",
     advice: "This is a bug in dock-gateway; its log says more. Please report it.",
   },
+  invalid_login: {
+    title: "The name or the password is wrong",
+    advice: "Or an admin has disabled this user.",
+  },
   invalid_token: {
-    title: "The token is not valid",
-    advice: "It may be mistyped, revoked or expired. Ask an admin for another one.",
+    title: "The login has ended, or the token is not valid",
+    advice: "Log in again. A token may be mistyped, revoked or expired: ask an admin for another one.",
   },
   invalid_field: { title: "A value is not valid", advice: null },
+  last_admin: {
+    title: "Nobody would be an admin any more",
+    advice: "Add another admin first.",
+  },
   not_authenticated: { title: "You are not logged in", advice: "Log in, then try again." },
   origin_not_allowed: {
     title: "This page may not command the gateway",
     advice:
       "Open the dashboard at the gateway's own address, or allow this one in DOCK_GATEWAY_ALLOWED_ORIGINS.",
   },
+  wrong_password: { title: "The old password is wrong", advice: null },
   host_not_allowed: {
     title: "The gateway does not answer to this host name",
     advice: "Add the name to DOCK_GATEWAY_ALLOWED_HOSTS.",
   },
   role_required: {
     title: "Your role does not allow this",
-    advice: "Somebody with that role can do it. An admin gives you a token with another role.",
+    advice: "Somebody with that role can do it. An admin can give you another role.",
+  },
+  too_many_logins: {
+    title: "Too many logins have failed",
+    advice: "Each failed one makes the next one wait longer.",
   },
   ros_unavailable: {
     title: "The gateway has lost ROS",

@@ -17,6 +17,7 @@ const StatisticsPage = lazyPart(() => import("../statistics/StatisticsPage"));
 const AutomationPage = lazyPart(() => import("../automation/AutomationPage"));
 const NotificationsPage = lazyPart(() => import("../notifications/NotificationsPage"));
 const GraphPage = lazyPart(() => import("../graph/GraphPage"));
+const UsersPage = lazyPart(() => import("../access/UsersPage"));
 const TokensPage = lazyPart(() => import("../access/TokensPage"));
 const AuditPage = lazyPart(() => import("../audit/AuditPage"));
 const MapPage = lazyPart(() => import("../map/MapPage"));
@@ -52,6 +53,7 @@ export function App() {
             <Route path="statistics" element={<StatisticsPage />} />
             <Route path="automation" element={<AutomationPage />} />
             <Route path="notifications" element={<NotificationsPage />} />
+            <Route path="users" element={<UsersPage />} />
             <Route path="tokens" element={<TokensPage />} />
             <Route path="audit" element={<AuditPage />} />
             <Route path="graph" element={<GraphPage />} />

@@ -1,6 +1,7 @@
 """Every route and every command asks for a role, and for no other one; without a token there is next to nothing."""
 
 import asyncio
+import json
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,12 +12,11 @@ import pytest
 from fastapi.routing import APIRoute, APIWebSocketRoute
 from starlette.testclient import TestClient, WebSocketDenialResponse, WebSocketTestSession
 
+from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
 from dock_gateway.access.tickets import Tickets
-from dock_gateway.access.tokens import Tokens
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.gateway import Gateway
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
@@ -35,6 +35,9 @@ REQUESTS = [
 ]
 SOCKETS = [(route.path, route.name) for route in ROUTES_OF_API if isinstance(route, APIWebSocketRoute)]
 HTTPS = "https://127.0.0.1:8000"
+PASSWORD = "correct horse battery staple"
+
+pytestmark = pytest.mark.usefixtures("quick_hashes", "stopped_clock")
 
 
 class Refusing:
@@ -48,21 +51,24 @@ class Site:
     """A gateway with a token for each role, and nothing else."""
 
     def __init__(self, settings: Settings) -> None:
-        self._tokens = Tokens(SharedBook(MemoryHistory(10).tokens, "token", 10))
+        self.logins = Logins(MemoryHistory(10))
         self.secrets = asyncio.run(self._fill()) if settings.authentication else {}
         gateway: Any = Refusing()
         gateway.__dict__.update(
             audit_parts(),
             settings=settings,
-            tokens=self._tokens,
+            logins=self.logins,
             tickets=Tickets(),
             quotas=Quotas(settings),
             bridge=SimpleNamespace(alive=False),
         )
         self._app = create_app(settings, cast("Gateway", gateway))
 
+    def add_user(self, name: str, role: Role) -> None:
+        asyncio.run(self.logins.add_user(name, Grant(role), PASSWORD))
+
     async def _fill(self) -> dict[Role, str]:
-        return {role: (await self._tokens.create(role.value, Grant(role)))[1] for role in Role}
+        return {role: (await self.logins.create_token(role.value, Grant(role)))[1] for role in Role}
 
     @contextmanager
     def client(self, role: Role | None = None, url: str = "http://127.0.0.1:8000") -> Iterator[TestClient]:
@@ -71,9 +77,24 @@ class Site:
             yield client
 
 
+SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
+
+
 @pytest.fixture(scope="module")
 def site() -> Site:
-    return Site(Settings(authentication=True, database_url="sqlite:////nowhere"))
+    return Site(SETTINGS)
+
+
+@pytest.fixture
+def users() -> Site:
+    """A site with an operator, `ada`, who has a password."""
+    site = Site(SETTINGS)
+    site.add_user("ada", Role.OPERATOR)
+    return site
+
+
+def log_in(client: TestClient, user: str = "ada", password: str = PASSWORD) -> Any:
+    return client.post("/session", json={"user": user, "password": password})
 
 
 def described(name: str | None, kind: str, role: str, robots: list[str] | None = None) -> dict[str, Any]:
@@ -258,3 +279,185 @@ def test_without_authentication_everybody_may_do_everything() -> None:
         assert "set-cookie" not in login.headers
         assert client.delete("/session").json() == anybody
         assert client.get("/robots", headers={"Authorization": "Bearer dgw_x"}).status_code == 404
+
+
+@pytest.mark.parametrize("url", ["http://127.0.0.1:8000", HTTPS])
+def test_a_user_logs_in_and_out(users: Site, url: str) -> None:
+    with users.client(url=url) as client:
+        assert log_in(client, password="wrong").json()["code"] == "invalid_login"
+        assert log_in(client, user="nobody").json()["code"] == "invalid_login"
+        assert not client.cookies
+        answer = log_in(client, " Ada ")
+        who = {"required": True, "principal": described("ada", "user", "operator")}
+        assert answer.json() == who
+        attributes = answer.headers["set-cookie"].lower()
+        for attribute in ("httponly", "samesite=strict", "path=/", "max-age=2592000"):
+            assert attribute in attributes
+        assert attributes.startswith("__host-") is ("secure" in attributes) is (url == HTTPS)
+        (secret,) = client.cookies.values()
+        assert client.get("/session").json() == who
+        assert client.delete("/session").json() == {"required": True, "principal": None}
+        assert not client.cookies
+        assert client.get("/robots", headers={"Authorization": f"Bearer {secret}"}).json()["code"] == "invalid_token"
+
+
+def test_a_cookie_that_a_client_brings_is_never_adopted(users: Site) -> None:
+    with users.client() as client:
+        log_in(client)
+        for brought in (client.cookies["dock-gateway"], "dgs_" + "x" * 43, ""):
+            client.cookies.clear()
+            client.headers["Cookie"] = f"dock-gateway={brought}"
+            assert log_in(client).status_code == 200
+            assert client.cookies["dock-gateway"].startswith("dgs_")
+            assert client.cookies["dock-gateway"] != brought
+
+
+def test_a_page_of_another_site_cannot_use_a_session(users: Site) -> None:
+    foreign = {"Origin": "https://evil.example"}
+    with users.client() as client:
+        log_in(client)
+        changes = [
+            ("DELETE", "/session", None),
+            ("DELETE", "/sessions", None),
+            ("PUT", "/session/password", {"old": PASSWORD, "new": "x" * 12}),
+            ("POST", "/session", {"user": "ada", "password": PASSWORD}),
+            ("PUT", "/users/eve", {"role": "admin", "password": "x" * 12}),
+        ]
+        for method, path, body in changes:
+            answer = client.request(method, path, json=body, headers=foreign)
+            assert answer.json()["code"] == "origin_not_allowed", path
+            assert "set-cookie" not in answer.headers
+        with pytest.raises(WebSocketDenialResponse) as denied, connect(client, "/ws", headers=foreign):
+            pass
+        assert denied.value.status_code == 403
+        assert client.get("/session").json()["principal"]["name"] == "ada"
+
+
+@pytest.mark.parametrize(
+    ("body", "status", "path"),
+    [
+        ({"user": "ada"}, 422, "password"),
+        ({"password": PASSWORD}, 422, "user"),
+        ({"user": 7, "password": PASSWORD}, 422, "user"),
+        ({"user": "x" * 61, "password": PASSWORD}, 422, "user"),
+        ({"user": "ada", "password": ""}, 422, "password"),
+        ({"user": "ada", "password": None}, 422, "password"),
+        ({"user": "ada", "password": "x" * 201}, 422, "password"),
+        ({"user": "ada", "password": "x" * 900_000}, 422, "password"),
+        ({"user": "ada", "password": "\ud800"}, 400, None),
+        ({"user": "ada", "password": "x", "token": "dgw_x"}, 422, "user"),
+        ({"token": "x" * 1001}, 422, "token"),
+        ([], 422, ""),
+    ],
+)
+def test_what_is_no_login(users: Site, body: object, status: int, path: str | None) -> None:
+    with users.client() as client:
+        answer = client.post("/session", content=json.dumps(body))
+        assert answer.status_code == status
+        assert path is None or answer.json()["errors"][0]["path"] == path
+        assert "x" * 12 not in answer.text
+        assert client.post("/session", content=b'{"user": "ada", "password": "\xff"}').status_code == 400
+        assert client.post("/session", content=b"x" * 1_100_000).status_code == 413
+
+
+def test_after_failed_logins_the_next_one_has_to_wait(users: Site) -> None:
+    with users.client() as client:
+        for _ in range(5):
+            assert log_in(client, password="wrong").status_code == 401
+        refused = log_in(client)
+        assert (refused.status_code, refused.json()["code"]) == (429, "too_many_logins")
+        assert refused.headers["retry-after"] == str(refused.json()["retry_after"]) == "1"
+        check_answer("POST", "/session", 429, refused.headers["content-type"], refused.content)
+
+
+def test_the_own_password(users: Site) -> None:
+    new = "another horse, another battery"
+    with users.client() as client, users.client() as other:
+        log_in(client)
+        log_in(other)
+        change = {"old": PASSWORD, "new": new}
+        for body, path in (({"old": PASSWORD, "new": "x" * 11}, "new"), ({"new": new}, "old"), ({"old": ""}, "old")):
+            answer = client.put("/session/password", json=body)
+            assert (answer.status_code, answer.json()["errors"][0]["path"]) == (422, path)
+        wrong = client.put("/session/password", json={**change, "old": "wrong"})
+        assert (wrong.status_code, wrong.json()["code"]) == (403, "wrong_password")
+        before = client.cookies["dock-gateway"]
+        assert client.put("/session/password", json=change).status_code == 204
+        assert client.cookies["dock-gateway"] != before
+        assert client.get("/session").json()["principal"]["name"] == "ada"
+        assert other.get("/session").json()["principal"] is None
+        assert log_in(other, password=new).status_code == 200
+        assert client.delete("/sessions").status_code == 204
+        assert not client.cookies
+        assert other.get("/session").json()["principal"] is None
+    with users.client(Role.ADMIN) as script:
+        for method, path, body in (("DELETE", "/sessions", None), ("PUT", "/session/password", change)):
+            assert script.request(method, path, json=body).json()["code"] == "user_required"
+
+
+def test_users_over_http(users: Site) -> None:
+    with users.client(Role.ADMIN) as admin, users.client() as client:
+        missing = admin.put("/users/bob", json={"role": "viewer"})
+        assert (missing.status_code, missing.json()["errors"][0]["path"]) == (422, "password")
+        body = {"role": "operator", "robots": ["/hall_a/*"], "password": PASSWORD}
+        created = admin.put("/users/bob", json=body)
+        assert created.status_code == 201
+        check_answer("PUT", "/users/{user}", 201, "application/json", created.content)
+        assert created.json()["created_by"] == "admin"
+        log_in(client, "bob")
+        assert client.get("/session").json()["principal"] == described("bob", "user", "operator", ["/hall_a/*"])
+        listed = admin.get("/users")
+        check_answer("GET", "/users", 200, "application/json", listed.content)
+        assert [(user["name"], user["sessions"]) for user in listed.json()["users"]] == [("ada", 0), ("bob", 1)]
+        assert "argon2" not in listed.text
+        changed = admin.put("/users/bob", json={"role": "viewer"})
+        check_answer("PUT", "/users/{user}", 200, "application/json", changed.content)
+        assert client.get("/session").json()["principal"] == described("bob", "user", "viewer")
+        assert admin.put("/users/admin", json=body).json()["code"] == "token_exists"
+        assert admin.post("/tokens", json={"name": "Bob", "role": "viewer"}).json()["code"] == "user_exists"
+        assert admin.delete("/users/bob/sessions").status_code == 204
+        assert client.get("/session").json()["principal"] is None
+        assert admin.put("/users/bob", json={"role": "viewer", "disabled": True}).json()["disabled"] is True
+        assert log_in(client, "bob").json()["code"] == "invalid_login"
+        assert admin.delete("/users/bob").status_code == 204
+        assert admin.delete("/users/bob").json()["code"] == "user_not_found"
+        assert admin.delete("/users/bob/sessions").json()["code"] == "user_not_found"
+
+
+def test_the_last_admin_cannot_go(users: Site) -> None:
+    users.add_user("root", Role.ADMIN)
+    with users.client() as root:
+        log_in(root, "root")
+        for token in root.get("/tokens").json()["tokens"]:
+            assert root.delete(f"/tokens/{token['id']}").status_code == 204
+        for method, body in (
+            ("DELETE", None),
+            ("PUT", {"role": "admin", "disabled": True}),
+            ("PUT", {"role": "supervisor"}),
+        ):
+            refused = root.request(method, "/users/root", json=body)
+            assert (refused.status_code, refused.json()["code"]) == (409, "last_admin")
+        assert root.put("/users/root", json={"role": "admin", "password": "x" * 12}).status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("name", "body", "path"),
+    [
+        ("bob", {"role": "viewer", "password": "x" * 11}, "password"),
+        ("bob", {"role": "viewer", "password": "x" * 201}, "password"),
+        ("bob", {"role": "viewer", "password": None}, "password"),
+        ("bob", {"role": "viewer", "disabled": 1}, "disabled"),
+        ("bob", {"role": "root"}, "role"),
+        ("bob", {"role": "admin", "robots": ["/robot1"]}, "robots"),
+        ("bob", {"role": "viewer", "name": "eve"}, "name"),
+        ("Bob", {"role": "viewer"}, "user"),
+        ("-bob", {"role": "viewer"}, "user"),
+        ("b%20b", {"role": "viewer"}, "user"),
+        ("b" * 61, {"role": "viewer"}, "user"),
+    ],
+)
+def test_what_is_no_user(users: Site, name: str, body: object, path: str) -> None:
+    with users.client(Role.ADMIN) as admin:
+        answer = admin.put(f"/users/{name}", json=body)
+    assert answer.status_code == 422
+    assert [error["path"] for error in answer.json()["errors"]] == [path]

@@ -11,12 +11,11 @@ from typing import Any, cast
 import pytest
 from starlette.testclient import TestClient
 
+from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
-from dock_gateway.access.tokens import Tokens
 from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.errors import Conflict, NotFound
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.gateway import Gateway
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
@@ -37,13 +36,13 @@ class Site:
         self.audit = AuditList()
         self.settings = Settings(database_url="sqlite:////nowhere", **settings)
         self.running: dict[str, str] = {GOAL: "/robot7/dock"}
-        tokens = Tokens(SharedBook(self.history.tokens, "token", 10))
-        self.secrets = asyncio.run(self._fill(tokens))
+        logins = Logins(self.history)
+        self.secrets = asyncio.run(self._fill(logins))
         gateway = SimpleNamespace(
             settings=self.settings,
             history=self.history,
             audit=self.audit,
-            tokens=tokens,
+            logins=logins,
             actions=SimpleNamespace(goal=self._goal),
             stopper=SimpleNamespace(release=self._release),
             quotas=Quotas(self.settings),
@@ -51,8 +50,8 @@ class Site:
         )
         self._app = create_app(self.settings, cast("Gateway", gateway))
 
-    async def _fill(self, tokens: Tokens) -> dict[Role, str]:
-        return {role: (await tokens.create(role.value, Grant(role)))[1] for role in Role}
+    async def _fill(self, logins: Logins) -> dict[Role, str]:
+        return {role: (await logins.create_token(role.value, Grant(role)))[1] for role in Role}
 
     def _goal(self, goal_id: str) -> Any:
         name = self.running.get(goal_id)

@@ -7,10 +7,9 @@ from typing import Any, cast
 import pytest
 from starlette.testclient import TestClient
 
-from dock_gateway.access.tokens import Tokens
+from dock_gateway.access.logins import Logins
 from dock_gateway.core.errors import NotAllowed, NotFound
 from dock_gateway.core.grant import Grant, Role
-from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.gateway import Gateway
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
@@ -33,7 +32,7 @@ class Other:
 
     def __init__(self) -> None:
         self.settings = SETTINGS
-        self.tokens = Tokens(SharedBook(MemoryHistory(10).tokens, "token", 10))
+        self.logins = Logins(MemoryHistory(10))
         self.robots = SimpleNamespace(default_namespace="/robot2")
         self.alerts = SimpleNamespace(get=lambda _: SimpleNamespace(robot="/robot2"))
         self.goal = _goal
@@ -60,7 +59,7 @@ def refused(gateway: Gateway, grant: Grant, scope: Scope, names: dict[str, Any])
 def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str, ...]]) -> None:
     gateway: Any = Other()
     grant = Grant(Role.SUPERVISOR, **limits)
-    _, secret = asyncio.run(gateway.tokens.create("limited", grant))
+    _, secret = asyncio.run(gateway.logins.create_token("limited", grant))
     app = create_app(SETTINGS, gateway)
     with TestClient(app, "http://127.0.0.1:8000", raise_server_exceptions=False) as client:
         client.headers["Authorization"] = f"Bearer {secret}"

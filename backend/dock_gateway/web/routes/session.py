@@ -1,30 +1,47 @@
-"""`/session`: who one is, the dashboard's login with a token, and tickets for WebSockets."""
+"""`/session`: who makes a request, the login of a browser, and tickets for WebSockets."""
 
 from contextlib import suppress
 from dataclasses import asdict
+from typing import Any
 
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
+from dock_gateway.access.passwords import MAX_PASSWORD
 from dock_gateway.access.tickets import LIFETIME
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import FieldError, InvalidField, NotAuthenticated
 from dock_gateway.gateway import Gateway
-from dock_gateway.web.access import cookie_name, identify, principal_of
+from dock_gateway.web.access import address_of, forget_login, identify, keep_login, principal_of, secret_of
+from dock_gateway.web.audit import audited
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import TheGateway, json_response, known_query, read_json, read_object
+from dock_gateway.web.routes.users import read_password
 from dock_gateway.web.schemas.access import Session, Ticket
 
 router = APIRouter(tags=["Access"], prefix="/session", dependencies=[Depends(known_query())])
 
-# Seconds after which a browser forgets the token.
-REMEMBERED = 30 * 86_400
+MAX_NAME, MAX_SECRET = 60, 1000
 LOGIN_REQUEST = {
-    "type": "object",
-    "required": ["token"],
-    "additionalProperties": False,
-    "properties": {"token": {"type": "string", "description": "The secret of a token, `dgw_…`"}},
+    "oneOf": [
+        {
+            "type": "object",
+            "required": ["user", "password"],
+            "additionalProperties": False,
+            "properties": {
+                "user": {"type": "string", "maxLength": MAX_NAME},
+                "password": {"type": "string", "maxLength": MAX_PASSWORD},
+            },
+        },
+        {
+            "type": "object",
+            "required": ["token"],
+            "additionalProperties": False,
+            "properties": {"token": {"type": "string", "description": "The secret of a token, `dgw_…`"}},
+        },
+    ],
+    "examples": [{"user": "ada", "password": "correct horse battery staple"}],
 }
 
 
@@ -37,7 +54,7 @@ def _session(gateway: Gateway, principal: Principal | None) -> Response:
 
 @router.get("", name="get_session", response_model=Session, responses=problems(422))
 async def get_session(request: Request, gateway: TheGateway) -> Response:
-    """Return who makes the request, and whether requests need a token. `principal` is null without a valid one."""
+    """Return who makes the request, and whether requests need a login. `principal` is null without a valid one."""
     try:
         return _session(gateway, identify(request))
     except NotAuthenticated:
@@ -48,30 +65,49 @@ async def get_session(request: Request, gateway: TheGateway) -> Response:
     "",
     name="log_in",
     response_model=Session,
-    responses=problems(400, 401, 408, 413, 415, 422),
+    responses=problems(400, 401, 408, 413, 415, 422, 429, 503),
     openapi_extra=body(LOGIN_REQUEST, required=True),
 )
 async def log_in(request: Request, gateway: TheGateway) -> Response:
-    """Log a browser in with a token, which it keeps as a cookie that scripts cannot read, for 30 days at most."""
-    secret = read_object(await read_json(request), "token").get("token")
-    if not isinstance(secret, str):
-        raise InvalidField([FieldError("token", "the secret of a token", "got something else")])
+    """Log a browser in with a name and a password, or with a token.
+
+    It keeps a cookie that scripts cannot read, for 30 days at most. After failed logins, the next one has to wait.
+    """
+    fields = read_object(await read_json(request), "user", "password", "token")
+    if "token" in fields:
+        return _log_in_with_token(request, gateway, fields)
+    name = _read_text(fields.get("user"), MAX_NAME, "user", "a user's name").strip().lower()
+    audited(request, subject=name)
+    password = read_password(fields.get("password"), "password", 1)
     if not gateway.settings.authentication:
         request.scope["principal"] = ANYBODY
         return _session(gateway, ANYBODY)
-    request.scope["principal"] = principal = gateway.tokens.identify(secret.strip())
+    principal, secret = await gateway.logins.log_in(name, password, address_of(request))
+    request.scope["principal"] = principal
     response = _session(gateway, principal)
-    _set_cookie(response, request, secret.strip(), REMEMBERED)
+    keep_login(response, request, secret)
     return response
 
 
-@router.delete("", name="log_out", response_model=Session, responses=problems(422))
+def _log_in_with_token(request: Request, gateway: Gateway, fields: dict[str, Any]) -> Response:
+    secret = _read_text(read_object(fields, "token")["token"], MAX_SECRET, "token", "the secret of a token").strip()
+    if not gateway.settings.authentication:
+        request.scope["principal"] = ANYBODY
+        return _session(gateway, ANYBODY)
+    request.scope["principal"] = principal = gateway.logins.identify_token(secret, address_of(request))
+    response = _session(gateway, principal)
+    keep_login(response, request, secret)
+    return response
+
+
+@router.delete("", name="log_out", response_model=Session, responses=problems(422, 503))
 async def log_out(request: Request, gateway: TheGateway) -> Response:
-    """Let the browser forget the token. The token itself stays valid."""
+    """End the session of the browser. A token is only forgotten: it stays valid."""
     with suppress(NotAuthenticated):
         request.scope["principal"] = identify(request)
+    await gateway.logins.log_out(secret_of(request))
     response = _session(gateway, None if gateway.settings.authentication else ANYBODY)
-    _set_cookie(response, request, "", 0)
+    forget_login(response, request)
     return response
 
 
@@ -85,8 +121,7 @@ async def issue_ticket(request: Request, gateway: TheGateway) -> Response:
     return json_response({"ticket": ticket, "expires_in_s": LIFETIME}, 201, {"Cache-Control": "no-store"})
 
 
-def _set_cookie(response: Response, request: Request, secret: str, seconds: int) -> None:
-    secure = request.url.scheme == "https"
-    response.set_cookie(
-        cookie_name(request), secret, max_age=seconds, path="/", secure=secure, httponly=True, samesite="strict"
-    )
+def _read_text(value: object, longest: int, path: str, expected: str) -> str:
+    if not isinstance(value, str) or len(value) > longest:
+        raise InvalidField([FieldError(path, f"{expected}, up to {longest} characters", "got something else")])
+    return value

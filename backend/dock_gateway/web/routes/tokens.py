@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
-from dock_gateway.access.tokens import ID_DIGITS
+from dock_gateway.access.credentials import ID_DIGITS
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import LIMITS, Grant
@@ -51,7 +51,7 @@ TokenId = Annotated[str, Path(json_schema_extra={"pattern": f"^[0-9a-f]{{{ID_DIG
 @router.get("", name="list_tokens", response_model=TokenList, responses=problems(401, 403, 422, 503))
 async def list_tokens(gateway: TheGateway) -> Response:
     """List all tokens by name, without their secrets."""
-    return json_response({"tokens": await gateway.tokens.documents()})
+    return json_response({"tokens": await gateway.logins.tokens.documents()})
 
 
 @router.post(
@@ -66,15 +66,15 @@ async def create_token(request: Request, gateway: TheGateway) -> Response:
     """Create a token. Only this answer has its secret."""
     name, grant, expires_at = read_token(await read_json(request))
     audited(request, subject=name)
-    token, secret = await gateway.tokens.create(name, grant, expires_at, principal_of(request).name)
+    token, secret = await gateway.logins.create_token(name, grant, expires_at, principal_of(request).name)
     return json_response({**token, "secret": secret}, 201, {"Cache-Control": "no-store"})
 
 
 @router.delete("/{token_id}", name="revoke_token", status_code=204, responses=problems(401, 403, 404, 422, 503))
 async def revoke_token(token_id: TokenId, request: Request, gateway: TheGateway) -> Response:
     """Revoke a token: requests with it are refused, and its streams end, at other gateways within 2 s."""
-    audited(request, subject=gateway.tokens.name_of(token_id) or token_id)
-    await gateway.tokens.revoke(token_id)
+    audited(request, subject=gateway.logins.tokens.name_of(token_id) or token_id)
+    await gateway.logins.revoke_token(token_id)
     return Response(status_code=204)
 
 

@@ -1,4 +1,4 @@
-"""The JSON shapes of tokens and of the login."""
+"""The JSON shapes of users, tokens and of the login."""
 
 from datetime import datetime
 
@@ -17,14 +17,14 @@ class Grant(Schema):
 
 
 class Requester(Grant):
-    """Who makes a request. `name` is null where requests need no token."""
+    """Who makes a request. `name` is null where requests need no login."""
 
     name: str | None
     kind: Kind
 
 
 class Session(Schema):
-    """Whether requests need a token, and who makes this one; null if its token is missing or not valid."""
+    """Whether requests need a login, and who makes this one; null if its login is missing or not valid."""
 
     required: bool
     principal: Requester | None
@@ -59,3 +59,20 @@ class TokenList(Schema):
     """The tokens, by name."""
 
     tokens: list[Token]
+
+
+class User(Grant):
+    """A user without the password. `sessions` is the number of logins that have not ended."""
+
+    name: str
+    disabled: bool
+    created_by: str | None
+    created_at: datetime
+    logged_in_at: datetime | None
+    sessions: int
+
+
+class UserList(Schema):
+    """The users, by name."""
+
+    users: list[User]

@@ -18,7 +18,12 @@ class FieldProblem(Schema):
 
 
 class Problem(BaseModel):
-    """RFC 9457 problem document. `errors` lists invalid fields; `goal_id` is the goal that the problem is about."""
+    """RFC 9457 problem document.
+
+    `errors` lists invalid fields; `goal_id` is the goal that the problem is about.
+
+    `retry_after` is the number of seconds in the header `Retry-After`, after failed logins.
+    """
 
     model_config = ConfigDict(extra="forbid")
 
@@ -29,6 +34,7 @@ class Problem(BaseModel):
     detail: str
     errors: list[FieldProblem] | None = None
     goal_id: str | None = None
+    retry_after: int | None = None
 
 
 class RobotSelection(Schema):

@@ -1,0 +1,338 @@
+"""Who uses the gateway: users with their sessions, tokens, and the streams that end with them."""
+
+import asyncio
+import logging
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from datetime import datetime
+from typing import Any
+
+from dock_gateway.access.login_delays import LoginDelays, network_of
+from dock_gateway.access.passwords import Passwords
+from dock_gateway.access.sessions import MAX_SESSIONS, PREFIX, Sessions
+from dock_gateway.access.tokens import MAX_TOKENS, Tokens
+from dock_gateway.access.users import MAX_USERS, Check, Users, edit, is_admin, new_era, new_user, user_document
+from dock_gateway.core.access import Kind, Principal, User
+from dock_gateway.core.errors import (
+    Conflict,
+    NotAllowed,
+    NotAuthenticated,
+    TooManyRequests,
+)
+from dock_gateway.core.event import utc_now
+from dock_gateway.core.grant import Grant
+from dock_gateway.core.tasks import Tasks
+from dock_gateway.fleet.shared_book import SharedBook
+from dock_gateway.fleet.shared_entries import SYNC_INTERVAL
+from dock_gateway.history import History
+
+log = logging.getLogger(__name__)
+
+
+class Logins:
+    """Users, sessions and tokens.
+
+    What changes at other gateways is known after `SYNC_INTERVAL` seconds. While the history does not answer, what was
+    valid before goes on.
+
+    Args:
+        history: Stores them.
+    """
+
+    def __init__(self, history: History) -> None:
+        self.tokens = Tokens(SharedBook(history.tokens, "token", MAX_TOKENS))
+        self._users = Users(SharedBook(history.users, "user", MAX_USERS))
+        self._sessions = Sessions(SharedBook(history.sessions, "session", MAX_SESSIONS), self._users.book)
+        self._passwords = Passwords()
+        self._delays = LoginDelays()
+        self._streams: dict[Principal, set[Callable[[], None]]] = {}
+        self._tasks = Tasks("watching logins")
+
+    async def open(self) -> None:
+        """Read who may log in, and watch that from now on."""
+        await self.look()
+        if await self._users.book.sync() and not self._users.book.keys() | self.tokens.book.keys():
+            log.warning("nobody can log in yet: `dock-gateway user add NAME --role admin` adds the first user")
+        self._tasks.spawn(self._run())
+
+    async def _run(self) -> None:
+        while True:
+            await asyncio.sleep(SYNC_INTERVAL)
+            await self.look()
+
+    async def look(self) -> None:
+        """End the streams whose login has ended or changed, record uses, and read changes of other gateways."""
+        self._end_streams()
+        await self.tokens.look()
+        await self._sessions.look()  # before the users: a new session's user is known
+        await self._users.book.sync()
+        await self._sessions.sweep()
+        self._end_streams()
+
+    async def close(self) -> None:
+        """Watch no longer."""
+        await self._tasks.close()
+
+    # ------------------------------------------------------------------ who makes a request
+
+    def identify(self, secret: str | None) -> Principal:
+        """Return who shows this secret.
+
+        Raises:
+            NotAuthenticated: There is no secret, or no valid token or session with it (`invalid_token`).
+        """
+        if secret is None:
+            raise NotAuthenticated("this gateway asks for a login: log in, or send `Authorization: Bearer dgw_…`")
+        return (self._sessions if secret.startswith(PREFIX) else self.tokens).identify(secret)
+
+    def is_valid(self, principal: Principal) -> bool:
+        """Return whether someone is still logged in, and may do what they could when they were identified."""
+        if principal.credential is None:
+            return True
+        credentials = self._sessions if principal.kind is Kind.USER else self.tokens
+        return credentials.principal(principal.credential) == principal
+
+    def require_valid(self, principal: Principal) -> None:
+        """Refuse someone who was identified earlier, if that is no longer true.
+
+        Raises:
+            NotAuthenticated: Their login has ended, or what they may do has changed (`invalid_token`).
+        """
+        if not self.is_valid(principal):
+            raise NotAuthenticated("the login has ended or was changed; connect again", code="invalid_token")
+
+    @contextmanager
+    def watch(self, principal: Principal, end: Callable[[], None]) -> Iterator[None]:
+        """Call `end` as soon as it is known that `is_valid` is no longer true, while the block runs."""
+        ends = self._streams.setdefault(principal, set())
+        ends.add(end)
+        try:
+            yield
+        finally:
+            ends.discard(end)
+
+    def _end_streams(self) -> None:
+        for principal, ends in list(self._streams.items()):
+            if not self.is_valid(principal):
+                for end in list(ends):
+                    end()
+            if not ends:
+                del self._streams[principal]
+
+    # ------------------------------------------------------------------ tokens
+
+    async def create_token(
+        self, name: str, grant: Grant, expires_at: datetime | None = None, by: str | None = None
+    ) -> tuple[dict[str, Any], str]:
+        """Create a token; return it as the API shows it, and its secret, which is not stored.
+
+        Raises:
+            Conflict: There are too many (`too_many_tokens`), or a token (`token_exists`) or a user (`user_exists`) has
+                this name, by which records name them.
+            Unavailable: The history does not answer (`history_unavailable`); there is no new token.
+        """
+        if name.lower() in await self._users.read():
+            raise Conflict(f"there is a user of the name {name}", code="user_exists")
+        return await self.tokens.create(name, grant, expires_at, by)
+
+    async def revoke_token(self, token_id: str) -> None:
+        """Make a token invalid, and end its streams.
+
+        Raises:
+            NotFound: There is no such token (`token_not_found`).
+            Unavailable: The history does not answer (`history_unavailable`); the token is still valid.
+        """
+        await self.tokens.book.remove(token_id)
+        self._end_streams()
+
+    def identify_token(self, secret: str, address: str) -> Principal:
+        """Return who shows the secret of a token, for a login.
+
+        Raises:
+            NotAuthenticated: There is no valid token with it (`invalid_token`).
+            TooManyRequests: There were too many failed logins (`too_many_logins`).
+        """
+        with self._counted("", address):
+            return self.tokens.identify(secret)
+
+    # ------------------------------------------------------------------ sessions
+
+    async def log_in(self, name: str, password: str, address: str) -> tuple[Principal, str]:
+        """Log a user in; return who that is, and the secret of the new session, which is not stored.
+
+        Raises:
+            NotAuthenticated: The name or the password is wrong, or the user is disabled (`invalid_login`).
+            TooManyRequests: There were too many failed logins (`too_many_logins`).
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        wrong = NotAuthenticated("the name or the password is wrong, or the user is disabled", code="invalid_login")
+        with self._counted(name, address):
+            known = (await self._users.read()).get(name)
+            right, outdated = await self._passwords.verify(password, None if known is None else known.password)
+            if known is None or not right:
+                raise wrong
+
+            def note(user: User | None) -> User:
+                if user is None or user.disabled or user.era != known.era:
+                    raise wrong
+                return replace(user, password=outdated or user.password, logged_in_at=utc_now())
+
+            user = await self._users.change(name, note)
+            assert user is not None
+            secret = await self._sessions.create(name, user.era)
+        return self._sessions.identify(secret), secret
+
+    async def log_out(self, secret: str | None) -> None:
+        """End the session of a secret, if it is one.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`); the session goes on.
+        """
+        if secret is not None:
+            await self._sessions.end(secret)
+            self._end_streams()
+
+    async def end_sessions(self, name: str) -> None:
+        """End all sessions of a user.
+
+        Raises:
+            NotFound: There is no such user (`user_not_found`).
+            Unavailable: The history does not answer (`history_unavailable`); they go on.
+        """
+        await self._users.change(name, lambda user: replace(self._require(name, user), era=new_era()))
+        self._end_streams()
+
+    async def change_password(self, name: str, old: str, new: str, address: str) -> str:
+        """Change the password of a user who knows the old one; return the secret of a new session. All others end.
+
+        Raises:
+            NotAllowed: The old password is wrong (`wrong_password`).
+            TooManyRequests: There were too many failed logins (`too_many_logins`).
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        wrong = NotAllowed("the old password is wrong", code="wrong_password")
+        with self._counted(name, address):
+            known = self._require(name, (await self._users.read()).get(name))
+            right, _ = await self._passwords.verify(old, known.password)
+            if not right:
+                raise wrong
+        hashed = await self._passwords.hash(new)
+
+        def change(user: User | None) -> User:
+            if user is None or user.era != known.era:
+                raise wrong
+            return edit(user, None, hashed, disabled=None)
+
+        user = await self._users.change(name, change)
+        assert user is not None
+        # The streams end with the next `look`: by then the browser has the new session.
+        return await self._sessions.create(name, user.era)
+
+    @contextmanager
+    def _counted(self, name: str, address: str) -> Iterator[None]:
+        """Refuse an attempt that comes too soon after failed ones, and count it if it fails.
+
+        Raises:
+            TooManyRequests: It does (`too_many_logins`).
+        """
+        network = network_of(address)
+        wait = math.ceil(self._delays.attempt(name, network, time.monotonic()))
+        if wait > 0:
+            detail = f"too many failed logins; try again in {wait} s"
+            raise TooManyRequests(detail, code="too_many_logins", retry_after=wait)
+        try:
+            yield
+        except (NotAuthenticated, NotAllowed):
+            raise
+        except BaseException:
+            self._delays.withdraw(name, network)
+            raise
+        self._delays.succeed(name, network)
+
+    # ------------------------------------------------------------------ users
+
+    async def documents(self) -> list[dict[str, Any]]:
+        """Return all users by name, as the API shows them.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`).
+        """
+        users, sessions = await self._users.read(), self._sessions.count()
+        return [user_document(name, user, sessions[name]) for name, user in sorted(users.items())]
+
+    async def add_user(
+        self, name: str, grant: Grant, password: str, by: str | None = None, *, disabled: bool = False
+    ) -> dict[str, Any]:
+        """Add a user; return them as the API shows them.
+
+        Raises:
+            Conflict: There are too many (`too_many_users`), or a user (`user_exists`) or a token (`token_exists`) has
+                this name, by which records name them.
+            Unavailable: The history does not answer (`history_unavailable`); there is no new user.
+        """
+        if name in await self.tokens.names():
+            raise Conflict(f"there is a token of the name {name}", code="token_exists")
+        hashed = await self._passwords.hash(password)
+
+        def add(user: User | None) -> User:
+            if user is not None:
+                raise Conflict(f"there is a user of the name {name}", code="user_exists")
+            return new_user(grant, hashed, by, disabled=disabled)
+
+        user = await self._users.change(name, add)
+        assert user is not None
+        return user_document(name, user, 0)
+
+    async def edit_user(
+        self, name: str, grant: Grant | None = None, password: str | None = None, *, disabled: bool | None = None
+    ) -> dict[str, Any]:
+        """Change what is given of a user; return them as the API shows them.
+
+        Raises:
+            NotFound: There is no such user (`user_not_found`).
+            Conflict: Nobody would be an admin any more (`last_admin`).
+            Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
+        """
+        hashed = None if password is None else await self._passwords.hash(password)
+        user = await self._users.change(
+            name,
+            lambda user: edit(self._require(name, user), grant, hashed, disabled=disabled),
+            await self._keep_admin(),
+        )
+        self._end_streams()
+        assert user is not None
+        return user_document(name, user, self._sessions.count()[name])
+
+    async def remove_user(self, name: str) -> None:
+        """Remove a user, and end their sessions.
+
+        Raises:
+            NotFound: There is no such user (`user_not_found`).
+            Conflict: Nobody would be an admin any more (`last_admin`).
+            Unavailable: The history does not answer (`history_unavailable`); the user is still there.
+        """
+
+        def remove(user: User | None) -> None:
+            self._require(name, user)
+
+        await self._users.change(name, remove, await self._keep_admin())
+        self._end_streams()
+
+    def _require(self, name: str, user: User | None) -> User:
+        if user is None:
+            raise self._users.book.missing(name)
+        return user
+
+    async def _keep_admin(self) -> Check:
+        """Return a check that there is still an admin, if there is one now."""
+        await self.tokens.book.read()
+        needed = not self.tokens.have_admin() and any(map(is_admin, (await self._users.read()).values()))
+
+        def check(users: Mapping[str, User]) -> None:
+            if needed and not any(map(is_admin, users.values())):
+                raise Conflict("nobody would be an admin any more; add another one first", code="last_admin")
+
+        return check

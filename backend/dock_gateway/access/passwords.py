@@ -1,0 +1,74 @@
+"""Passwords: their hashes. Hashing takes 64 MB and a tenth of a second each time, in a thread."""
+
+import asyncio
+import secrets
+import unicodedata
+from collections.abc import Callable
+from functools import partial
+from typing import TypeVar
+
+from pwdlib import PasswordHash
+from pwdlib.exceptions import PwdlibError
+
+from dock_gateway.core.errors import TooManyRequests
+
+T = TypeVar("T")
+
+MIN_PASSWORD, MAX_PASSWORD = 12, 200  # characters
+# How many are hashed at the same time, and how many more may wait.
+AT_ONCE, MAX_WAITING = 2, 100
+
+
+class Passwords:
+    """Hashes passwords with Argon2id, a few at the same time."""
+
+    def __init__(self) -> None:
+        self._hasher = PasswordHash.recommended()
+        self._slots = asyncio.Semaphore(AT_ONCE)
+        self._waiting = 0
+        self._nobodys: str | None = None
+
+    async def hash(self, password: str) -> str:
+        """Return the hash to store.
+
+        Raises:
+            TooManyRequests: Too many others wait (`too_many_logins`).
+        """
+        return await self._run(partial(self._hasher.hash, normalize(password)))
+
+    async def verify(self, password: str, hashed: str | None) -> tuple[bool, str | None]:
+        """Return whether a password is right, and a new hash if the stored one is outdated.
+
+        Args:
+            password: The password.
+            hashed: The stored hash; None if there is no such user, which takes as long.
+
+        Raises:
+            TooManyRequests: Too many others wait (`too_many_logins`).
+        """
+        if self._nobodys is None:
+            self._nobodys = await self.hash(secrets.token_hex())
+        check = partial(self._verify, normalize(password), self._nobodys if hashed is None else hashed)
+        right, outdated = await self._run(check)
+        return right and hashed is not None, outdated
+
+    def _verify(self, password: bytes, hashed: str) -> tuple[bool, str | None]:
+        try:
+            return self._hasher.verify_and_update(password, hashed)
+        except PwdlibError:  # what is stored is no hash
+            return False, None
+
+    async def _run(self, work: Callable[[], T]) -> T:
+        if self._waiting >= AT_ONCE + MAX_WAITING:
+            raise TooManyRequests("too many logins are in progress; try again", code="too_many_logins")
+        self._waiting += 1
+        try:
+            async with self._slots:
+                return await asyncio.to_thread(work)
+        finally:
+            self._waiting -= 1
+
+
+def normalize(password: str) -> bytes:
+    """Return a password as it is hashed: keyboards send the same letter in several ways."""
+    return unicodedata.normalize("NFKC", password).encode(errors="surrogatepass")

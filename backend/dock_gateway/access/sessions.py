@@ -1,0 +1,95 @@
+"""Sessions: the logins of users in their browsers. Gateways share them through the history."""
+
+from collections import Counter
+from contextlib import suppress
+from datetime import timedelta
+
+from dock_gateway.access.credentials import ID_DIGITS, Credentials, new_secret
+from dock_gateway.access.users import MAX_USERS
+from dock_gateway.core.access import Kind, Principal, Session, User
+from dock_gateway.core.errors import GatewayError, NotAuthenticated
+from dock_gateway.core.event import utc_now
+from dock_gateway.fleet.shared_book import SharedBook
+
+PREFIX = "dgs_"
+# Time after which a session ends at the latest.
+LIFETIME = timedelta(days=30)
+MAX_PER_USER = 10
+# One more for each user, for logins at two gateways at the same time.
+MAX_SESSIONS = (MAX_PER_USER + 1) * MAX_USERS
+# Time for which the record of an ended session is kept: another gateway may know of its user's change only later.
+SWEPT_AFTER = timedelta(minutes=1)
+
+
+class Sessions(Credentials[Session]):
+    """The sessions.
+
+    Args:
+        book: Stores them.
+        users: The users, who may be changed at any time; a session has no role of its own.
+    """
+
+    def __init__(self, book: SharedBook[Session], users: SharedBook[User]) -> None:
+        super().__init__(book)
+        self._users = users
+
+    def identify(self, secret: str) -> Principal:
+        """Return who shows this secret.
+
+        Raises:
+            NotAuthenticated: There is no valid session with it (`invalid_token`).
+        """
+        found = self.find(secret)
+        principal = None if found is None else self.principal(found[0])
+        if found is None or principal is None:
+            raise NotAuthenticated("the login has ended; log in again", code="invalid_token")
+        self.use(found[0])
+        return principal
+
+    def principal(self, session_id: str) -> Principal | None:
+        """Return who shows a session, with what they may do now, if it is valid."""
+        session = self.book.get(session_id)
+        if session is None or not self._valid(session):
+            return None
+        user = self._users.all()[session.user]
+        return Principal(session.user, Kind.USER, user.grant, session_id)
+
+    def _valid(self, session: Session) -> bool:
+        return session.valid(self._users.get(session.user), utc_now())
+
+    async def create(self, name: str, era: str) -> str:
+        """Create a session of a user and return its secret. The oldest one ends if there are too many.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`); there is no new session.
+        """
+        own = sorted((each.used_at, key) for key, each in self.book.all().items() if each.user == name)
+        for _, key in own[: max(0, len(own) - MAX_PER_USER + 1)]:
+            await self._remove(key)
+        secret, digest = new_secret(PREFIX)
+        now = utc_now()
+        await self.book.replace(digest[:ID_DIGITS], Session(name, era, digest, now, now + LIFETIME, now))
+        return secret
+
+    async def end(self, secret: str) -> None:
+        """End the session of a secret, if there is one.
+
+        Raises:
+            Unavailable: The history does not answer (`history_unavailable`); the session goes on.
+        """
+        if (found := self.find(secret)) is not None:
+            await self.book.store(found[0], None, lambda _: None)
+
+    async def sweep(self) -> None:
+        """Delete the sessions that have ended."""
+        for key, session in list(self.book.all().items()):
+            if utc_now() - session.created_at > SWEPT_AFTER and not self._valid(session):
+                await self._remove(key)
+
+    async def _remove(self, key: str) -> None:
+        with suppress(GatewayError):  # another gateway has removed it, or it is removed later
+            await self.book.remove(key)
+
+    def count(self) -> Counter[str]:
+        """Return the numbers of valid sessions by the names of their users."""
+        return Counter(session.user for session in self.book.all().values() if self._valid(session))

@@ -1,0 +1,70 @@
+import { PasswordInput, Stack, Text } from "@mantine/core";
+import { notifications } from "@mantine/notifications";
+import { type FormEvent, useState } from "react";
+import { changePassword } from "../api/access";
+import { useFleet } from "../fleet/context";
+import { Dialog } from "../ui/Dialog";
+import { SaveBar } from "../ui/SaveBar";
+import { useCommand } from "../ui/useCommand";
+import { NewPassword, passwordProblem } from "./NewPassword";
+
+/** Changes the own password. */
+export default function PasswordDialog({ opened, onClose }: { opened: boolean; onClose: () => void }) {
+  return (
+    <Dialog opened={opened} onClose={onClose} title="Change password">
+      {opened && <PasswordForm onDone={onClose} />}
+    </Dialog>
+  );
+}
+
+function PasswordForm({ onDone }: { onDone: () => void }) {
+  const { http } = useFleet();
+  const change = useCommand((body: { old: string; new: string }) => changePassword(http, body));
+  const [old, setOld] = useState("");
+  const [password, setPassword] = useState("");
+  const [tried, setTried] = useState(false);
+  const wrong = change.error?.code === "wrong_password";
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    setTried(true);
+    if (old === "" || passwordProblem(password) !== null) return;
+    change.mutate(
+      { old, new: password },
+      {
+        onSuccess: () => {
+          notifications.show({ message: "Your password is changed. Other browsers are logged out." });
+          onDone();
+        },
+      },
+    );
+  };
+  return (
+    <form onSubmit={submit} noValidate>
+      <Stack gap="md">
+        <PasswordInput
+          label="Old password"
+          autoComplete="current-password"
+          maxLength={200}
+          visibilityToggleButtonProps={{ "aria-label": "Show the old password", tabIndex: 0 }}
+          value={old}
+          error={tried && old === "" ? "Enter your old password." : wrong && "The old password is wrong."}
+          onChange={(event) => {
+            setOld(event.currentTarget.value);
+            change.reset();
+          }}
+          data-autofocus
+        />
+        <NewPassword label="New password" value={password} tried={tried} onChange={setPassword} />
+        <Text size="sm" c="dimmed">
+          You stay logged in here. Everywhere else you are logged out.
+        </Text>
+        <SaveBar
+          save={{ ...change, error: wrong ? null : change.error }}
+          onCancel={onDone}
+          verb="Change"
+          command="Changing the password"
+        />
+      </Stack>
+    </form>
+  );
+}
