@@ -328,7 +328,7 @@ describe("the page", () => {
     expect(asked.at(-2)).toMatch(/"role":"viewer".*"password":"correct horse battery"/);
 
     await user.click(screen.getByRole("button", { name: "Edit bob" }));
-    await user.click(await screen.findByRole("switch", { name: "Disabled" }));
+    await user.click(await screen.findByRole("switch", { name: /^Disabled/ }));
     await user.click(screen.getByRole("button", { name: "Save" }));
     await waitFor(() =>
       expect(screen.getByRole("listitem", { name: "bob" }).textContent).toMatch(/disabled/),
