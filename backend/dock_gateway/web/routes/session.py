@@ -31,7 +31,7 @@ LOGIN_REQUEST = {
             "additionalProperties": False,
             "properties": {
                 "user": {"type": "string", "maxLength": MAX_NAME},
-                "password": {"type": "string", "maxLength": MAX_PASSWORD},
+                "password": {"type": "string", "minLength": 1, "maxLength": MAX_PASSWORD},
             },
         },
         {

@@ -40,7 +40,7 @@ PASSWORD_REQUEST = {
     "type": "object",
     "required": ["old", "new"],
     "additionalProperties": False,
-    "properties": {"old": {"type": "string", "maxLength": MAX_PASSWORD}, "new": PASSWORD},
+    "properties": {"old": {"type": "string", "minLength": 1, "maxLength": MAX_PASSWORD}, "new": PASSWORD},
 }
 
 
