@@ -11,10 +11,10 @@ import pytest
 
 from dock_gateway.actions import rejoining
 from dock_gateway.actions import results as results_module
+from dock_gateway.assembly import open_gateway
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Subscriber
-from dock_gateway.gateway import open_gateway
 from dock_gateway.settings import Settings
 from tests.support.gateway import running_program
 from tests.support.rejoining import lose_answers

@@ -8,7 +8,8 @@ from fastapi import APIRouter, Depends, FastAPI
 from starlette.middleware.cors import CORSMiddleware
 
 from dock_gateway import __version__
-from dock_gateway.gateway import Gateway, open_gateway
+from dock_gateway.assembly import open_gateway
+from dock_gateway.gateway import Gateway
 from dock_gateway.observability.request_metrics import RequestMetrics
 from dock_gateway.settings import Settings
 from dock_gateway.web.access import authorize

@@ -12,9 +12,10 @@ from typing import cast
 import uvicorn
 from uvicorn.config import STARTUP_FAILURE
 
+from dock_gateway.assembly import open_gateway
 from dock_gateway.core.log_config import configure_logs
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.gateway import Gateway, open_gateway
+from dock_gateway.gateway import Gateway
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
 from dock_gateway.web.edge.certificates import Certificates, load_certificates

@@ -1,0 +1,281 @@
+"""Assembles the gateway: makes its parts in order and closes them in reverse order."""
+
+import asyncio
+import logging
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from contextlib import AsyncExitStack, ExitStack, asynccontextmanager, contextmanager
+from functools import partial
+from typing import Protocol, TypeVar
+
+from dock_gateway.access.logins import Logins
+from dock_gateway.access.quotas import Quotas
+from dock_gateway.access.tickets import Tickets
+from dock_gateway.actions.registry import ActionRegistry
+from dock_gateway.actions.unfinished import store_unfinished, take_over_unfinished
+from dock_gateway.audit.log import AuditLog
+from dock_gateway.automation.activity import Activity
+from dock_gateway.automation.decisions import DecisionLog
+from dock_gateway.automation.docking import MAX_RULES, AutomaticDocking
+from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.event import message_event
+from dock_gateway.core.goal import GoalError, Json
+from dock_gateway.core.hub import Hub
+from dock_gateway.core.tasks import PendingFacts, Tasks
+from dock_gateway.fleet.alerts import AlertBoard
+from dock_gateway.fleet.departures import Departures
+from dock_gateway.fleet.labels import Labels
+from dock_gateway.fleet.overview import Fleet
+from dock_gateway.fleet.pose_recorder import PoseRecorder
+from dock_gateway.fleet.scene_board import SceneBoard
+from dock_gateway.fleet.shared_book import SharedBook
+from dock_gateway.fleet.shared_entries import SharedEntries
+from dock_gateway.fleet.stop import Stopper
+from dock_gateway.gateway import Gateway
+from dock_gateway.history import History, open_history
+from dock_gateway.latch.interlock import Interlock
+from dock_gateway.latch.latch_file import LatchFile
+from dock_gateway.notifications.notifier import MAX_WEBHOOKS, Notifier
+from dock_gateway.notifications.outbox import Outbox
+from dock_gateway.observability.metrics import Metrics
+from dock_gateway.observability.parts import Parts
+from dock_gateway.observability.traces import open_traces
+from dock_gateway.robots.last_goals import LastGoals
+from dock_gateway.robots.on_demand import OnDemand
+from dock_gateway.robots.registry import RobotRegistry, normalize_namespace
+from dock_gateway.robots.simulator import Simulators
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.graph import Scan, scan
+from dock_gateway.ros.robot_ports import DiagnosticsPort, VelocityListener
+from dock_gateway.ros.scene_port import MapPort, PosePort, ScenePort
+from dock_gateway.settings import Settings
+from dock_gateway.topics.graph_cache import GraphCache
+from dock_gateway.topics.registry import EchoRegistry
+
+log = logging.getLogger(__name__)
+
+# Seconds between two scans of the graph, and between two scans while something on it is still to be registered.
+SCAN_INTERVAL, PAUSE = 1.0, 0.1
+# Seconds that a rejected or aborted goal waits for the server's reason.
+REASON_WAIT = 0.3
+
+
+@asynccontextmanager
+async def open_gateway(settings: Settings) -> AsyncIterator[Gateway]:
+    """Open the history, join the ROS graph and run the gateway until the block ends."""
+    async with AsyncExitStack() as stack:
+        history = await stack.enter_async_context(open_history(settings))
+        audit = _closed_by(stack, AuditLog(history.audit))
+        audit.open()
+        yield await _open(settings, history, audit, stack)
+
+
+async def _open(settings: Settings, history: History, audit: AuditLog, stack: AsyncExitStack) -> Gateway:
+    """Make every part, and register it with the stack for closing."""
+    hub = Hub(
+        queue_limit=settings.subscriber_queue,
+        max_subscribers=settings.max_subscribers,
+        keep=history.record_event,
+        newest=history.newest,
+    )
+    reasons: PendingFacts[GoalError] = PendingFacts(REASON_WAIT)
+    bridge = Bridge(settings.node_name, settings.namespace, settings.max_message_bytes)
+    bridge.start()
+    stack.push_async_callback(asyncio.to_thread, bridge.close)
+    interlock = _closed_by(
+        stack, Interlock(hub, LatchFile(settings.stop_file), normalize_namespace(settings.namespace))
+    )
+    last_goals = _closed_by(stack, LastGoals(history))
+    actions = _closed_by(stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock))
+    actions.on_end.append(last_goals.take)
+    history.on_loss = lambda: store_unfinished(actions, history)
+    robots = _closed_by(stack, RobotRegistry(settings, bridge, hub, interlock, last_goals))
+    stopper = _closed_by(stack, Stopper(robots, actions, interlock))
+    simulators = _closed_by(stack, Simulators(settings, bridge, hub))
+    activity = Activity(robots)
+    actions.on_end.append(activity.on_end)
+    stopper.on_stop.append(activity.intervened)
+    interlock.on_release.append(activity.intervened)
+    _subscribe_on_demand(settings, bridge, hub, activity, stack)
+    board = _closed_by(stack, SceneBoard(hub, lambda: [robot.namespace for robot in robots.all()]))
+    _listen_to_poses(settings, bridge, MapPort, board, stack)
+    if settings.store_poses:
+        recorder = _closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
+        _listen_to_poses(settings, bridge, PosePort, recorder, stack)
+    graph = _closed_by(stack, GraphCache(bridge))
+    echoes = _closed_by(stack, EchoRegistry(bridge, graph))
+    await bridge.call(
+        lambda: DiagnosticsPort(
+            bridge,
+            settings.diagnostics_topic,
+            on_reason=reasons.put,
+            on_progress=actions.on_progress,
+            on_simulator=simulators.on_report,
+        )
+    )
+    await robots.open(robots.default_namespace)
+    names = settings.docking_actions()
+    dock = await actions.open(names.dock, settings.dock_action_type, pinned=True)
+    undock = await actions.open(names.undock, settings.undock_action_type, pinned=True)
+    labels = _closed_by(stack, Labels(history.labels, lambda: [robot.namespace for robot in robots.all()]))
+    await labels.open()
+    decisions = DecisionLog(hub, history.automation_decisions)
+    alerts = _closed_by(
+        stack,
+        AlertBoard(
+            hub,
+            SharedEntries(history.acknowledgements),
+            low_battery=settings.low_battery,
+            incident=lambda: history.incident,
+            given_up=decisions.given_up,
+        ),
+    )
+    fleet = _closed_by(
+        stack,
+        Fleet(
+            settings,
+            hub,
+            robots=robots,
+            actions=actions,
+            interlock=interlock,
+            simulators=simulators,
+            last_goals=last_goals,
+            labels=labels,
+            alerts=alerts,
+        ),
+    )
+    automation = _closed_by(
+        stack,
+        AutomaticDocking(
+            settings,
+            fleet,
+            actions,
+            history,
+            activity=activity,
+            rules=SharedBook(history.automation_rules, "rule", MAX_RULES),
+            decisions=decisions,
+        ),
+    )
+    webhooks = SharedBook(history.webhooks, "webhook", MAX_WEBHOOKS)
+    outbox = Outbox(webhooks, SharedEntries(history.webhook_deliveries))
+    notifier = _closed_by(stack, Notifier(alerts, labels, webhooks=webhooks, outbox=outbox))
+    logins = _closed_by(stack, Logins(history))
+    if settings.authentication:
+        await logins.open()
+    parts = Parts(settings, bridge, hub, history, actions, robots, stopper, alerts, notifier)
+    metrics = _observe(parts, stack)
+    departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
+    tasks = _closed_by(stack, Tasks("running the gateway"))
+    tasks.spawn(_watch_graph(bridge, actions, robots, departures))
+    tasks.spawn(take_over_unfinished(actions, history))
+    stack.callback(hub.close)
+    return Gateway(
+        settings=settings,
+        bridge=bridge,
+        hub=hub,
+        history=history,
+        actions=actions,
+        robots=robots,
+        stopper=stopper,
+        simulators=simulators,
+        fleet=fleet,
+        labels=labels,
+        alerts=alerts,
+        automation=automation,
+        notifier=notifier,
+        logins=logins,
+        tickets=Tickets(),
+        quotas=Quotas(settings),
+        audit=audit,
+        graph=graph,
+        echoes=echoes,
+        metrics=metrics,
+        dock=dock,
+        undock=undock,
+    )
+
+
+class _Part(Protocol):
+    async def close(self) -> None: ...
+
+
+PartT = TypeVar("PartT", bound=_Part)
+
+
+def _closed_by(stack: AsyncExitStack, part: PartT) -> PartT:
+    stack.push_async_callback(part.close)
+    return part
+
+
+def _observe(parts: Parts, stack: AsyncExitStack) -> Metrics:
+    """Measure the parts, and trace their goals if that is configured."""
+    if traces := open_traces(parts):
+        _closed_by(stack, traces)
+    return _closed_by(stack, Metrics(parts))
+
+
+def _subscribe_on_demand(
+    settings: Settings, bridge: Bridge, hub: Hub, activity: Activity, stack: AsyncExitStack
+) -> None:
+    """Set up the topics that are subscribed to only on demand."""
+
+    def scene(robot: str) -> ScenePort:
+        return ScenePort(bridge, robot, partial(settings.resolve, namespace=robot), hub.publish)
+
+    def velocity(robot: str) -> VelocityListener:
+        def hear(message: Json, stamp_ns: int) -> None:
+            hub.publish(message_event("cmd_vel", message, hub.clock.stamp(stamp_ns), stamp_ns, robot=robot))
+
+        return VelocityListener(bridge, settings.resolve(settings.cmd_vel_topic, robot), hear)
+
+    def motion(robot: str) -> ExitStack:
+        topic = settings.resolve(settings.cmd_vel_topic, robot)
+        listener = VelocityListener(bridge, topic, lambda message, _: activity.on_velocity(robot, message))
+        activity.subscribed(robot)
+        port = ExitStack()
+        port.callback(listener.close)
+        port.callback(activity.unsubscribed, robot)
+        return port
+
+    _closed_by(stack, OnDemand(bridge, hub, "scene", scene))
+    _closed_by(stack, OnDemand(bridge, hub, "cmd_vel", velocity))
+    _closed_by(stack, OnDemand(bridge, activity, "motion", motion))
+
+
+def _listen_to_poses(
+    settings: Settings, bridge: Bridge, kind: type[PosePort], ears: PoseRecorder | SceneBoard, stack: AsyncExitStack
+) -> None:
+    """Subscribe to the poses of the robots that are wanted."""
+
+    def port(robot: str) -> PosePort:
+        return kind(bridge, robot, partial(settings.resolve, namespace=robot), ears.hear)
+
+    _closed_by(stack, OnDemand(bridge, ears, "poses", port))
+
+
+async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, departures: Departures) -> None:
+    """Scan the graph periodically and update actions and robots."""
+    steps: tuple[Callable[[Scan], Awaitable[bool | None]], ...] = (
+        actions.update,
+        robots.update,
+        lambda found: departures.look(found, time.monotonic()),
+    )
+    while True:
+        more = False
+        with _logged():
+            found = await bridge.call(lambda: scan(bridge.node))
+            for step in steps:
+                with _logged():
+                    more = bool(await step(found)) or more
+        await asyncio.sleep(PAUSE if more else SCAN_INTERVAL)
+
+
+@contextmanager
+def _logged() -> Iterator[None]:
+    """Log an exception instead of raising it, so that a failure does not affect the rest."""
+    try:
+        yield
+    except GatewayError as error:
+        log.warning("cannot read the ROS graph: %s", error.detail)
+    except Exception:
+        log.exception("while reading the ROS graph")
