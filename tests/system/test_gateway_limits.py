@@ -103,6 +103,7 @@ def test_the_other_robot_is_out_of_reach(robots: Robots, goals: dict[str, str]) 
         ("GET", f"/goals/{other}/events"),
         ("GET", f"/goals/{other}/history"),
         ("GET", f"/actions{ONE}/connect_to_charging_dock/goals/{other}/events"),
+        ("GET", f"/robots?robot={TWO}"),
         ("GET", f"/battery?robot={TWO}"),
         ("GET", f"/battery/history?robot={TWO}"),
         ("DELETE", f"/stop?robot={TWO}"),
@@ -228,7 +229,19 @@ def test_everyone_stops_every_robot_and_releases_the_own_one(robots: Robots) -> 
 
 def test_actions_and_topics_are_limits_of_their_own(robots: Robots) -> None:
     assert robots.refused(robots.undocker, "POST", f"/dock?robot={ONE}")
+    goal_id = robots.dock(ONE)
     assert robots.ask(robots.undocker, "GET", "/goals")["goals"] == []
+    (own,) = robots.ask(robots.one, "GET", "/robots")["robots"]
+    assert [goal["goal_id"] for goal in own["goals"]] == [goal_id]
+    assert all(not robot["goals"] for robot in robots.ask(robots.undocker, "GET", "/robots")["robots"])
+    with stream(robots.gateway, f"/ws/feedback?robot={ONE}&include=robots", robots.undocker) as socket:
+        assert goal_id not in socket.recv(timeout=30)
+    for topic in ("feedback", "status"):
+        path = f"/ws/topics?topic={ONE}/connect_to_charging_dock/_action/{topic}"
+        with pytest.raises(InvalidStatus) as hidden, stream(robots.gateway, path, robots.undocker):
+            pass
+        assert hidden.value.response.status_code == 403
+    robots.ask(robots.admin, "POST", f"/goals/{goal_id}/cancel")
     answer = robots.answer(robots.undocker, "POST", f"/undock?robot={ONE}")
     assert answer.json()["code"] != "not_covered"  # there is no undocking server, but it was let through
     with stream(robots.gateway, f"/ws/topics?topic={TWO}/battery_status", robots.reporter) as socket:

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cached_property
+from typing import Any
 
 import orjson
 
@@ -15,6 +16,8 @@ from dock_gateway.core.goal import encode
 LIMITS = ("robots", "actions", "topics")
 # A pattern of names, in which `*` stands for any text.
 PATTERN = re.compile(r"/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+")
+# Between the name of an action and those of its topics, `feedback` and `status`.
+ACTION_TOPICS = "/_action/"
 # The topics of the events that are about several robots.
 MIXED = frozenset({"robots", "scenes"})
 
@@ -64,8 +67,10 @@ class Grant:
         return bool(self._robots.fullmatch(name) and self._actions.fullmatch(name))
 
     def covers_topic(self, name: str) -> bool:
-        """Return whether they may read a topic."""
-        return bool(self._robots.fullmatch(name) and self._topics.fullmatch(name))
+        """Return whether they may read a topic. Those of an action show its goals."""
+        action, of_action, _ = name.rpartition(ACTION_TOPICS)
+        covered = self._robots.fullmatch(name) and self._topics.fullmatch(name)
+        return bool(covered and (not of_action or self._actions.fullmatch(action)))
 
     def covers_alert(self, robot: str | None) -> bool:
         """Return whether they see an alert of a robot; None: one of the gateway, which everyone sees."""
@@ -89,12 +94,21 @@ UNLIMITED = Grant(Role.ADMIN)
 
 
 def _text(pattern: str) -> str:
-    return ".*".join(map(re.escape, pattern.split("*")))
+    """Return an expression for a pattern.
+
+    The first place of each part between two `*` is the only one that is tried. That finds every match, and the time
+    grows with the length of a name, not with its square.
+    """
+    first, *others = map(re.escape, pattern.split("*"))
+    if not others:
+        return first
+    *middle, last = others
+    return first + "".join(f"(?>.*?{part})" for part in middle) + f".*{last}"
 
 
 def _pattern(texts: Iterable[str]) -> re.Pattern[str]:
     """Return an expression that matches what any of the texts does; everything if there is none."""
-    return re.compile("|".join(texts) or ".*")
+    return re.compile("|".join(texts) or ".*", re.DOTALL)
 
 
 def narrow(event: Event, grant: Grant) -> Event | None:
@@ -107,7 +121,8 @@ def narrow(event: Event, grant: Grant) -> Event | None:
     document = orjson.loads(event.data)
     match document["type"]:
         case "robots":
-            document["robots"] = [robot for robot in document["robots"] if grant.covers_robot(robot["name"])]
+            covered = [robot for robot in document["robots"] if grant.covers_robot(robot["name"])]
+            document["robots"] = [_narrow_robot(robot, grant) for robot in covered]
             document["gone"] = list(filter(grant.covers_robot, document["gone"]))
             if not document["robots"] and not document["gone"]:
                 return None
@@ -121,3 +136,11 @@ def narrow(event: Event, grant: Grant) -> Event | None:
         case _:
             return None
     return replace(event, data=encode(document))
+
+
+def _narrow_robot(robot: dict[str, Any], grant: Grant) -> dict[str, Any]:
+    last = robot["last_goal"]
+    return robot | {
+        "goals": [goal for goal in robot["goals"] if grant.covers_action(goal["action_name"])],
+        "last_goal": last if last is not None and grant.covers_action(last["action_name"]) else None,
+    }

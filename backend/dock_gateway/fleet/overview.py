@@ -132,7 +132,7 @@ class Fleet:
         """
         only = None if namespace is None else self._robots.get(namespace).namespace
         states = (state for state in self.states() if only in (None, state.name) and grant.covers_robot(state.name))
-        return [state.document() for state in states]
+        return [state.document(grant) for state in states]
 
     # ------------------------------------------------------------------ publishing
 

@@ -5,6 +5,7 @@ from typing import Any
 
 from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.goal import Goal
+from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.history import RobotLabel
 from dock_gateway.robots.battery import Battery, BatteryPublisher, PowerSupply
 
@@ -68,9 +69,14 @@ class RobotState:
         names = {server.action_name for server in servers if server is not None}
         return any(goal.action_name in names for goal in self.goals)
 
-    def document(self) -> dict[str, Any]:
-        """Return the state as `GET /robots` shows it, ready for `orjson`, without ages, which change all the time."""
+    def document(self, grant: Grant = UNLIMITED) -> dict[str, Any]:
+        """Return the state as `GET /robots` shows it, ready for `orjson`, without ages, which change all the time.
+
+        Args:
+            grant: Only goals that it covers are shown.
+        """
         publisher = self.publisher.document()
+        last = self.last_goal
         return {
             "name": self.name,
             "display_name": self.label.display_name,
@@ -84,6 +90,6 @@ class RobotState:
             "stop": self.stop,
             "dock": self.dock,
             "undock": self.undock,
-            "goals": [goal.state() for goal in self.goals],
-            "last_goal": self.last_goal and self.last_goal.state(),
+            "goals": [goal.state() for goal in self.goals if grant.covers_action(goal.action_name)],
+            "last_goal": last.state() if last is not None and grant.covers_action(last.action_name) else None,
         }

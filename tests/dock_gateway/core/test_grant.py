@@ -1,5 +1,8 @@
 """Each role includes the ones before it; a limited grant covers its robots, actions and topics and nothing else."""
 
+import re
+import time
+
 import orjson
 import pytest
 from hypothesis import given
@@ -67,6 +70,30 @@ def test_actions_and_topics_narrow_the_robots() -> None:
     assert grant.covers_robot("/robot1")
 
 
+def test_topics_of_actions_are_limited_like_their_goals() -> None:
+    grant = Grant(Role.VIEWER, actions=("*/undock",))
+    assert grant.covers_topic("/robot1/undock/_action/feedback")
+    assert not grant.covers_topic("/robot1/dock/_action/feedback")
+    assert not grant.covers_topic("/robot1/undock/_action/feedback/_action/status")
+    assert grant.covers_topic("/robot1/battery_status")
+
+
+@given(
+    st.text("ab/*", min_size=1, max_size=8).map(lambda text: f"/{text}"), st.text("ab/", max_size=12).map("/{}".format)
+)
+def test_a_star_stands_for_any_text(pattern: str, name: str) -> None:
+    expected = re.fullmatch(pattern.replace("*", ".*"), name) is not None
+    assert Grant(Role.VIEWER, actions=(pattern,)).covers_action(name) is expected
+
+
+def test_a_long_name_is_checked_in_linear_time() -> None:
+    grant = Grant(Role.OPERATOR, ("/hall_a/*/*/x*",), ("*/a*/b*/c",))
+    began = time.process_time()
+    assert not grant.covers_action("/hall_a" + "/" * 100_000)
+    assert not grant.covers_action("/hall_a" + "/a/b" * 25_000 + "\n")
+    assert time.process_time() - began < 1.0
+
+
 @given(NAMES, st.lists(NAMES, min_size=1, max_size=3))
 def test_a_robot_is_covered_exactly_if_it_is_or_lies_in_a_named_one(namespace: str, patterns: list[str]) -> None:
     expected = any(
@@ -90,7 +117,7 @@ def shown(event: Event, grant: Grant) -> object:
 
 def test_events_about_several_robots_keep_those_of_the_grant() -> None:
     grant = robots("/robot1")
-    rows = [{"name": "/robot1", "battery": 1}, {"name": "/robot2", "battery": 2}]
+    rows = [{"name": name, "goals": [], "last_goal": None} for name in ("/robot1", "/robot2")]
     changed = fleet_event("robots", NOW, robots=rows, gone=["/robot1/arm", "/robot3"])
     assert shown(changed, grant) == orjson.loads(fleet_event("robots", NOW, robots=rows[:1], gone=["/robot1/arm"]).data)
     alerts = [{"robot": "/robot2"}, {"robot": None}, {"robot": "/robot1"}]
@@ -99,6 +126,17 @@ def test_events_about_several_robots_keep_those_of_the_grant() -> None:
     )
     scenes = scenes_event({"/robot1": {"x": 1}, "/robot2": {"x": 2}}, NOW)
     assert shown(scenes, grant) == orjson.loads(scenes_event({"/robot1": {"x": 1}}, NOW).data)
+
+
+def test_events_about_robots_leave_out_the_goals_of_other_actions() -> None:
+    grant = Grant(Role.OPERATOR, actions=("/robot1/undock",))
+    dock, undock = {"action_name": "/robot1/dock"}, {"action_name": "/robot1/undock"}
+    robot = {"name": "/robot1", "goals": [dock, undock], "last_goal": dock}
+    changed = fleet_event("robots", NOW, robots=[robot], gone=[])
+    assert shown(changed, grant) == orjson.loads(
+        fleet_event("robots", NOW, robots=[robot | {"goals": [undock], "last_goal": None}], gone=[]).data
+    )
+    assert shown(changed, robots("/robot1")) == orjson.loads(changed.data)
 
 
 def test_events_about_other_robots_alone_are_left_out() -> None:

@@ -5,7 +5,9 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Path, Request
 from starlette.responses import Response
 
+from dock_gateway.robots.registry import read_namespace
 from dock_gateway.web.access import TheGrant, read_signed_json
+from dock_gateway.web.limits import not_covered
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -32,6 +34,8 @@ NO_QUERY = Depends(known_query())
 )
 async def list_robots(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
     """List every robot that was found, or only the one given by `robot`."""
+    if robot is not None and not grant.covers_robot(name := read_namespace(robot)):
+        raise not_covered(f"the robot {name}")
     return json_response({"robots": gateway.fleet.documents(robot, grant)})
 
 
