@@ -10,7 +10,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from dock_gateway.audit.log import new_id
 from dock_gateway.core.access import Principal
-from dock_gateway.core.audit import AuditEntry
+from dock_gateway.core.audit import MAX_ROBOTS, AuditEntry
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import parent_of
@@ -140,8 +140,9 @@ async def audited_command(
 
 
 def robots_text(robots: Iterable[str]) -> str | None:
-    """Return robots as an entry names them."""
-    return ",".join(normalize_namespace(robot) for robot in robots) or None
+    """Return robots as an entry names them, each once. A name that is not valid must not look like several."""
+    names = (normalize_namespace(robot).replace(",", "?") for robot in robots)
+    return ",".join(dict.fromkeys(names)) or None
 
 
 def _name(scope: Scope, status: int) -> str | None:
@@ -164,9 +165,9 @@ def _parameters(scope: Scope, gateway: Gateway) -> dict[str, str | None]:
     if scope["method"] in READS:
         return {"goal_id": path.get("goal_id"), "subject": str(query) or None}
     others = [str(value) for name, value in path.items() if name not in COLUMNS]
-    robots: list[str] = query.getlist("robot")
-    if not robots and any(field.name == "robot" for field in scope["route"].dependant.query_params):
-        robots = [gateway.settings.namespace]
+    robots: list[str] = []
+    if any(field.name == "robot" for field in scope["route"].dependant.query_params):
+        robots = query.getlist("robot") or [gateway.settings.namespace]
     return {
         "robot": robots_text(robots),
         "action_name": f"/{path['name']}" if "name" in path else None,
@@ -193,6 +194,10 @@ def _completed(known: Mapping[str, str | None], gateway: Gateway) -> dict[str, s
         goal_id = read_goal_id(goal_id)
         if action_name is None and (goal := gateway.actions.goal(goal_id)) is not None:
             action_name = goal.action_name
-    if robot is None and action_name is not None:
+    if action_name is not None:  # a command may name another robot beside an absolute name
         robot = parent_of(action_name)
+    if robot is not None and len(robot) > MAX_ROBOTS:
+        # There is room for every robot, but not for any number of names that are none.
+        known = {each.namespace for each in gateway.robots.all()}
+        robot = ",".join(sorted(robot.split(","), key=lambda name: name not in known))
     return dict(zip(FIELDS, (robot, action_name, goal_id, subject), strict=True))

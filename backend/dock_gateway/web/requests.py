@@ -46,10 +46,11 @@ async def depend_on_gateway(connection: HTTPConnection) -> Gateway:
 def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
     """Return a dependency that refuses query parameters other than these.
 
-    A misspelt parameter, or one of another version, must not be ignored when a robot moves.
+    A misspelt parameter, or one of another version, must not be ignored when a robot moves. Nor may a robot be named
+    twice: only one of them would be meant.
 
     Raises:
-        InvalidField: Lists the unknown parameters.
+        InvalidField: Lists the unknown parameters, or there is more than one robot.
     """
 
     async def check(connection: HTTPConnection) -> None:
@@ -59,6 +60,8 @@ def known_query(*names: str) -> Callable[[HTTPConnection], Awaitable[None]]:
             raise InvalidField(
                 [FieldError(f"query.{name[:100]}", expected, "got an unknown parameter") for name in unknown[:20]]
             )
+        if (robots := len(connection.query_params.getlist("robot"))) > 1:
+            raise InvalidField([FieldError("query.robot", "one robot", f"got {robots}")])
 
     return check
 

@@ -46,7 +46,7 @@ class Site:
             actions=SimpleNamespace(goal=self._goal),
             stopper=SimpleNamespace(release=self._release),
             quotas=Quotas(self.settings),
-            robots=SimpleNamespace(get=self._no_robot),
+            robots=SimpleNamespace(get=self._no_robot, all=lambda: [SimpleNamespace(namespace="/robot7")]),
         )
         self._app = create_app(self.settings, cast("Gateway", gateway))
 
@@ -153,6 +153,25 @@ def test_goals_and_subjects(site: Site) -> None:
         assert site.one().subject == "night"
 
 
+def test_a_request_cannot_name_another_robot_than_it_is_about(site: Site) -> None:
+    with site.client(Role.VIEWER) as http:
+        for path in ("/goals", "/dock", "/undock", "/actions/robot7/dock/goals"):
+            http.post(f"{path}/{GOAL}/cancel?robot=/robot9")
+            assert site.one().robot == "/robot7"
+    with site.client(Role.SUPERVISOR) as http:
+        assert http.delete("/stop?robot=/robot9&robot=/robot7").status_code == 422
+        assert (entry := site.one()).robot == "/robot9,/robot7"
+        assert entry.outcome == "refused"
+        http.delete("/stop?robot=/robot9,/robot7")
+        assert site.one().robot == "/robot9?/robot7"
+
+
+def test_names_that_are_no_robots_leave_room_for_those_that_are(site: Site) -> None:
+    with site.client(Role.VIEWER) as http:
+        http.post("/stop", params={"robot": [*(f"/none{number}_{'x' * 200}" for number in range(60)), "/robot7"]})
+        assert (site.one().robot or "").split(",")[0] == "/robot7"
+
+
 def test_tokens_and_logins(site: Site) -> None:
     with site.client() as http:
         http.post("/session", json={"token": "dgw_wrong"})
@@ -240,6 +259,7 @@ COMMAND = [
     ("release_stop", {}, {}, ("/", None, None, 200, None)),
     ("send_goal", {}, {"goal": {"goal_id": GOAL, "action_name": "/d"}}, ("/", "/d", GOAL, 200, None)),
     ("send_goal", {"action": "spin", "robot": "r"}, NotFound("x", code="y"), ("/r", "/r/spin", None, 404, "y")),
+    ("send_goal", {"action": "/a/spin", "robot": "/b"}, NotFound("x", code="y"), ("/a", "/a/spin", None, 404, "y")),
     ("cancel_goal", {"goal_id": GOAL}, Conflict("x", code="y"), ("/robot7", "/robot7/dock", GOAL, 409, "y")),
     ("cancel_goal", {"goal_id": 7}, RuntimeError("x"), ("/", None, None, 500, "internal_error")),
 ]

@@ -10,7 +10,7 @@ from dock_gateway.core.errors import InvalidField
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.settings import Settings
 from dock_gateway.web.audit import Trail
-from dock_gateway.web.requests import read_goal_id, read_json, read_name
+from dock_gateway.web.requests import known_query, read_goal_id, read_json, read_name
 from dock_gateway.web.routes.goals import send_goal
 from tests.support.history import make_goal
 
@@ -92,6 +92,15 @@ async def test_a_goal_that_is_waited_for_is_recorded_as_soon_as_it_is_accepted()
         "action_name": "/robot1/spin",
         "goal_id": "goal-0001",
     }
+
+
+@pytest.mark.parametrize("query", [b"robot=/robot1&robot=/robot2", b"robot=/robot1&robot=/robot1", b"robto=/robot1"])
+async def test_what_robot_is_meant_is_clear(query: bytes) -> None:
+    with pytest.raises(InvalidField):
+        await known_query("robot", "status")(Request({"type": "http", "query_string": query}))
+    await known_query("robot", "status")(
+        Request({"type": "http", "query_string": b"robot=/robot1&status=lost&status=aborted"})
+    )
 
 
 @pytest.mark.parametrize("text", ["7D9C1C9E-0000-4000-8000-00000000000A", "7d9c1c9e00004000800000000000000a"])
