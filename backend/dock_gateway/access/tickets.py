@@ -9,8 +9,8 @@ from dock_gateway.core.errors import NotAuthenticated
 
 # Seconds that a ticket is valid.
 LIFETIME = 30.0
-# Maximum number of unused tickets; the oldest become invalid.
-MAX_TICKETS = 1000
+# Maximum number of unused tickets of one user; their oldest become invalid, not those of others.
+MAX_TICKETS = 100
 
 
 class Tickets:
@@ -26,10 +26,13 @@ class Tickets:
 
     def issue(self, principal: Principal) -> str:
         """Return a new ticket for a user."""
+        now = self._clock()
+        self._unused = {ticket: held for ticket, held in self._unused.items() if held[1] > now}
+        own = [ticket for ticket, (user, _) in self._unused.items() if user == principal]
+        for oldest in own[: max(0, len(own) + 1 - MAX_TICKETS)]:
+            del self._unused[oldest]
         ticket = secrets.token_urlsafe(32)
-        self._unused[ticket] = principal, self._clock() + LIFETIME
-        if len(self._unused) > MAX_TICKETS:
-            del self._unused[next(iter(self._unused))]
+        self._unused[ticket] = principal, now + LIFETIME
         return ticket
 
     def redeem(self, ticket: str) -> Principal:

@@ -1,5 +1,7 @@
 """A ticket opens one WebSocket, soon."""
 
+from dataclasses import replace
+
 import pytest
 
 from dock_gateway.access.tickets import LIFETIME, MAX_TICKETS, Tickets
@@ -59,6 +61,9 @@ def test_it_expires(tickets: Tickets, clock: Clock, seconds: float, valid: bool)
 
 
 def test_a_flood_takes_no_more_than_its_share_of_memory(tickets: Tickets) -> None:
+    other = replace(ANYBODY, name="other")
+    first = tickets.issue(other)
     issued = [tickets.issue(ANYBODY) for _ in range(MAX_TICKETS + 1)]
+    assert tickets.redeem(first) == other, "it is that of another user"
     assert not is_valid(tickets, issued[0])
     assert all(is_valid(tickets, ticket) for ticket in issued[1:])
