@@ -2,6 +2,7 @@
 
 import json
 import logging
+import re
 import sys
 import threading
 from datetime import UTC, datetime
@@ -12,9 +13,23 @@ from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
+# What could begin another line, or change a terminal.
+CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f-\x9f\u2028\u2029]")
 HUMAN = "[%(levelname)s] [%(asctime)s] [%(name)s]: %(message)s"
 # Libraries whose lines below a warning are of no interest, not even with `debug`.
 NOISY = ("asyncio", "httpcore", "httpx2", "urllib3", "websockets")
+
+
+class HumanFormatter(logging.Formatter):
+    """Writes the message of a record in one line, whatever clients have sent. Tracebacks follow it."""
+
+    def __init__(self) -> None:
+        super().__init__(HUMAN)
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 - its name in `logging`
+        """Return the line, with control characters escaped."""
+        record.message = CONTROL.sub(lambda match: match[0].encode("unicode_escape").decode(), record.message)
+        return super().formatMessage(record)
 
 
 class JsonFormatter(logging.Formatter):
@@ -40,10 +55,9 @@ class JsonFormatter(logging.Formatter):
 def configure_logs(settings: Settings) -> None:
     """Configure the root logger, which every line goes to. With JSON, warnings and uncaught exceptions do, too."""
     debug = settings.log_level == "debug"
-    logging.basicConfig(level=settings.log_level.upper(), format=HUMAN)
+    logging.basicConfig(level=settings.log_level.upper())
     for handler in logging.getLogger().handlers:
-        if settings.log_format == "json":
-            handler.setFormatter(JsonFormatter())
+        handler.setFormatter(JsonFormatter() if settings.log_format == "json" else HumanFormatter())
         if not debug:
             handler.addFilter(LogLimit())
     for noisy in NOISY:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from dock_gateway.core.log_config import JsonFormatter
+from dock_gateway.core.log_config import HumanFormatter, JsonFormatter
 from dock_gateway.core.request import CURRENT, RequestContext
 
 
@@ -55,6 +55,22 @@ def test_a_line(log: Log) -> None:
         "logger": "dock_gateway.some.part",
         "message": "a stop of /robot1 is latched",
     }
+
+
+def test_a_line_for_people_is_one_line_whatever_is_in_it() -> None:
+    text = "x\n[INFO] [forged]: a line\x1b[2K\r\u2028\té"
+    record = logging.LogRecord("any", logging.INFO, "", 0, "got %s", (text,), None)
+    line = HumanFormatter().format(record)
+    assert line.endswith("[any]: got x\\n[INFO] [forged]: a line\\x1b[2K\\r\\u2028\té")
+    assert line.startswith("[INFO] [2")
+
+
+def test_a_traceback_has_its_own_lines() -> None:
+    try:
+        raise ValueError("a bug")
+    except ValueError:
+        record = logging.LogRecord("any", logging.ERROR, "", 0, "it broke", (), sys.exc_info())
+    assert HumanFormatter().format(record).endswith("\nValueError: a bug")
 
 
 def test_the_time_is_utc(log: Log) -> None:
