@@ -18,6 +18,8 @@ SECURITY_HEADERS = {
     "Referrer-Policy": "same-origin",
     "Cross-Origin-Resource-Policy": "same-origin",
 }
+# No cache keeps an answer, which may be for one user alone, unless it says otherwise.
+NO_STORE = {"Cache-Control": "no-store"}
 # For a year, browsers use HTTPS only with this host name, on every port. They ignore it for IP addresses.
 HSTS = {"Strict-Transport-Security": "max-age=31536000"}
 
@@ -36,7 +38,7 @@ class SecurityHeaders:
 
     def __init__(self, app: ASGIApp, *, tls: bool = False) -> None:
         self._app = app
-        self._headers = security_headers(tls=tls)
+        self._headers = security_headers(tls=tls) | NO_STORE
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on, and add the headers to the answer."""

@@ -42,21 +42,34 @@ def check(headers: httpx2.Headers, policy: str) -> None:
         assert headers.get_list(name) == [policy if name == CONTENT_SECURITY_POLICY else value], name
 
 
-@pytest.mark.parametrize(
-    ("method", "path", "status"),
-    [
-        ("GET", "/openapi.json", 200),
-        ("GET", "/nowhere", 404),
-        ("DELETE", "/dock", 405),
-        ("OPTIONS", "/dock", 204),
-        ("GET", "/bug", 500),
-        ("GET", "/assets/index-abc.js", 200),
-        ("GET", "/assets/none.js", 404),
-        ("GET", "/color-scheme.js", 200),
-        ("GET", "/swagger/swagger-ui.css", 200),
-        ("GET", "/docs/start.js", 200),
-    ],
-)
+DATA = [
+    ("GET", "/openapi.json", 200),
+    ("GET", "/nowhere", 404),
+    ("DELETE", "/dock", 405),
+    ("OPTIONS", "/dock", 204),
+    ("GET", "/bug", 500),
+    ("GET", "/assets/index-abc.js", 200),
+    ("GET", "/assets/none.js", 404),
+    ("GET", "/color-scheme.js", 200),
+    ("GET", "/swagger/swagger-ui.css", 200),
+    ("GET", "/docs/start.js", 200),
+]
+CACHED = {
+    "/assets/index-abc.js": "public, max-age=31536000, immutable",
+    "/color-scheme.js": "no-cache",
+    "/docs/start.js": "no-cache",
+}
+
+
+@pytest.mark.parametrize(("method", "path", "status"), DATA)
+def test_no_cache_keeps_an_answer_that_says_nothing_of_caches(
+    client: TestClient, method: str, path: str, status: int
+) -> None:
+    headers = client.request(method, path).headers
+    assert headers.get_list("Cache-Control") == [CACHED.get(path, "no-store")]
+
+
+@pytest.mark.parametrize(("method", "path", "status"), DATA)
 def test_data(client: TestClient, method: str, path: str, status: int) -> None:
     response = client.request(method, path)
     assert response.status_code == status
