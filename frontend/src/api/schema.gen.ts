@@ -1334,6 +1334,8 @@ export interface paths {
          * Readyz
          * @description Report whether the action server is available and answers, and the state of the history.
          *
+         *     Who stopped which robots, and the last error of the history, are only shown to users without limits.
+         *
          *     A failing history does not affect readiness: it holds up no goal. Nor does a latched stop: the gateway is ready to
          *     release it.
          */

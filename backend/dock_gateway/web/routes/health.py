@@ -1,11 +1,14 @@
 """`/healthz` and `/readyz`, for supervisors and load balancers."""
 
-from fastapi import APIRouter
+from dataclasses import replace
+
+from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from dock_gateway import __version__
-from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.errors import NotAuthenticated, Unavailable
 from dock_gateway.ros.bridge import ros_environment
+from dock_gateway.web.access import identify
 from dock_gateway.web.requests import TheGateway, json_response
 from dock_gateway.web.schemas.health import Health, Readiness
 
@@ -31,18 +34,25 @@ async def healthz(gateway: TheGateway) -> Response:
 
 
 @router.get("/readyz", response_model=Readiness, responses={503: {"model": Readiness}})
-async def readyz(gateway: TheGateway) -> Response:
+async def readyz(request: Request, gateway: TheGateway) -> Response:
     """Report whether the action server is available and answers, and the state of the history.
+
+    Who stopped which robots, and the last error of the history, are only shown to users without limits.
 
     A failing history does not affect readiness: it holds up no goal. Nor does a latched stop: the gateway is ready to
     release it.
     """
     state = gateway.dock.watch.state
     ready = gateway.bridge.alive and gateway.dock.watch.ready
-    document = {
-        "ready": ready,
-        "action_server": state,
-        "history": gateway.history.stats(),
-        "stop": gateway.stopper.state(),
-    }
+    history, stop = gateway.history.stats(), gateway.stopper.state()
+    if not _sees_everything(request):
+        history, stop = replace(history, last_error=None), {**stop, "by": None, "robots": []}
+    document = {"ready": ready, "action_server": state, "history": history, "stop": stop}
     return json_response(document, 200 if ready else 503)
+
+
+def _sees_everything(request: Request) -> bool:
+    try:
+        return not identify(request).grant.limited
+    except NotAuthenticated:
+        return False

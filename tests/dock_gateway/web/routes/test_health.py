@@ -1,0 +1,60 @@
+"""What supervisors and load balancers read without a login names neither robots nor people."""
+
+import asyncio
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+from starlette.testclient import TestClient
+
+from dock_gateway.access.logins import Logins
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.history import HistoryStats
+from dock_gateway.history.memory import MemoryHistory
+from dock_gateway.settings import Settings
+from dock_gateway.web.app import create_app
+from tests.support.audit import audit_parts
+from tests.support.shapes import check_answer
+
+STOP = {"latched": True, "since": "2026-11-21T03:32:40Z", "by": "ada", "robots": ["/robot1"], "persisted": True}
+SERVER = {"action_name": "/dock", "available": True, "answering": True, "duplicate": False}
+EVERYTHING = ("ada", ["/robot1"], "no route to db.example")
+NOBODY = (None, [], None)
+
+
+def read(grant: Grant | None, *, authentication: bool = True) -> tuple[object, object, object]:
+    settings = Settings(authentication=authentication, database_url="sqlite:////nowhere")
+    logins = Logins(MemoryHistory(10))
+    _, secret = asyncio.run(logins.create_token("one", grant or Grant(Role.VIEWER)))
+    gateway: Any = SimpleNamespace(
+        **audit_parts(),
+        settings=settings,
+        logins=logins,
+        bridge=SimpleNamespace(alive=True),
+        dock=SimpleNamespace(watch=SimpleNamespace(state=SERVER, ready=True)),
+        history=SimpleNamespace(stats=lambda: HistoryStats(last_error=EVERYTHING[2])),
+        stopper=SimpleNamespace(state=lambda: STOP),
+    )
+    with TestClient(create_app(settings, gateway), "http://127.0.0.1:8000") as http:
+        headers = {} if grant is None else {"Authorization": f"Bearer {secret}"}
+        answer = http.get("/readyz", headers=headers)
+    check_answer("GET", "/readyz", 200, "application/json", answer.content)
+    ready = answer.json()
+    assert ready["stop"]["latched"] is True
+    return ready["stop"]["by"], ready["stop"]["robots"], ready["history"]["last_error"]
+
+
+@pytest.mark.parametrize(
+    ("grant", "shown"),
+    [
+        (None, NOBODY),
+        (Grant(Role.VIEWER, robots=("/robot2",)), NOBODY),
+        (Grant(Role.VIEWER), EVERYTHING),
+    ],
+)
+def test_who_sees_names(grant: Grant | None, shown: tuple[object, object, object]) -> None:
+    assert read(grant) == shown
+
+
+def test_without_authentication_everybody_does() -> None:
+    assert read(None, authentication=False) == EVERYTHING
