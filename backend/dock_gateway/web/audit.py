@@ -198,6 +198,6 @@ def _completed(known: Mapping[str, str | None], gateway: Gateway) -> dict[str, s
         robot = parent_of(action_name)
     if robot is not None and len(robot) > MAX_ROBOTS:
         # There is room for every robot, but not for any number of names that are none.
-        known = {each.namespace for each in gateway.robots.all()}
-        robot = ",".join(sorted(robot.split(","), key=lambda name: name not in known))
+        present = {each.namespace for each in gateway.robots.all()}
+        robot = ",".join(sorted(robot.split(","), key=lambda name: name not in present))
     return dict(zip(FIELDS, (robot, action_name, goal_id, subject), strict=True))
