@@ -11,12 +11,14 @@ import orjson
 import pytest
 from starlette.types import Message
 
+from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
 from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
 from dock_gateway.gateway import Gateway
+from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
 from dock_gateway.web.streams.events import EventStream, _sse_chunks, until_one_ends
 from tests.support.tracking import A, S, Scene, scene
@@ -144,7 +146,7 @@ class OneGoal:
         self.hub, self.history = scene.hub, scene.history
         self.settings = SimpleNamespace(heartbeat_interval=60.0)
         self.robots = SimpleNamespace(get=lambda _: robot)
-        self.quotas = Quotas(Settings())
+        self.quotas, self.logins = Quotas(Settings()), Logins(MemoryHistory(1))
         self.stopper = SimpleNamespace(state=lambda _: None)
         self.simulators = SimpleNamespace(document=lambda _: None)
 

@@ -10,12 +10,14 @@ import orjson
 import pytest
 from fastapi import WebSocket
 
+from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.event import Event, notice, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.gateway import Gateway
+from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
 from dock_gateway.web.streams import socket as socket_module
 from dock_gateway.web.streams.socket import Session
@@ -65,7 +67,7 @@ async def test_a_stop_does_not_wait_behind_commands_that_hang(monkeypatch: pytes
     goals = [f'{{"op": "send_goal", "id": "{number}"}}' for number in range(3)]
     websocket = FakeWebSocket(*goals, "no JSON", '{"op": "stop", "id": "stop"}')
     settings = Settings(subscriber_timeout=1.0)
-    gateway = SimpleNamespace(settings=settings, quotas=Quotas(settings))
+    gateway = SimpleNamespace(settings=settings, quotas=Quotas(settings), logins=Logins(MemoryHistory(1)))
     session = Session(cast("WebSocket", websocket), cast("Gateway", gateway), ANYBODY)
     await session._read()
     await asyncio.sleep(0.01)
@@ -83,7 +85,7 @@ class Lookups:
 
     def __init__(self) -> None:
         self.hub = Hub(queue_limit=10, max_subscribers=10)
-        self.quotas = Quotas(Settings())
+        self.quotas, self.logins = Quotas(Settings()), Logins(MemoryHistory(1))
         self.settings = SimpleNamespace(subscriber_timeout=1.0)
         self.robots = SimpleNamespace(get=lambda _: SimpleNamespace(namespace="/"))
 
@@ -157,6 +159,7 @@ async def test_stops_are_never_refused(tmp_path: Path, monkeypatch: pytest.Monke
     monkeypatch.setattr(socket_module, "MAX_STOPS", 1)
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
         fleet.gateway.settings = SimpleNamespace(subscriber_timeout=1.0)
+        fleet.gateway.logins = Logins(MemoryHistory(1))
         fleet.goals["/"].answers.clear()  # each takes longer than the next takes to come
         websocket = FakeWebSocket(*(f'{{"op": "stop", "id": "{number}"}}' for number in range(20)), stays=True)
         session = Session(cast("WebSocket", websocket), fleet.gateway, ANYBODY)
@@ -170,6 +173,7 @@ async def test_stops_are_never_refused(tmp_path: Path, monkeypatch: pytest.Monke
 async def test_a_stop_in_a_binary_message_is_one(tmp_path: Path) -> None:
     async with fake_fleet(tmp_path / "stops.json", "/") as fleet:
         fleet.gateway.settings = SimpleNamespace(subscriber_timeout=1.0)
+        fleet.gateway.logins = Logins(MemoryHistory(1))
         websocket = FakeWebSocket()
         session = Session(cast("WebSocket", websocket), fleet.gateway, ANYBODY)
         await session._handle({"text": None, "bytes": b'{"op": "ping"}'})
