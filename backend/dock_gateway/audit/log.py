@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import uuid
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
 from itertools import islice
@@ -23,8 +24,11 @@ BATCH_INTERVAL = 0.2  # seconds to collect a batch, unless an answer waits for i
 RETRY_FIRST, RETRY_LAST = 0.1, 2.0  # seconds before the first retry, and at most
 ANSWER_TIMEOUT = 0.5  # seconds that an answer waits until its entry is stored
 CLOSE_TIMEOUT = 1.0  # seconds
-# Entries of clients without a valid token in a period of seconds. More are counted, so that they fill no disk.
-MAX_UNKNOWN, UNKNOWN_PERIOD = 30, 60.0
+# Entries of one user, and of all clients without a valid login, in a period of seconds. More are counted, so that they
+# neither fill a disk nor displace what was recorded earlier.
+MAX_OF_USER, MAX_UNKNOWN, PERIOD = 600, 30, 60.0
+# All clients without a valid login.
+UNKNOWN = ""
 
 
 class AuditLog:
@@ -43,7 +47,7 @@ class AuditLog:
         self._logged: set[str] = set()  # which of them
         self._tickets: dict[str, asyncio.Future[None]] = {}  # of answers, by entry id
         self._unreported = 0  # lost entries that no entry says yet
-        self._unknown = 0  # requests without a valid token in this period
+        self._requests: Counter[str | None] = Counter()  # in this period, by user
         self._period: asyncio.TimerHandle | None = None
         self._answering = True
         self._wake = asyncio.Event()
@@ -58,18 +62,20 @@ class AuditLog:
         return len(self._waiting)
 
     def record(self, entry: AuditEntry) -> None:
-        """Record an entry; never waits, never raises."""
-        if entry.role is None:
-            self._unknown += 1
-            if self._period is None:
-                self._period = asyncio.get_running_loop().call_later(UNKNOWN_PERIOD, self._end_period)
-            if self._unknown > MAX_UNKNOWN:
-                return
-        self._put(entry)
+        """Record an entry, or only count it; never waits, never raises."""
+        user = UNKNOWN if entry.role is None else entry.principal
+        self._requests[user] += 1
+        if self._period is None:
+            self._period = asyncio.get_running_loop().call_later(PERIOD, self._end_period)
+        if self._requests[user] <= _most(user):
+            self._put(entry)
 
     async def store(self, entry: AuditEntry) -> None:
         """Record an entry and wait until it is stored, for half a second at most and only if the history answers."""
-        self.record(entry)
+        if entry.role is None:
+            self.record(entry)
+        else:
+            self._put(entry)
         if not self._answering or entry.entry_id not in self._waiting:
             return
         ticket = self._tickets[entry.entry_id] = asyncio.get_running_loop().create_future()
@@ -91,14 +97,17 @@ class AuditLog:
         self._wake.set()
 
     def _end_period(self) -> None:
-        """Record how many requests without a valid token have no entry of their own."""
+        """Record how many requests of each user have no entry of their own."""
         if self._period is not None:
             self._period.cancel()
         self._period = None
-        more, self._unknown = self._unknown - MAX_UNKNOWN, 0
-        if more > 0:
-            subject = f"{more} more requests without a valid token"
-            self._put(_remark("more_requests", subject, 401, "not_authenticated"))
+        for user, count in self._requests.items():
+            if (more := count - _most(user)) > 0:
+                unknown = user == UNKNOWN
+                whose = "without a valid token" if unknown else f"of {user or 'users without a name'}"
+                status, code = (401, "not_authenticated") if unknown else (429, "too_many_requests")
+                self._put(_remark("more_requests", f"{more} more requests {whose}", status, code))
+        self._requests.clear()
 
     # ------------------------------------------------------------------ the history
 
@@ -173,6 +182,10 @@ class AuditLog:
 def new_id() -> str:
     """Return an id for an entry."""
     return uuid.uuid4().hex
+
+
+def _most(user: str | None) -> int:
+    return MAX_UNKNOWN if user == UNKNOWN else MAX_OF_USER
 
 
 def _remark(what: str, subject: str, status: int, code: str) -> AuditEntry:

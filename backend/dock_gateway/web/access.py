@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from ipaddress import ip_address
 from typing import Annotated, Any
 
 from fastapi import Depends
@@ -115,8 +116,12 @@ def secret_of(connection: HTTPConnection) -> str | None:
 
 
 def address_of(connection: HTTPConnection) -> str:
-    """Return the address of the client; behind a trusted proxy, that which the proxy names."""
-    return "" if connection.client is None else connection.client.host
+    """Return the address of the client; behind a trusted proxy, that which the proxy names. Empty if it is none."""
+    host = "" if connection.client is None else connection.client.host
+    try:
+        return str(ip_address(host.partition("%")[0]))
+    except ValueError:
+        return ""
 
 
 def cookie_name(connection: HTTPConnection) -> str:

@@ -16,6 +16,7 @@ from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import parent_of
 from dock_gateway.gateway import Gateway
 from dock_gateway.robots.registry import normalize_namespace
+from dock_gateway.web.access import address_of
 from dock_gateway.web.permissions import AUDITED_READS, COMMANDS, STORED_FIRST, UNAUDITED_COMMANDS
 from dock_gateway.web.requests import GOAL_ID, get_gateway, read_goal_id
 
@@ -70,14 +71,13 @@ class Trail:
 
     def _entry(self, what: str, status: int, code: str | None, fields: dict[str, Any]) -> AuditEntry:
         principal: Principal | None = self._scope.get("principal")
-        client = self._scope.get("client")
         return AuditEntry(
             entry_id=new_id(),
             at=self._at,
             principal=None if principal is None else principal.name,
             role=None if principal is None else principal.grant.role,
             token_id=None if principal is None else principal.credential,
-            client=None if client is None else client[0],
+            client=address_of(HTTPConnection(self._scope)) or None,
             request_id=self._scope.get("request_id"),
             what=what,
             status=int(status),

@@ -55,7 +55,7 @@ async def opened(store: Store) -> AsyncIterator[AuditLog]:
 
 
 async def test_entries_are_stored_in_their_order_soon(store: Store) -> None:
-    entries = [make_entry(number) for number in range(1200)]
+    entries = [make_entry(number, principal=f"user {number % 3}") for number in range(1200)]
     async with opened(store) as audit:
         for entry in entries:
             audit.record(entry)
@@ -138,7 +138,7 @@ async def test_beyond_the_limit_entries_are_lost_and_the_log_says_so(
 
 
 async def test_a_flood_without_a_token_is_counted(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "UNKNOWN_PERIOD", 0.5)
+    monkeypatch.setattr(module, "PERIOD", 0.5)
     async with opened(store) as audit:
         for number in range(100_000):
             audit.record(make_entry(number, principal=None, role=None, token_id=None, status=401))
@@ -153,6 +153,26 @@ async def test_a_flood_without_a_token_is_counted(store: Store, monkeypatch: pyt
         )
         audit.record(make_entry(7, role=None))  # in the next period
         await until(lambda: len(store._rows) == MAX_UNKNOWN + 3)
+
+
+async def test_one_user_who_floods_is_counted_and_others_are_recorded(
+    store: Store, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "PERIOD", 0.5)
+    monkeypatch.setattr(module, "MAX_OF_USER", 5)
+    async with opened(store) as audit:
+        for number in range(50):
+            audit.record(make_entry(number, principal="eve"))
+        audit.record(make_entry(50))
+        await audit.store(make_entry(51, principal="eve", what="release_stop"))
+        await until(lambda: len(store._rows) == 8)
+        stored = await store.stored()
+        assert stored[5:7] == [make_entry(50), make_entry(51, principal="eve", what="release_stop")]
+        assert (stored[7].what, stored[7].subject, stored[7].outcome) == (
+            "more_requests",
+            "45 more requests of eve",
+            "refused",
+        )
 
 
 async def test_closing_stores_what_waits(store: Store) -> None:
