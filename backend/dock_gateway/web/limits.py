@@ -28,7 +28,7 @@ async def require_covered(gateway: Gateway, grant: Grant, scope: Scope, names: N
     elif not grant.limited or scope in (Scope.ANY, Scope.LISTED):
         return
     elif scope is Scope.EVERY:
-        covered, about = False, f"every robot, and {what} is about all of them"
+        raise NotAllowed(f"{what} is about every robot, and your access is limited", code="not_covered")
     else:
         covered, about = await _CHECKS[scope](gateway, grant, names)
     if not covered:
