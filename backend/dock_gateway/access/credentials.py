@@ -3,13 +3,14 @@
 import hashlib
 import hmac
 import secrets
+from abc import ABC, abstractmethod
 from contextlib import suppress
 from dataclasses import replace
 from datetime import datetime, timedelta
-from typing import Generic, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
-from dock_gateway.core.access import Session, Token
-from dock_gateway.core.errors import GatewayError
+from dock_gateway.core.access import Principal, Session, Token
+from dock_gateway.core.errors import GatewayError, NotAuthenticated
 from dock_gateway.core.event import utc_now
 from dock_gateway.fleet.shared_book import SharedBook
 
@@ -22,12 +23,14 @@ USED_EVERY = timedelta(minutes=1)
 CredentialT = TypeVar("CredentialT", Token, Session)
 
 
-class Credentials(Generic[CredentialT]):
+class Credentials(ABC, Generic[CredentialT]):
     """Tokens or sessions by id, found by their secrets.
 
     Args:
         book: Stores them.
     """
+
+    refusal: ClassVar[str]  # why a secret is refused
 
     def __init__(self, book: SharedBook[CredentialT]) -> None:
         self.book: SharedBook[CredentialT] = book
@@ -40,9 +43,22 @@ class Credentials(Generic[CredentialT]):
         entry = self.book.get(key)
         return None if entry is None or not hmac.compare_digest(entry.digest, digest) else (key, entry)
 
-    def use(self, key: str) -> None:
-        """Note that an entry is used now; `look` records it."""
-        self._used[key] = utc_now()
+    @abstractmethod
+    def principal(self, key: str) -> Principal | None:
+        """Return who shows an entry, if it is valid."""
+
+    def identify(self, secret: str) -> Principal:
+        """Return who shows this secret.
+
+        Raises:
+            NotAuthenticated: There is no valid entry with it (`invalid_token`).
+        """
+        found = self.find(secret)
+        principal = None if found is None else self.principal(found[0])
+        if found is None or principal is None:
+            raise NotAuthenticated(self.refusal, code="invalid_token")
+        self._used[found[0]] = utc_now()  # `look` records it
+        return principal
 
     async def look(self) -> None:
         """Record which were used, and read changes of other gateways."""

@@ -7,7 +7,7 @@ from datetime import timedelta
 from dock_gateway.access.credentials import ID_DIGITS, Credentials, new_secret
 from dock_gateway.access.users import MAX_USERS
 from dock_gateway.core.access import Kind, Principal, Session, User
-from dock_gateway.core.errors import GatewayError, NotAuthenticated
+from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import utc_now
 from dock_gateway.fleet.shared_book import SharedBook
 
@@ -29,30 +29,19 @@ class Sessions(Credentials[Session]):
         users: The users, who may be changed at any time; a session has no role of its own.
     """
 
+    refusal = "the login has ended; log in again"
+
     def __init__(self, book: SharedBook[Session], users: SharedBook[User]) -> None:
         super().__init__(book)
         self._users = users
 
-    def identify(self, secret: str) -> Principal:
-        """Return who shows this secret.
-
-        Raises:
-            NotAuthenticated: There is no valid session with it (`invalid_token`).
-        """
-        found = self.find(secret)
-        principal = None if found is None else self.principal(found[0])
-        if found is None or principal is None:
-            raise NotAuthenticated("the login has ended; log in again", code="invalid_token")
-        self.use(found[0])
-        return principal
-
-    def principal(self, session_id: str) -> Principal | None:
+    def principal(self, key: str) -> Principal | None:
         """Return who shows a session, with what they may do now, if it is valid."""
-        session = self.book.get(session_id)
+        session = self.book.get(key)
         if session is None or not self._valid(session):
             return None
         user = self._users.all()[session.user]
-        return Principal(session.user, Kind.USER, user.grant, session_id)
+        return Principal(session.user, Kind.USER, user.grant, key)
 
     def _valid(self, session: Session) -> bool:
         return session.valid(self._users.get(session.user), utc_now())

@@ -7,7 +7,7 @@ from typing import Any
 
 from dock_gateway.access.credentials import ID_DIGITS, Credentials, new_secret
 from dock_gateway.core.access import Kind, Principal, Token
-from dock_gateway.core.errors import Conflict, NotAuthenticated
+from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
 
@@ -22,25 +22,14 @@ class Tokens(Credentials[Token]):
     answer, the tokens that were valid before go on.
     """
 
-    def identify(self, secret: str) -> Principal:
-        """Return who shows this secret.
+    refusal = "the token is not known, was revoked or has expired"
 
-        Raises:
-            NotAuthenticated: There is no valid token with it (`invalid_token`).
-        """
-        found = self.find(secret)
-        principal = None if found is None else self.principal(found[0])
-        if found is None or principal is None:
-            raise NotAuthenticated("the token is not known, was revoked or has expired", code="invalid_token")
-        self.use(found[0])
-        return principal
-
-    def principal(self, token_id: str) -> Principal | None:
+    def principal(self, key: str) -> Principal | None:
         """Return who shows a token, if it is valid."""
-        token = self.book.get(token_id)
+        token = self.book.get(key)
         if token is None or not token.valid(utc_now()):
             return None
-        return Principal(token.name, Kind.TOKEN, token.grant, token_id)
+        return Principal(token.name, Kind.TOKEN, token.grant, key)
 
     def name_of(self, token_id: str) -> str | None:
         """Return the name of a token, if there is one with this id."""
