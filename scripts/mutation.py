@@ -39,8 +39,11 @@ AREAS = {
     ),
     "stop": (["dock_gateway/fleet/stop.py"], ["tests/dock_gateway/fleet/test_stop.py"]),
     "docking": (
-        [f"docking/{name}.py" for name in ("goal", "limiter", "motion")],
-        [f"tests/docking/test_{name}.py" for name in ("goal", "limiter", "motion", "dock_stages", "undock_goal")],
+        [f"docking/goal/{name}.py" for name in ("engine", "limiter", "motion_watch")],
+        [
+            f"tests/docking/goal/test_{name}.py"
+            for name in ("engine", "limiter", "motion_watch", "dock_stages", "undock")
+        ],
     ),
 }
 # Lines that are not mutated, and why.

@@ -5,12 +5,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar
 
-from docking.admission import GoalPolicy
-from docking.controllers.beacon import Receivers
-from docking.dock import Dock
-from docking.footprint import ROBOT_RADIUS, Footprint, read_footprint, round_footprint
-from docking.goal import Limits
-from docking.limiter import MotionLimits
+from docking.core.dock import Dock
+from docking.core.footprint import ROBOT_RADIUS, Footprint, read_footprint, round_footprint
+from docking.estimation.beacon_filter import Receivers
+from docking.goal.admission import GoalPolicy
+from docking.goal.engine import Limits
+from docking.goal.limiter import MotionLimits
 
 
 class ControllerName(enum.StrEnum):

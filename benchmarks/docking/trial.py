@@ -4,13 +4,13 @@ import math
 from dataclasses import dataclass, replace
 from random import Random
 
-from docking.admission import GoalPolicy
-from docking.geometry import Pose, normalize_angle
-from docking.goal import Command, DockGoal, End, Outcome
-from docking.limiter import MotionLimits
-from docking.observation import STANDSTILL, Velocity
+from docking.core.geometry import Pose, normalize_angle
+from docking.core.observation import STANDSTILL, Velocity
+from docking.goal.admission import GoalPolicy
+from docking.goal.engine import Command, DockGoal, End, Outcome
+from docking.goal.limiter import MotionLimits
 from docking.parameters import ControllerName, DockSettings
-from docking.plans import make_plan
+from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED
 from docking.simulation.marker import MarkerSettings
 from docking.simulation.simulation import Settings, Simulation

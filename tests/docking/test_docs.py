@@ -5,7 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from docking.failures import ErrorCode, Stage
+from docking.clients.session import ExitCode
+from docking.core.errors import ErrorCode, Stage
+from docking.goal.report import LEVELS
 from docking.parameters import (
     DOCK_SERVER,
     FIBONACCI_SERVER,
@@ -15,8 +17,6 @@ from docking.parameters import (
     Parameter,
     TextParameter,
 )
-from docking.report import LEVELS
-from docking.session import ExitCode
 from docking.simulation.faults import Fault
 from docking.simulation.parameters import DOCK_SIMULATOR
 

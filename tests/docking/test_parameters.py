@@ -1,8 +1,8 @@
 import pytest
 
-from docking.admission import GoalPolicy
-from docking.footprint import round_footprint
-from docking.goal import Limits
+from docking.core.footprint import round_footprint
+from docking.goal.admission import GoalPolicy
+from docking.goal.engine import Limits
 from docking.parameters import (
     DOCK_SERVER,
     FIBONACCI_SERVER,

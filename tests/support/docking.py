@@ -12,16 +12,16 @@ from rclpy.context import Context
 from sensor_msgs.msg import BatteryState
 
 from action_tutorials_interfaces.action import ConnectToChargingDock, DisconnectFromChargingDock
-from docking.battery import Battery
-from docking.battery_node import BatteryStateSubscriber
-from docking.controllers.plan import Plan
-from docking.dock_server_node import DockServer
+from docking.core.battery import Battery
+from docking.goal.plan import Plan
+from docking.nodes.dock_server import DockServer
+from docking.nodes.undock_server import UndockServer
 from docking.parameters import DockSettings
-from docking.plans import make_plan
+from docking.plans.registry import make_plan
+from docking.ros.active_goal import ActiveGoal
+from docking.ros.battery_subscriber import BatteryStateSubscriber
 from docking.ros.goal_server import GoalServer
-from docking.ros.helm import Helm
 from docking.ros.process import Spinner
-from docking.undock_server_node import UndockServer
 from tests.support.observer import GoalOfTest, Observer, ros_nodes
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -74,9 +74,9 @@ def docking_servers(
     """
     arguments = [text for parameter in (PATIENT, *parameters) for text in ("-p", parameter)]
     with ros_nodes(domain, *arguments) as context:
-        battery, helm = Battery(), Helm()
-        dock = DockServer(battery, helm=helm, make_plan=make_plan, context=context)
-        undock = UndockServer(battery, helm=helm, context=context)
+        battery, active_goal = Battery(), ActiveGoal()
+        dock = DockServer(battery, active_goal=active_goal, make_plan=make_plan, context=context)
+        undock = UndockServer(battery, active_goal=active_goal, context=context)
         with _spun(context, battery, dock, undock):
             yield dock, undock
 

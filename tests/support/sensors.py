@@ -5,7 +5,7 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Range
 
-from docking.geometry import Pose
+from docking.core.geometry import Pose
 from docking.ros.geometry import pose_message
 
 

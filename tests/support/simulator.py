@@ -12,8 +12,8 @@ from rcl_interfaces.srv import SetParameters
 from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
-from docking.dock_simulator_node import DockSimulator
-from docking.geometry import Pose, yaw_of
+from docking.core.geometry import Pose, yaw_of
+from docking.nodes.simulator import DockSimulator
 from docking.ros.geometry import pose_message
 from docking.ros.process import Spinner
 from tests.support.observer import Observer, Recording, ros_nodes

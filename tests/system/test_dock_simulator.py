@@ -10,8 +10,8 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, Range
 from std_msgs.msg import Bool
 
-from docking.dock_simulator_node import LATCHED
-from docking.geometry import Pose
+from docking.core.geometry import Pose
+from docking.nodes.simulator import LATCHED
 from tests.support.docking import LOW
 from tests.support.observer import Observer
 from tests.support.processes import Process, ros_environment

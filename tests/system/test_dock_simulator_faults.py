@@ -7,7 +7,7 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 
-from docking.geometry import Pose
+from docking.core.geometry import Pose
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
 from tests.support.observer import Observer, Recording

@@ -68,12 +68,12 @@ def test_a_signal_right_after_a_freeze_stops_the_robots(domain: int, observer: O
 
 DRIVES_AND_BREAKS = """
 import sys
-from docking import dock_server_node
+from docking.nodes import dock_server
 from docking.ros.sensors import Sensors
 steps = iter(range(5))
 observe = Sensors.observe
 Sensors.observe = lambda *args: observe(*args) if next(steps, None) is not None else sys.exit("broken")
-sys.exit(dock_server_node.main())
+sys.exit(dock_server.main())
 """
 
 
@@ -89,12 +89,12 @@ def test_an_exception_that_ends_the_process_stops_the_robot(domain: int, observe
 
 DRIVES_AND_HANGS = """
 import sys, time
-from docking import dock_server_node
-from docking.controllers.rotate import Rotate
+from docking.nodes import dock_server
+from docking.behaviors.rotate import Rotate
 steps = iter(range(5))
 step = Rotate.step
 Rotate.step = lambda *args: step(*args) if next(steps, None) is not None else time.sleep(600)
-sys.exit(dock_server_node.main())
+sys.exit(dock_server.main())
 """
 
 
@@ -112,10 +112,10 @@ def test_the_watchdog_stops_the_robot_of_a_process_that_hangs(domain: int, obser
 
 HANGING_CONTROLLER = """
 import sys, time
-from docking import dock_server_node
-from docking.controllers.rotate import Rotate
+from docking.nodes import dock_server
+from docking.behaviors.rotate import Rotate
 Rotate.step = lambda self, observation, dt: time.sleep(600)
-sys.exit(dock_server_node.main())
+sys.exit(dock_server.main())
 """
 
 

@@ -7,8 +7,8 @@ import pytest
 from rcl_interfaces.msg import Log
 from std_msgs.msg import Bool
 
-from docking.controllers.plan import Solo
-from docking.observation import Observation, Velocity
+from docking.core.observation import Observation, Velocity
+from docking.goal.plan import Solo
 from docking.ros.qos import LATCHED
 from tests.support.docking import ABORTED, LOW, Reports, dock_server, send_dock_goal, watch_wheels
 from tests.support.observer import Observer

@@ -10,11 +10,11 @@ from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import Log
 from rclpy.parameter import Parameter
 
-from docking.controllers.plan import Poses, Solo
-from docking.controllers.protocol import Failed
-from docking.failures import FailedToDetectDock
-from docking.geometry import Pose
-from docking.observation import Observation, Velocity
+from docking.core.errors import FailedToDetectDock
+from docking.core.geometry import Pose
+from docking.core.observation import Observation, Velocity
+from docking.goal.behavior import Failed
+from docking.goal.plan import Poses, Solo
 from tests.support.docking import ABORTED, LOW, Reports, dock_server, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.sensors import detection, infrared, odometry

@@ -9,8 +9,8 @@ from rcl_interfaces.srv import DescribeParameters
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState
 
-from docking.controllers.plan import Solo
-from docking.observation import Observation, Velocity
+from docking.core.observation import Observation, Velocity
+from docking.goal.plan import Solo
 from docking.parameters import DOCK_SERVER
 from docking.ros.action_server import RESULT_TIMEOUT
 from tests.support.docking import (

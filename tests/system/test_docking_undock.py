@@ -8,7 +8,7 @@ import pytest
 from geometry_msgs.msg import Twist
 from std_msgs.msg import Bool
 
-from docking.geometry import Pose
+from docking.core.geometry import Pose
 from docking.ros.qos import LATCHED
 from tests.support.docking import (
     ABORTED,

@@ -14,7 +14,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Bool
 
-from docking.geometry import Pose, yaw_of
+from docking.core.geometry import Pose, yaw_of
 from docking.ros.qos import LATCHED
 from docking.simulation.dock import DOCKED
 from tests.support.docking import (

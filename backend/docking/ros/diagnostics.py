@@ -6,7 +6,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-from docking.report import Level, Report
+from docking.goal.report import Level, Report
 
 
 class Diagnostics:

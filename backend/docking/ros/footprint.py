@@ -5,7 +5,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-from docking.footprint import Footprint
+from docking.core.footprint import Footprint
 from docking.ros.qos import LATCHED
 
 TOPIC = "footprint"

@@ -6,7 +6,7 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import Point, PoseStamped, Quaternion
 from geometry_msgs.msg import Pose as PoseMessage
 
-from docking.geometry import Pose, quaternion_of, yaw_of
+from docking.core.geometry import Pose, quaternion_of, yaw_of
 
 UNIT_TOLERANCE = 0.1
 

@@ -16,20 +16,20 @@ from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Bool
 
-from docking.admission import GoalPolicy, Purpose, admit
-from docking.battery import Battery
-from docking.battery_node import BATTERY_TOPIC, battery_message
-from docking.failures import ErrorCode, Stage
-from docking.goal import Command, End, Goal, Outcome
+from docking.core.battery import Battery
+from docking.core.errors import ErrorCode, Stage
+from docking.goal.admission import GoalPolicy, Purpose, admit
+from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.report import Report, report_on
 from docking.parameters import Parameter
-from docking.report import Report, report_on
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
+from docking.ros.active_goal import ActiveGoal, Execution
+from docking.ros.battery_subscriber import BATTERY_TOPIC, battery_message
 from docking.ros.diagnostics import Diagnostics
-from docking.ros.drive import Drive
-from docking.ros.helm import Execution, Helm
 from docking.ros.parameters import declare_parameters
 from docking.ros.qos import LATCHED
 from docking.ros.sensors import Sensor, Sensors
+from docking.ros.velocity import Drive
 
 Event = TypeVar("Event", Command, Outcome)
 
@@ -57,7 +57,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         name: str,
         battery: Battery,
         *,
-        helm: Helm | None = None,
+        active_goal: ActiveGoal | None = None,
         context: Context | None = None,
         **options: Any,
     ) -> None:
@@ -66,7 +66,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         Args:
             name: Of the node.
             battery: Where the battery subscriber puts its readings.
-            helm: Shared by all servers that drive this robot; None where there is no other.
+            active_goal: Shared by all servers that drive this robot; None where there is no other.
             context: The ROS context; None is the default one.
             options: For rclpy's Node.
 
@@ -75,7 +75,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         """
         super().__init__(name, context=context, **options)
         self._battery = battery
-        self._helm = helm or Helm()
+        self._active_goal = active_goal or ActiveGoal()
         self._running: Execution | None = None  # None also while a goal of another server runs
         self._closing = False
         self._stop_latched = False
@@ -158,7 +158,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
     # A goal comes: it is decided on, accepted, executed.
 
     def _decide(self, request: Any) -> GoalResponse:
-        running = self._helm.running
+        running = self._active_goal.running
         rejection = admit(
             request.desired_battery_state.power_supply_status,
             self.purpose,
@@ -179,12 +179,12 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
 
     def _accept(self, handle: ServerGoalHandle) -> None:
         goal_id = goal_id_text(handle.goal_id)
-        running = self._helm.running
+        running = self._active_goal.running
         if running is not None:
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
         self._equip()
         execution = Execution(handle, goal_id, self._make_goal(), self._end)
-        self._running = self._helm.running = execution
+        self._running = self._active_goal.running = execution
         self._stage = Stage.IDLE
         self._fed_back_at = -math.inf
         self._drive.begin()
@@ -214,7 +214,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
 
     def _take_latch(self, message: Bool) -> None:
         self._stop_latched = message.data
-        running = self._helm.running
+        running = self._active_goal.running
         if self._stop_latched and running is not None:
             running.end(running.goal.abort(ErrorCode.STOP_LATCHED, "a stop was latched"))
 
@@ -262,7 +262,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         if running is None:
             return
         outcome = self._explained(outcome)
-        self._helm.running = None
+        self._active_goal.running = None
         self._control_timer.cancel()
         self._drive.stop()
         running.ended.set_result(outcome)

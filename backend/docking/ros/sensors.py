@@ -15,11 +15,11 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import Range
 
-from docking.battery import BatteryReading, received_at
-from docking.observation import InfraredReading, MarkerDetection, Observation, Odometry, Velocity
+from docking.core.battery import BatteryReading, received_at
+from docking.core.observation import InfraredReading, MarkerDetection, Observation, Odometry, Velocity
+from docking.estimation.track import Track
 from docking.ros.geometry import pose_from
 from docking.ros.qos import LATEST
-from docking.track import Track
 
 RECEIVERS = ("left", "center", "right")
 # ROS finds the publishers of topics one after the other: a marker may be heard so many seconds before odometry.

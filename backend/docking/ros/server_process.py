@@ -6,8 +6,8 @@ from concurrent import futures
 
 from rclpy.context import Context
 
-from docking.battery import Battery
-from docking.battery_node import BatteryStateSubscriber
+from docking.core.battery import Battery
+from docking.ros.battery_subscriber import BatteryStateSubscriber
 from docking.ros.goal_server import GoalServer
 from docking.ros.process import Spinner, StopSignals, ros_context
 

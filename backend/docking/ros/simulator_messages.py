@@ -7,9 +7,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState, Range
 
-from docking.geometry import Pose, quaternion_of
-from docking.observation import Velocity
-from docking.report import Level
+from docking.core.geometry import Pose, quaternion_of
+from docking.core.observation import Velocity
+from docking.goal.report import Level
 from docking.ros.diagnostics import status_message
 from docking.simulation.battery import BatteryMeasurement
 from docking.simulation.infrared import InfraredSettings

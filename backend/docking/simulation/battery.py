@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from random import Random
 
-from docking.battery import PowerSupplyStatus
+from docking.core.battery import PowerSupplyStatus
 from docking.simulation.discharge import HHR650D, SECONDS_PER_HOUR, DischargeCurve
 
 

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from docking.geometry import Pose, normalize_angle
+from docking.core.geometry import Pose, normalize_angle
 
 DOCKED = Pose(-0.2, 0.0, 0.0)
 """base_link of a docked robot, in the marker's frame, which is the world's."""

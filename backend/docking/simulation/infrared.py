@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from random import Random
 
-from docking.geometry import Pose
+from docking.core.geometry import Pose
 
 RECEIVER_X = 0.15
 """The receivers are at the robot's front: x in base_link, in m."""

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from random import Random
 
-from docking.geometry import Pose
+from docking.core.geometry import Pose
 
 CAMERA_X = 0.15
 """The camera is at the robot's front: x in base_link, in m; it looks ahead."""

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from random import Random
 
-from docking.geometry import Pose, normalize_angle
+from docking.core.geometry import Pose, normalize_angle
 
 
 @dataclass(frozen=True, slots=True)

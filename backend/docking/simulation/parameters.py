@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from docking.geometry import Pose
+from docking.core.geometry import Pose
 from docking.parameters import FloatParameter, IntegerParameter, Parameter
 from docking.simulation.simulation import Settings
 

@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass
 from random import Random
 
-from docking.footprint import ROBOT_RADIUS
-from docking.geometry import Pose, normalize_angle
-from docking.observation import STANDSTILL, Velocity
+from docking.core.footprint import ROBOT_RADIUS
+from docking.core.geometry import Pose, normalize_angle
+from docking.core.observation import STANDSTILL, Velocity
 
 ROUNDING = 1e-9
 """What sums of many steps may be wrong by, in s."""

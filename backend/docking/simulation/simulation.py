@@ -10,9 +10,9 @@ import math
 from dataclasses import dataclass, field, replace
 from random import Random
 
-from docking.battery import BatteryReading, PowerSupplyStatus
-from docking.geometry import Pose
-from docking.observation import InfraredReading, MarkerDetection, Observation, Odometry, Velocity
+from docking.core.battery import BatteryReading, PowerSupplyStatus
+from docking.core.geometry import Pose
+from docking.core.observation import InfraredReading, MarkerDetection, Observation, Odometry, Velocity
 from docking.simulation.battery import BatteryMeasurement, BatteryPack, BatterySettings
 from docking.simulation.dock import Dock, DockSettings
 from docking.simulation.faults import Fault

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from docking.battery import PowerSupplyStatus
+from docking.core.battery import PowerSupplyStatus
 from docking.simulation.battery import BatteryPack, BatterySettings
 
 DRIVING = 6.0

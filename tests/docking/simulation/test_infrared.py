@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from docking.geometry import Pose
+from docking.core.geometry import Pose
 from docking.simulation.infrared import InfraredReceivers, InfraredSettings
 
 SURE = InfraredSettings(noise=0.0)

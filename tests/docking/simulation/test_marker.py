@@ -5,7 +5,7 @@ from statistics import fmean, pstdev
 
 import pytest
 
-from docking.geometry import Pose
+from docking.core.geometry import Pose
 from docking.simulation.marker import MarkerCamera, MarkerSettings
 
 SURE = MarkerSettings(noise=0.0, angle_noise=0.0, drop_outs=0.0)

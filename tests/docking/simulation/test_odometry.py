@@ -3,7 +3,7 @@ from random import Random
 
 import pytest
 
-from docking.geometry import Pose
+from docking.core.geometry import Pose
 from docking.simulation.odometry import DriftingOdometry, OdometrySettings
 
 SEPARATION = 0.23

@@ -1,4 +1,4 @@
-from docking.geometry import Pose
+from docking.core.geometry import Pose
 from docking.parameters import ChoiceParameter, find_fault
 from docking.simulation.parameters import DOCK_SIMULATOR, simulator_settings
 from docking.simulation.simulation import Settings

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from docking.geometry import Pose
-from docking.observation import STANDSTILL, Velocity
+from docking.core.geometry import Pose
+from docking.core.observation import STANDSTILL, Velocity
 from docking.simulation.robot import Robot, RobotSettings
 
 DT = 0.02

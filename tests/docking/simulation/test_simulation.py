@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from docking.battery import PowerSupplyStatus
-from docking.geometry import Pose
-from docking.observation import STANDSTILL, Observation, Velocity
+from docking.core.battery import PowerSupplyStatus
+from docking.core.geometry import Pose
+from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.simulation.battery import BatteryMeasurement, BatterySettings
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault

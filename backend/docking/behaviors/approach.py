@@ -1,0 +1,113 @@
+"""The last metre: along a smooth curve onto the dock, slowly at the end."""
+
+import math
+
+from docking.behaviors.moves import bounded, braked
+from docking.behaviors.smooth import Gains, steer
+from docking.core.errors import DockingError, FailedToControl
+from docking.core.geometry import Pose
+from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
+from docking.goal.behavior import Done, Failed, Step
+from docking.goal.limiter import MotionLimits
+from docking.goal.plan import Aim
+
+PROJECTION = 0.25
+"""How far beyond the dock the way leads, in m, as with nav2: the law explodes where its target is."""
+SLOW = 0.06
+"""The last piece before the docked pose, in m, on which the robot drives at its slowest."""
+BLIND = 0.15
+"""How near to the docked pose, in m, the robot no longer needs to see the dock."""
+UNSURE = 0.5
+"""How long the dock may be out of sight, in s, before the robot stands still, farther away than that."""
+COMMITTED = 0.06
+"""Where it is judged whether the robot comes straight enough, in m before the docked pose."""
+LATERAL_ERROR = 0.02
+"""The largest lateral error there, in m."""
+HEADING_ERROR = math.radians(5.0)
+"""The largest heading error there, in rad."""
+BEYOND = 0.015
+"""How far beyond the docked pose to push, in m, before contact is taken for granted."""
+NEAR = 0.05
+"""How near to the docked pose, in m, a stop of the wheels means contact."""
+STALLED = 0.5
+"""How long the wheels must have stopped, in s."""
+
+
+class Approach:
+    """From the staging pose onto the dock.
+
+    It is done when the robot has come as far as it can get; whether that is any good, the battery will tell.
+    """
+
+    def __init__(
+        self,
+        aim: Aim,
+        motion: MotionLimits,
+        lost: type[DockingError],
+        lost_after: float,
+        *,
+        until: float = -math.inf,
+    ) -> None:
+        """Begin at about the staging pose, looking at the dock.
+
+        Args:
+            aim: Where the dock is.
+            motion: What the robot may do.
+            lost: What has happened when the dock is out of sight for too long.
+            lost_after: How long that is, in s.
+            until: How far before the docked pose to stop, in m; the default is at contact.
+        """
+        self._aim = aim
+        self._motion = motion
+        self._lost = lost
+        self._lost_after = lost_after
+        self._until = until
+        self._unseen = 0.0
+        self._seen_at = aim.seen_at
+        self._stalled = 0.0
+        self._judged = False
+
+    def step(self, observation: Observation, dt: float) -> Step:
+        """Drive on, unless something is wrong or there is contact."""
+        docked, odometry = self._aim.docked, observation.odometry
+        if docked is None or odometry is None:
+            return STANDSTILL
+        off = odometry.pose.relative_to(docked)
+        left = -off.x
+        if left < self._until or self._touches(left, odometry, dt):
+            return Done()
+        failure = self._fault(off, left, dt)
+        if failure is not None:
+            return Failed(failure)
+        if self._unseen > UNSURE and left > BLIND:
+            return STANDSTILL
+        return self._drive(odometry.pose, docked, left)
+
+    def _touches(self, left: float, odometry: Odometry, dt: float) -> bool:
+        stopped = odometry.velocity.linear_x < 0.25 * self._motion.v_linear_min
+        self._stalled = self._stalled + dt if stopped and left < NEAR else 0.0
+        return left < -BEYOND or self._stalled > STALLED
+
+    def _fault(self, off: Pose, left: float, dt: float) -> DockingError | None:
+        self._unseen = self._unseen + dt if self._aim.seen_at == self._seen_at else 0.0
+        self._seen_at = self._aim.seen_at
+        if self._unseen > self._lost_after and left > BLIND:
+            return self._lost(f"the dock was out of sight for {self._lost_after:g} s (external_detection_timeout)")
+        if left < COMMITTED and not self._judged:
+            self._judged = True
+            if abs(off.y) > LATERAL_ERROR or abs(off.theta) > HEADING_ERROR:
+                return FailedToControl(
+                    f"the robot is misaligned: lateral error {1000 * off.y:.0f} mm,"
+                    f" heading error {math.degrees(off.theta):.1f} degrees"
+                )
+        return None
+
+    def _drive(self, robot: Pose, docked: Pose, left: float) -> Velocity:
+        motion = self._motion
+        steering = steer(robot, docked.compose(Pose(PROJECTION)), Gains())
+        slowest = motion.v_linear_min
+        speed = min(
+            motion.v_linear_max / steering.slowness, slowest + braked(max(0.0, left - SLOW), motion.a_linear_max)
+        )
+        speed = max(slowest, speed)
+        return Velocity(speed, bounded(steering.curvature * speed, motion.v_angular_max))

@@ -1,0 +1,42 @@
+"""Turns to and fro in front of the beacon, to learn its direction from where the receivers lose it."""
+
+import math
+
+from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.estimation.beacon_filter import BeaconFilter
+from docking.goal.behavior import Done
+from docking.goal.limiter import MotionLimits
+
+BEYOND = math.radians(3.0)
+"""How far beyond the edge of the centre receiver's view to turn, in rad."""
+SPEED = 0.35
+"""How fast, in rad/s: the slower, the better the edge is known."""
+
+
+class Scan:
+    """To the left, to the right, and back to the middle."""
+
+    def __init__(self, beacon: BeaconFilter, motion: MotionLimits) -> None:
+        """Begin where the robot is.
+
+        Args:
+            beacon: Where the beacon is, as far as is known.
+            motion: What the robot may do.
+        """
+        self._beacon = beacon
+        self._speed = min(SPEED, motion.v_angular_max)
+        reach = 0.5 * beacon.receivers.infrared_field_of_view + BEYOND
+        self._bearings = [-reach, reach, 0.0]
+
+    def step(self, observation: Observation, dt: float) -> Velocity | Done:
+        """Turn until the beacon has the next bearing."""
+        odometry = observation.odometry
+        if self._beacon.position is None or odometry is None:
+            return STANDSTILL
+        error = self._beacon.bearing(odometry.pose) - self._bearings[0]
+        if abs(error) < 0.5 * self._speed * max(dt, 0.05) + 0.01:
+            self._bearings.pop(0)
+            if not self._bearings:
+                return Done()
+            error = self._beacon.bearing(odometry.pose) - self._bearings[0]
+        return Velocity(0.0, math.copysign(self._speed, error))

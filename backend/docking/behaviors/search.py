@@ -1,0 +1,64 @@
+"""Looks for the dock by turning on the spot."""
+
+import math
+from collections.abc import Callable
+
+from docking.behaviors.moves import turn
+from docking.core.geometry import normalize_angle
+from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.goal.behavior import Done
+from docking.goal.limiter import MotionLimits
+
+FIRST = math.radians(100.0)
+"""How far to turn to the left, before it is tried to the right, on and on."""
+
+
+class Search:
+    """Turns until something is seen, then stands still until enough is known."""
+
+    def __init__(
+        self,
+        motion: MotionLimits,
+        speed: float,
+        *,
+        sees: Callable[[float], bool],
+        knows: Callable[[], bool],
+        towards: float | None = None,
+    ) -> None:
+        """Begin where the robot is.
+
+        Args:
+            motion: What the robot may do.
+            speed: How fast to turn, in rad/s.
+            sees: Whether the dock is in view at a moment.
+            knows: Whether it was seen well enough.
+            towards: The direction in odom to look into first, in rad; None where nothing is known.
+        """
+        self._motion = motion
+        self._speed = min(speed, motion.v_angular_max)
+        self._sees = sees
+        self._knows = knows
+        self._towards = towards
+        self._last: float | None = None
+        self._turned = 0.0
+        self._leftwards = True
+
+    def step(self, observation: Observation, dt: float) -> Velocity | Done:
+        """Turn, or stand still and look."""
+        if self._knows():
+            return Done()
+        odometry = observation.odometry
+        if odometry is None or self._sees(observation.now):
+            return STANDSTILL
+        heading = odometry.pose.theta
+        if self._towards is not None:
+            error = normalize_angle(self._towards - heading)
+            if abs(error) > math.radians(3.0):
+                return turn(error, self._motion)
+            self._towards = None
+        if self._last is not None:
+            self._turned += normalize_angle(heading - self._last)
+        self._last = heading
+        if self._turned > FIRST:
+            self._leftwards = False
+        return Velocity(0.0, self._speed if self._leftwards else -self._speed)

@@ -1,0 +1,58 @@
+"""Drives to the staging pose in front of the dock."""
+
+import math
+
+from docking.behaviors.moves import drive_to, turn
+from docking.core.dock import Dock
+from docking.core.geometry import normalize_angle
+from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.goal.behavior import Done
+from docking.goal.limiter import MotionLimits
+from docking.goal.plan import Aim
+
+REACHED = 0.03
+"""How near the robot must get to its staging pose, in m, before it turns to the dock."""
+ASIDE = 0.05
+"""How far aside of it the robot may be once it has turned and seen the dock from near, in m."""
+AHEAD = 0.12
+"""The same to the front and to the back."""
+STRAIGHT = math.radians(3.0)
+"""How straight it must look at the dock, in rad."""
+
+
+class ToStaging:
+    """Straight to the staging pose, then round to the dock; once more where that was not good enough.
+
+    On the way the dock may be out of sight: odometry will do.
+    """
+
+    def __init__(self, aim: Aim, dock: Dock, motion: MotionLimits) -> None:
+        """Plan nothing yet: the way follows what is known of the dock at each step.
+
+        Args:
+            aim: Where the dock is.
+            dock: Where the staging pose lies from there.
+            motion: What the robot may do.
+        """
+        self._aim = aim
+        self._dock = dock
+        self._motion = motion
+        self._driving = True
+
+    def step(self, observation: Observation, dt: float) -> Velocity | Done:
+        """Drive, then turn."""
+        docked, odometry = self._aim.docked, observation.odometry
+        if docked is None or odometry is None:
+            return STANDSTILL
+        robot, staging = odometry.pose, self._dock.staging(docked)
+        if self._driving:
+            if robot.distance_to(staging) > REACHED:
+                return drive_to(robot, staging, self._motion)
+            self._driving = False
+        off = robot.relative_to(staging)
+        if abs(off.theta) > STRAIGHT:
+            return turn(normalize_angle(-off.theta), self._motion)
+        if abs(off.y) > ASIDE or abs(off.x) > AHEAD:
+            self._driving = True
+            return STANDSTILL
+        return Done()

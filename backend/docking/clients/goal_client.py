@@ -1,0 +1,236 @@
+"""A node that sends one goal, tells what becomes of it, and never hangs."""
+
+import argparse
+import time
+import uuid
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+from action_msgs.srv import CancelGoal
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.action import ActionClient
+from rclpy.action.client import ClientGoalHandle
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.task import Future
+from unique_identifier_msgs.msg import UUID
+
+from docking.clients.session import ExitCode, Patience, Phase, Request, Session
+from docking.ros.action_server import goal_id_text
+from docking.ros.process import Spinner, StopSignals, ros_context
+
+STEP_PERIOD = 0.05
+LINGER = 0.2
+EXPLAINED = frozenset({ExitCode.REJECTED, ExitCode.ABORTED})
+
+
+def _random_uuid() -> UUID:
+    return UUID(uuid=list(uuid.uuid4().bytes))
+
+
+class GoalClient(Node):  # type: ignore[misc] # rclpy has no types
+    """Sends a goal when a server answers, and ends its session with an exit code.
+
+    A server is asked for a sign of life by canceling a goal that does not exist: every action server answers that, and
+    it changes nothing. It also proves that the server has found this client, before which an answer to the goal would
+    get lost. Subclasses find the words.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        action_type: type,
+        action_name: str,
+        goal: Any,
+        *,
+        patience: Patience,
+        on_over: Callable[[], None],
+        context: Context | None = None,
+    ) -> None:
+        """Make the node; it starts to work when it is spun.
+
+        Args:
+            name: Of the node.
+            action_type: The generated class of the action.
+            action_name: Relative, so that it can be remapped.
+            goal: The goal message.
+            patience: The deadlines.
+            on_over: Called once, in the thread that spins the node, when there is an exit code.
+            context: The ROS context; None is the default one.
+        """
+        super().__init__(name, context=context)
+        self._goal = goal
+        self._goal_id = _random_uuid()
+        self._handle: ClientGoalHandle | None = None
+        self._early_feedback: list[Any] = []
+        self._reason = ""
+        self._on_over = on_over
+        self._client = ActionClient(self, action_type, action_name)
+        self._cancel_client = self.create_client(CancelGoal, f"{action_name}/_action/cancel_goal")
+        self._subscription = self.create_subscription(DiagnosticArray, "/diagnostics", self._note_reason, 10)
+        self._session = Session(patience, time.monotonic())
+        self._timer = self.create_timer(STEP_PERIOD, self._step, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    @property
+    def exit_code(self) -> ExitCode | None:
+        """How it ended; None before."""
+        return self._session.exit_code
+
+    @abstractmethod
+    def accepted_text(self) -> str:
+        """What to say when the goal is accepted."""
+
+    @abstractmethod
+    def feedback_text(self, feedback: Any) -> str:
+        """What to say of a feedback message."""
+
+    @abstractmethod
+    def result_text(self, result: Any) -> str:
+        """What to say of a result."""
+
+    def interrupt(self) -> None:
+        """Cancel the goal, or leave if that was asked for before."""
+        self._session.interrupt()
+        if self._session.phase is Phase.RUNNING:
+            self.get_logger().info("Canceling the goal...")
+        self._step()
+
+    def _step(self) -> None:
+        request = self._session.step(time.monotonic())
+        if request is Request.PING:
+            self._ping()
+        elif request is Request.SEND_GOAL:
+            future = self._client.send_goal_async(self._goal, self._feed_back, goal_uuid=self._goal_id)
+            future.add_done_callback(self._take_answer)
+        elif request is Request.CANCEL_GOAL:
+            self._call_cancel(self._goal_id, self._take_cancel_answer)
+        self._end_if_over()
+
+    def _ping(self) -> None:
+        if self._cancel_client.service_is_ready():
+            self._call_cancel(_random_uuid(), lambda _future: self._session.heard(time.monotonic()))
+        if self._handle is not None:  # a server that was restarted answers this at once
+            self._handle.get_result_async().add_done_callback(self._take_result)
+
+    def _call_cancel(self, goal_id: UUID, answered: Callable[[Future], None]) -> None:
+        request = CancelGoal.Request()
+        request.goal_info.goal_id = goal_id
+        self._cancel_client.call_async(request).add_done_callback(answered)
+
+    def _take_answer(self, future: Future) -> None:
+        handle: ClientGoalHandle = future.result()
+        if self._session.phase is not Phase.SENT:
+            return
+        self._session.answered(accepted=handle.accepted, now=time.monotonic())
+        if handle.accepted:
+            self.get_logger().info(self.accepted_text())
+            self._handle = handle
+            for message in self._early_feedback:
+                self._feed_back(message)
+            handle.get_result_async().add_done_callback(self._take_result)
+        self._end_if_over()
+
+    def _feed_back(self, message: Any) -> None:
+        self._session.heard(time.monotonic())
+        if self._session.phase is Phase.SENT:
+            self._early_feedback.append(message)  # feedback can overtake the acceptance
+        elif self._session.phase is Phase.RUNNING:
+            self.get_logger().info(self.feedback_text(message.feedback))
+
+    def _take_result(self, future: Future) -> None:
+        if self._session.phase is not Phase.RUNNING:
+            return
+        response = future.result()
+        self._session.ended(response.status)
+        if self._session.exit_code is not ExitCode.LOST:
+            self.get_logger().info(self.result_text(response.result))
+        self._end_if_over()
+
+    def _take_cancel_answer(self, future: Future) -> None:
+        if self._session.phase is Phase.RUNNING and not future.result().goals_canceling:
+            self.get_logger().warning("The action server refused to cancel the goal; press Ctrl-C again to exit")
+            self._session.cancel_refused()
+
+    def _note_reason(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            values = {pair.key: pair.value for pair in status.values}
+            if values.get("goal_id") == goal_id_text(self._goal_id):
+                self._reason = values.get("error_msg", "")
+
+    def _end_if_over(self) -> None:
+        if self._session.exit_code is None or self._timer.is_canceled():
+            return
+        self._timer.cancel()
+        if self._session.exit_code in EXPLAINED and not self._reason:
+            # The reason travels on another topic and may be a moment later than the answer.
+            self._timer = self.create_timer(
+                LINGER, partial(self._finish, once=True), clock=Clock(clock_type=ClockType.STEADY_TIME)
+            )
+        else:
+            self._finish()
+
+    def _finish(self, *, once: bool = False) -> None:
+        if once:
+            self._timer.cancel()
+        text = self._session.explanation.capitalize()
+        if self._session.exit_code in EXPLAINED:
+            self.get_logger().error(f"{text}: {self._reason or 'the log of the action server says why'}")
+        elif self._session.exit_code in {ExitCode.CANCELED, ExitCode.INTERRUPTED}:
+            self.get_logger().warning(text)
+        elif self._session.exit_code is not ExitCode.SUCCEEDED:
+            self.get_logger().error(text)
+        self._on_over()
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value <= 86400.0:
+        raise argparse.ArgumentTypeError(f"{text} is not between 0 and 86400 seconds")
+    return value
+
+
+def client_parser(program: str, action_name: str) -> argparse.ArgumentParser:
+    """The command line of a client, to which its own options are added, and `add_timeout` last.
+
+    Args:
+        program: The client's name.
+        action_name: Of its action.
+    """
+    return argparse.ArgumentParser(
+        prog=program,
+        description=f"Send a goal to the action server {action_name} and print its feedback and result.",
+        epilog="Exit codes: 0 succeeded, 1 aborted, 2 usage, 3 rejected, 4 canceled, 5 no server, 6 server lost,"
+        " 130 interrupted. Ctrl-C cancels the goal.",
+    )
+
+
+def add_timeout(parser: argparse.ArgumentParser) -> None:
+    """Add the option `--timeout`."""
+    parser.add_argument(
+        "--timeout", type=_seconds, default=10.0, metavar="S", help="time to wait for a server (default 10 s)"
+    )
+
+
+def run_client(make_node: Callable[[Context, Callable[[], None]], GoalClient], args: Sequence[str] | None) -> int:
+    """Run a client until its goal has ended.
+
+    Args:
+        make_node: Makes the node from a context and the function to call at the end.
+        args: The command line with its `--ros-args`; None is that of the process.
+
+    Returns:
+        The exit code.
+    """
+    signals = StopSignals()
+    with ros_context(args) as context:
+        node = make_node(context, signals.wake)
+        with Spinner(context, [node], on_failure=signals.wake) as spinner:
+            while node.exit_code is None and spinner.failure is None:
+                for _ in range(signals.wait()):
+                    spinner.call(node.interrupt)
+            time.sleep(LINGER)  # for a last request and the log to go out
+        return 1 if node.exit_code is None else int(node.exit_code)

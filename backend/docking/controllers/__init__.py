@@ -1,1 +1,0 @@
-"""Controllers: what moves the robot towards its dock."""

@@ -1,0 +1,1 @@
+"""The words of docking: poses, observations, battery readings, stages and error codes. Plain Python."""

@@ -1,0 +1,96 @@
+"""What the robot knows at one moment: the input of controllers and of goals. Plain data, without ROS.
+
+Frames: `odom` is where the robot was when odometry began, and drifts; `base_link` is the robot (x forward, y left).
+All moments are seconds of the monotonic clock.
+"""
+
+import math
+from dataclasses import dataclass
+
+from docking.core.battery import BatteryReading
+from docking.core.geometry import Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Velocity:
+    """A velocity of the robot in its own frame (base_link, REP-103: x forward, z up).
+
+    Attributes:
+        linear_x: Forward, in m/s.
+        angular_z: Counter-clockwise, in rad/s.
+    """
+
+    linear_x: float = 0.0
+    angular_z: float = 0.0
+
+    @property
+    def finite(self) -> bool:
+        """Whether it is a velocity at all: neither NaN nor infinite."""
+        return math.isfinite(self.linear_x) and math.isfinite(self.angular_z)
+
+
+STANDSTILL = Velocity()
+
+
+@dataclass(frozen=True, slots=True)
+class Odometry:
+    """Where the robot is by its own reckoning (nav_msgs/Odometry).
+
+    Attributes:
+        pose: Of base_link in odom.
+        velocity: As measured, in base_link.
+        stamp: When it was measured.
+    """
+
+    pose: Pose
+    velocity: Velocity
+    stamp: float
+
+
+@dataclass(frozen=True, slots=True)
+class MarkerDetection:
+    """The marker on the dock as it was seen (geometry_msgs/PoseStamped on `detected_dock_pose`).
+
+    Attributes:
+        pose: Of the marker in odom; its x axis points into the dock, the way the robot drives to get there.
+        stamp: When it was seen.
+    """
+
+    pose: Pose
+    stamp: float
+
+
+@dataclass(frozen=True, slots=True)
+class InfraredReading:
+    """What the three receivers at the robot's front measure to the dock's beacon (sensor_msgs/Range).
+
+    Attributes:
+        left: In m; infinite where nothing is seen (REP-117). The receiver that is turned to the left.
+        center: The same for the one that looks ahead.
+        right: The same for the one that is turned to the right.
+        stamp: The oldest of the three.
+    """
+
+    left: float
+    center: float
+    right: float
+    stamp: float
+
+
+@dataclass(frozen=True, slots=True)
+class Observation:
+    """All that is known now; None for what has never come.
+
+    Attributes:
+        now: The moment.
+        battery: The latest reading.
+        odometry: The latest.
+        marker: The latest detection, however old.
+        infrared: The latest reading.
+    """
+
+    now: float
+    battery: BatteryReading | None = None
+    odometry: Odometry | None = None
+    marker: MarkerDetection | None = None
+    infrared: InfraredReading | None = None

@@ -1,0 +1,1 @@
+"""Where the dock is, from noisy detections. Plain Python."""

@@ -1,0 +1,38 @@
+"""What a controller is: something that says how to move now. Plain Python, without ROS."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from docking.core.errors import DockingError
+from docking.core.observation import Observation, Velocity
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """The robot is where the controller was to bring it, and is to stand still."""
+
+
+@dataclass(frozen=True, slots=True)
+class Failed:
+    """The controller cannot go on from here; the robot is to stand still.
+
+    Attributes:
+        error: Why.
+    """
+
+    error: DockingError
+
+
+Step = Velocity | Done | Failed
+
+
+class Behavior(Protocol):
+    """Anything that can say how to move now; a new one is made for each attempt."""
+
+    def step(self, observation: Observation, dt: float) -> Step:
+        """What to do until the next step.
+
+        Args:
+            observation: What is known now.
+            dt: Seconds since the last step; 0 at the first one.
+        """

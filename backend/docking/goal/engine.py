@@ -1,0 +1,322 @@
+"""A docking goal from its acceptance to its end: a state machine that is given the time and what is known then."""
+
+import enum
+from dataclasses import dataclass
+
+from docking.core.battery import BatteryReading
+from docking.core.errors import (
+    DockingError,
+    ErrorCode,
+    FailedToCharge,
+    FailedToControl,
+    FailedToDetectDock,
+    FailedToStage,
+    OdometryLost,
+    Stage,
+)
+from docking.core.geometry import Pose
+from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.goal.behavior import Behavior, Done, Failed
+from docking.goal.limiter import Limiter
+from docking.goal.motion_watch import MotionWatch
+from docking.goal.plan import Plan
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How long a goal bears what, in seconds, and how often it tries.
+
+    Attributes:
+        battery_stale_after: Silence of the battery that stops the wheels.
+        battery_lost_after: Silence of the battery that aborts the goal.
+        goal_timeout: The longest that a goal may take; 0 is for ever.
+        initial_perception_timeout: The longest that INITIAL_PERCEPTION may take.
+        staging_timeout: The longest that NAV_TO_STAGING_POSE may take.
+        dock_approach_timeout: The longest that CONTROLLING may take, where there are other stages.
+        wait_charge_timeout: The longest that WAIT_FOR_CHARGE may take.
+        retry_timeout: The longest that RETRY may take.
+        undocking_timeout: The longest that UNDOCKING may take, until the battery no longer charges.
+        odometry_timeout: Silence of odometry that aborts a goal that needs it.
+        blocked_after: How long the robot may not move although it was told to.
+        max_retries: How often to back off and try again.
+    """
+
+    battery_stale_after: float = 2.0
+    battery_lost_after: float = 60.0
+    goal_timeout: float = 0.0
+    initial_perception_timeout: float = 20.0
+    staging_timeout: float = 60.0
+    dock_approach_timeout: float = 30.0
+    wait_charge_timeout: float = 5.0
+    retry_timeout: float = 30.0
+    undocking_timeout: float = 20.0
+    odometry_timeout: float = 1.0
+    blocked_after: float = 2.0
+    max_retries: int = 3
+
+
+@dataclass(frozen=True)
+class Command:
+    """The goal goes on.
+
+    Attributes:
+        stage: What is being done.
+        velocity: What the wheels have to do until the next step.
+        error_code: NONE, or why the goal waits or tries again.
+        error_msg: The same as a sentence.
+        retries: How often it has begun anew.
+        dock_pose: Of base_link when docked, by the last detection alone; in odom, as the next two.
+        filtered_dock_pose: The same by all detections.
+        staging_pose: Of base_link in front of the dock.
+    """
+
+    stage: Stage
+    velocity: Velocity
+    error_code: ErrorCode = ErrorCode.NONE
+    error_msg: str = ""
+    retries: int = 0
+    dock_pose: Pose | None = None
+    filtered_dock_pose: Pose | None = None
+    staging_pose: Pose | None = None
+
+
+class End(enum.StrEnum):
+    """How a goal can end, in the words of ROS."""
+
+    SUCCEEDED = "SUCCEEDED"
+    CANCELED = "CANCELED"
+    ABORTED = "ABORTED"
+
+    @property
+    def stage(self) -> Stage:
+        """The stage that stands for this end."""
+        return Stage(self.value)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The goal is over, and the wheels stand still.
+
+    Attributes:
+        end: How.
+        error_code: NONE unless it was aborted.
+        error_msg: The same as a sentence.
+        retries: How often it had begun anew.
+    """
+
+    end: End
+    error_code: ErrorCode = ErrorCode.NONE
+    error_msg: str = ""
+    retries: int = 0
+
+
+class Goal:
+    """One accepted goal. It has one outcome, the first; whatever comes later changes nothing.
+
+    What docking and undocking have in common: nothing moves while the battery is silent, and time runs out.
+
+    Attributes:
+        outcome: None while the goal goes on.
+        retries: How often it has begun anew.
+    """
+
+    def __init__(self, limits: Limits, started_at: float) -> None:
+        """Start the goal.
+
+        Args:
+            limits: Its deadlines.
+            started_at: Seconds of the monotonic clock.
+        """
+        self.outcome: Outcome | None = None
+        self.retries = 0
+        self._limits = limits
+        self._started_at = started_at
+        self._stepped_at = started_at
+
+    def step(self, observation: Observation) -> Command | Outcome:
+        """What to do now.
+
+        Only a battery reading that is not stale can end the goal well: one from before the goal counts as long as it
+        is fresh.
+
+        Args:
+            observation: What is known now.
+        """
+        if self.outcome is not None:
+            return self.outcome
+        now, battery = observation.now, observation.battery
+        dt, self._stepped_at = max(0.0, now - self._stepped_at), now
+        fresh = battery is not None and battery.age(now) <= self._limits.battery_stale_after
+        if battery is not None and fresh and self._is_reached(battery):
+            return self._finish(Outcome(End.SUCCEEDED, retries=self.retries))
+        if 0.0 < self._limits.goal_timeout <= now - self._started_at:
+            return self.abort(
+                ErrorCode.TIMEOUT, f"the goal was not reached within {self._limits.goal_timeout:g} s (goal_timeout)"
+            )
+        return self._go_on(observation, dt) if fresh else self._wait(now, battery)
+
+    def _is_reached(self, battery: BatteryReading) -> bool:
+        """Whether a fresh reading ends the goal well."""
+        raise NotImplementedError
+
+    def _go_on(self, observation: Observation, dt: float) -> Command | Outcome:
+        """What to do now that the battery is known and the goal is not reached."""
+        raise NotImplementedError
+
+    def _rest(self) -> Velocity:
+        """Stand still, whatever was to come next."""
+        return STANDSTILL
+
+    def _wait(self, now: float, battery: BatteryReading | None) -> Command | Outcome:
+        heard_at = self._started_at if battery is None else max(self._started_at, battery.received_at)
+        if now - heard_at > self._limits.battery_lost_after:
+            return self.abort(
+                ErrorCode.BATTERY_LOST,
+                f"no battery message for {self._limits.battery_lost_after:g} s (battery_lost_after)",
+            )
+        message = (
+            "no battery message received yet: the robot waits"
+            if battery is None
+            else f"no battery message for over {self._limits.battery_stale_after:g} s: the robot waits"
+        )
+        return Command(Stage.WAIT_FOR_BATTERY, self._rest(), ErrorCode.BATTERY_STALE, message, retries=self.retries)
+
+    def cancel(self) -> Outcome:
+        """End it because someone asked for it."""
+        return self._finish(Outcome(End.CANCELED, retries=self.retries))
+
+    def abort(self, error_code: ErrorCode, error_msg: str) -> Outcome:
+        """End it because it cannot go on."""
+        return self._finish(Outcome(End.ABORTED, error_code, error_msg, self.retries))
+
+    def _finish(self, outcome: Outcome) -> Outcome:
+        if self.outcome is None:
+            self.outcome = outcome
+        return self.outcome
+
+
+DEADLINES: dict[Stage, tuple[str, type[DockingError], str]] = {
+    Stage.INITIAL_PERCEPTION: ("initial_perception_timeout", FailedToDetectDock, "the dock was not found"),
+    Stage.NAV_TO_STAGING_POSE: ("staging_timeout", FailedToStage, "the staging pose was not reached"),
+    Stage.CONTROLLING: ("dock_approach_timeout", FailedToControl, "the dock was not reached"),
+    Stage.WAIT_FOR_CHARGE: ("wait_charge_timeout", FailedToCharge, "the battery on the dock did not charge"),
+    Stage.RETRY: ("retry_timeout", FailedToControl, "the robot did not back off"),
+}
+"""Which of the limits a stage has, and what has happened when it is over."""
+
+
+class DockGoal(Goal):
+    """A goal to dock: succeeds as soon as the charger is connected, at any stage."""
+
+    def __init__(self, plan: Plan, limits: Limits, started_at: float) -> None:
+        """Start the goal.
+
+        Args:
+            plan: The stages and what moves the robot at each, while the battery is not charging.
+            limits: Its deadlines.
+            started_at: Seconds of the monotonic clock.
+        """
+        super().__init__(limits, started_at)
+        self._plan = plan
+        self._limiter: Limiter | None = None
+        self._watch: MotionWatch | None = None
+        if plan.motion is not None:
+            self._limiter = Limiter(plan.motion)
+            self._watch = MotionWatch(limits.odometry_timeout, limits.blocked_after, started_at)
+        self._failure: DockingError | None = None  # what the running retry is about
+        self._stage = plan.stages[0]
+        self._stage_time = 0.0
+        self._controller: Behavior = plan.controller(self._stage)
+
+    def _is_reached(self, battery: BatteryReading) -> bool:
+        return battery.connected
+
+    def _go_on(self, observation: Observation, dt: float) -> Command | Outcome:
+        self._stage_time += dt
+        try:
+            if self._watch is not None and not self._watch.sees(observation):
+                return self._command(self._rest())
+            self._plan.observe(observation)
+            self._check_deadline()
+            velocity = self._move(observation, dt)
+        except DockingError as failure:
+            return self._recover(failure)
+        if self._watch is not None:
+            self._watch.commanded = velocity
+        return self._command(velocity)
+
+    def _move(self, observation: Observation, dt: float) -> Velocity:
+        """Let the controller say what to do.
+
+        Raises:
+            DockingError: It fails, or says nothing sensible.
+        """
+        step = self._controller.step(observation, dt)
+        if isinstance(step, Failed):
+            raise step.error
+        if isinstance(step, Done):
+            self._next_stage()
+            return self._rest()
+        if not step.finite:
+            raise FailedToControl(f"the controller gave {step}")
+        return step if self._limiter is None else self._limiter.limit(step, dt)
+
+    def _check_deadline(self) -> None:
+        """See whether the stage has taken too long.
+
+        Raises:
+            DockingError: It has.
+        """
+        if self._watch is None:
+            return
+        name, error, message = DEADLINES[self._stage]
+        seconds = getattr(self._limits, name)
+        if self._stage_time > seconds:
+            raise error(f"{message} within {seconds:g} s ({name})")
+
+    def _recover(self, failure: DockingError) -> Command | Outcome:
+        """Try again where that may help, else give up."""
+        reason = self._failure
+        if reason is not None and self._stage is Stage.RETRY and not isinstance(failure, OdometryLost):
+            return self.abort(reason.error_code, f"{reason}; then, while backing off: {failure}")
+        if isinstance(failure, FailedToDetectDock) and self.retries:
+            return self.abort(self._plan.lost.error_code, f"{failure}, although it was seen before")
+        if not failure.worth_a_retry or self._watch is None or self.retries >= self._limits.max_retries:
+            return self.abort(failure.error_code, str(failure))
+        self.retries += 1
+        self._failure = failure
+        self._enter(Stage.RETRY)
+        return self._command(self._rest())
+
+    def _next_stage(self) -> None:
+        stages = self._plan.stages
+        if self._stage is Stage.RETRY:
+            self._failure = None
+            self._enter(stages[0])
+        elif self._stage is not stages[-1]:
+            self._enter(stages[stages.index(self._stage) + 1])
+
+    def _enter(self, stage: Stage) -> None:
+        self._stage = stage
+        self._stage_time = 0.0
+        self._controller = self._plan.controller(stage)
+
+    def _rest(self) -> Velocity:
+        if self._limiter is not None:
+            self._limiter.stop()
+        if self._watch is not None:
+            self._watch.rest()
+        return STANDSTILL
+
+    def _command(self, velocity: Velocity) -> Command:
+        failure, poses = self._failure, self._plan.poses
+        return Command(
+            self._stage,
+            velocity,
+            ErrorCode.NONE if failure is None else failure.error_code,
+            "" if failure is None else str(failure),
+            self.retries,
+            poses.dock,
+            poses.filtered_dock,
+            poses.staging,
+        )

@@ -1,0 +1,88 @@
+"""What a plan is: the stages of docking by one kind of sensor, and the controller of each."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from docking.core.errors import DockingError, FailedToDetectDock, Stage
+from docking.core.geometry import Pose
+from docking.core.observation import Observation
+from docking.goal.behavior import Behavior
+from docking.goal.limiter import MotionLimits
+
+
+@dataclass(frozen=True, slots=True)
+class Poses:
+    """What a plan knows of the dock, in the frame odom; None for what it does not know.
+
+    Attributes:
+        dock: Of base_link when docked, by the last detection alone.
+        filtered_dock: The same by all detections.
+        staging: Of base_link in front of the dock.
+    """
+
+    dock: Pose | None = None
+    filtered_dock: Pose | None = None
+    staging: Pose | None = None
+
+
+class Aim(Protocol):
+    """What the controllers of several stages drive by.
+
+    Attributes:
+        docked: Where base_link is when docked, in odom; None before the dock was seen.
+        seen_at: When the dock was seen last.
+    """
+
+    @property
+    def docked(self) -> Pose | None: ...  # noqa: D102 - see above
+
+    @property
+    def seen_at(self) -> float: ...  # noqa: D102
+
+
+class Plan(Protocol):
+    """How to dock by one kind of sensor; a new one is made for each goal.
+
+    Attributes:
+        stages: In their order. After the last one the robot stands still until the battery charges.
+        motion: What the robot may do; None leaves velocities as they are and needs no odometry.
+        lost: What has happened when the dock cannot be found again after it was seen.
+        poses: What is known of the dock now.
+    """
+
+    @property
+    def stages(self) -> tuple[Stage, ...]: ...  # noqa: D102 - see above
+
+    @property
+    def motion(self) -> MotionLimits | None: ...  # noqa: D102
+
+    @property
+    def lost(self) -> type[DockingError]: ...  # noqa: D102
+
+    @property
+    def poses(self) -> Poses: ...  # noqa: D102
+
+    def observe(self, observation: Observation) -> None:
+        """Take notice, whatever the stage; called once before the controller's step."""
+
+    def controller(self, stage: Stage) -> Behavior:
+        """A new controller for one of the stages, or for RETRY."""
+
+
+class Solo:
+    """The plan of a controller that needs no stages, such as `Rotate`."""
+
+    stages = (Stage.CONTROLLING,)
+    motion = None
+    lost = FailedToDetectDock
+    poses = Poses()
+
+    def __init__(self, controller: Behavior) -> None:
+        self._controller = controller
+
+    def observe(self, observation: Observation) -> None:
+        """Nothing to remember."""
+
+    def controller(self, stage: Stage) -> Behavior:
+        """The only one."""
+        return self._controller

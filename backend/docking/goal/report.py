@@ -1,0 +1,80 @@
+"""What is told on /diagnostics: one report at a time, as REP-107 wants it."""
+
+import enum
+from dataclasses import dataclass
+
+from docking.core.errors import ErrorCode, Stage
+from docking.goal.admission import Rejection
+from docking.goal.engine import Command, Outcome
+
+
+class Level(enum.IntEnum):
+    """`level` of diagnostic_msgs/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+
+
+LEVELS = {
+    Stage.IDLE: Level.OK,
+    Stage.INITIAL_PERCEPTION: Level.OK,
+    Stage.NAV_TO_STAGING_POSE: Level.OK,
+    Stage.CONTROLLING: Level.OK,
+    Stage.WAIT_FOR_CHARGE: Level.OK,
+    Stage.RETRY: Level.WARN,
+    Stage.UNDOCKING: Level.OK,
+    Stage.WAIT_FOR_BATTERY: Level.WARN,
+    Stage.SUCCEEDED: Level.OK,
+    Stage.CANCELED: Level.OK,
+    Stage.ABORTED: Level.ERROR,
+    Stage.REJECTED: Level.WARN,
+}
+
+
+@dataclass(frozen=True)
+class Report:
+    """The state of docking, or the fate of one goal.
+
+    Attributes:
+        stage: What is being done, or how the goal ended.
+        error_code: NONE, or what is wrong.
+        error_msg: The same as a sentence, empty with NONE.
+        goal_id: The goal it is about as a canonical UUID; empty before the first goal.
+        retries: How often the goal has begun anew.
+    """
+
+    stage: Stage = Stage.IDLE
+    error_code: ErrorCode = ErrorCode.NONE
+    error_msg: str = ""
+    goal_id: str = ""
+    retries: int = 0
+
+    @property
+    def level(self) -> Level:
+        """How bad it is."""
+        return LEVELS[self.stage]
+
+    @property
+    def message(self) -> str:
+        """One line for a person: the sentence if something is wrong, else the stage."""
+        return self.error_msg or self.stage.value.lower().replace("_", " ")
+
+    def values(self) -> dict[str, str]:
+        """The key values, in their order."""
+        return {
+            "stage": self.stage.value,
+            "error_code": self.error_code.value,
+            "error_msg": self.error_msg,
+            "goal_id": self.goal_id,
+            "error_number": str(self.error_code.number),
+            "retries": str(self.retries),
+        }
+
+
+def report_on(event: Command | Outcome | Rejection, goal_id: str) -> Report:
+    """The report on what has become of a goal."""
+    if isinstance(event, Rejection):
+        return Report(Stage.REJECTED, event.error_code, event.error_msg, goal_id)
+    stage = event.stage if isinstance(event, Command) else event.end.stage
+    return Report(stage, event.error_code, event.error_msg, goal_id, event.retries)

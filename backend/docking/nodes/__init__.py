@@ -1,0 +1,1 @@
+"""The programs that serve actions, and the simulator; one `main` each."""

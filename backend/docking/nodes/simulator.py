@@ -1,0 +1,267 @@
+"""The node `dock_simulator`: a simulated robot with its dock, battery and sensors, on the topics of a real one."""
+
+import sys
+import time
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist
+from nav_msgs.msg import Odometry
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.context import Context
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.node import Node
+from rclpy.qos import QoSProfile
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.serialization import serialize_message
+from sensor_msgs.msg import BatteryState, Range
+from std_msgs.msg import Bool
+from std_srvs.srv import SetBool, Trigger
+
+from docking.core.geometry import Pose
+from docking.core.observation import Velocity
+from docking.goal.report import Level
+from docking.ros.geometry import pose_from, stamped_pose
+from docking.ros.parameters import declare_parameters
+from docking.ros.process import Spinner, StopSignals, ros_context, run_process
+from docking.ros.qos import LATCHED, LATEST
+from docking.ros.simulator_messages import (
+    BASE,
+    ODOM,
+    WORLD,
+    BatteryMessage,
+    OdometryMessage,
+    RangeMessage,
+    diagnostics_message,
+)
+from docking.simulation.battery_yield import BatteryYield
+from docking.simulation.faults import Fault
+from docking.simulation.parameters import DOCK_SIMULATOR, simulator_settings
+from docking.simulation.simulation import Simulation
+from docking.simulation.status import Status, status_of
+
+PERIOD = 1.0 / 30.0
+TICKS_PER_BATTERY_MESSAGE = 3
+DIAGNOSTICS_PERIOD = 1.0
+LONGEST_LAPSE = 0.25
+"""The most time, in s, that is caught up with; the simulation stands still while the process does."""
+RECEIVERS = ("left", "center", "right")
+
+
+class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
+    """Drives by `cmd_vel`; publishes what the sensors of the robot measure, and what is true.
+
+    Everything here runs in the one thread that spins the node.
+    """
+
+    def __init__(self, *, context: Context | None = None, **options: Any) -> None:
+        """Make the node.
+
+        Args:
+            context: The ROS context; None is the default one.
+            options: For rclpy's Node.
+
+        Raises:
+            rclpy.exceptions.ParameterException: A parameter is wrong.
+        """
+        super().__init__("dock_simulator", context=context, **options)
+        declare_parameters(self, DOCK_SIMULATOR, self._take_settings)
+        self._simulation = Simulation(self._settings.settings, self._settings.seed)
+        self._courtesy = BatteryYield()
+        self._ticks = 0
+        self._ticked_at = time.monotonic()
+        self._reported: Status | None = None
+        self._make_publishers()
+        self._make_subscriptions()
+        self.create_service(Trigger, "dock_simulator/reset", self._reset)
+        for fault in Fault:
+            self.create_service(SetBool, f"dock_simulator/faults/{fault}", partial(self._switch, fault))
+        # A simulated clock that stands still must not stop these.
+        steady = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timer = self.create_timer(PERIOD, self._tick, clock=steady)
+        self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._report, clock=steady)
+
+    def _take_settings(self, values: dict[str, object]) -> None:
+        self._settings = simulator_settings(values)
+
+    def _make_publishers(self) -> None:
+        def publisher(message_type: type, topic: str, qos: QoSProfile | int = 10) -> Any:
+            return self.create_publisher(
+                message_type,
+                topic,
+                qos,
+                qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+                # The executor would check each event at every tick; a subscription that does not match warns by itself.
+                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+            )
+
+        self._odometry = publisher(Odometry, "odom")
+        self._truth = publisher(Odometry, "ground_truth")
+        self._marker = publisher(PoseStamped, "detected_dock_pose")
+        self._ranges = [publisher(Range, f"infrared/{receiver}") for receiver in RECEIVERS]
+        self._battery = publisher(BatteryState, "battery_status")
+        self._dock = publisher(PoseStamped, "true_dock_pose", LATCHED)
+        # Absolute, as REP-107 has it: one topic for all robots, told apart by the name of the status.
+        self._diagnostics = publisher(DiagnosticArray, "/diagnostics")
+        self._dock.publish(stamped_pose(Pose(), WORLD, self._now()))
+        self._make_messages()
+
+    def _make_messages(self) -> None:
+        infrared = self._simulation.settings.infrared
+        self._odometry_message = OdometryMessage(ODOM)
+        self._truth_message = OdometryMessage(WORLD)
+        self._range_messages = [RangeMessage(receiver, infrared) for receiver in RECEIVERS]
+        self._battery_message = BatteryMessage()
+        self._marker_told = self._ranges_told = -1.0
+
+    def _make_subscriptions(self) -> None:
+        def subscribe(message_type: type, topic: str, callback: Any, qos: QoSProfile | int, **more: Any) -> None:
+            overriding = QoSOverridingOptions.with_default_policies()
+            self.create_subscription(message_type, topic, callback, qos, qos_overriding_options=overriding, **more)
+
+        subscribe(Twist, "cmd_vel", self._drive, LATEST)
+        subscribe(BatteryState, "battery_status", self._hear_battery, LATEST, raw=True)
+        subscribe(PoseWithCovarianceStamped, "initialpose", self._place, 10)
+        subscribe(Bool, "stop_latched", self._latch, LATCHED)
+
+    # What is said to the robot.
+
+    def _drive(self, message: Twist) -> None:
+        self._simulation.robot.command(Velocity(message.linear.x, message.angular.z))
+
+    def _latch(self, message: Bool) -> None:
+        self._simulation.halted = message.data
+        self._report_change()
+
+    def _place(self, message: PoseWithCovarianceStamped) -> None:
+        frame = message.header.frame_id
+        if frame not in {WORLD, ""}:
+            self.get_logger().warning(f"initialpose is in the frame {frame!r}, but must be in {WORLD}: ignored")
+            return
+        try:
+            pose = pose_from(message.pose.pose)
+        except ValueError as error:
+            self.get_logger().warning(f"initialpose {error}: ignored")
+            return
+        self._simulation.place(pose)
+        self._report_change()
+
+    def _hear_battery(self, message: bytes) -> None:
+        self._courtesy.heard(message, time.monotonic())
+
+    def _reset(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        halted = self._simulation.halted
+        self._simulation = Simulation(self._settings.settings, self._settings.seed)
+        self._simulation.halted = halted
+        self._make_messages()
+        self._report_change()
+        response.success = True
+        response.message = "the robot is at its start pose"
+        self.get_logger().info("Reset: the robot is at its start pose")
+        return response
+
+    def _switch(self, fault: Fault, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        self._simulation.set_fault(fault, request.data)
+        self._report_change()
+        response.success = True
+        response.message = f"{fault} is {'on' if request.data else 'off'}"
+        self.get_logger().info(f"Fault {response.message}")
+        return response
+
+    # Time passes.
+
+    def _tick(self) -> None:
+        now = time.monotonic()
+        lapse = min(LONGEST_LAPSE, now - self._ticked_at)
+        self._ticked_at = now
+        self._simulation.run(lapse * self._settings.real_time_factor)
+        self._publish()
+        if self._ticks % TICKS_PER_BATTERY_MESSAGE == 0:
+            self._publish_battery(now)
+        self._ticks += 1
+        self._report_change()
+
+    def _publish(self) -> None:
+        simulation, stamp = self._simulation, self._now()
+        pose, velocity = simulation.odometry.pose, simulation.odometry_velocity
+        self._odometry.publish(self._odometry_message.fill(pose, velocity, stamp))
+        robot = simulation.robot
+        self._truth.publish(self._truth_message.fill(robot.pose, robot.velocity, stamp))
+        sighting, ranges = simulation.sighting, simulation.ranges
+        if sighting is not None and sighting.stamp > self._marker_told:
+            self._marker_told = sighting.stamp
+            self._marker.publish(stamped_pose(sighting.marker, BASE, stamp))
+        if ranges is not None and ranges.stamp > self._ranges_told:
+            self._ranges_told = ranges.stamp
+            distances = (ranges.left, ranges.center, ranges.right)
+            for publisher, message, distance in zip(self._ranges, self._range_messages, distances, strict=True):
+                publisher.publish(message.fill(distance, stamp))
+
+    def _publish_battery(self, now: float) -> None:
+        """Publish the state of the battery, unless someone else does or it is silent."""
+        if self._others_publish_battery(now) or Fault.SILENT_BATTERY in self._simulation.faults:
+            return
+        measured = self._simulation.measurement
+        if measured is not None:
+            message = serialize_message(self._battery_message.fill(measured[0], self._now()))
+            self._courtesy.sent(message)
+            self._battery.publish(message)
+
+    def _others_publish_battery(self, now: float) -> bool:
+        return self._courtesy.others_publish(now, self._settings.battery_resume_after)
+
+    # Its status.
+
+    def _now(self) -> Any:
+        return self.get_clock().now().to_msg()
+
+    def _status(self) -> Status:
+        others = self._others_publish_battery(time.monotonic())
+        return status_of(
+            self._simulation,
+            battery_publisher="other" if others else "self",
+            real_time_factor=self._settings.real_time_factor,
+        )
+
+    def _report_change(self) -> None:
+        status, before = self._status(), self._reported
+        if status == before:
+            return
+        if before is not None and status.battery_publisher != before.battery_publisher:
+            others = status.battery_publisher == "other"
+            self.get_logger().info(
+                "Another node publishes battery_status: pausing" if others else "Publishing battery_status again"
+            )
+        self._report()
+
+    def _report(self) -> None:
+        status = self._reported = self._status()
+        level = Level.WARN if status.faults or status.halted else Level.OK
+        name = self.get_fully_qualified_name()[1:]
+        self._diagnostics.publish(diagnostics_message(name, level, status.message, status.values(), self._now()))
+
+
+def _run(args: Sequence[str] | None) -> int:
+    signals = StopSignals()
+    with ros_context(args) as context:
+        simulator = DockSimulator(context=context)
+        simulator.get_logger().info("Simulating a robot and its dock...")
+        with Spinner(context, [simulator], on_failure=signals.wake) as spinner:
+            signals.wait()
+        return 0 if spinner.failure is None else 1
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the simulator until SIGINT or SIGTERM.
+
+    Returns:
+        The exit code: 0 after a signal, 1 after a failure, 2 where a parameter is wrong.
+    """
+    return run_process(_run, args)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

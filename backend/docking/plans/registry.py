@@ -1,0 +1,27 @@
+"""The plan that the parameters ask for."""
+
+from docking.behaviors.rotate import Rotate
+from docking.goal.plan import Plan, Solo
+from docking.parameters import ControllerName, DockSettings
+from docking.plans.dock_pose import DockPosePlan
+from docking.plans.infrared import InfraredPlan
+
+
+def make_plan(settings: DockSettings) -> Plan:
+    """A new plan for a goal, by the parameter `controller`."""
+    if settings.controller is ControllerName.DOCK_POSE:
+        return DockPosePlan(
+            settings.dock,
+            settings.motion,
+            search_speed=settings.search_speed,
+            detection_timeout=settings.detection_timeout,
+        )
+    if settings.controller is ControllerName.INFRARED:
+        return InfraredPlan(
+            settings.dock,
+            settings.motion,
+            settings.receivers,
+            search_speed=settings.search_speed,
+            detection_timeout=settings.detection_timeout,
+        )
+    return Solo(Rotate(settings.rotate_speed))

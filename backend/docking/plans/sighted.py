@@ -1,0 +1,58 @@
+"""What the plans that see the dock have in common: their stages, and the way back from the dock."""
+
+from abc import abstractmethod
+
+from docking.behaviors.back_out import BackOut
+from docking.behaviors.moves import bounded
+from docking.core.dock import Dock
+from docking.core.errors import Stage
+from docking.core.geometry import Pose
+from docking.core.observation import Observation
+from docking.goal.limiter import MotionLimits
+
+BLIND_WAY = 0.1
+"""How far to back off, in m, where the dock is not known."""
+
+
+class SightedPlan:
+    """Half a plan: the other half knows where the dock is, by one kind of sensor."""
+
+    stages = (Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING, Stage.WAIT_FOR_CHARGE)
+
+    def __init__(self, dock: Dock, motion: MotionLimits, *, search_speed: float, detection_timeout: float) -> None:
+        """Begin without knowing where the dock is.
+
+        Args:
+            dock: Where the robot stands when docked, as seen from what is detected, and where it waits in front.
+            motion: What the robot may do.
+            search_speed: How fast to turn while the dock is looked for, in rad/s.
+            detection_timeout: For how long the dock may be out of sight on the way to it, in s.
+        """
+        self.motion = motion
+        self.dock = dock
+        self._search_speed = search_speed
+        self._detection_timeout = detection_timeout
+        self._robot: Pose | None = None
+
+    @property
+    @abstractmethod
+    def docked(self) -> Pose | None:
+        """Where base_link is when docked, in odom."""
+
+    @property
+    def staging(self) -> Pose | None:
+        """Where base_link waits in front of the dock, in odom."""
+        docked = self.docked
+        return None if docked is None else self.dock.staging(docked)
+
+    def observe(self, observation: Observation) -> None:
+        """Keep up with the robot."""
+        if observation.odometry is not None:
+            self._robot = observation.odometry.pose
+
+    def back_off(self) -> BackOut:
+        """Back to where the staging pose is, or a little where that is not known."""
+        staging, distance = -self.dock.staging_x_offset, BLIND_WAY
+        if self._robot is not None and self.docked is not None:
+            distance = staging + self._robot.relative_to(self.docked).x
+        return BackOut(bounded(distance, staging), self.motion)

@@ -1,0 +1,39 @@
+"""Who drives the robot."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+
+from docking.goal.engine import Goal, Outcome
+
+
+@dataclass(eq=False)
+class Execution:
+    """A goal that was accepted.
+
+    Attributes:
+        handle: What its action server knows it by.
+        goal_id: The same as text.
+        goal: The goal itself.
+        end: Ends it, on the server it came to.
+        ended: Holds the outcome in the end.
+    """
+
+    handle: ServerGoalHandle
+    goal_id: str
+    goal: Goal
+    end: Callable[[Outcome], None]
+    ended: Future = field(default_factory=Future)
+
+
+@dataclass
+class ActiveGoal:
+    """One goal at a time, whichever of the process's servers it came to.
+
+    Attributes:
+        running: None while nobody drives.
+    """
+
+    running: Execution | None = None

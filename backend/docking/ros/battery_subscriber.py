@@ -1,0 +1,63 @@
+"""The node `battery_state_subscriber`: puts each battery message where the action server finds it."""
+
+import math
+import time
+from typing import Any
+
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from sensor_msgs.msg import BatteryState
+
+from docking.core.battery import Battery, BatteryReading, received_at
+
+BATTERY_TOPIC = "battery_status"
+# BEST_EFFORT and VOLATILE match every publisher. One message is kept: an older one is of no use.
+QOS = QoSProfile(
+    history=HistoryPolicy.KEEP_LAST,
+    depth=1,
+    reliability=ReliabilityPolicy.BEST_EFFORT,
+    durability=DurabilityPolicy.VOLATILE,
+)
+
+
+def battery_message(battery: Battery) -> BatteryState:
+    """The latest message; before the first, one whose status is UNKNOWN and whose floats are NaN."""
+    latest = battery.latest
+    if latest is not None and isinstance(latest.message, BatteryState):
+        return latest.message
+    unmeasured = ("voltage", "temperature", "current", "charge", "capacity", "design_capacity", "percentage")
+    return BatteryState(**dict.fromkeys(unmeasured, math.nan))
+
+
+class BatteryStateSubscriber(Node):  # type: ignore[misc] # rclpy has no types
+    """Subscribes to `battery_status` (sensor_msgs/BatteryState)."""
+
+    def __init__(self, battery: Battery, *, context: Context | None = None) -> None:
+        """Make the node.
+
+        Args:
+            battery: Where the readings go.
+            context: The ROS context; None is the default one.
+        """
+        super().__init__("battery_state_subscriber", context=context)
+        self._battery = battery
+        self._subscription = self.create_subscription(
+            BatteryState,
+            BATTERY_TOPIC,
+            self._receive,
+            QOS,
+            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        )
+
+    def _receive(self, message: BatteryState, info: dict[str, Any]) -> None:
+        received_wall = info.get("received_timestamp", 0) / 1e9
+        self._battery.update(
+            BatteryReading(
+                status=message.power_supply_status,
+                received_at=received_at(time.monotonic(), time.time(), received_wall),
+                message=message,
+                percentage=message.percentage,
+            )
+        )

@@ -1,0 +1,88 @@
+"""The robot's velocity: `cmd_vel`, with a watchdog beside it."""
+
+import math
+import time
+import traceback
+
+from geometry_msgs.msg import Twist, Vector3
+from rclpy.node import Node
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from docking.core.observation import STANDSTILL, Velocity
+from docking.ros.watchdog import Watchdog
+
+WATCHDOG_TIMEOUT = 0.5
+"""Seconds that a motion goes on without being renewed."""
+RECENT = 1.0
+"""Seconds after a velocity in which the wheels still count as driven by us."""
+
+
+class Drive:
+    """Publishes velocities, and zero when a motion is not renewed in time.
+
+    The thread that spins the node calls `go` and `stop`. The watchdog has a thread of its own, so that it works where
+    that thread hangs; it only publishes, which rclpy allows from any thread.
+    """
+
+    def __init__(self, node: Node) -> None:
+        """Make the publisher.
+
+        Args:
+            node: The node that publishes.
+        """
+        self._node = node
+        self._velocity: Velocity | None = None
+        self._stopped_at = self._published_at = -math.inf
+        qos = QoSOverridingOptions.with_default_policies()
+        self._publisher = node.create_publisher(Twist, "cmd_vel", 10, qos_overriding_options=qos)
+        self._watchdog = Watchdog(WATCHDOG_TIMEOUT, self._stop_left_alone)
+
+    def begin(self) -> None:
+        """A goal takes over, whatever the velocity was before."""
+        self._velocity = None
+
+    def go(self, velocity: Velocity, decided_at: float) -> None:
+        """Publish a velocity, but a standstill only once: while a goal waits, the wheels are left to others.
+
+        Args:
+            velocity: What the wheels have to do until the next call.
+            decided_at: The moment of what it was decided on, in seconds of the monotonic clock. A decision that took
+                too long, or until after the robot was stopped, moves nothing any more.
+        """
+        if decided_at < self._stopped_at or time.monotonic() - decided_at > WATCHDOG_TIMEOUT:
+            velocity = STANDSTILL
+        if velocity == STANDSTILL:
+            self._watchdog.sleep()
+            if self._velocity == STANDSTILL:
+                return
+        else:
+            self._watchdog.feed()
+        self._velocity = velocity
+        self._published_at = time.monotonic()
+        self._publisher.publish(Twist(linear=Vector3(x=velocity.linear_x), angular=Vector3(z=velocity.angular_z)))
+
+    def stop(self) -> None:
+        """Publish zero velocity, from any thread. It never raises: those who call it have other things to end."""
+        self._watchdog.sleep()
+        self._velocity = STANDSTILL
+        self._publish_zero()
+
+    @property
+    def recent(self) -> bool:
+        """Whether a velocity was published a moment ago."""
+        return time.monotonic() - self._published_at < RECENT
+
+    def _stop_left_alone(self) -> None:
+        self._publish_zero()
+        self._node.get_logger().error(f"No control step for {WATCHDOG_TIMEOUT:g} s while the robot moves: stopping it")
+
+    def _publish_zero(self) -> None:
+        self._stopped_at = self._published_at = time.monotonic()
+        try:
+            self._publisher.publish(Twist())
+        except Exception:  # noqa: BLE001 - whatever it is, what follows must be done
+            self._node.get_logger().fatal(f"Zero velocity could not be published: {traceback.format_exc()}")
+
+    def close(self) -> None:
+        """End the watchdog."""
+        self._watchdog.close()

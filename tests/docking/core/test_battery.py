@@ -1,0 +1,66 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from docking.core.battery import Battery, BatteryReading, describe_status, received_at
+
+SECONDS = st.floats(min_value=0.0, max_value=1e9)
+
+
+@pytest.mark.parametrize(
+    ("status", "connected"), [(0, False), (1, True), (2, False), (3, False), (4, True), (255, False)]
+)
+def test_only_charging_and_full_are_connected(status: int, connected: bool) -> None:
+    assert BatteryReading(status, 0.0).connected is connected
+
+
+@given(SECONDS, SECONDS)
+def test_the_age_is_never_negative(received: float, now: float) -> None:
+    assert BatteryReading(1, received).age(now) == max(0.0, now - received)
+
+
+def test_the_battery_keeps_the_latest_reading() -> None:
+    battery = Battery()
+    assert battery.latest is None
+    battery.update(BatteryReading(3, 1.0))
+    battery.update(BatteryReading(1, 2.0, "the message"))
+    assert battery.latest == BatteryReading(1, 2.0, "the message")
+
+
+def test_a_connected_charger_is_told_at_once() -> None:
+    battery = Battery()
+    told: list[BatteryReading | None] = []
+    battery.on_connected = lambda: told.append(battery.latest)
+    for status in (3, 1, 2, 4):
+        battery.update(BatteryReading(status, 1.0))
+    assert told == [BatteryReading(1, 1.0), BatteryReading(4, 1.0)]
+
+
+def test_a_message_that_waited_is_as_old_as_it_is() -> None:
+    assert received_at(now=100.0, wall_now=5000.0, received_wall=4993.0) == 93.0
+
+
+def test_a_wall_clock_that_was_set_back_makes_nothing_younger_than_now() -> None:
+    assert received_at(now=100.0, wall_now=5000.0, received_wall=6000.0) == 100.0
+
+
+def test_without_a_reception_time_a_message_came_now() -> None:
+    assert received_at(now=100.0, wall_now=5000.0, received_wall=0.0) == 100.0
+
+
+def test_a_status_is_described_with_its_name_if_it_has_one() -> None:
+    assert describe_status(3) == "3 (NOT_CHARGING)"
+    assert describe_status(200) == "200 (no known status)"
+
+
+@pytest.mark.parametrize("percentage", [0.0, 0.24, 1.0, math.nan])
+def test_a_percentage_from_0_to_1_or_none_is_right(percentage: float) -> None:
+    assert BatteryReading(3, 0.0, percentage=percentage).fault is None
+
+
+@pytest.mark.parametrize("percentage", [24.0, -0.1, 1.01, math.inf])
+def test_any_other_percentage_is_not(percentage: float) -> None:
+    fault = BatteryReading(3, 0.0, percentage=percentage).fault
+    assert fault == f"has a percentage of {percentage:g}, but it must be from 0 to 1"

@@ -1,0 +1,144 @@
+"""What holds for every controller, whatever the robot is told and wherever it starts."""
+
+import math
+from dataclasses import replace
+from random import Random
+
+import pytest
+from benchmarks.docking.trial import DROP_OUTS, REGIONS, settings_of, simulation_of
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from docking.core.battery import BatteryReading
+from docking.core.geometry import Pose, normalize_angle
+from docking.core.observation import (
+    STANDSTILL,
+    InfraredReading,
+    MarkerDetection,
+    Observation,
+    Odometry,
+    Velocity,
+)
+from docking.goal.engine import Command, DockGoal, End, Outcome
+from docking.parameters import ControllerName
+from docking.plans.registry import make_plan
+from docking.simulation.marker import MarkerSettings
+from docking.simulation.simulation import Settings, Simulation
+
+CONTROLLERS = list(REGIONS)
+NUMBERS = st.one_of(st.floats(-5.0, 5.0), st.floats(allow_nan=True, allow_infinity=True))
+STAMPS = st.one_of(st.floats(-1.0, 1.0), st.sampled_from([0.0, math.nan, math.inf, -math.inf]))
+ANY_POSES = st.builds(Pose, NUMBERS, NUMBERS, NUMBERS)
+ANY_VELOCITIES = st.builds(Velocity, NUMBERS, NUMBERS)
+
+
+@st.composite
+def anything(draw: st.DrawFn) -> tuple[float, Observation]:
+    """A pause, and what is known after it, with stamps that count from the moment."""
+    pause = draw(st.sampled_from([0.0, 0.02, 0.05, 0.1, 0.5, 3.0]))
+    return pause, Observation(
+        0.0,
+        draw(st.one_of(st.none(), st.builds(BatteryReading, st.sampled_from([0, 2, 3, 77]), STAMPS))),
+        draw(st.one_of(st.none(), st.builds(Odometry, ANY_POSES, ANY_VELOCITIES, STAMPS))),
+        draw(st.one_of(st.none(), st.builds(MarkerDetection, ANY_POSES, STAMPS))),
+        draw(st.one_of(st.none(), st.builds(InfraredReading, NUMBERS, NUMBERS, NUMBERS, STAMPS))),
+    )
+
+
+def at(now: float, known: Observation, odometry: Pose) -> Observation:
+    """The same at a moment; odometry that makes sense now and then, so that the robot gets to drive."""
+    told = known.odometry
+    return Observation(
+        now,
+        BatteryReading(3, now)
+        if known.battery is None
+        else BatteryReading(3, now + min(0.0, known.battery.received_at)),
+        Odometry(odometry, STANDSTILL, now) if told is None else Odometry(told.pose, told.velocity, now + told.stamp),
+        known.marker and MarkerDetection(known.marker.pose, now + known.marker.stamp),
+        known.infrared
+        and InfraredReading(
+            known.infrared.left, known.infrared.center, known.infrared.right, now + known.infrared.stamp
+        ),
+    )
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+@given(st.lists(anything(), min_size=1, max_size=40))
+def test_whatever_is_observed_velocities_are_numbers_within_their_limits(
+    controller: ControllerName, known: list[tuple[float, Observation]]
+) -> None:
+    docking = settings_of(controller)
+    goal, now, last, ended = DockGoal(make_plan(docking), docking.limits, 0.0), 0.0, STANDSTILL, None
+    for pause, observation in known:
+        now += pause
+        step = goal.step(at(now, observation, Pose(0.01 * now, 0.0, 0.1 * math.sin(now))))
+        if ended is not None:
+            assert step is ended
+        if isinstance(step, Outcome):
+            assert step.end is End.ABORTED
+            ended = step
+            continue
+        assert isinstance(step, Command)
+        assert step.velocity.finite
+        assert abs(step.velocity.linear_x) <= docking.motion.v_linear_max
+        assert abs(step.velocity.angular_z) <= docking.motion.v_angular_max
+        if step.velocity != STANDSTILL:
+            assert abs(step.velocity.linear_x - last.linear_x) <= docking.motion.a_linear_max * pause + 1e-9
+            assert abs(step.velocity.angular_z - last.angular_z) <= docking.motion.a_angular_max * pause + 1e-9
+        last = step.velocity
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+@settings(max_examples=12, derandomize=True)
+@given(
+    distance=st.floats(0.0, 1.0), aside=st.floats(-1.0, 1.0), turned=st.floats(-1.0, 1.0), seed=st.integers(0, 10**6)
+)
+@example(distance=1.0, aside=1.0, turned=1.0, seed=0)
+@example(distance=1.0, aside=-1.0, turned=1.0, seed=0)
+@example(distance=0.0, aside=1.0, turned=-1.0, seed=0)
+@example(distance=0.0, aside=-1.0, turned=-1.0, seed=0)
+def test_it_docks_from_everywhere_in_its_region(
+    controller: ControllerName, distance: float, aside: float, turned: float, seed: int
+) -> None:
+    region = REGIONS[controller]
+    away = region.nearest + distance * (region.farthest - region.nearest)
+    x, y = -away * math.cos(aside * region.off), away * math.sin(aside * region.off)
+    start = Pose(x, y, normalize_angle(math.atan2(-y, -x) + turned * region.off))
+    simulation = Simulation(Settings(start=start, marker=MarkerSettings(drop_outs=DROP_OUTS)), seed)
+    docking = settings_of(controller)
+    goal = DockGoal(make_plan(docking), docking.limits, 0.0)
+    step = goal.step(simulation.observe())
+    while isinstance(step, Command):
+        simulation.run(docking.control_period, step.velocity)
+        step = goal.step(simulation.observe())
+    assert step.end is End.SUCCEEDED
+    assert simulation.contact
+    assert simulation.bumps == 0
+
+
+@settings(max_examples=8, derandomize=True)
+@given(seed=st.integers(0, 10**6))
+def test_it_docks_although_some_detections_are_nonsense(seed: int) -> None:
+    """One in seven is somewhere else, turned round, or no number."""
+    random = Random(seed)
+    simulation = simulation_of(ControllerName.DOCK_POSE, seed)
+    docking = settings_of(ControllerName.DOCK_POSE)
+    goal = DockGoal(make_plan(docking), docking.limits, 0.0)
+    told: MarkerDetection | None = None
+    while True:
+        observation = simulation.observe()
+        marker = observation.marker
+        if marker is not None and (told is None or marker.stamp > told.stamp):
+            told = MarkerDetection(random.choice(nonsense(marker.pose)), marker.stamp)
+        step = goal.step(replace(observation, marker=told))
+        if isinstance(step, Outcome):
+            break
+        simulation.run(docking.control_period, step.velocity)
+    assert step.end is End.SUCCEEDED
+    assert simulation.contact
+
+
+def nonsense(pose: Pose) -> list[Pose]:
+    """The truth, most of the time, and what a detector may take for it."""
+    wrong = [Pose(pose.x + 1.0, pose.y - 0.5, pose.theta), Pose(pose.x, pose.y, pose.theta + 1.0), Pose(math.nan)]
+    return [pose] * 18 + wrong

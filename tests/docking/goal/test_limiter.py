@@ -1,0 +1,37 @@
+import math
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from docking.core.observation import STANDSTILL, Velocity
+from docking.goal.limiter import Limiter, MotionLimits
+
+LIMITS = MotionLimits(v_linear_max=0.26, v_angular_max=1.0, a_linear_max=0.5, a_angular_max=2.0)
+WISHES = st.builds(Velocity, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
+
+
+@given(st.lists(st.tuples(WISHES, st.floats(0.0, 0.5)), max_size=40))
+def test_velocity_and_acceleration_stay_within_their_limits(wishes: list[tuple[Velocity, float]]) -> None:
+    limiter, last = Limiter(LIMITS), STANDSTILL
+    for wish, dt in wishes:
+        velocity = limiter.limit(wish, dt)
+        assert abs(velocity.linear_x) <= 0.26
+        assert abs(velocity.angular_z) <= 1.0
+        assert abs(velocity.linear_x - last.linear_x) <= 0.5 * dt + 1e-9
+        assert abs(velocity.angular_z - last.angular_z) <= 2.0 * dt + 1e-9
+        last = velocity
+
+
+def test_a_wish_within_the_limits_is_granted_in_the_end() -> None:
+    limiter, wish = Limiter(LIMITS), Velocity(-0.2, 0.7)
+    velocities = [limiter.limit(wish, 0.1) for _ in range(10)]
+    assert velocities[-1] == wish
+    assert math.isclose(velocities[0].linear_x, -0.05)
+
+
+def test_a_stop_is_not_delayed() -> None:
+    limiter = Limiter(LIMITS)
+    for _ in range(20):
+        limiter.limit(Velocity(0.26, 1.0), 0.1)
+    assert limiter.stop() == STANDSTILL
+    assert limiter.limit(STANDSTILL, 0.1) == STANDSTILL

@@ -1,0 +1,181 @@
+import math
+from collections import deque
+from random import Random
+
+import pytest
+
+from docking.core.errors import Blocked, OdometryLost
+from docking.core.geometry import Pose
+from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
+from docking.goal.limiter import Limiter, MotionLimits
+from docking.goal.motion_watch import MotionWatch
+
+PERIOD = 0.05
+
+
+def watch() -> MotionWatch:
+    return MotionWatch(odometry_timeout=1.0, blocked_after=2.0, started_at=0.0)
+
+
+def drive(
+    motion: MotionWatch, told: Velocity, done: Velocity, seconds: float, *, start: float = 0.0, pose: Pose | None = None
+) -> Pose:
+    pose = pose or Pose()
+    for number in range(round(seconds / PERIOD)):
+        now = start + number * PERIOD
+        assert motion.sees(Observation(now, odometry=Odometry(pose, done, now)))
+        motion.commanded = told
+        pose = pose.compose(Pose(done.linear_x * PERIOD, 0.0, done.angular_z * PERIOD))
+    return pose
+
+
+@pytest.mark.parametrize("told", [STANDSTILL, Velocity(0.26, 0.0), Velocity(-0.1, 0.5), Velocity(0.0, -1.0)])
+@pytest.mark.parametrize("slip", [0.0, 0.1, -0.1])
+def test_a_robot_that_does_as_it_is_told_is_not_blocked(told: Velocity, slip: float) -> None:
+    drive(watch(), told, Velocity(told.linear_x * (1 - slip), told.angular_z * (1 - slip)), 20.0)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.05, 0.1])
+def test_odometry_that_comes_late_does_not_make_it_blocked(delay: float) -> None:
+    """Forwards, backwards, to and fro, as fast as the robot may, each for a random while."""
+    motion, random, pose, told = watch(), Random(5), Pose(), STANDSTILL
+    late = deque([pose] * (1 + round(delay / 0.01)))
+    limiter, wish = Limiter(MotionLimits()), STANDSTILL
+    for tick in range(30000):
+        now = 0.01 * tick
+        if random.random() < 0.007:
+            wish = Velocity(random.choice([-0.26, -0.1, 0.0, 0.1, 0.26]), random.choice([-1.0, -0.35, 0.0, 0.35, 1.0]))
+        if tick % 5 == 0:
+            assert motion.sees(Observation(now, odometry=Odometry(late[0], told, now)))
+            told = motion.commanded = limiter.limit(wish, PERIOD)
+        pose = pose.compose(Pose(told.linear_x * 0.01, 0.0, told.angular_z * 0.01))
+        late.append(pose)
+        late.popleft()
+
+
+@pytest.mark.parametrize(
+    ("told", "done"),
+    [
+        (Velocity(0.26, 0.0), STANDSTILL),
+        (Velocity(0.04, 0.0), STANDSTILL),
+        (Velocity(-0.2, 0.0), STANDSTILL),
+        (Velocity(0.0, 0.3), STANDSTILL),
+        (Velocity(0.2, 0.0), Velocity(-0.2, 0.0)),
+        (Velocity(0.2, 0.0), Velocity(0.1, 0.43)),  # the left wheel is stuck
+    ],
+)
+def test_a_robot_that_does_not_is_blocked_after_a_while(told: Velocity, done: Velocity) -> None:
+    motion = watch()
+    pose = drive(motion, told, done, 1.95)
+    with pytest.raises(Blocked):
+        drive(motion, told, done, 0.2, start=1.95, pose=pose)
+
+
+def test_what_was_before_a_rest_does_not_count() -> None:
+    motion = watch()
+    pose = drive(motion, Velocity(0.2, 0.0), STANDSTILL, 1.9)
+    motion.rest()
+    drive(motion, Velocity(0.2, 0.0), STANDSTILL, 1.9, start=1.9, pose=pose)
+
+
+def test_what_was_before_a_pause_does_not_count() -> None:
+    motion = watch()
+    pose = drive(motion, Velocity(0.2, 0.0), STANDSTILL, 1.5)
+    drive(motion, Velocity(0.2, 0.0), STANDSTILL, 1.9, start=6.0, pose=pose)
+
+
+def step(motion: MotionWatch, now: float, pose: Pose | None = None) -> bool:
+    return motion.sees(Observation(now, odometry=Odometry(pose or Pose(), STANDSTILL, now)))
+
+
+def stuck(times: list[float]) -> float | None:
+    """When a robot that is commanded to drive, and stands still, is blocked; None if it is not."""
+    motion = watch()
+    for now in times:
+        try:
+            step(motion, now)
+        except Blocked:
+            return now
+        motion.commanded = Velocity(0.2, 0.0)
+    return None
+
+
+def every_quarter(first: float, last: float) -> list[float]:
+    return [0.25 * number for number in range(int(first * 4), int(last * 4) + 1)]
+
+
+def test_it_is_blocked_as_soon_as_the_time_is_over() -> None:
+    assert stuck(every_quarter(0.0, 3.0)) == 2.0
+    assert stuck(sorted([*every_quarter(0.0, 3.0), 1.0])) == 2.0, "one observation may come twice"
+
+
+def test_a_pause_of_04_s_counts_and_a_longer_one_does_not() -> None:
+    assert stuck([0.0, 0.4, *every_quarter(0.5, 3.0)]) == 2.0
+    assert stuck([0.0, 0.45, *every_quarter(0.5, 3.0)]) == 2.5
+
+
+def test_a_few_centimeters_that_are_missing_mean_nothing() -> None:
+    motion = watch()
+    for now in every_quarter(0.0, 6.0):
+        assert step(motion, now)
+        motion.commanded = Velocity(0.016, 0.08)
+
+
+def test_a_long_drive_before_does_not_hide_that_it_is_blocked() -> None:
+    motion = watch()
+    drive(motion, Velocity(0.25, 0.0), Velocity(0.25, 0.0), 60.0)
+    with pytest.raises(Blocked):
+        drive(motion, Velocity(0.25, 0.0), STANDSTILL, 2.1, start=60.0, pose=Pose(15.0))
+
+
+def test_it_starts_and_rests_at_a_standstill() -> None:
+    motion = watch()
+    assert motion.commanded == STANDSTILL
+    motion.commanded = Velocity(0.2, 0.0)
+    motion.rest()
+    assert motion.commanded == STANDSTILL
+
+
+def test_odometry_may_be_03_s_old() -> None:
+    odometry = Odometry(Pose(), STANDSTILL, 0.0)
+    assert watch().sees(Observation(0.3, odometry=odometry))
+    assert not watch().sees(Observation(0.31, odometry=odometry))
+
+
+def test_odometry_is_lost_only_after_its_time_and_the_error_says_so() -> None:
+    motion = watch()
+    assert not motion.sees(Observation(1.0))
+    with pytest.raises(OdometryLost, match=r"^no odometry for 1 s \(odometry_timeout\)$"):
+        motion.sees(Observation(1.01))
+
+
+@pytest.mark.parametrize("pose", [Pose(1e6), Pose(0.0, -1e6), Pose(0.0, 0.0, 1e6)])
+def test_a_pose_too_far_away_is_none(pose: Pose) -> None:
+    assert not step(watch(), 0.5, pose)
+    with pytest.raises(OdometryLost, match="implausible pose, Pose"):
+        step(watch(), 1.5, pose)
+
+
+def test_without_odometry_it_sees_nothing_and_then_gives_up() -> None:
+    motion = watch()
+    assert not motion.sees(Observation(0.9))
+    with pytest.raises(OdometryLost):
+        motion.sees(Observation(1.1))
+
+
+def test_odometry_that_stops_blinds_it_and_then_is_lost() -> None:
+    motion, odometry = watch(), Odometry(Pose(), STANDSTILL, 10.0)
+    assert motion.sees(Observation(10.2, odometry=odometry))
+    assert not motion.sees(Observation(10.5, odometry=odometry))
+    with pytest.raises(OdometryLost):
+        motion.sees(Observation(11.1, odometry=odometry))
+
+
+@pytest.mark.parametrize("nonsense", [math.nan, math.inf, 1e200, 5.4e6])
+def test_odometry_that_makes_no_sense_is_none_and_then_lost(nonsense: float) -> None:
+    motion = watch()
+    assert not motion.sees(Observation(0.1, odometry=Odometry(Pose(nonsense), STANDSTILL, 0.1)))
+    assert motion.sees(Observation(0.5, odometry=Odometry(Pose(), STANDSTILL, 0.5)))
+    assert not motion.sees(Observation(1.4, odometry=Odometry(Pose(nonsense), STANDSTILL, 1.4)))
+    with pytest.raises(OdometryLost, match="implausible pose"):
+        motion.sees(Observation(1.6, odometry=Odometry(Pose(nonsense), STANDSTILL, 1.6)))
