@@ -76,6 +76,11 @@ class Settings(BaseSettings):
         description="Whether the gateway may listen on other than loopback addresses without `authentication`: then "
         "everyone who reaches it can move the robots.",
     )
+    published_on: str = Field(
+        "",
+        description="In a container: the address of the host on which its port is published. It takes the place of "
+        "`HOST` in deciding whether the gateway is open to a network.",
+    )
     tls_cert: Path | None = Field(
         None,
         description="PEM file with the gateway's certificate and its intermediates. With it, the gateway speaks only "
@@ -349,9 +354,11 @@ class Settings(BaseSettings):
         return self
 
     @property
-    def open_to_the_network(self) -> bool:
-        """Whether anyone who reaches this machine could move the robots."""
-        return self.host not in LOOPBACK_HOSTS and not self.authentication
+    def open_to(self) -> Literal["machine", "network"] | None:
+        """Who may do everything without a login: the programs of this machine, or all who reach it over a network."""
+        if self.authentication:
+            return None
+        return "machine" if (self.published_on or self.host) in LOOPBACK_HOSTS else "network"
 
     @property
     def tls(self) -> bool:

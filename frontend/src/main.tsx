@@ -8,7 +8,7 @@ import { BrowserRouter } from "react-router";
 import { session } from "./access/session";
 import { createGateway } from "./api/client";
 import { createHttp } from "./api/http";
-import { createQueryClient } from "./api/queryClient";
+import { createQueryClient, pauseWhileUnseen } from "./api/queryClient";
 import { FleetProvider, type FleetServices } from "./fleet/context";
 import { FleetStore } from "./fleet/store";
 import { App } from "./layout/App";
@@ -32,6 +32,7 @@ if (container === null) throw new Error("index.html has no #root");
 const root = createRoot(container);
 // Asked by index.html while the scripts were loading. Nothing is shown before, so that no login and no page flashes up.
 await session.ask();
+pauseWhileUnseen();
 openStream(streamUrl(location, { include: "system,robots", feedback: "false" }), store);
 root.render(
   <StrictMode>

@@ -1,4 +1,5 @@
 import { readFileSync } from "node:fs";
+import { QueryObserver } from "@tanstack/react-query";
 import { act, screen, waitFor } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import "../src/access/AccountMenu";
@@ -9,14 +10,16 @@ import "../src/access/UsersPage";
 import { NEEDED, whyForbidden } from "../src/access/permissions";
 import { ANYBODY, type Role, Session, type SessionState, session } from "../src/access/session";
 import type { Token, User } from "../src/api/access";
+import { createQueryClient, pauseWhileUnseen } from "../src/api/queryClient";
 import { whyNot } from "../src/operations/operation";
 import { ownName, setOwnName } from "../src/stop/who";
 import { robot } from "./events";
 import { descriptionOf, fakeGateway, isDisabled, renderPage } from "./page";
 
-const OUT: SessionState = { required: true, principal: null };
+const OUT: SessionState = { required: true, open_to: null, principal: null };
 const as = (role: Role, name = "Ada", kind: "token" | "user" = "token"): SessionState => ({
   required: true,
+  open_to: null,
   principal: { name, kind, role, robots: [], actions: [], topics: [] },
 });
 
@@ -156,6 +159,25 @@ describe("the session", () => {
     expect(own.loggedOut).toBe(true);
   });
 
+  it("ends what is asked for again and again, until somebody logs in", async () => {
+    vi.useFakeTimers();
+    pauseWhileUnseen();
+    const ask = vi.fn(async () => "notes");
+    const client = createQueryClient();
+    const watched = new QueryObserver(client, { queryKey: ["notes"], queryFn: ask, refetchInterval: 1000 });
+    const stop = watched.subscribe(() => {});
+    await vi.advanceTimersByTimeAsync(3500);
+    expect(ask).toHaveBeenCalledTimes(4);
+    session.set(OUT);
+    await vi.advanceTimersByTimeAsync(10_000);
+    expect(ask).toHaveBeenCalledTimes(4);
+    session.set(as("viewer"));
+    await vi.advanceTimersByTimeAsync(2500);
+    expect(ask.mock.calls.length).toBeGreaterThan(5);
+    stop();
+    vi.useRealTimers();
+  });
+
   it("names who does something, whatever name this browser keeps", () => {
     setOwnName("Bob");
     expect(ownName()).toBe("Bob");
@@ -174,6 +196,27 @@ describe("the page", () => {
     renderPage(fakeGateway());
     expect(await screen.findByRole("button", { name: "Dock" })).toBeDefined();
     expect(screen.queryByRole("button", { name: /Logged in/ })).toBeNull();
+  });
+
+  it("says that no login is needed on this machine, and what that means", async () => {
+    answering();
+    session.set({ ...ANYBODY, open_to: "machine" });
+    const { user } = renderPage(fakeGateway());
+    await user.click(await screen.findByRole("button", { name: "Open: no login on this machine" }));
+    expect(screen.queryByRole("menuitem", { name: "Log out" })).toBeNull();
+    await user.click(await screen.findByRole("menuitem", { name: "What this means" }));
+    expect(await screen.findByText(/Every program and every user of the gateway's machine/)).toBeDefined();
+    expect(screen.queryByText(/Everyone who reaches this gateway/)).toBeNull();
+  });
+
+  it("warns on every page of a gateway that is open to a network, until that is closed", async () => {
+    answering();
+    session.set({ ...ANYBODY, open_to: "network" });
+    const { user } = renderPage(fakeGateway());
+    expect(await screen.findByText(/Everyone who reaches this gateway/)).toBeDefined();
+    await user.click(screen.getByRole("button", { name: "Close the warning" }));
+    expect(screen.queryByText(/Everyone who reaches this gateway/)).toBeNull();
+    expect(await screen.findByRole("button", { name: "Open to the network: no login" })).toBeDefined();
   });
 
   it("asks for a name and a password first, says what is wrong, and then shows the page", async () => {

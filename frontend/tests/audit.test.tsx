@@ -100,6 +100,7 @@ describe("the page", () => {
     const asked = answering([RECORD]);
     session.set({
       required: true,
+      open_to: null,
       principal: { name: "Ada", kind: "token", role: "viewer", robots: [], actions: [], topics: [] },
     });
     renderPage(fakeGateway(), {}, "/ui/audit");

@@ -169,3 +169,21 @@ def test_an_empty_path_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("CERT", "KEY", "CLIENT_CA"):
         monkeypatch.setenv(f"DOCK_GATEWAY_TLS_{name}", "")
     assert not Settings().tls
+
+
+@pytest.mark.parametrize(
+    ("options", "open_to"),
+    [
+        ({}, "machine"),
+        ({"host": "0.0.0.0"}, "network"),
+        ({"host": "192.0.2.1"}, "network"),
+        ({"host": "0.0.0.0", "authentication": "true"}, None),
+        ({"authentication": "true"}, None),
+        # A container listens on all its addresses; what counts is where its port is published.
+        ({"host": "0.0.0.0", "published_on": "127.0.0.1"}, "machine"),
+        ({"host": "0.0.0.0", "published_on": "0.0.0.0"}, "network"),
+        ({"host": "127.0.0.1", "published_on": "192.0.2.1"}, "network"),
+    ],
+)
+def test_who_may_do_everything_without_a_login(options: dict[str, str], open_to: str | None) -> None:
+    assert read_settings(dict(options)).open_to == open_to

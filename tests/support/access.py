@@ -40,8 +40,9 @@ class Site:
         return created.stdout.strip()
 
     @contextmanager
-    def gateway(self, domain: int) -> Iterator[RunningGateway]:
-        with running_gateway(domain, database_url=self.database, authentication="true") as gateway:
+    def gateway(self, domain: int, **settings: str) -> Iterator[RunningGateway]:
+        settings = {"database_url": self.database, "authentication": "true", **settings}
+        with running_gateway(domain, **settings) as gateway:
             yield gateway
 
 

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.history import EntryT
+from dock_gateway.history import Beside, EntryT
 from dock_gateway.history.memory import MemoryEntries
 
 
@@ -24,10 +24,14 @@ class SharedStore(MemoryEntries[EntryT]):
         return found
 
     async def write(
-        self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None] | None = None
+        self,
+        key: str,
+        entry: EntryT | None,
+        check: Callable[[Mapping[str, EntryT]], None] | None = None,
+        beside: Beside | None = None,
     ) -> None:
         self.require()
-        await super().write(key, entry, check)
+        await super().write(key, entry, check, beside)
 
     def require(self) -> None:
         if self.away:

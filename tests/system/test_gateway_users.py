@@ -124,6 +124,36 @@ def test_a_stream_goes_on_during_fifty_logins(domain: int, site: Site) -> None:
         gateway.http.post("/stop", headers=bearer(root)).raise_for_status()
 
 
+def race_for_names(one: RunningGateway, other: RunningGateway, secret: str) -> None:
+    """A user here and a token there with the same name, at the same moment: one of them is refused."""
+
+    def add(name: str, outcomes: list[str]) -> None:
+        with HttpClient(one.url) as http:
+            body = {"role": "viewer", "password": PASSWORD}
+            answer = http.put(f"/users/{name}", json=body, headers=bearer(secret))
+            outcomes.append("user" if answer.status_code == 201 else answer.json()["code"])
+
+    def create(name: str, outcomes: list[str]) -> None:
+        with HttpClient(other.url) as http:
+            answer = http.post("/tokens", json={"name": name.upper(), "role": "viewer"}, headers=bearer(secret))
+            outcomes.append("token" if answer.status_code == 201 else answer.json()["code"])
+
+    for number in range(10):
+        outcomes: list[str] = []
+        threads = [threading.Thread(target=each, args=(f"name{number}", outcomes)) for each in (add, create)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert sorted(outcomes) in (["token", "token_exists"], ["user", "user_exists"])
+
+
+def test_a_name_is_of_a_user_or_of_a_token(shared_domain: int, site: Site) -> None:
+    secret = site.token("script", "admin")
+    with site.gateway(shared_domain) as here, site.gateway(shared_domain) as elsewhere:
+        race_for_names(here, elsewhere, secret)
+
+
 def test_users_on_the_command_line(site: Site) -> None:
     short = site.run("user", "add", "bob", typed="too short\n")
     assert short.returncode == 2
@@ -155,6 +185,7 @@ def test_two_gateways_on_one_database(domain: int, tmp_path: Path, postgresql: s
     with site.gateway(domain) as here, site.gateway(domain) as elsewhere:
         first, second = log_in(here, "ada"), log_in(here, "ada")
         wait_until(lambda: is_in(elsewhere, first) and is_in(elsewhere, second), "the sessions at the other gateway")
+        race_for_names(here, elsewhere, first)
         with stream(elsewhere, "/ws/feedback", second) as socket:
             change = {"old": PASSWORD, "new": OTHER}
             changed = here.http.put("/session/password", json=change, headers=bearer(first)).raise_for_status()

@@ -134,9 +134,7 @@ class Logins:
                 this name, by which records name them.
             Unavailable: The history does not answer (`history_unavailable`); there is no new token.
         """
-        if name.lower() in await self._users.read():
-            raise Conflict(f"there is a user of the name {name}", code="user_exists")
-        return await self.tokens.create(name, grant, expires_at, by)
+        return await self.tokens.create(name, grant, expires_at, by, self._users.without(name))
 
     async def revoke_token(self, token_id: str) -> None:
         """Make a token invalid, and end its streams.
@@ -273,8 +271,6 @@ class Logins:
                 this name, by which records name them.
             Unavailable: The history does not answer (`history_unavailable`); there is no new user.
         """
-        if name in await self.tokens.names():
-            raise Conflict(f"there is a token of the name {name}", code="token_exists")
         hashed = await self._passwords.hash(password)
 
         def add(user: User | None) -> User:
@@ -282,7 +278,7 @@ class Logins:
                 raise Conflict(f"there is a user of the name {name}", code="user_exists")
             return new_user(grant, hashed, by, disabled=disabled)
 
-        user = await self._users.change(name, add)
+        user = await self._users.change(name, add, beside=self.tokens.without(name))
         assert user is not None
         return user_document(name, user, 0)
 

@@ -10,6 +10,7 @@ from dock_gateway.core.access import Kind, Principal, Token
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.history import Beside
 
 MAX_TOKENS = 500
 PREFIX = "dgw_"
@@ -37,9 +38,21 @@ class Tokens(Credentials[Token]):
         return None if token is None else token.name
 
     async def create(
-        self, name: str, grant: Grant, expires_at: datetime | None = None, by: str | None = None
+        self,
+        name: str,
+        grant: Grant,
+        expires_at: datetime | None = None,
+        by: str | None = None,
+        beside: Beside | None = None,
     ) -> tuple[dict[str, Any], str]:
         """Create a token; return it as the API shows it, and its secret, which is not stored.
+
+        Args:
+            name: Its name.
+            grant: What it may do.
+            expires_at: When it becomes invalid.
+            by: Who creates it.
+            beside: Entries of another kind that are checked at the same moment.
 
         Raises:
             Conflict: There are too many (`too_many_tokens`), or one has this name (`token_exists`).
@@ -60,7 +73,7 @@ class Tokens(Credentials[Token]):
             if any(each.name == name for each in tokens.values()):
                 raise Conflict(f"there is a token of the name {name}; revoke it first", code="token_exists")
 
-        await self.book.replace(digest[:ID_DIGITS], token, check)
+        await self.book.replace(digest[:ID_DIGITS], token, check, beside)
         return token_document(digest[:ID_DIGITS], token), secret
 
     async def documents(self) -> list[dict[str, Any]]:
@@ -73,13 +86,14 @@ class Tokens(Credentials[Token]):
         found = [token_document(token_id, token) for token_id, token in tokens.items()]
         return sorted(found, key=lambda token: str(token["name"]))
 
-    async def names(self) -> set[str]:
-        """Return the names of all tokens, in lower case.
+    def without(self, name: str) -> Beside:
+        """Return a check that no token has the name of a user, whatever its case."""
 
-        Raises:
-            Unavailable: The history does not answer (`history_unavailable`).
-        """
-        return {token.name.lower() for token in (await self.book.read()).values()}
+        def check(tokens: Mapping[str, Token]) -> None:
+            if any(token.name.lower() == name for token in tokens.values()):
+                raise Conflict(f"there is a token of the name {name}", code="token_exists")
+
+        return self.book.beside(check)
 
     def have_admin(self) -> bool:
         """Return whether there is a valid token of an admin."""

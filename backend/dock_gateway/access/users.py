@@ -12,6 +12,7 @@ from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.fleet.shared_book import SharedBook
+from dock_gateway.history import Beside
 
 MAX_USERS = 200
 NAME = re.compile(r"[a-z0-9](?:[a-z0-9._@+-]{0,58}[a-z0-9])?")
@@ -33,7 +34,9 @@ class Users:
         self.book = book
         self._changing = asyncio.Lock()
 
-    async def change(self, name: str, change: Change, check: Check = lambda _: None) -> User | None:
+    async def change(
+        self, name: str, change: Change, check: Check = lambda _: None, beside: Beside | None = None
+    ) -> User | None:
         """Change a user as they are stored now, and return what they are then.
 
         Args:
@@ -41,6 +44,7 @@ class Users:
             change: Is given the user, None if there is none, and returns the new one; None removes them. May be called
                 again if another gateway changes the user at the same time.
             check: Is given all users after the change, and raises if it must not be stored.
+            beside: Entries of another kind that are checked at the same moment.
 
         Raises:
             Conflict: There are too many (`too_many_users`), or others change the user all the time (`user_changed`).
@@ -51,13 +55,13 @@ class Users:
                 old = (await self.book.read()).get(name)
                 new = change(old)
                 try:
-                    await self._store(name, old, new, check)
+                    await self._store(name, old, new, check, beside)
                 except _OvertakenError:
                     continue
                 return new
         raise Conflict(f"{name} is being changed by others; try again", code="user_changed")
 
-    async def _store(self, name: str, old: User | None, new: User | None, check: Check) -> None:
+    async def _store(self, name: str, old: User | None, new: User | None, check: Check, beside: Beside | None) -> None:
         def check_all(users: Mapping[str, User]) -> None:
             if users.get(name) != old:
                 raise _OvertakenError
@@ -65,9 +69,18 @@ class Users:
             check(others if new is None else {**others, name: new})
 
         if new is None:
-            await self.book.store(name, None, check_all)
+            await self.book.store(name, None, check_all, beside)
         else:
-            await self.book.replace(name, new, check_all)
+            await self.book.replace(name, new, check_all, beside)
+
+    def without(self, name: str) -> Beside:
+        """Return a check that no user has a name, whatever its case."""
+
+        def check(users: Mapping[str, User]) -> None:
+            if name.lower() in users:
+                raise Conflict(f"there is a user of the name {name}", code="user_exists")
+
+        return self.book.beside(check)
 
     async def read(self) -> Mapping[str, User]:
         """Return all users by name, as they are stored now.

@@ -33,10 +33,11 @@ def check_exposure(settings: Settings) -> None:
     Raises:
         click.UsageError: The message says what can be set instead.
     """
-    if settings.open_to_the_network and not settings.insecure_open:
+    if settings.open_to == "network" and not settings.insecure_open:
         raise click.UsageError(
-            f"on {settings.host}, anyone who reaches this machine over the network could move the robots. "
-            "Ask for a login with --authentication true (docs/access.md), or accept that with --insecure-open true"
+            f"on {settings.published_on or settings.host}, anyone who reaches this machine over the network could move "
+            "the robots. Ask for a login with --authentication true (docs/access.md), or accept that with "
+            "--insecure-open true"
         )
 
 

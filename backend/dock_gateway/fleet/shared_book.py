@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 
 from dock_gateway.core.errors import Conflict, NotFound
 from dock_gateway.fleet.shared_entries import SharedEntries
-from dock_gateway.history import Entries, EntryT
+from dock_gateway.history import Beside, Entries, EntryT
 
 
 class SharedBook(SharedEntries[EntryT]):
@@ -22,7 +22,11 @@ class SharedBook(SharedEntries[EntryT]):
         self._most = most
 
     async def replace(
-        self, key: str, entry: EntryT, allow: Callable[[Mapping[str, EntryT]], None] = lambda _: None
+        self,
+        key: str,
+        entry: EntryT,
+        allow: Callable[[Mapping[str, EntryT]], None] = lambda _: None,
+        beside: Beside | None = None,
     ) -> None:
         """Store an entry, new or changed.
 
@@ -30,6 +34,7 @@ class SharedBook(SharedEntries[EntryT]):
             key: Its id.
             entry: The entry.
             allow: Is given all entries, and raises if this one must not be stored.
+            beside: Entries of another kind that are checked at the same moment.
 
         Raises:
             Conflict: There are too many (`too_many_rules`, `too_many_webhooks`).
@@ -42,7 +47,7 @@ class SharedBook(SharedEntries[EntryT]):
                 raise Conflict(detail, code=f"too_many_{self._noun}s")
             allow(entries)
 
-        await self.store(key, entry, check)
+        await self.store(key, entry, check, beside)
 
     async def amend(self, key: str, entry: EntryT) -> None:
         """Store a change of an entry, unless the entry was removed meanwhile.

@@ -6,7 +6,7 @@ from contextlib import suppress
 from typing import Generic
 
 from dock_gateway.core.errors import Unavailable
-from dock_gateway.history import Entries, EntryT
+from dock_gateway.history import Beside, Entries, EntryT
 
 # Seconds between two reads of other gateways' changes.
 SYNC_INTERVAL = 2.0
@@ -51,20 +51,31 @@ class SharedEntries(Generic[EntryT]):
         self._set(key, entry)
         self._unsaved[key] = entry
 
-    async def store(self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None]) -> None:
+    async def store(
+        self,
+        key: str,
+        entry: EntryT | None,
+        check: Callable[[Mapping[str, EntryT]], None],
+        beside: Beside | None = None,
+    ) -> None:
         """Store an entry, and only then set it; None removes it.
 
         Args:
             key: The key.
             entry: The entry.
             check: Is given all stored entries, and raises if this one must not be stored.
+            beside: Entries of another kind that are checked at the same moment.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
         """
         async with self._saving:
-            await self._store.write(key, entry, check)
+            await self._store.write(key, entry, check, beside)
             self._set(key, entry)
+
+    def beside(self, check: Callable[[Mapping[str, EntryT]], None]) -> Beside:
+        """Return a check of these entries for a write to others."""
+        return Beside(self._store, check)
 
     def _set(self, key: str, entry: EntryT | None) -> None:
         if entry is None:

@@ -11,6 +11,7 @@ from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.history.protocol import (
     Acknowledgement,
     AuditStore,
+    Beside,
     Entries,
     EntryT,
     GoalNotes,
@@ -30,6 +31,7 @@ from dock_gateway.settings import Settings, data_file
 __all__ = [
     "Acknowledgement",
     "AuditStore",
+    "Beside",
     "Entries",
     "EntryT",
     "GoalFilter",

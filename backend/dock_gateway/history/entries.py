@@ -6,7 +6,7 @@ from typing import Any, Generic
 import sqlalchemy as sa
 
 from dock_gateway.history.immediate import ImmediateWriter
-from dock_gateway.history.protocol import EntryT
+from dock_gateway.history.protocol import Beside, EntryT
 from dock_gateway.history.queries import insert_into
 from dock_gateway.history.reader import Reader
 
@@ -36,7 +36,11 @@ class SqlEntries(Generic[EntryT]):
         return await self._reader.read(self._read)
 
     async def write(
-        self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None] | None = None
+        self,
+        key: str,
+        entry: EntryT | None,
+        check: Callable[[Mapping[str, EntryT]], None] | None = None,
+        beside: Beside | None = None,
     ) -> None:
         """Store an entry, replacing the earlier one; None deletes it.
 
@@ -44,11 +48,12 @@ class SqlEntries(Generic[EntryT]):
             key: The key.
             entry: The entry.
             check: Is given all entries in the same transaction, and raises if this one must not be stored.
+            beside: Entries of the same database that are checked in that transaction, too.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
         """
-        await self._writer.write(self._write, key, entry, check)
+        await self._writer.write(self._write, key, entry, check, beside)
 
     def _read(self, connection: sa.Connection) -> dict[str, EntryT]:
         return {key: self._make(*fields) for key, *fields in connection.execute(sa.select(self._table))}
@@ -59,11 +64,20 @@ class SqlEntries(Generic[EntryT]):
         key: str,
         entry: EntryT | None,
         check: Callable[[Mapping[str, EntryT]], None] | None,
+        beside: Beside | None,
     ) -> None:
+        checks: list[tuple[SqlEntries[Any], Callable[[Mapping[str, Any]], None]]] = []
         if check is not None:
-            if connection.dialect.name == "postgresql":  # SQLite has only one writer at a time anyway
-                connection.execute(sa.text(f"LOCK TABLE {self._table.name} IN SHARE ROW EXCLUSIVE MODE"))
-            check(self._read(connection))
+            checks.append((self, check))
+        if beside is not None:
+            assert isinstance(beside.entries, SqlEntries)
+            checks.append((beside.entries, beside.check))
+        if checks and connection.dialect.name == "postgresql":  # SQLite has only one writer at a time anyway
+            # In one order, so that no two writers wait for each other.
+            names = ", ".join(sorted(entries._table.name for entries, _ in checks))  # noqa: SLF001 - of this class
+            connection.execute(sa.text(f"LOCK TABLE {names} IN SHARE ROW EXCLUSIVE MODE"))
+        for entries, require in checks:
+            require(entries._read(connection))  # noqa: SLF001 - as above
         (name,) = self._table.primary_key.columns.keys()
         if entry is None:
             connection.execute(sa.delete(self._table).where(self._table.c[name] == key))

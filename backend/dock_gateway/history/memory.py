@@ -21,6 +21,7 @@ from dock_gateway.history.protocol import (
     KEY_LIFETIME,
     NEVER,
     Acknowledgement,
+    Beside,
     EntryT,
     HistoryStats,
     Incident,
@@ -44,9 +45,15 @@ class MemoryEntries(Generic[EntryT]):
         return dict(self._known)
 
     async def write(
-        self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None] | None = None
+        self,
+        key: str,
+        entry: EntryT | None,
+        check: Callable[[Mapping[str, EntryT]], None] | None = None,
+        beside: Beside | None = None,
     ) -> None:
         """Store an entry, replacing the earlier one; None deletes it."""
+        if beside is not None:
+            beside.check(await beside.entries.read())
         if check is not None:
             check(self._known)
         if entry is None:

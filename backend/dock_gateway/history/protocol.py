@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from typing import Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from dock_gateway.core.access import Session, Token, User
 from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
@@ -92,6 +92,18 @@ class LaterEvents:
     complete: bool
 
 
+class Beside(NamedTuple):
+    """Entries of another kind that a write depends on.
+
+    Attributes:
+        entries: Where they are stored.
+        check: Is given all of them, and raises if the write must not happen.
+    """
+
+    entries: "Entries[Any]"
+    check: Callable[[Mapping[str, Any]], None]
+
+
 class Entries(Protocol[EntryT]):
     """Stores entries by key."""
 
@@ -103,7 +115,11 @@ class Entries(Protocol[EntryT]):
         """
 
     async def write(
-        self, key: str, entry: EntryT | None, check: Callable[[Mapping[str, EntryT]], None] | None = None
+        self,
+        key: str,
+        entry: EntryT | None,
+        check: Callable[[Mapping[str, EntryT]], None] | None = None,
+        beside: Beside | None = None,
     ) -> None:
         """Store an entry, replacing the earlier one; None deletes it.
 
@@ -112,6 +128,7 @@ class Entries(Protocol[EntryT]):
             entry: The entry.
             check: Is given all entries, and raises if this one must not be stored. No other gateway can write between
                 the check and the write.
+            beside: Entries of the same history that are checked likewise.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).

@@ -100,11 +100,7 @@ def run(settings: Settings) -> bool:
     certificates = load_certificates(settings)
     configure_logs(settings)
     raise_file_limit()
-    if settings.open_to_the_network:
-        log.warning(
-            "listening on %s: anyone who can reach this machine over the network can move the robot",
-            settings.host,
-        )
+    _say_who_may_use(settings)
     config = uvicorn.Config(
         "",
         host=settings.host,
@@ -117,6 +113,22 @@ def run(settings: Settings) -> bool:
     )
     with asyncio.Runner(loop_factory=config.get_loop_factory()) as runner:
         return runner.run(_serve(Server(config, certificates), settings))
+
+
+def _say_who_may_use(settings: Settings) -> None:
+    """Log that no login is needed, and what would change that."""
+    match settings.open_to:
+        case "machine":
+            log.info(
+                "open: every program on this machine may move the robots, without a login; --authentication true asks "
+                "for one (docs/access.md)"
+            )
+        case "network":
+            log.warning(
+                "OPEN TO THE NETWORK: anyone who reaches %s may move the robots, without a login; "
+                "--authentication true asks for one (docs/access.md)",
+                settings.published_on or settings.host,
+            )
 
 
 async def _serve(server: Server, settings: Settings) -> bool:

@@ -4,6 +4,7 @@ import { Suspense } from "react";
 import { Link } from "react-router";
 import { lazyPart } from "../ui/lazyPart";
 import classes from "./access.module.css";
+import { accessWords } from "./OpenNotice";
 import { useSession } from "./session";
 import { useLogOut } from "./useLogOut";
 
@@ -11,20 +12,22 @@ const PasswordDialog = lazyPart(() => import("./PasswordDialog"));
 
 /** What the menu of the header has, below the pages on a phone. */
 export function AccountLines({ className, onChoose }: { className: string; onChoose: () => void }) {
-  const { required, principal } = useSession();
+  const state = useSession();
+  const { open_to, principal } = state;
+  const words = accessWords(state);
   const logOut = useLogOut();
   const [opened, dialog] = useDisclosure(false);
-  if (!required || principal === null) return null;
-  const isUser = principal.kind === "user";
+  if (words === null) return null;
+  const isUser = principal?.kind === "user";
   return (
     <div className={classes.lines}>
       <Text size="sm" c="dimmed" px="0.5rem">
-        Logged in as {principal.name}, {principal.role}
+        {words}
       </Text>
-      {principal.role === "admin" && (
+      {principal?.role === "admin" && (
         <>
           <Link to="/ui/users" className={className} onClick={onChoose}>
-            Users
+            {open_to === null ? "Users" : "What this means"}
           </Link>
           <Link to="/ui/tokens" className={className} onClick={onChoose}>
             Tokens
@@ -39,9 +42,11 @@ export function AccountLines({ className, onChoose }: { className: string; onCho
           Change password …
         </UnstyledButton>
       )}
-      <UnstyledButton className={className} onClick={() => logOut()}>
-        Log out
-      </UnstyledButton>
+      {open_to === null && (
+        <UnstyledButton className={className} onClick={() => logOut()}>
+          Log out
+        </UnstyledButton>
+      )}
       {isUser && (
         <UnstyledButton className={className} onClick={() => logOut(true)}>
           Log out everywhere

@@ -2,36 +2,47 @@ import { ActionIcon, Menu } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Link } from "react-router";
 import PasswordDialog from "./PasswordDialog";
-import type { Principal } from "./session";
+import type { SessionState } from "./session";
 import { useLogOut } from "./useLogOut";
 
-/** Who is logged in, and what they can do about it. */
-export default function AccountMenu({ principal: { name, role, kind } }: { principal: Principal }) {
+const PERSON =
+  "M12 3a4.5 4.5 0 1 1 0 9 4.5 4.5 0 0 1 0-9Zm0 2a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5Zm0 8.5c4.6 0 8 2.4 8 5.5v2H4v-2c0-3.1 3.4-5.5 8-5.5Zm0 2c-3.5 0-5.9 1.6-6 3.5h12c-.1-1.9-2.5-3.5-6-3.5Z";
+const OPEN_LOCK =
+  "M12 2a5 5 0 0 1 5 5h-2a3 3 0 0 0-6 0v3h9a2 2 0 0 1 2 2v8a2 2 0 0 1-2 2H6a2 2 0 0 1-2-2v-8a2 2 0 0 1 2-2h1V7a5 5 0 0 1 5-5ZM6 12v8h12v-8H6Zm6 2a1.5 1.5 0 0 1 1 2.6V18h-2v-1.4a1.5 1.5 0 0 1 1-2.6Z";
+
+interface AccountMenuProps {
+  state: SessionState;
+  /** The same in words. */
+  words: string;
+}
+
+/** Who is logged in, or that no login is needed, and what can be done about it. */
+export default function AccountMenu({ state: { open_to, principal }, words }: AccountMenuProps) {
   const logOut = useLogOut();
   const [opened, dialog] = useDisclosure(false);
+  const isUser = principal?.kind === "user";
   return (
     <>
       <Menu position="bottom-end" zIndex={350}>
         <Menu.Target>
           <ActionIcon
-            variant="default"
+            variant={open_to === "network" ? "light" : "default"}
+            {...(open_to === "network" ? { color: "red" } : {})}
             size="lg"
-            aria-label={`Logged in as ${name}, ${role}`}
-            title={`Logged in as ${name}, ${role}`}
+            aria-label={words}
+            title={words}
           >
             <svg width="20" height="20" viewBox="0 0 24 24" aria-hidden="true" fill="currentColor">
-              <path d="M12 3a4.5 4.5 0 1 1 0 9 4.5 4.5 0 0 1 0-9Zm0 2a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5Zm0 8.5c4.6 0 8 2.4 8 5.5v2H4v-2c0-3.1 3.4-5.5 8-5.5Zm0 2c-3.5 0-5.9 1.6-6 3.5h12c-.1-1.9-2.5-3.5-6-3.5Z" />
+              <path d={open_to === null ? PERSON : OPEN_LOCK} />
             </svg>
           </ActionIcon>
         </Menu.Target>
         <Menu.Dropdown>
-          <Menu.Label>
-            {name}, {role}
-          </Menu.Label>
-          {role === "admin" && (
+          <Menu.Label>{open_to === null ? `${principal?.name}, ${principal?.role}` : words}</Menu.Label>
+          {principal?.role === "admin" && (
             <>
               <Menu.Item component={Link} to="/ui/users">
-                Users
+                {open_to === null ? "Users" : "What this means"}
               </Menu.Item>
               <Menu.Item component={Link} to="/ui/tokens">
                 Tokens
@@ -41,9 +52,9 @@ export default function AccountMenu({ principal: { name, role, kind } }: { princ
               </Menu.Item>
             </>
           )}
-          {kind === "user" && <Menu.Item onClick={dialog.open}>Change password …</Menu.Item>}
-          <Menu.Item onClick={() => logOut()}>Log out</Menu.Item>
-          {kind === "user" && <Menu.Item onClick={() => logOut(true)}>Log out everywhere</Menu.Item>}
+          {isUser && <Menu.Item onClick={dialog.open}>Change password …</Menu.Item>}
+          {open_to === null && <Menu.Item onClick={() => logOut()}>Log out</Menu.Item>}
+          {isUser && <Menu.Item onClick={() => logOut(true)}>Log out everywhere</Menu.Item>}
         </Menu.Dropdown>
       </Menu>
       <PasswordDialog opened={opened} onClose={dialog.close} />

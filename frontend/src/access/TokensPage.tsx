@@ -1,4 +1,4 @@
-import { Alert, Code, Group, Skeleton, Stack, Text, Title } from "@mantine/core";
+import { Code, Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useState } from "react";
 import type { CreatedToken, Token } from "../api/access";
 import { useWhyNot } from "../fleet/useWhyNot";
@@ -8,9 +8,9 @@ import { Dialog } from "../ui/Dialog";
 import { ReasonButton } from "../ui/ReasonButton";
 import { usePageTitle } from "../ui/usePageTitle";
 import classes from "./access.module.css";
+import { OpenNotice } from "./OpenNotice";
 import { useForbidden } from "./permissions";
 import { RevokeDialog } from "./RevokeDialog";
-import { useSession } from "./session";
 import { TokenForm } from "./TokenForm";
 import { TokenItem } from "./TokenItem";
 import { useTokens } from "./useTokens";
@@ -19,7 +19,6 @@ import { useTokens } from "./useTokens";
 export default function TokensPage() {
   usePageTitle("Tokens");
   const forbidden = useForbidden("GET /tokens");
-  const { required } = useSession();
   const { tokens, error, refetch, create, revoke } = useTokens();
   const [creating, setCreating] = useState(false);
   const [created, setCreated] = useState<CreatedToken | null>(null);
@@ -43,12 +42,7 @@ export default function TokensPage() {
           New token
         </ReasonButton>
       </Group>
-      {!required && (
-        <Alert color="orange" title="This gateway asks for no token">
-          Everybody who reaches it may do everything. Set <Code>DOCK_GATEWAY_AUTHENTICATION=true</Code> and
-          restart it to change that.
-        </Alert>
-      )}
+      <OpenNotice />
       <Trouble what="The tokens could not be loaded" error={error} onRetry={() => void refetch()} />
       {tokens !== undefined ? (
         <TokenList tokens={tokens} reason={reason} onRevoke={setRevoked} />

@@ -1,4 +1,4 @@
-import { Alert, Code, Group, Skeleton, Stack, Text, Title } from "@mantine/core";
+import { Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { useState } from "react";
 import type { User } from "../api/access";
@@ -9,8 +9,8 @@ import { Dialog } from "../ui/Dialog";
 import { ReasonButton } from "../ui/ReasonButton";
 import { RemovalDialog } from "../ui/RemovalDialog";
 import { usePageTitle } from "../ui/usePageTitle";
+import { OpenNotice } from "./OpenNotice";
 import { useForbidden } from "./permissions";
-import { useSession } from "./session";
 import { UserForm } from "./UserForm";
 import { UserItem } from "./UserItem";
 import { useUsers } from "./useUsers";
@@ -19,7 +19,6 @@ import { useUsers } from "./useUsers";
 export default function UsersPage() {
   usePageTitle("Users");
   const forbidden = useForbidden("GET /users");
-  const { required } = useSession();
   const { users, error, refetch, save, remove, logOut } = useUsers();
   /** Who is changed; null for a new user, undefined for no form. */
   const [edited, setEdited] = useState<User | null>();
@@ -49,12 +48,7 @@ export default function UsersPage() {
           New user
         </ReasonButton>
       </Group>
-      {!required && (
-        <Alert color="orange" title="This gateway asks for no login">
-          Everybody who reaches it may do everything. Set <Code>DOCK_GATEWAY_AUTHENTICATION=true</Code> and
-          restart it to change that.
-        </Alert>
-      )}
+      <OpenNotice />
       <Trouble what="The users could not be loaded" error={error} onRetry={() => void refetch()} />
       {users !== undefined ? (
         <Stack component="ul" gap="sm" m={0} p={0} aria-label="Users">

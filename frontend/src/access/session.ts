@@ -8,9 +8,10 @@ export type Role = components["schemas"]["Role"];
 /** A page that got no answer is shown all the same: what needs a login is refused, and then it is asked again (ms). */
 const ANSWER_MS = 3000;
 
-/** Where no login is needed. */
+/** As long as the gateway has not said who this is for. */
 export const ANYBODY: SessionState = {
   required: false,
+  open_to: null,
   principal: { name: null, kind: "anybody", role: "admin", robots: [], actions: [], topics: [] },
 };
 

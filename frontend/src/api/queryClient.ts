@@ -1,4 +1,5 @@
-import { QueryClient } from "@tanstack/react-query";
+import { focusManager, QueryClient } from "@tanstack/react-query";
+import { session } from "../access/session";
 
 /**
  * Asks the gateway and gives its answer, or its failure, at once. `networkMode: "online"`, the default, would hold back
@@ -11,5 +12,22 @@ export function createQueryClient(): QueryClient {
       queries: { networkMode: "always", retry: false, refetchOnWindowFocus: false },
       mutations: { networkMode: "always", retry: false },
     },
+  });
+}
+
+/**
+ * Nothing is asked for again and again while the page is hidden, or while nobody is logged in: each of these requests would
+ * be refused. Queries go on with their `refetchInterval` afterwards.
+ */
+export function pauseWhileUnseen(): void {
+  focusManager.setEventListener((setFocused) => {
+    const look = () => setFocused(document.visibilityState !== "hidden" && !session.loggedOut);
+    const forget = session.subscribe(look);
+    document.addEventListener("visibilitychange", look);
+    look();
+    return () => {
+      forget();
+      document.removeEventListener("visibilitychange", look);
+    };
   });
 }

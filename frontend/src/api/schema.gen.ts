@@ -3473,10 +3473,15 @@ export interface components {
         /**
          * Session
          * @description Whether requests need a login, and who makes this one; null if its login is missing or not valid.
+         *
+         *     `open_to` is who may do everything without a login: the programs of the gateway's machine, or everyone on the network;
+         *     null where requests need one.
          */
         Session: {
             /** Required */
             required: boolean;
+            /** Open To */
+            open_to: ("machine" | "network") | null;
             principal: components["schemas"]["Requester"] | null;
         };
         /**

@@ -2,6 +2,7 @@ import { Container, Skeleton, Stack } from "@mantine/core";
 import { type RefObject, Suspense, useEffect, useRef } from "react";
 import { Outlet, useLocation } from "react-router";
 import { LoginEnded } from "../access/LoginEnded";
+import { OpenBanner } from "../access/OpenNotice";
 import { useSession } from "../access/session";
 import { openAlerts } from "../alerts/order";
 import { useFleetTopic } from "../fleet/context";
@@ -39,6 +40,7 @@ export function Shell() {
           <Stack gap="md">
             {loggedOut ? <LoginEnded /> : <ConnectionBanner />}
             <StopBanner />
+            <OpenBanner />
             <Guarded of={pathname}>
               <Suspense fallback={<PageSkeleton />}>
                 <Outlet />

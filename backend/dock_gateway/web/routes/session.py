@@ -47,7 +47,8 @@ LOGIN_REQUEST = {
 
 def _session(gateway: Gateway, principal: Principal | None) -> Response:
     who = None if principal is None else {"name": principal.name, "kind": principal.kind, **asdict(principal.grant)}
-    response = json_response({"required": gateway.settings.authentication, "principal": who})
+    settings = gateway.settings
+    response = json_response({"required": settings.authentication, "open_to": settings.open_to, "principal": who})
     response.headers["Cache-Control"] = "no-store"
     return response
 

@@ -1,6 +1,7 @@
 """The JSON shapes of users, tokens and of the login."""
 
 from datetime import datetime
+from typing import Literal
 
 from dock_gateway.core.access import Kind
 from dock_gateway.core.grant import Role
@@ -24,9 +25,14 @@ class Requester(Grant):
 
 
 class Session(Schema):
-    """Whether requests need a login, and who makes this one; null if its login is missing or not valid."""
+    """Whether requests need a login, and who makes this one; null if its login is missing or not valid.
+
+    `open_to` is who may do everything without a login: the programs of the gateway's machine, or everyone on the
+    network; null where requests need one.
+    """
 
     required: bool
+    open_to: Literal["machine", "network"] | None
     principal: Requester | None
 
 
