@@ -18,7 +18,17 @@ from tests.support.waiting import wait_until
 
 pytestmark = pytest.mark.ros
 
-FAULTS = ("dead_charger", "occluded_marker", "stuck_wheel", "silent_battery", "percentage_0_to_100")
+FAULTS = (
+    "dead_charger",
+    "occluded_marker",
+    "stuck_wheel",
+    "late_commands",
+    "worn_wheel",
+    "wrong_detections",
+    "obstacle",
+    "silent_battery",
+    "percentage_0_to_100",
+)
 ROUND = {"radius": 0.15, "points": None}
 
 

@@ -12,7 +12,17 @@ from std_srvs.srv import SetBool, Trigger
 from dock_gateway.core.scene import WORLD, Pose
 from dock_gateway.ros.bridge import Bridge
 
-FAULTS = ("dead_charger", "occluded_marker", "stuck_wheel", "silent_battery", "percentage_0_to_100")
+FAULTS = (
+    "dead_charger",
+    "occluded_marker",
+    "stuck_wheel",
+    "late_commands",
+    "worn_wheel",
+    "wrong_detections",
+    "obstacle",
+    "silent_battery",
+    "percentage_0_to_100",
+)
 # Seconds to find a service or a subscriber on the graph.
 FIND_WITHIN = 2.0
 # Seconds to wait for a response. A request may get none until both sides have discovered each other.

@@ -17,6 +17,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import serialize_message
+from rclpy.time import Time
 from sensor_msgs.msg import BatteryState, Range
 from std_msgs.msg import Bool
 from std_srvs.srv import SetBool, Trigger
@@ -115,7 +116,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._truth_message = OdometryMessage(WORLD)
         self._range_messages = [RangeMessage(receiver, infrared) for receiver in RECEIVERS]
         self._battery_message = BatteryMessage()
-        self._marker_told = self._ranges_told = -1.0
+        self._odometry_told = self._marker_told = self._ranges_told = -1.0
 
     def _make_subscriptions(self) -> None:
         def subscribe(message_type: type, topic: str, callback: Any, qos: QoSProfile | int, **more: Any) -> None:
@@ -186,14 +187,16 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
 
     def _publish(self) -> None:
         simulation, stamp = self._simulation, self._now()
-        pose, velocity = simulation.odometry.pose, simulation.odometry_velocity
-        self._odometry.publish(self._odometry_message.fill(pose, velocity, stamp))
-        robot = simulation.robot
+        odometry, robot = simulation.track.latest, simulation.robot
+        if odometry is not None and simulation.reckoned_at > self._odometry_told:
+            self._odometry_told = simulation.reckoned_at
+            reckoned = self._stamp(simulation.reckoned_at)
+            self._odometry.publish(self._odometry_message.fill(odometry.pose, odometry.velocity, reckoned))
         self._truth.publish(self._truth_message.fill(robot.pose, robot.velocity, stamp))
         sighting, ranges = simulation.sighting, simulation.ranges
         if sighting is not None and sighting.stamp > self._marker_told:
             self._marker_told = sighting.stamp
-            self._marker.publish(stamped_pose(sighting.marker, BASE, stamp))
+            self._marker.publish(stamped_pose(sighting.marker, BASE, self._stamp(sighting.stamp)))
         if ranges is not None and ranges.stamp > self._ranges_told:
             self._ranges_told = ranges.stamp
             distances = (ranges.left, ranges.center, ranges.right)
@@ -214,6 +217,11 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         return self._courtesy.others_publish(now, self._settings.battery_resume_after)
 
     # Its status.
+
+    def _stamp(self, time: float) -> Any:
+        """A moment of the simulation by the node's clock."""
+        ago = (self._simulation.time - time) / self._settings.real_time_factor
+        return Time(nanoseconds=max(0, self.get_clock().now().nanoseconds - round(1e9 * ago))).to_msg()
 
     def _now(self) -> Any:
         return self.get_clock().now().to_msg()

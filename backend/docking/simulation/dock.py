@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from docking.core.geometry import Pose, normalize_angle
+from docking.simulation.obstacle import Obstruction
 
 DOCKED = Pose(-0.2, 0.0, 0.0)
 """base_link of a docked robot, in the marker's frame, which is the world's."""
@@ -20,6 +21,7 @@ class DockSettings:
         width: Of the box, in m.
         contact_distance: From the docked pose, within which robot and dock are in contact, in m.
         contact_angle: The same for the angle, in rad.
+        bounce: Seconds after the first contact for which the current is on and off by chance.
     """
 
     front: float = -0.04
@@ -27,23 +29,7 @@ class DockSettings:
     width: float = 0.3
     contact_distance: float = 0.02
     contact_angle: float = math.radians(5.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Obstruction:
-    """Where a round body is kept that would be inside the dock.
-
-    Attributes:
-        x: Of its centre, in world.
-        y: The same.
-        normal_x: The direction away from the dock, of length 1.
-        normal_y: The same.
-    """
-
-    x: float
-    y: float
-    normal_x: float
-    normal_y: float
+    bounce: float = 0.0
 
 
 class Dock:

@@ -1,13 +1,23 @@
 """The camera that sees the marker on the dock."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from random import Random
 
-from docking.core.geometry import Pose
+from docking.core.geometry import Pose, normalize_angle
+from docking.simulation.obstacle import Obstacle
 
 CAMERA_X = 0.15
 """The camera is at the robot's front: x in base_link, in m; it looks ahead."""
+EXACT = Pose()
+"""The error of a camera that is mounted where it is taken to be."""
+GHOST = Pose(0.3, 0.8, -0.3)
+"""Where a reflection of the marker seems to be, in world."""
+OUTLIER_DISTANCE = 0.5
+"""How far, in m, an outlier is from the marker at most, along each axis."""
+OUTLIER_ANGLE = 1.0
+"""How far it is turned against the marker at most, in rad."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +31,16 @@ class MarkerSettings:
         view_angle: The most that the marker may be seen from the side, from its normal, in rad.
         noise: Standard deviation of each coordinate, in m.
         angle_noise: Standard deviation of the angle, in rad.
+        noise_per_metre: What is added to `noise` for each m between camera and marker, in m.
+        noise_per_radian: What is added to `angle_noise` for each rad that the marker is seen from the side, in rad.
         drop_outs: The part of the pictures in which the marker is not found, 0…1.
+        outliers: The part of the detections that are somewhere else, 0…1.
+        ghosts: The part of the detections that are of a reflection, always at the same place, 0…1.
+        hidden_every: Seconds between the moments at which something begins to hide the marker; 0 is never.
+        hidden_for: For how long it does, in s.
+        mount_error: Where the camera is in truth, as seen from where the robot's software takes it to be.
+        delay: Seconds from a picture to the arrival of its detection.
+        honest_stamps: Whether the detection's stamp is the moment of the picture; else that of its arrival.
     """
 
     rate: float = 15.0
@@ -30,55 +49,105 @@ class MarkerSettings:
     view_angle: float = math.radians(75.0)
     noise: float = 0.01
     angle_noise: float = math.radians(1.0)
+    noise_per_metre: float = 0.0
+    noise_per_radian: float = 0.0
     drop_outs: float = 0.1
+    outliers: float = 0.0
+    ghosts: float = 0.0
+    hidden_every: float = 0.0
+    hidden_for: float = 0.0
+    mount_error: Pose = EXACT
+    delay: float = 0.0
+    honest_stamps: bool = True
 
 
 class MarkerCamera:
     """Looks for the marker, which is at the world's origin and looks along -x."""
 
-    __slots__ = ("_random", "settings")
+    __slots__ = ("_random", "_wrong", "settings")
 
-    def __init__(self, settings: MarkerSettings, random: Random) -> None:
+    def __init__(self, settings: MarkerSettings, random: Random, wrong: Random) -> None:
         """Mount the camera.
 
         Args:
             settings: How well it sees.
             random: Where noise and drop-outs come from.
+            wrong: Where outliers and reflections come from.
         """
         self.settings = settings
         self._random = random
+        self._wrong = wrong
 
-    def can_see(self, robot: Pose) -> bool:
-        """Whether the marker is in range, in view and not seen too much from the side, for a robot in world."""
+    def can_see(self, robot: Pose, obstacles: Sequence[Obstacle] = ()) -> bool:
+        """Whether the marker is in range, in view, not hidden and not seen too much from the side.
+
+        Args:
+            robot: base_link in world.
+            obstacles: What may stand in between.
+        """
         settings = self.settings
         marker = robot.inverse()
         distance = math.hypot(marker.x - CAMERA_X, marker.y)
         if distance > settings.range:
             return False
-        camera_x = robot.x + CAMERA_X * math.cos(robot.theta)
-        camera_y = robot.y + CAMERA_X * math.sin(robot.theta)
+        camera_x, camera_y = _camera(robot)
         return (
             abs(math.atan2(marker.y, marker.x - CAMERA_X)) <= 0.5 * settings.field_of_view
             and abs(math.atan2(camera_y, -camera_x)) <= settings.view_angle
+            and not any(obstacle.hides(camera_x, camera_y) for obstacle in obstacles)
         )
 
-    def look(self, robot: Pose) -> Pose | None:
+    def look(
+        self, robot: Pose, now: float = 0.0, obstacles: Sequence[Obstacle] = (), outliers: float = 0.0
+    ) -> Pose | None:
         """One picture.
 
         Args:
             robot: base_link in world.
+            now: Seconds since the start.
+            obstacles: What may stand in between.
+            outliers: The part of the detections that are somewhere else, beyond that of the settings.
 
         Returns:
             The marker in base_link, with noise; None where it is not found.
         """
-        if not self.can_see(robot):
-            return None
         settings, random = self.settings, self._random
+        if not self.can_see(robot, obstacles) or self._hidden(now):
+            return None
         if random.random() < settings.drop_outs:
             return None
         marker = robot.inverse()
-        return Pose(
-            marker.x + random.gauss(0.0, settings.noise),
-            marker.y + random.gauss(0.0, settings.noise),
-            marker.theta + random.gauss(0.0, settings.angle_noise),
+        noise, angle_noise = settings.noise, settings.angle_noise
+        if settings.noise_per_metre > 0.0 or settings.noise_per_radian > 0.0:
+            camera_x, camera_y = _camera(robot)
+            noise += settings.noise_per_metre * math.hypot(camera_x, camera_y)
+            angle_noise += settings.noise_per_radian * abs(math.atan2(camera_y, -camera_x))
+        seen = Pose(
+            marker.x + random.gauss(0.0, noise),
+            marker.y + random.gauss(0.0, noise),
+            normalize_angle(marker.theta + random.gauss(0.0, angle_noise)),
         )
+        if settings.mount_error != EXACT:
+            seen = settings.mount_error.inverse().compose(seen)
+        return self._mistaken(robot, seen, max(outliers, settings.outliers))
+
+    def _hidden(self, now: float) -> bool:
+        every = self.settings.hidden_every
+        return every > 0.0 and now % every < self.settings.hidden_for
+
+    def _mistaken(self, robot: Pose, seen: Pose, outliers: float) -> Pose:
+        wrong, ghosts = self._wrong, self.settings.ghosts
+        if ghosts > 0.0 and wrong.random() < ghosts:
+            return GHOST.relative_to(robot)
+        if outliers > 0.0 and wrong.random() < outliers:
+            return Pose(
+                seen.x + wrong.uniform(-OUTLIER_DISTANCE, OUTLIER_DISTANCE),
+                seen.y + wrong.uniform(-OUTLIER_DISTANCE, OUTLIER_DISTANCE),
+                normalize_angle(seen.theta + wrong.uniform(-OUTLIER_ANGLE, OUTLIER_ANGLE)),
+            )
+        return seen
+
+
+def _camera(robot: Pose) -> tuple[float, float]:
+    """Where the camera is in world."""
+    return robot.x + CAMERA_X * math.cos(robot.theta), robot.y + CAMERA_X * math.sin(robot.theta)

@@ -14,9 +14,15 @@ class OdometrySettings:
     Attributes:
         drift: Standard deviation of the error that the radius of each wheel is known with, as a part of it. It is
             drawn once, so that the error grows with the way (Borenstein and Feng, UMBmark, 1996: unequal wheels).
+        delay: Seconds from a measurement to its arrival.
+        honest_stamps: Whether its stamp is the moment of the measurement; else that of its arrival.
+        twist: Whether it has a velocity; else that is 0, as with drivers that leave it empty.
     """
 
     drift: float = 0.005
+    delay: float = 0.0
+    honest_stamps: bool = True
+    twist: bool = True
 
 
 class DriftingOdometry:

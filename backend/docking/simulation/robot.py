@@ -23,6 +23,11 @@ class RobotSettings:
         angular_max: The fastest that it turns, either way, in rad/s.
         linear_acceleration: The most, either way, in m/s².
         angular_acceleration: The most, either way, in rad/s².
+        linear_dead_zone: A commanded linear velocity that is smaller does not move the robot, in m/s.
+        angular_dead_zone: The same for turning, in rad/s.
+        left_wheel_error: How much larger the left wheel's radius is than the robot's software takes it for, as a
+            fraction of it; commands and odometry are both wrong by that.
+        right_wheel_error: The same for the right one.
         slip: The part of a wheel's turning that is lost on the ground, 0…1.
         slip_noise: Standard deviation of a wheel's way on the ground after 1 m, in m; it grows with the way's root.
         watchdog: Seconds without a command after which the robot stops.
@@ -36,6 +41,10 @@ class RobotSettings:
     angular_max: float = 1.2
     linear_acceleration: float = 1.0
     angular_acceleration: float = 4.0
+    linear_dead_zone: float = 0.0
+    angular_dead_zone: float = 0.0
+    left_wheel_error: float = 0.0
+    right_wheel_error: float = 0.0
     slip: float = 0.01
     slip_noise: float = 0.003
     watchdog: float = 0.5
@@ -62,8 +71,10 @@ class Robot:
     __slots__ = (
         "_command",
         "_command_age",
+        "_left_scale",
         "_linear_target",
         "_random",
+        "_right_scale",
         "_settings",
         "_stalled_for",
         "angular",
@@ -86,6 +97,7 @@ class Robot:
         """
         self._settings = settings
         self._random = random
+        self._left_scale, self._right_scale = 1.0 + settings.left_wheel_error, 1.0 + settings.right_wheel_error
         self._command = STANDSTILL
         self._command_age = math.inf
         self.place(pose)
@@ -121,13 +133,14 @@ class Robot:
         if velocity == STANDSTILL:
             self._stalled_for = 0.0
 
-    def step(self, dt: float, *, halted: bool = False, stuck: bool = False) -> None:
+    def step(self, dt: float, *, halted: bool = False, stuck: bool = False, worn: float = 0.0) -> None:
         """Drive on for `dt` seconds, as if nothing stood in the way.
 
         Args:
             dt: In s, above 0.
             halted: The robot must not move, whatever the command.
             stuck: The left wheel does not turn.
+            worn: How much smaller the right wheel is than it was, as a fraction of its radius.
         """
         settings = self._settings
         linear, angular = self._target(dt, halted)
@@ -145,7 +158,8 @@ class Robot:
         half = 0.5 * settings.wheel_separation * self.angular
         self.left = (self.linear - half) * dt
         self.right = (self.linear + half) * dt
-        left, right = self._on_ground(self.left), self._on_ground(self.right)
+        left = self._on_ground(self.left * self._left_scale)
+        right = self._on_ground(self.right * self._right_scale * (1.0 - worn))
         turn = (right - left) / settings.wheel_separation
         way, heading = 0.5 * (left + right), self.theta + 0.5 * turn
         self.x += way * math.cos(heading)
@@ -177,9 +191,14 @@ class Robot:
         self._command_age += dt
         if halted or self._command_age > settings.watchdog + ROUNDING:
             return 0.0, 0.0
+        linear, angular = command.linear_x, command.angular_z
+        if abs(linear) < settings.linear_dead_zone:
+            linear = 0.0
+        if abs(angular) < settings.angular_dead_zone:
+            angular = 0.0
         return (
-            min(settings.linear_max, max(-settings.linear_max, command.linear_x)),
-            min(settings.angular_max, max(-settings.angular_max, command.angular_z)),
+            min(settings.linear_max, max(-settings.linear_max, linear)),
+            min(settings.angular_max, max(-settings.angular_max, angular)),
         )
 
     def _with_stuck_wheel(self, linear: float, angular: float, dt: float) -> tuple[float, float]:

@@ -12,12 +12,15 @@ from random import Random
 
 from docking.core.battery import BatteryReading, PowerSupplyStatus
 from docking.core.geometry import Pose
-from docking.core.observation import InfraredReading, MarkerDetection, Observation, Odometry, Velocity
+from docking.core.observation import STANDSTILL, InfraredReading, MarkerDetection, Observation, Odometry, Velocity
+from docking.estimation.track import Track
 from docking.simulation.battery import BatteryMeasurement, BatteryPack, BatterySettings
+from docking.simulation.delay import Delay
 from docking.simulation.dock import Dock, DockSettings
 from docking.simulation.faults import Fault
 from docking.simulation.infrared import InfraredReceivers, InfraredSettings
 from docking.simulation.marker import MarkerCamera, MarkerSettings
+from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import DriftingOdometry, OdometrySettings
 from docking.simulation.robot import Robot, RobotSettings
 
@@ -29,6 +32,14 @@ START = Pose(-1.5, 0.4, -0.3)
 """Where the robot stands at first, in world, unless it is said."""
 BATTERY_RATE = 10.0
 """Measurements of the battery a second."""
+LATE = 0.3
+"""How much later commands arrive with the fault `late_commands`, in s."""
+WORN = 0.1
+"""How much smaller the right wheel is with the fault `worn_wheel`, as a fraction of its radius."""
+WRONG = 1.0 / 3.0
+"""The part of the detections that are wrong with the fault `wrong_detections`."""
+IN_THE_WAY = Obstacle(-0.55, 0.05, 0.08)
+"""What stands in front of the dock with the fault `obstacle`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +51,8 @@ class Settings:
         electronics_power: What the robot needs while it stands still, in W.
         driving_power: What its motors need beyond that at 1 m/s, in W.
         stall_power: What they need beyond that while a wheel is kept from turning, in W.
+        command_delay: Seconds from a command to its arrival at the wheels.
+        obstacles: What stands around.
         robot: The robot.
         odometry: Its reckoning.
         marker: Its camera and the dock's marker.
@@ -52,6 +65,8 @@ class Settings:
     electronics_power: float = 2.5
     driving_power: float = 20.0
     stall_power: float = 6.0
+    command_delay: float = 0.0
+    obstacles: tuple[Obstacle, ...] = ()
     robot: RobotSettings = field(default_factory=RobotSettings)
     odometry: OdometrySettings = field(default_factory=OdometrySettings)
     marker: MarkerSettings = field(default_factory=MarkerSettings)
@@ -66,13 +81,15 @@ class Sighting:
 
     Attributes:
         marker: In base_link at that moment.
-        odometry: base_link in odom at that moment.
-        stamp: Simulated seconds.
+        odometry: base_link in odom at that moment, as far as it was known when the detection arrived.
+        stamp: The detection's, in simulated seconds.
+        at: When the odometry of that moment arrived, or the detection if that was earlier.
     """
 
     marker: Pose
     odometry: Pose
     stamp: float
+    at: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,8 +121,10 @@ class Simulation:
         faults: What is broken now; switch with `set_fault`.
         halted: Whether the robot must not move, whatever it is told.
         contact: Whether the robot touches the dock's contacts.
-        bumps: How often the robot has run into the dock without touching its contacts.
-        sighting: The last time the camera saw the marker.
+        bumps: How often the robot has run into something, but for the dock while it touches the contacts.
+        track: Odometry as it arrived, by its stamps.
+        reckoned_at: The stamp of the last odometry that arrived, in simulated seconds.
+        sighting: The last detection of the marker that arrived.
         ranges: The last infrared measurement.
         measurement: The last of the battery, with the moment.
     """
@@ -133,9 +152,16 @@ class Simulation:
         self.dock = Dock(settings.dock)
         self.odometry = DriftingOdometry(settings.odometry, settings.robot.wheel_separation, self._random("odometry"))
         self.battery = BatteryPack(settings.battery, self._random("battery"))
-        self._camera = MarkerCamera(settings.marker, self._random("marker"))
+        self._camera = MarkerCamera(settings.marker, self._random("marker"), self._random("outliers"))
         self._receivers = InfraredReceivers(settings.infrared, self._random("infrared"))
         self._picture_due = self._ranges_due = self._measurement_due = 0.0
+        self._bouncing = self._random("bounce")
+        self._touched_at: float | None = None
+        self._commands: Delay[Velocity] = Delay()
+        self._readings: Delay[tuple[float, Odometry]] = Delay()
+        self._detections: Delay[tuple[float, Pose]] = Delay()
+        self.track = Track()
+        self.reckoned_at = 0.0
         self.sighting: Sighting | None = None
         self.ranges: Ranges | None = None
         self.measurement: tuple[BatteryMeasurement, float] | None = None
@@ -154,11 +180,19 @@ class Simulation:
             dt: In s, above 0 and at most `STEP`.
             command: A velocity that arrives now, as from cmd_vel; None where none does.
         """
-        if command is not None:
-            self.robot.command(command)
-        self.time += dt
         robot = self.robot
-        robot.step(dt, halted=self.halted or self.battery.empty, stuck=Fault.STUCK_WHEEL in self.faults)
+        if command is not None:
+            late = LATE if Fault.LATE_COMMANDS in self.faults else 0.0
+            self._commands.send(command, self.time + self.settings.command_delay + late)
+        for arrived in self._commands.arrived(self.time):
+            robot.command(arrived)
+        self.time += dt
+        robot.step(
+            dt,
+            halted=self.halted or self.battery.empty,
+            stuck=Fault.STUCK_WHEEL in self.faults,
+            worn=WORN if Fault.WORN_WHEEL in self.faults else 0.0,
+        )
         touching = self._keep_out()
         if touching and not self._touching and not self.contact:
             self.bumps += 1
@@ -209,8 +243,16 @@ class Simulation:
         return self.battery.status in {PowerSupplyStatus.CHARGING, PowerSupplyStatus.FULL}
 
     @property
+    def obstacles(self) -> tuple[Obstacle, ...]:
+        """What stands around now."""
+        more = (IN_THE_WAY,) if Fault.OBSTACLE in self.faults else ()
+        return self.settings.obstacles + more
+
+    @property
     def odometry_velocity(self) -> Velocity:
-        """As the wheels seem to turn, in base_link."""
+        """As the wheels seem to turn, in base_link; 0 if odometry has no velocity."""
+        if not self.settings.odometry.twist:
+            return STANDSTILL
         robot = self.robot
         half = 0.5 * self.settings.robot.wheel_separation * robot.angular
         return Velocity(*self.odometry.measure(robot.linear - half, robot.linear + half))
@@ -224,13 +266,14 @@ class Simulation:
         now = self.time if now is None else now
         offset = now - self.time
         sighting, ranges, measured = self.sighting, self.ranges, self.measurement
+        odometry = self.track.latest
         return Observation(
             now=now,
             battery=None if measured is None else BatteryReading(measured[0].status, measured[1] + offset, measured[0]),
-            odometry=Odometry(self.odometry.pose, self.odometry_velocity, now),
+            odometry=None if odometry is None else replace(odometry, stamp=odometry.stamp + offset),
             marker=None
             if sighting is None
-            else MarkerDetection(sighting.odometry.compose(sighting.marker), sighting.stamp + offset),
+            else MarkerDetection(sighting.odometry.compose(sighting.marker), sighting.at + offset),
             infrared=None
             if ranges is None
             else InfraredReading(ranges.left, ranges.center, ranges.right, ranges.stamp + offset),
@@ -239,13 +282,20 @@ class Simulation:
     # How it goes on.
 
     def _keep_out(self) -> bool:
-        """The dock is solid: whether the robot would have been in it."""
-        robot = self.robot
-        obstruction = self.dock.obstruct(robot.x, robot.y, robot.radius)
-        if obstruction is not None:
-            robot.block(obstruction.x, obstruction.y, obstruction.normal_x, obstruction.normal_y)
+        """The dock and obstacles are solid: whether the robot would have been in one."""
+        robot, blocked = self.robot, False
+        solids: tuple[Dock | Obstacle, ...] = (self.dock, *self.obstacles)
+        for solid in solids:
+            obstruction = solid.obstruct(robot.x, robot.y, robot.radius)
+            if obstruction is not None:
+                robot.block(obstruction.x, obstruction.y, obstruction.normal_x, obstruction.normal_y)
+                blocked = True
         self.contact = self.dock.in_contact(robot.x, robot.y, robot.theta)
-        return obstruction is not None
+        if not self.contact:
+            self._touched_at = None
+        elif self._touched_at is None:
+            self._touched_at = self.time
+        return blocked
 
     def _random(self, part: str) -> Random:
         return Random(f"{self._seed} {part}")  # noqa: S311 - noise, not secrets
@@ -253,7 +303,14 @@ class Simulation:
     def _feed(self, dt: float) -> None:
         """The charger, or the battery, gives what the robot needs."""
         powered = Fault.DEAD_CHARGER not in self.faults
-        self.battery.step(dt, self._power(dt), connected=self.contact, powered=powered)
+        self.battery.step(dt, self._power(dt), connected=self._connected(), powered=powered)
+
+    def _connected(self) -> bool:
+        """Whether current can flow: the contacts bounce at first."""
+        touched_at = self._touched_at
+        if touched_at is None:
+            return False
+        return self.time - touched_at >= self.settings.dock.bounce or self._bouncing.random() < 0.5
 
     def _power(self, dt: float) -> float:
         settings, robot = self.settings, self.robot
@@ -262,11 +319,13 @@ class Simulation:
         return settings.electronics_power + settings.driving_power * speed + stalled
 
     def _sense(self) -> None:
-        """Each sensor measures when its time has come."""
+        """Each sensor measures when its time has come; what was measured arrives when its time has come."""
         now = self.time + 1e-9
+        self._reckon()
         if now >= self._picture_due:
             self._picture_due += 1.0 / self.settings.marker.rate
             self._look()
+        self._detect()
         if now >= self._ranges_due:
             self._ranges_due += 1.0 / self.settings.infrared.rate
             self.ranges = Ranges(*self._receivers.measure(self.robot.pose), self.time)
@@ -274,10 +333,32 @@ class Simulation:
             self._measurement_due += 1.0 / BATTERY_RATE
             self._measure_battery()
 
+    def _reckon(self) -> None:
+        """Odometry of now is sent, that of earlier arrives."""
+        settings, now = self.settings.odometry, self.time
+        arrives_at = now + settings.delay
+        stamp = now if settings.honest_stamps else arrives_at
+        self._readings.send((stamp, Odometry(self.odometry.pose, self.odometry_velocity, arrives_at)), arrives_at)
+        for measured_at, reading in self._readings.arrived(now):
+            self.track.add(measured_at, reading)
+            self.reckoned_at = measured_at
+
     def _look(self) -> None:
-        marker = self._camera.look(self.robot.pose)
+        outliers = WRONG if Fault.WRONG_DETECTIONS in self.faults else 0.0
+        marker = self._camera.look(self.robot.pose, self.time, self.obstacles, outliers)
         if marker is not None and Fault.OCCLUDED_MARKER not in self.faults:
-            self.sighting = Sighting(marker, self.odometry.pose, self.time)
+            settings = self.settings.marker
+            arrives_at = self.time + settings.delay
+            self._detections.send((self.time if settings.honest_stamps else arrives_at, marker), arrives_at)
+
+    def _detect(self) -> None:
+        """Detections arrive, and are put where odometry says that the robot was."""
+        for stamp, marker in self._detections.arrived(self.time):
+            try:
+                odometry = self.track.at(stamp)
+            except LookupError:
+                continue
+            self.sighting = Sighting(marker, odometry.pose, stamp, min(odometry.stamp, self.time))
 
     def _measure_battery(self) -> None:
         if Fault.SILENT_BATTERY in self.faults:

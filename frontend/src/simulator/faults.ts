@@ -24,6 +24,27 @@ export const FAULTS: readonly FaultWords[] = [
     effect: "The left wheel does not turn, until the base switches its motors off: blocked.",
   },
   {
+    fault: "late_commands",
+    name: "Late commands",
+    effect: "Commands reach the wheels 0.3 s late: docking allows for it.",
+  },
+  {
+    fault: "worn_wheel",
+    name: "Worn wheel",
+    effect:
+      "The right wheel is 10 % smaller than the robot knows: it drives curves and measures straight lines.",
+  },
+  {
+    fault: "wrong_detections",
+    name: "Wrong detections",
+    effect: "A third of the detections are somewhere else: docking leaves them out.",
+  },
+  {
+    fault: "obstacle",
+    name: "Obstacle",
+    effect: "A pillar in front of the dock: it hides the marker, and stops the robot.",
+  },
+  {
     fault: "silent_battery",
     name: "Silent battery",
     effect: "No battery messages: the wheels stand still, and after a time battery_lost.",

@@ -6,13 +6,14 @@ from statistics import fmean, pstdev
 import pytest
 
 from docking.core.geometry import Pose
-from docking.simulation.marker import MarkerCamera, MarkerSettings
+from docking.simulation.marker import GHOST, OUTLIER_ANGLE, OUTLIER_DISTANCE, MarkerCamera, MarkerSettings
+from docking.simulation.obstacle import Obstacle
 
 SURE = MarkerSettings(noise=0.0, angle_noise=0.0, drop_outs=0.0)
 
 
 def camera(settings: MarkerSettings = SURE) -> MarkerCamera:
-    return MarkerCamera(settings, Random(1))
+    return MarkerCamera(settings, Random(1), Random(2))
 
 
 @pytest.mark.parametrize(
@@ -61,3 +62,48 @@ def test_it_drops_out_as_often_as_it_is_set() -> None:
     looking = camera(replace(SURE, drop_outs=0.2))
     missing = sum(looking.look(Pose(-1.0, 0.0, 0.0)) is None for _ in range(5000))
     assert missing / 5000 == pytest.approx(0.2, abs=0.02)
+
+
+def test_its_noise_grows_with_distance_and_angle() -> None:
+    looking = camera(replace(SURE, noise=0.01, noise_per_metre=0.01, noise_per_radian=0.1))
+    ahead = [looking.look(Pose(-2.15, 0.0, 0.0)) for _ in range(2000)]
+    assert pstdev(pose.y for pose in ahead if pose) == pytest.approx(0.03, rel=0.1)
+    assert pstdev(pose.theta for pose in ahead if pose) == pytest.approx(0.0, abs=1e-6)
+    aside = [looking.look(Pose(-1.0, -1.0, math.pi / 4.0)) for _ in range(2000)]
+    assert pstdev(pose.theta for pose in aside if pose) == pytest.approx(0.1 * math.pi / 4.0, rel=0.1)
+
+
+def test_outliers_are_as_many_as_they_are_set_and_anywhere_around() -> None:
+    looking, robot = camera(replace(SURE, outliers=0.3)), Pose(-1.0, 0.0, 0.0)
+    seen = [pose for _ in range(3000) if (pose := looking.look(robot)) is not None]
+    wrong = [pose for pose in seen if pose != Pose(1.0, 0.0, 0.0)]
+    assert len(wrong) / len(seen) == pytest.approx(0.3, abs=0.03)
+    assert max(abs(pose.y) for pose in wrong) == pytest.approx(OUTLIER_DISTANCE, rel=0.05)
+    assert max(abs(pose.theta) for pose in wrong) == pytest.approx(OUTLIER_ANGLE, rel=0.05)
+
+
+def test_a_reflection_is_always_at_the_same_place() -> None:
+    looking, robots = camera(replace(SURE, ghosts=1.0)), [Pose(-1.0, 0.0, 0.0), Pose(-1.5, 0.2, 0.1)]
+    for robot in robots:
+        seen = looking.look(robot)
+        assert seen is not None
+        assert robot.compose(seen).distance_to(GHOST) < 1e-9
+
+
+def test_it_is_hidden_again_and_again() -> None:
+    looking = camera(replace(SURE, hidden_every=10.0, hidden_for=0.5))
+    seen = [looking.look(Pose(-1.0), number / 10.0) is not None for number in range(200)]
+    assert [number for number, found in enumerate(seen) if not found] == [0, 1, 2, 3, 4, 100, 101, 102, 103, 104]
+
+
+def test_a_camera_that_is_mounted_wrong_sees_the_marker_elsewhere() -> None:
+    seen = camera(replace(SURE, mount_error=Pose(0.0, 0.01, 0.05))).look(Pose(-1.0))
+    assert seen is not None
+    assert seen.theta == pytest.approx(-0.05)
+    assert seen.y == pytest.approx(-0.06, abs=1e-3)
+
+
+@pytest.mark.parametrize(("y", "seen"), [(0.0, False), (0.09, False), (0.11, True)])
+def test_what_stands_in_between_hides_the_marker(y: float, seen: bool) -> None:
+    assert (camera().look(Pose(-1.2), 0.0, [Obstacle(-0.5, y, 0.1)]) is not None) is seen
+    assert camera().look(Pose(-1.2), 0.0, [Obstacle(-2.0, y, 0.1)]) is not None, "behind the robot"

@@ -142,3 +142,19 @@ def test_placed_it_stands_still() -> None:
     robot.place(Pose(-1.0, 2.0, 7.0))
     assert robot.velocity == STANDSTILL
     assert robot.pose == Pose(-1.0, 2.0, pytest.approx(7.0 - math.tau))
+
+
+def test_in_the_dead_zone_nothing_moves() -> None:
+    robot = make_robot(RobotSettings(slip=0.0, slip_noise=0.0, linear_dead_zone=0.05, angular_dead_zone=0.1))
+    drive(robot, 1.0, Velocity(0.04, -0.09))
+    assert robot.pose == ORIGIN
+    drive(robot, 1.0, Velocity(-0.06, 0.09))
+    assert robot.x < 0.0 == robot.theta
+
+
+def test_a_wheel_that_is_larger_than_known_makes_a_curve() -> None:
+    robot = make_robot(RobotSettings(slip=0.0, slip_noise=0.0, right_wheel_error=0.1))
+    drive(robot, 2.0, Velocity(0.1))
+    assert robot.left == robot.right, "the wheels turn alike"
+    way = 0.1 * (2.0 - 0.05)
+    assert robot.theta == pytest.approx(0.1 * way / 0.23, rel=0.02)

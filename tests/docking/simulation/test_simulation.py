@@ -10,9 +10,10 @@ from docking.core.battery import PowerSupplyStatus
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.simulation.battery import BatteryMeasurement, BatterySettings
-from docking.simulation.dock import DOCKED
+from docking.simulation.dock import DOCKED, DockSettings
 from docking.simulation.faults import Fault
 from docking.simulation.marker import MarkerSettings
+from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import OdometrySettings
 from docking.simulation.robot import RobotSettings
 from docking.simulation.simulation import STEP, Settings, Simulation
@@ -322,3 +323,107 @@ def test_it_is_far_faster_than_real_time() -> None:
         simulation.run(2.0, Velocity(0.1, 0.3))
         simulation.observe()
     assert 20_000 / (time.process_time() - started) > 20_000, "steps a second of one core"
+
+
+def test_a_late_command_is_carried_out_late() -> None:
+    simulation = Simulation(replace(EXACT, command_delay=0.2))
+    moving = []
+    for number in range(20):
+        simulation.step(STEP, Velocity(0.2) if number == 0 else None)
+        moving.append(simulation.robot.linear > 0.0)
+    assert moving == [False] * 10 + [True] * 10
+
+
+def test_the_fault_late_commands_delays_them() -> None:
+    simulation = Simulation(EXACT)
+    simulation.set_fault(Fault.LATE_COMMANDS, True)
+    drive(simulation, 0.3, 0.2)
+    assert simulation.robot.pose == IN_FRONT
+    drive(simulation, 0.1, 0.2)
+    assert simulation.robot.x > IN_FRONT.x
+
+
+@pytest.mark.parametrize("honest", [True, False])
+def test_late_odometry_is_that_of_earlier(honest: bool) -> None:
+    late = Simulation(replace(EXACT, odometry=OdometrySettings(drift=0.0, delay=0.2, honest_stamps=honest)))
+    prompt = Simulation(EXACT)
+    poses = []
+    assert late.observe().odometry is None
+    for _ in range(30):
+        poses.append(prompt.odometry.pose)
+        for simulation in (late, prompt):
+            simulation.step(STEP, Velocity(0.2, 0.1))
+    odometry = late.observe().odometry
+    assert odometry is not None
+    assert odometry.pose == poses[20]
+    assert odometry.stamp == pytest.approx(late.time), "when it arrived"
+
+
+@pytest.mark.parametrize(("honest", "error"), [(True, 0.0), (False, 0.04)])
+def test_a_late_detection_is_put_where_its_stamp_says(honest: bool, error: float) -> None:
+    """At 0.2 m/s, a detection of 0.2 s ago with the stamp of now is 4 cm off."""
+    marker = MarkerSettings(noise=0.0, angle_noise=0.0, drop_outs=0.0, delay=0.2, honest_stamps=honest)
+    simulation = Simulation(replace(EXACT, marker=marker))
+    drive(simulation, 2.0, 0.2)
+    seen = simulation.observe().marker
+    assert seen is not None
+    assert seen.pose.x == pytest.approx(0.8 + error, abs=1e-6)
+
+
+def test_odometry_without_twist_has_a_pose_alone() -> None:
+    simulation = Simulation(replace(EXACT, odometry=OdometrySettings(drift=0.0, twist=False)))
+    drive(simulation, 1.0, 0.2)
+    odometry = simulation.observe().odometry
+    assert odometry is not None
+    assert odometry.velocity == STANDSTILL
+    assert odometry.pose.x > 0.1
+
+
+def test_contacts_that_bounce_charge_on_and_off_at_first() -> None:
+    simulation = Simulation(replace(EXACT, start=Pose(-0.25), dock=DockSettings(bounce=1.0)))
+    charging: list[tuple[float, bool]] = []
+    for _ in range(200):
+        simulation.step(STEP, Velocity(0.05))
+        if simulation.contact:
+            charging.append((simulation.time, simulation.charging))
+    first = charging[0][0]
+    assert {on for at, on in charging if at < first + 1.0} == {True, False}
+    assert {on for at, on in charging if at > first + 1.0 + STEP} == {True}
+
+
+def test_an_obstacle_stops_the_robot_and_counts_as_a_bump() -> None:
+    simulation = Simulation(replace(EXACT, start=Pose(-1.5), obstacles=(Obstacle(-0.8, 0.0, 0.1),)))
+    drive(simulation, 5.0, 0.2)
+    assert simulation.robot.x == pytest.approx(-1.05, abs=1e-3)
+    assert simulation.bumps == 1
+
+
+def test_the_fault_obstacle_stands_in_front_of_the_dock() -> None:
+    simulation = Simulation(replace(EXACT, start=Pose(-1.2)))
+    simulation.run(0.2)
+    seen = simulation.sighting
+    simulation.set_fault(Fault.OBSTACLE, True)
+    simulation.run(0.5)
+    assert simulation.sighting == seen
+    drive(simulation, 5.0, 0.2)
+    assert simulation.robot.x < -0.7
+
+
+def test_the_fault_worn_wheel_makes_curves_that_odometry_does_not_see() -> None:
+    simulation = Simulation(EXACT)
+    simulation.set_fault(Fault.WORN_WHEEL, True)
+    drive(simulation, 1.0, 0.2)
+    assert simulation.robot.theta < -0.05
+    assert simulation.odometry.theta == 0.0
+
+
+def test_the_fault_wrong_detections_moves_a_third_of_them() -> None:
+    simulation = Simulation(EXACT, seed=1)
+    simulation.set_fault(Fault.WRONG_DETECTIONS, True)
+    seen = set()
+    for _ in range(1000):
+        simulation.step()
+        assert simulation.sighting is not None
+        seen.add(simulation.sighting)
+    wrong = sum(sighting.marker.distance_to(Pose(0.8)) > 0.001 for sighting in seen)
+    assert wrong / len(seen) == pytest.approx(1.0 / 3.0, abs=0.08)

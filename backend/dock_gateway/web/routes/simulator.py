@@ -17,7 +17,17 @@ from dock_gateway.web.schemas.robots import Simulator
 router = APIRouter(tags=["Simulator"], prefix="/simulator", dependencies=[Depends(known_query("robot"))])
 
 FARTHEST = 100.0
-Fault = Literal["dead_charger", "occluded_marker", "stuck_wheel", "silent_battery", "percentage_0_to_100"]
+Fault = Literal[
+    "dead_charger",
+    "occluded_marker",
+    "stuck_wheel",
+    "late_commands",
+    "worn_wheel",
+    "wrong_detections",
+    "obstacle",
+    "silent_battery",
+    "percentage_0_to_100",
+]
 FaultPath = Annotated[Fault, Path(description="What breaks")]
 NUMBER = {"type": "number", "minimum": -FARTHEST, "maximum": FARTHEST}
 PLACE_REQUEST = {

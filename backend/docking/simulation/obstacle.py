@@ -1,0 +1,60 @@
+"""Solid round things in the world: the robot runs into them, and they hide the marker."""
+
+import math
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Obstruction:
+    """Where a round body is kept that would be inside something solid.
+
+    Attributes:
+        x: Of its centre, in world.
+        y: The same.
+        normal_x: The direction away from what is solid, of length 1.
+        normal_y: The same.
+    """
+
+    x: float
+    y: float
+    normal_x: float
+    normal_y: float
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """A pillar, or a leg of a person.
+
+    Attributes:
+        x: Of its centre, in world, in m.
+        y: The same.
+        radius: In m.
+    """
+
+    x: float
+    y: float
+    radius: float
+
+    def obstruct(self, x: float, y: float, radius: float) -> Obstruction | None:
+        """Where a round body is kept that wants to be here; None if the obstacle is not in its way.
+
+        Args:
+            x: Of its centre, in world.
+            y: The same.
+            radius: In m.
+        """
+        away_x, away_y, reach = x - self.x, y - self.y, self.radius + radius
+        distance = math.hypot(away_x, away_y)
+        if distance >= reach:
+            return None
+        away_x, away_y = (away_x / distance, away_y / distance) if distance > 1e-9 else (-1.0, 0.0)
+        return Obstruction(self.x + reach * away_x, self.y + reach * away_y, away_x, away_y)
+
+    def hides(self, x: float, y: float) -> bool:
+        """Whether it stands between a point in world and the origin, where the marker is."""
+        length = math.hypot(x, y)
+        if length < 1e-9:
+            return False
+        along = (self.x * x + self.y * y) / length
+        across = abs(self.x * y - self.y * x) / length
+        return 0.0 < along < length and across < self.radius
