@@ -46,8 +46,9 @@ from dock_gateway.robots.registry import RobotRegistry, normalize_namespace
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, scan
-from dock_gateway.ros.robot_ports import DiagnosticsPort, VelocityListener
+from dock_gateway.ros.robot_ports import DiagnosticsPort
 from dock_gateway.ros.scene_port import MapPort, PosePort, ScenePort
+from dock_gateway.ros.velocity import VelocityListener
 from dock_gateway.settings import Settings
 from dock_gateway.topics.graph_cache import GraphCache
 from dock_gateway.topics.registry import EchoRegistry
@@ -96,7 +97,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     actions.on_end.append(activity.on_end)
     stopper.on_stop.append(activity.intervened)
     interlock.on_release.append(activity.intervened)
-    _subscribe_on_demand(settings, bridge, hub, activity, stack)
+    _subscribe_on_demand(settings, bridge, hub, robots, activity, stack=stack)
     board = _closed_by(stack, SceneBoard(hub, lambda: [robot.namespace for robot in robots.all()]))
     _listen_to_poses(settings, bridge, MapPort, board, stack)
     if settings.store_poses:
@@ -215,7 +216,7 @@ def _observe(parts: Parts, stack: AsyncExitStack) -> Metrics:
 
 
 def _subscribe_on_demand(
-    settings: Settings, bridge: Bridge, hub: Hub, activity: Activity, stack: AsyncExitStack
+    settings: Settings, bridge: Bridge, hub: Hub, robots: RobotRegistry, activity: Activity, *, stack: AsyncExitStack
 ) -> None:
     """Set up the topics that are subscribed to only on demand."""
 
@@ -226,11 +227,11 @@ def _subscribe_on_demand(
         def hear(message: Json, stamp_ns: int) -> None:
             hub.publish(message_event("cmd_vel", message, hub.clock.stamp(stamp_ns), stamp_ns, robot=robot))
 
-        return VelocityListener(bridge, settings.resolve(settings.cmd_vel_topic, robot), hear)
+        return robots.velocities.listen(settings.resolve(settings.cmd_vel_topic, robot), hear)
 
     def motion(robot: str) -> ExitStack:
         topic = settings.resolve(settings.cmd_vel_topic, robot)
-        listener = VelocityListener(bridge, topic, lambda message, _: activity.on_velocity(robot, message))
+        listener = robots.velocities.listen(topic, lambda message, _: activity.on_velocity(robot, message))
         activity.subscribed(robot)
         port = ExitStack()
         port.callback(listener.close)
@@ -258,6 +259,7 @@ async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotReg
     steps: tuple[Callable[[Scan], Awaitable[bool | None]], ...] = (
         actions.update,
         robots.update,
+        lambda found: robots.velocities.update(found.topics),
         lambda found: departures.look(found, time.monotonic()),
     )
     while True:

@@ -117,7 +117,9 @@ class Settings(BaseSettings):
     )
     battery_topic: str = Field("battery_status", description="Topic of `sensor_msgs/BatteryState`.")
     cmd_vel_topic: str = Field(
-        "cmd_vel", description="Topic of `geometry_msgs/Twist`. `/stop` publishes zero velocity on it."
+        "cmd_vel",
+        description="Topic of `geometry_msgs/Twist` or `TwistStamped`, whichever the robot's base subscribes to. "
+        "`/stop` publishes zero velocity on it.",
     )
     stop_topic: str = Field("stop_latched", description="Topic of `std_msgs/Bool`: whether a stop is latched.")
     diagnostics_topic: str = Field(

@@ -14,7 +14,8 @@ from dock_gateway.robots.battery import Battery, BatteryPublisher
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, find_presence
-from dock_gateway.ros.robot_ports import BatteryPort, LatchPort, VelocityPort
+from dock_gateway.ros.robot_ports import BatteryPort, LatchPort
+from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
 from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
@@ -38,7 +39,11 @@ class Robot:
 
 
 class RobotRegistry:
-    """The robots: the configured one always, others once their battery topic or a docking action appears."""
+    """The robots: the configured one always, others once their battery topic or a docking action appears.
+
+    Attributes:
+        velocities: Their velocity topics.
+    """
 
     def __init__(
         self, settings: Settings, bridge: Bridge, hub: Hub, interlock: Interlock, last_goals: LastGoals
@@ -50,6 +55,7 @@ class RobotRegistry:
         self._last_goals = last_goals
         self._robots: dict[str, Robot] = {}
         self._forgotten: set[str] = set()
+        self.velocities = VelocityTopics(bridge)
         self._discovery = Discovery("robot", settings.max_robots, "max_robots")
         self.default_namespace = normalize_namespace(settings.namespace)
 
@@ -68,7 +74,7 @@ class RobotRegistry:
             with ExitStack() as undo:
                 battery_port = BatteryPort(self._bridge, battery_topic, battery.on_battery)
                 undo.callback(battery_port.close)
-                velocity_port = VelocityPort(self._bridge, velocity_topic)
+                velocity_port = VelocityPort(self.velocities, velocity_topic)
                 undo.callback(velocity_port.close)
                 ports = battery_port, velocity_port, LatchPort(self._bridge, stop_topic, hear_latch)
                 undo.pop_all()

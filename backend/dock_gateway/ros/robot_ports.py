@@ -1,7 +1,7 @@
-"""The topics around an action: battery state in and out, velocity in and zero out, the stop latch, diagnostics in.
+"""The topics around an action: battery state in and out, the stop latch, diagnostics in.
 
-Ports are created and closed on the ROS thread; their other methods are called on the loop. Velocity and latch are
-published from the loop itself, because a stop must not wait for the ROS thread (docs/decisions.md).
+Ports are created and closed on the ROS thread; their other methods are called on the loop. The latch is published from
+the loop itself, because a stop must not wait for the ROS thread (docs/decisions.md).
 """
 
 import time
@@ -10,9 +10,7 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import Twist
 from rclpy.publisher import Publisher
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Bool
@@ -20,12 +18,7 @@ from std_msgs.msg import Bool
 from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.ros.bridge import Bridge, guard
 from dock_gateway.ros.messages.codec import codec
-
-# Best effort and volatile matches every publisher: some use sensor data QoS for batteries, others reliable.
-LISTEN = QoSProfile(depth=50, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
-TALK = QoSProfile(depth=10)
-# Late subscribers get the last message.
-LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+from dock_gateway.ros.qos import LATCHED, LISTEN, TALK
 
 # Nanoseconds after the start of a publish call within which a message's stamp may be our own.
 OWN_WITHIN = 1_000_000_000
@@ -84,56 +77,6 @@ class BatteryPort:
             return self.codec.encode(message)
 
         return await self._bridge.call(publish)
-
-
-class VelocityPort:
-    """`geometry_msgs/Twist`: publishes zero, in m/s and rad/s, to stop a robot."""
-
-    def __init__(self, bridge: Bridge, topic: str) -> None:
-        self._bridge = bridge
-        overrides = QoSOverridingOptions.with_default_policies()
-        self._publisher = bridge.node.create_publisher(Twist, topic, TALK, qos_overriding_options=overrides)
-
-    def close(self) -> None:
-        """Leave the topic."""
-        self._bridge.node.destroy_publisher(self._publisher)
-
-    def publish_zero(self) -> None:
-        """Command zero velocity, immediately.
-
-        Raises:
-            Exception: ROS does not take the message.
-        """
-        self._publisher.publish(Twist())
-
-
-class VelocityListener:
-    """`geometry_msgs/Twist`: the velocity commanded to a robot, in m/s and rad/s; subscribed to while it is watched.
-
-    Args:
-        bridge: The bridge to the ROS thread.
-        topic: Absolute name.
-        on_velocity: Called on the loop with a message and its source timestamp in ns.
-    """
-
-    def __init__(self, bridge: Bridge, topic: str, on_velocity: OnMessage) -> None:
-        self._bridge = bridge
-        twist_codec = codec(Twist)
-
-        inbox = bridge.inbox()
-
-        def hear(message: Twist, info: dict[str, Any]) -> None:
-            velocity = twist_codec.encode(message)
-            inbox.offer(len(velocity), on_velocity, velocity, info["source_timestamp"])
-
-        overrides = QoSOverridingOptions.with_default_policies()
-        self._subscription = bridge.node.create_subscription(
-            Twist, topic, guard(hear), LISTEN, qos_overriding_options=overrides
-        )
-
-    def close(self) -> None:
-        """Leave the topic."""
-        self._bridge.node.destroy_subscription(self._subscription)
 
 
 class LatchPort:

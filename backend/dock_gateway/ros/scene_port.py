@@ -19,7 +19,7 @@ from dock_gateway.core.event import Event, moment, scene_event
 from dock_gateway.core.footprint import footprint_document
 from dock_gateway.core.scene import BASE, FOOTPRINT_FRAMES, ODOM, PLACED_FOR, WORLD, Pace, Pose, Scene, Seen
 from dock_gateway.ros.bridge import Bridge, guard
-from dock_gateway.ros.robot_ports import LATCHED
+from dock_gateway.ros.qos import LATCHED
 
 log = logging.getLogger(__name__)
 

@@ -106,7 +106,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._control_timer = self.create_timer(FEEDBACK_PERIOD, self.control, clock=steady)
         self._control_timer.cancel()
-        self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._repeat_report, clock=steady)
+        self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._look_around, clock=steady)
         self._equip()
 
     # What subclasses say.
@@ -289,12 +289,18 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
     def _feedback(self) -> Any:
         return self.action_type.Feedback(current_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
 
+    def _look_around(self) -> None:
+        self._drive.look_again()
+        self._repeat_report()
+
     def _repeat_report(self) -> None:
         self._publish_report(self._report)
 
     def _publish_report(self, report: Report) -> None:
         battery, topic = self._battery.latest, self.resolve_topic_name(BATTERY_TOPIC)
         warnings = {} if battery is None or battery.fault is None else {topic: f"{topic} {battery.fault}"}
+        if (deaf := self._drive.publisher.fault) is not None:
+            warnings[self.resolve_topic_name("cmd_vel")] = deaf
         self._diagnostics.publish(report, self._sensors.faults, warnings)
 
     # The server ends.

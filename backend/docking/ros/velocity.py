@@ -4,11 +4,10 @@ import math
 import time
 import traceback
 
-from geometry_msgs.msg import Twist, Vector3
 from rclpy.node import Node
-from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from docking.core.observation import STANDSTILL, Velocity
+from docking.ros.velocity_publisher import VelocityPublisher
 from docking.ros.watchdog import Watchdog
 
 WATCHDOG_TIMEOUT = 0.5
@@ -22,6 +21,9 @@ class Drive:
 
     The thread that spins the node calls `go` and `stop`. The watchdog has a thread of its own, so that it works where
     that thread hangs; it only publishes, which rclpy allows from any thread.
+
+    Attributes:
+        publisher: Publishes them.
     """
 
     def __init__(self, node: Node) -> None:
@@ -33,13 +35,21 @@ class Drive:
         self._node = node
         self._velocity: Velocity | None = None
         self._stopped_at = self._published_at = -math.inf
-        qos = QoSOverridingOptions.with_default_policies()
-        self._publisher = node.create_publisher(Twist, "cmd_vel", 10, qos_overriding_options=qos)
+        self.publisher = VelocityPublisher(node)
         self._watchdog = Watchdog(WATCHDOG_TIMEOUT, self._stop_left_alone)
 
     def begin(self) -> None:
         """A goal takes over, whatever the velocity was before."""
         self._velocity = None
+        self.publisher.add_wanted()
+
+    def look_again(self) -> None:
+        """Follow the subscribers of `cmd_vel`; call it once a second."""
+        before = self.publisher.fault
+        if self.recent or not self.publisher.drop_unwanted():
+            self.publisher.add_wanted()
+        if (fault := self.publisher.fault) is not None and fault != before:
+            self._node.get_logger().warning(fault)
 
     def go(self, velocity: Velocity, decided_at: float) -> None:
         """Publish a velocity, but a standstill only once: while a goal waits, the wheels are left to others.
@@ -59,7 +69,7 @@ class Drive:
             self._watchdog.feed()
         self._velocity = velocity
         self._published_at = time.monotonic()
-        self._publisher.publish(Twist(linear=Vector3(x=velocity.linear_x), angular=Vector3(z=velocity.angular_z)))
+        self.publisher.publish(velocity)
 
     def stop(self) -> None:
         """Publish zero velocity, from any thread. It never raises: those who call it have other things to end."""
@@ -79,10 +89,11 @@ class Drive:
     def _publish_zero(self) -> None:
         self._stopped_at = self._published_at = time.monotonic()
         try:
-            self._publisher.publish(Twist())
+            self.publisher.publish(STANDSTILL)
         except Exception:  # noqa: BLE001 - whatever it is, what follows must be done
             self._node.get_logger().fatal(f"Zero velocity could not be published: {traceback.format_exc()}")
 
     def close(self) -> None:
-        """End the watchdog."""
+        """End the watchdog, and leave `cmd_vel`."""
         self._watchdog.close()
+        self.publisher.close()

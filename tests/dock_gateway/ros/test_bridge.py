@@ -16,7 +16,8 @@ from sensor_msgs.msg import BatteryState
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.ros.robot_ports import BatteryPort, VelocityPort
+from dock_gateway.ros.robot_ports import BatteryPort
+from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
 from tests.support.observer import Observer
 from tests.support.processes import ros_environment
 from tests.support.waiting import until
@@ -136,11 +137,14 @@ async def test_a_battery_state_answered_with_503_is_not_published_later(bridge: 
 
 async def test_zero_velocity_does_not_wait_for_the_ros_thread(bridge: Bridge, observer: Observer) -> None:
     heard = observer.record(Twist, "/cmd_vel")
-    port = await bridge.call(lambda: VelocityPort(bridge, "/cmd_vel"))
-    await until(lambda: bool(port._publisher.get_subscription_count() == 1))
-    with blocked(bridge):
+    port = await bridge.call(lambda: VelocityPort(VelocityTopics(bridge), "/cmd_vel"))
+
+    def stopped() -> bool:
         port.publish_zero()
-        await asyncio.to_thread(heard.wait_for, lambda message: message.linear.x == 0)
+        return bool(heard.messages)
+
+    with blocked(bridge):
+        await until(stopped)
 
 
 async def test_a_port_that_nobody_waits_for_any_more_is_never_made(bridge: Bridge) -> None:

@@ -1,0 +1,169 @@
+"""`cmd_vel`, in the type that its subscribers take: geometry_msgs/Twist, geometry_msgs/TwistStamped, or both."""
+
+import enum
+from collections.abc import Set as AbstractSet
+from typing import Any
+
+import rclpy
+from geometry_msgs.msg import Twist, TwistStamped, Vector3
+from rclpy.context import Context
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.signals import SignalHandlerOptions
+
+from docking.core.observation import Velocity
+
+TOPIC = "cmd_vel"
+TYPES: dict[str, type] = {"geometry_msgs/msg/Twist": Twist, "geometry_msgs/msg/TwistStamped": TwistStamped}
+PLAIN, STAMPED = TYPES
+
+
+class StampedCmdVel(enum.StrEnum):
+    """Whether velocities have a stamp: the parameter `enable_stamped_cmd_vel`."""
+
+    AUTO = "auto"
+    """As the subscribers of `cmd_vel` want it, without one while there are none."""
+    TRUE = "true"
+    FALSE = "false"
+
+
+def choose_types(mode: StampedCmdVel, subscribed: AbstractSet[str], published: AbstractSet[str]) -> frozenset[str]:
+    """The types to publish.
+
+    Args:
+        mode: What is asked for.
+        subscribed: The types that others subscribe to.
+        published: The types that are published now, which stay as they are while nobody subscribes.
+    """
+    if mode is not StampedCmdVel.AUTO:
+        return frozenset({STAMPED if mode is StampedCmdVel.TRUE else PLAIN})
+    return frozenset(subscribed & TYPES.keys() or published or {PLAIN})
+
+
+class VelocityPublisher:
+    """Publishes velocities on `cmd_vel`.
+
+    Publishers are made and taken back in the thread that spins the node; any thread may publish.
+
+    Attributes:
+        mode: Which types to publish.
+        frame: The frame of stamped velocities.
+    """
+
+    def __init__(self, node: Node, mode: StampedCmdVel = StampedCmdVel.AUTO, frame: str = "base_link") -> None:
+        """Make the publishers.
+
+        Args:
+            node: The node that publishes.
+            mode: Which types to publish.
+            frame: The frame of stamped velocities.
+        """
+        self.mode = mode
+        self.frame = frame
+        self._node = node
+        self._topic = node.resolve_topic_name(TOPIC)
+        self._second: tuple[Context, Node] | None = None
+        self._deaf: dict[str, set[str]] = {}  # nodes that subscribe to what is not wanted, by type
+        # Replaced, never changed: other threads publish.
+        self._publishers: dict[str, Publisher] = {}
+        self.add_wanted()
+
+    def add_wanted(self) -> None:
+        """Publish the types, too, that are wanted and not published yet."""
+        for name in sorted(self._wanted() - self._publishers.keys()):
+            self._publishers = {**self._publishers, name: self._make(name)}
+
+    def drop_unwanted(self) -> bool:
+        """Take back the types that nobody wants, while the robot stands; return whether there were any.
+
+        Where servers share a DDS participant, all must have dropped a type before one of them can add the other.
+        """
+        before, wanted = self._publishers, self._wanted()
+        self._publishers = {name: publisher for name, publisher in before.items() if name in wanted}
+        for name in before.keys() - wanted:
+            if not self._node.destroy_publisher(before[name]):
+                self._second_node().destroy_publisher(before[name])
+        return len(self._publishers) < len(before)
+
+    def _wanted(self) -> frozenset[str]:
+        subscribed: dict[str, set[str]] = {}
+        for subscriber in self._node.get_subscriptions_info_by_topic(TOPIC):
+            name = f"{subscriber.node_namespace.rstrip('/')}/{subscriber.node_name}"
+            subscribed.setdefault(subscriber.topic_type, set()).add(name)
+        wanted = choose_types(self.mode, subscribed.keys(), self._publishers.keys())
+        self._deaf = {name: nodes for name, nodes in subscribed.items() if name not in wanted}
+        return wanted
+
+    @property
+    def fault(self) -> str | None:
+        """Who subscribes to `cmd_vel` and hears nothing, as a sentence; None where there is nobody."""
+        if not self._deaf:
+            return None
+        who = " and ".join(f"{' and '.join(sorted(nodes))} as {name}" for name, nodes in sorted(self._deaf.items()))
+        published = " and ".join(sorted(self._publishers))
+        return (
+            f"{self._topic} is subscribed to by {who}, but published as {published}, so nothing moves there:"
+            f" enable_stamped_cmd_vel is {self.mode}"
+        )
+
+    def publish(self, velocity: Velocity) -> None:
+        """Publish a velocity in each type.
+
+        Raises:
+            Exception: ROS does not take one of the messages; the others are published all the same.
+        """
+        failure: Exception | None = None
+        for name, publisher in self._publishers.items():
+            try:
+                publisher.publish(self._message(name, velocity))
+            except Exception as error:  # noqa: BLE001 - raised below
+                failure = error
+        if failure is not None:
+            raise failure
+
+    def _message(self, name: str, velocity: Velocity) -> Any:
+        twist = Twist(linear=Vector3(x=velocity.linear_x), angular=Vector3(z=velocity.angular_z))
+        if name == PLAIN:
+            return twist
+        message = TwistStamped(twist=twist)
+        message.header.stamp = self._node.get_clock().now().to_msg()
+        message.header.frame_id = self.frame
+        return message
+
+    def _make(self, name: str) -> Publisher:
+        """A publisher of a type, on a second participant if the node's has the topic with the other type."""
+        overriding = QoSOverridingOptions.with_default_policies()
+        try:
+            return self._node.create_publisher(TYPES[name], TOPIC, 10, qos_overriding_options=overriding)
+        except _rclpy.RCLError:
+            return self._second_node().create_publisher(TYPES[name], self._topic, 10)
+
+    def _second_node(self) -> Node:
+        if self._second is None:
+            context = Context()
+            rclpy.init(
+                args=[],
+                context=context,
+                domain_id=self._node.context.get_domain_id(),
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+            node = Node(
+                f"{self._node.get_name()}_cmd_vel",
+                namespace=self._node.get_namespace(),
+                context=context,
+                enable_rosout=False,
+                start_parameter_services=False,
+                use_global_arguments=False,
+            )
+            self._second = context, node
+        return self._second[1]
+
+    def close(self) -> None:
+        """Leave the second participant, if there is one."""
+        if self._second is not None:
+            context, node = self._second
+            self._second = None
+            node.destroy_node()
+            context.try_shutdown()

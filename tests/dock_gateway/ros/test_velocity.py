@@ -1,0 +1,120 @@
+"""Zero velocity reaches every base, whichever type it subscribes to."""
+
+import asyncio
+from collections.abc import Callable
+
+import pytest
+from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
+
+from dock_gateway.core.graph import Endpoint, Quality, Topic
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.graph import scan
+from dock_gateway.ros.velocity import PLAIN, STAMPED, VelocityPort, VelocityTopics, choose_types
+from tests.support.observer import Observer, ros_observer
+from tests.support.waiting import until
+
+QUALITY = Quality("reliable", "volatile", "keep_last", 10, None, None, "automatic")
+GATEWAY, OTHER_GATEWAY, BASE, SERVER = "/dock_gateway", "/other_gateway", "/base", "/dock_server"
+WRENCH = "geometry_msgs/msg/Wrench"
+
+
+def endpoints(*pairs: tuple[str, str]) -> list[Endpoint]:
+    return [Endpoint(node, kind, QUALITY) for node, kind in pairs]
+
+
+@pytest.mark.parametrize(
+    ("publishers", "subscribers", "before", "types"),
+    [
+        ([], [], (PLAIN,), (PLAIN,)),
+        ([], [], (STAMPED,), (STAMPED,)),
+        ([(GATEWAY, PLAIN)], [(BASE, STAMPED)], (PLAIN,), (STAMPED,)),
+        ([(GATEWAY, STAMPED)], [(BASE, PLAIN)], (STAMPED,), (PLAIN,)),
+        ([(GATEWAY, PLAIN)], [(BASE, PLAIN), ("/second", STAMPED)], (PLAIN,), (PLAIN, STAMPED)),
+        ([(GATEWAY, STAMPED)], [(BASE, PLAIN), ("/second", STAMPED)], (STAMPED,), (STAMPED, PLAIN)),
+        # What another gateway and we ourselves listen to is no base.
+        ([(OTHER_GATEWAY, PLAIN)], [(OTHER_GATEWAY, PLAIN), (BASE, STAMPED)], (PLAIN,), (STAMPED,)),
+        ([(SERVER, STAMPED)], [(GATEWAY, PLAIN)], (PLAIN,), (STAMPED,)),
+        ([(SERVER, STAMPED), ("/joystick", PLAIN)], [], (PLAIN,), (PLAIN,)),
+        ([(SERVER, WRENCH)], [], (PLAIN,), (PLAIN,)),
+        ([], [(BASE, STAMPED), ("/logger", WRENCH)], (PLAIN,), (STAMPED,)),
+    ],
+)
+def test_the_types_are_those_of_the_bases(
+    publishers: list[tuple[str, str]],
+    subscribers: list[tuple[str, str]],
+    before: tuple[str, ...],
+    types: tuple[str, ...],
+) -> None:
+    topic = Topic("/cmd_vel", endpoints(*publishers), endpoints(*subscribers))
+    assert choose_types(topic, before, GATEWAY) == (types, None)
+
+
+def test_a_base_of_an_unknown_type_is_a_fault() -> None:
+    types, fault = choose_types(Topic("/cmd_vel", [], endpoints((BASE, WRENCH))), (PLAIN,), GATEWAY)
+    assert types == (PLAIN,)
+    assert fault is not None
+    assert BASE in fault
+    assert WRENCH in fault
+
+
+class Robot:
+    """The gateway's ports at a velocity topic, and the graph as it scans it."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self.heard: list[bytes] = []
+        self._bridge = bridge
+        self._topics = VelocityTopics(bridge)
+
+    async def join(self) -> None:
+        self.port = await self._bridge.call(lambda: VelocityPort(self._topics, "/cmd_vel"))
+        self.listener = await self._bridge.call(
+            lambda: self._topics.listen("/cmd_vel", lambda message, _: self.heard.append(message))
+        )
+
+    async def stop_until(self, holds: Callable[[], object]) -> None:
+        """Look at the graph and stop, again and again, until something has come of it."""
+
+        async def stopped() -> bool:
+            found = await self._bridge.call(lambda: scan(self._bridge.node))
+            await self._topics.update(found.topics)
+            try:
+                self.port.publish_zero()
+            except RuntimeError as error:
+                self.error = str(error)
+            await asyncio.sleep(0.05)
+            return bool(holds())
+
+        for _ in range(600):
+            if await stopped():
+                return
+        raise AssertionError("not stopped")
+
+
+@pytest.mark.ros
+async def test_a_stop_follows_the_base_from_type_to_type(bridge: Bridge, domain: int, observer: Observer) -> None:
+    robot = Robot(bridge)
+    await robot.join()
+    stamped = observer.record(TwistStamped, "/cmd_vel")
+    await robot.stop_until(lambda: stamped.messages)
+    assert stamped.messages[0].twist == Twist()
+    assert stamped.messages[0].header.stamp.sec > 0
+    await until(lambda: bool(robot.heard))  # as a Twist, without a header
+    assert robot.heard[0].startswith(b'{"linear":{"x":0.0')
+
+    with ros_observer(domain, "second") as second:  # a base of each type
+        plain = second.record(Twist, "/cmd_vel")
+        await robot.stop_until(lambda: plain.messages)
+        before = len(stamped.messages)
+        await robot.stop_until(lambda: len(stamped.messages) > before)
+    await bridge.call(robot.listener.close)
+    await bridge.call(robot.port.close)
+
+
+@pytest.mark.ros
+async def test_a_stop_that_no_base_can_hear_is_an_error(bridge: Bridge, observer: Observer) -> None:
+    robot = Robot(bridge)
+    await robot.join()
+    robot.port.publish_zero()
+    observer.record(PoseStamped, "/cmd_vel")
+    robot.error = ""
+    await robot.stop_until(lambda: "/observer as geometry_msgs/msg/PoseStamped" in robot.error)

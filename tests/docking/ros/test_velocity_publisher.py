@@ -1,0 +1,102 @@
+"""`cmd_vel` in the type that its subscribers take."""
+
+from collections.abc import Iterator
+
+import pytest
+from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.node import Node
+
+from docking.core.observation import Velocity
+from docking.ros.velocity_publisher import PLAIN, STAMPED, StampedCmdVel, VelocityPublisher, choose_types
+from tests.support.observer import Observer, ros_nodes, ros_observer
+from tests.support.waiting import wait_until
+
+OTHER = "geometry_msgs/msg/Wrench"
+AUTO, TRUE, FALSE = StampedCmdVel.AUTO, StampedCmdVel.TRUE, StampedCmdVel.FALSE
+
+
+@pytest.mark.parametrize(
+    ("mode", "subscribed", "published", "wanted"),
+    [
+        (AUTO, set(), set(), {PLAIN}),
+        (AUTO, {PLAIN}, {PLAIN}, {PLAIN}),
+        (AUTO, {STAMPED}, {PLAIN}, {STAMPED}),
+        (AUTO, {PLAIN, STAMPED}, {PLAIN}, {PLAIN, STAMPED}),
+        (AUTO, {OTHER}, set(), {PLAIN}),
+        (AUTO, set(), {STAMPED}, {STAMPED}),  # nobody is left: as it was
+        (TRUE, {PLAIN}, {PLAIN}, {STAMPED}),
+        (FALSE, {STAMPED}, {PLAIN}, {PLAIN}),
+    ],
+)
+def test_the_types_are_those_of_the_subscribers(
+    mode: StampedCmdVel, subscribed: set[str], published: set[str], wanted: set[str]
+) -> None:
+    assert choose_types(mode, subscribed, published) == wanted
+
+
+@pytest.fixture
+def nodes(domain: int) -> Iterator[tuple[Node, Node]]:
+    """Two nodes of one process, hence of one DDS participant."""
+    with ros_nodes(domain) as context:
+        nodes = Node("docks", context=context), Node("undocks", context=context)
+        yield nodes
+        for node in nodes:
+            node.destroy_node()
+
+
+def look(publisher: VelocityPublisher) -> None:
+    """What a standing robot's server does once a second."""
+    if not publisher.drop_unwanted():
+        publisher.add_wanted()
+
+
+@pytest.mark.ros
+def test_it_follows_its_subscribers(nodes: tuple[Node, Node], domain: int, observer: Observer) -> None:
+    both = [VelocityPublisher(node, frame="r1/base_link") for node in nodes]
+    assert [node.count_publishers("cmd_vel") for node in nodes] == [2, 2]
+    stamped = observer.record(TwistStamped, "cmd_vel")
+
+    def published() -> bool:
+        for publisher in both:
+            look(publisher)
+            publisher.publish(Velocity(0.1, 0.2))
+        return len(stamped.messages) >= 2
+
+    wait_until(published, "stamped velocities")
+    message = stamped.messages[0]
+    assert (message.twist.linear.x, message.twist.angular.z) == (0.1, 0.2)
+    assert (message.header.frame_id, message.header.stamp.sec > 0) == ("r1/base_link", True)
+    assert {info.topic_type for info in observer.node.get_publishers_info_by_topic("/cmd_vel")} == {STAMPED}
+
+    with ros_observer(domain, "second") as second:  # a second participant has the other type, in a moving robot, too
+        plain = second.record(Twist, "cmd_vel")
+
+        def heard() -> bool:
+            both[0].add_wanted()
+            both[0].publish(Velocity(0.3))
+            return bool(plain.messages) and stamped.messages[-1].twist.linear.x == 0.3
+
+        wait_until(heard, "velocities of both types")
+    for publisher in both:
+        publisher.close()
+
+
+@pytest.mark.ros
+def test_whoever_hears_nothing_is_named(nodes: tuple[Node, Node], observer: Observer) -> None:
+    publisher = VelocityPublisher(nodes[0], FALSE)
+    assert publisher.fault is None
+    observer.record(TwistStamped, "cmd_vel")
+
+    def named() -> bool:
+        look(publisher)
+        return publisher.fault is not None
+
+    wait_until(named, "the subscriber of the other type")
+    assert publisher.fault == (
+        f"/cmd_vel is subscribed to by /observer as {STAMPED}, but published as {PLAIN}, so nothing moves there:"
+        " enable_stamped_cmd_vel is false"
+    )
+    publisher.mode = TRUE
+    look(publisher)
+    look(publisher)
+    assert publisher.fault is None
