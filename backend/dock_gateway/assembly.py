@@ -32,7 +32,7 @@ from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.fleet.stop import Stopper
 from dock_gateway.gateway import Gateway
-from dock_gateway.history import History, open_history
+from dock_gateway.history import AuditSpool, History, open_history
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.notifications.notifier import MAX_WEBHOOKS, Notifier
@@ -66,8 +66,9 @@ async def open_gateway(settings: Settings) -> AsyncIterator[Gateway]:
     """Open the history, join the ROS graph and run the gateway until the block ends."""
     async with AsyncExitStack() as stack:
         history = await stack.enter_async_context(open_history(settings))
-        audit = _closed_by(stack, AuditLog(history.audit))
-        audit.open()
+        spool = None if settings.database_url == "memory:" else AuditSpool(settings.spool_folder / "audit")
+        audit = _closed_by(stack, AuditLog(history.audit, spool))
+        await audit.open()
         yield await _open(settings, history, audit, stack)
 
 

@@ -89,6 +89,21 @@ def test_a_release_while_the_history_is_away(shared_domain: int, tmp_path: Path)
     verify(site)
 
 
+def test_records_outlast_a_gateway_that_ends_while_the_history_is_away(shared_domain: int, tmp_path: Path) -> None:
+    site = Site(tmp_path)
+    ada = site.token("ada", "admin")
+    spool = {"spool_path": f"{tmp_path}/spool"}
+    with site.gateway(shared_domain, **spool) as gateway:
+        gateway.wait_until_stored()
+        with locked(site.database.removeprefix("sqlite:///")):
+            gateway.http.post("/stop", headers=bearer(ada)).raise_for_status()
+            gateway.process.send_signal(signal.SIGTERM)
+            gateway.process.wait()
+    with site.gateway(shared_domain, **spool) as gateway:
+        wait_until(lambda: records(gateway, ada, what="stop"), "the stop")
+    verify(site)
+
+
 def test_a_flood_without_a_token(shared_domain: int, tmp_path: Path) -> None:
     site = Site(tmp_path)
     ada = site.token("ada", "admin")

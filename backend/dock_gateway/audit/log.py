@@ -1,4 +1,4 @@
-"""The audit log of this gateway: entries wait in memory until the history has stored them."""
+"""The audit log of this gateway: entries wait in memory, and on disk, until the history has stored them."""
 
 import asyncio
 import logging
@@ -14,7 +14,7 @@ from dock_gateway.core.audit import AuditEntry, AuditRow
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.tasks import Tasks
-from dock_gateway.history import AuditStore
+from dock_gateway.history import AuditSpool, AuditStore
 
 log = logging.getLogger("dock_gateway.audit")
 
@@ -23,7 +23,7 @@ BATCH = 500  # entries per transaction
 BATCH_INTERVAL = 0.2  # seconds to collect a batch, unless an answer waits for it
 RETRY_FIRST, RETRY_LAST = 0.1, 2.0  # seconds before the first retry, and at most
 ANSWER_TIMEOUT = 0.5  # seconds that an answer waits until its entry is stored
-CLOSE_TIMEOUT = 1.0  # seconds
+CLOSE_TIMEOUT = 1.0  # seconds for the history, and as many for the spool
 # Entries of one user, and of all clients without a valid login, in a period of seconds. More are counted, so that they
 # neither fill a disk nor displace what was recorded earlier.
 MAX_OF_USER, MAX_UNKNOWN, PERIOD = 600, 30, 60.0
@@ -36,13 +36,19 @@ class AuditLog:
 
     Each entry is also logged, once: with its digest when it is stored, or without it if that takes longer.
 
+    While the history does not answer, entries are in the spool as well, so that they outlast this process.
+
     Args:
         store: Stores them.
+        spool: Keeps them on disk meanwhile; None: nowhere.
     """
 
-    def __init__(self, store: AuditStore) -> None:
+    def __init__(self, store: AuditStore, spool: AuditSpool | None = None) -> None:
         self.lost = 0  # entries since the start
         self._store = store
+        self._spool = spool
+        self._spooled: set[str] = set()  # which of those that wait are in the spool
+        self._complained = False  # that the spool cannot be written
         self._waiting: dict[str, AuditEntry] = {}
         self._logged: set[str] = set()  # which of them
         self._tickets: dict[str, asyncio.Future[None]] = {}  # of answers, by entry id
@@ -54,8 +60,18 @@ class AuditLog:
         self._urgent = asyncio.Event()
         self._tasks = Tasks("writing the audit log")
 
-    def open(self) -> None:
-        """Start to write."""
+    async def open(self) -> None:
+        """Take over what earlier processes left in the spool, and start to write."""
+        if self._spool is not None:
+            try:
+                async for entries in self._spool.read(await self._spool.take_over()):
+                    self._waiting.update((entry.entry_id, entry) for entry in entries)
+            except OSError as error:
+                log.error("the spool of the audit log cannot be read: %s", error)
+        if self._waiting:
+            log.info("%d entries of an earlier process wait for the history", len(self._waiting))
+            self._spooled.update(self._waiting)
+            self._wake.set()
         self._tasks.spawn(self._write_on())
 
     def __len__(self) -> int:
@@ -121,7 +137,12 @@ class AuditLog:
                 with suppress(TimeoutError):
                     async with asyncio.timeout(BATCH_INTERVAL):
                         await self._urgent.wait()
-            pause = 0.0 if await self._flush() else min(max(2 * pause, RETRY_FIRST), RETRY_LAST)
+            if await self._flush():
+                pause = 0.0
+                await self._empty_spool()
+            else:
+                pause = min(max(2 * pause, RETRY_FIRST), RETRY_LAST)
+                await self._save()
 
     async def _flush(self) -> bool:
         """Store all entries; return False if the history does not answer."""
@@ -129,7 +150,9 @@ class AuditLog:
             self._urgent.clear()
             batch = list(islice(self._waiting.values(), BATCH))
             try:
-                rows = await self._store.append(batch)
+                # What no answer waits for needs no disk that goals wait for, too.
+                durable = not self._tickets.keys().isdisjoint(entry.entry_id for entry in batch)
+                rows = await self._store.append(batch, durable=durable)
             except Exception as error:
                 if not isinstance(error, Unavailable):
                     log.exception("while writing the audit log")
@@ -145,6 +168,7 @@ class AuditLog:
         self._log(batch, {row.entry.entry_id: row for row in rows})
         for entry in batch:
             del self._waiting[entry.entry_id]
+            self._spooled.discard(entry.entry_id)
             self._logged.discard(entry.entry_id)
             ticket = self._tickets.get(entry.entry_id)
             if ticket is not None and not ticket.done():
@@ -168,15 +192,49 @@ class AuditLog:
                 log.info("not carried out: %s", _text(row), extra=about)
             self._logged.add(entry.entry_id)
 
+    # ------------------------------------------------------------------ the spool
+
+    async def _save(self) -> None:
+        """Append the entries that are only in memory to the spool."""
+        if self._spool is None:
+            return
+        entries = [entry for key, entry in self._waiting.items() if key not in self._spooled]
+        try:
+            await self._spool.append(entries)
+        except OSError as error:
+            if not self._complained:
+                log.error("the spool of the audit log cannot be written: %s", error)
+            self._complained = True
+            return
+        self._complained = False
+        if self._spool.lost:  # its file was deleted
+            self._spool.lost = False
+            self._spooled.clear()
+        self._spooled.update(entry.entry_id for entry in entries)
+
+    async def _empty_spool(self) -> None:
+        """Remove the spool's files, as the history has all that is in them."""
+        if self._spool is not None and self._spool.count:
+            await self._spool.remove(await self._spool.rotate())
+            log.info("all spooled entries are stored")
+
     async def close(self) -> None:
-        """Store what waits, for one second at most."""
+        """Store what waits, for one second at most; what is left goes to the spool."""
         await self._tasks.close()
         self._end_period()
         with suppress(TimeoutError):
             async with asyncio.timeout(CLOSE_TIMEOUT):
-                await self._flush()
-        if self._waiting:
-            log.error("%d entries are lost: the history does not answer", len(self._waiting))
+                if await self._flush():
+                    await self._empty_spool()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(CLOSE_TIMEOUT):
+                await self._save()
+        lost = len(self._waiting.keys() - self._spooled)
+        if lost:
+            log.error("%d entries are lost: the history does not answer", lost)
+        if self._spool is not None:
+            with suppress(OSError):
+                await self._spool.close()
 
 
 def new_id() -> str:

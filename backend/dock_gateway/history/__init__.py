@@ -24,12 +24,13 @@ from dock_gateway.history.protocol import (
     fingerprint_of,
 )
 from dock_gateway.history.retention import Limits
-from dock_gateway.history.spool import Spool
+from dock_gateway.history.spool import AuditSpool, Spool
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.settings import Settings, data_file
 
 __all__ = [
     "Acknowledgement",
+    "AuditSpool",
     "AuditStore",
     "Beside",
     "Entries",

@@ -45,9 +45,9 @@ class SqlAudit:
         self._reader = reader
         self._writer = writer
 
-    async def append(self, entries: Sequence[AuditEntry]) -> list[AuditRow]:
+    async def append(self, entries: Sequence[AuditEntry], *, durable: bool = True) -> list[AuditRow]:
         """Store entries in their order; return the new rows."""
-        return await self._writer.write(append, entries)
+        return await self._writer.write(append, entries, durable=durable)
 
     async def page(self, wanted: AuditFilter, *, limit: int, before: int | None = None) -> list[AuditRow]:
         """Return rows, newest first. A filter that few of many rows pass takes its time."""
@@ -60,7 +60,7 @@ class MemoryAudit:
     def __init__(self) -> None:
         self._rows: list[AuditRow] = []
 
-    async def append(self, entries: Sequence[AuditEntry]) -> list[AuditRow]:
+    async def append(self, entries: Sequence[AuditEntry], *, durable: bool = True) -> list[AuditRow]:
         """Store entries in their order; return the new rows."""
         added = list(extend(self._rows[-1].link if self._rows else START, entries))
         self._rows = [*self._rows, *added][-MEMORY_ROWS:]

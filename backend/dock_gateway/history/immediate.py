@@ -26,8 +26,10 @@ class ImmediateWriter:
         self._database = database
         self._writer = writer
 
-    async def write(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts) -> T:
+    async def write(self, work: Callable[[sa.Connection, *Ts], T], *args: *Ts, durable: bool = True) -> T:
         """Run a function of a connection in a transaction. What it raises is raised here, and nothing is stored.
+
+        What is not `durable` may be lost in a power cut, never in a crash.
 
         Raises:
             Unavailable: The database does not answer (`history_unavailable`).
@@ -43,7 +45,7 @@ class ImmediateWriter:
 
         try:
             async with asyncio.timeout(WRITE_TIMEOUT):
-                return await self._database.write(write_in_time)
+                return await self._database.write(write_in_time, durable=durable)
         except DATABASE_ERRORS as error:
             self._writer.doubt(error)
             raise Unavailable(AWAY, code="history_unavailable") from error

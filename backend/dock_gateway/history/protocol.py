@@ -175,8 +175,11 @@ class AuditStore(Protocol):
     Both methods raise `Unavailable` (`history_unavailable`) if the database does not answer in time.
     """
 
-    async def append(self, entries: Sequence[AuditEntry]) -> list[AuditRow]:
-        """Store entries in their order; return the new rows. Entries that are stored already are left out."""
+    async def append(self, entries: Sequence[AuditEntry], *, durable: bool = True) -> list[AuditRow]:
+        """Store entries in their order; return the new rows. Entries that are stored already are left out.
+
+        What is not `durable` may be lost in a power cut. That costs less, and new goals wait less for it.
+        """
 
     async def page(self, wanted: AuditFilter, *, limit: int, before: int | None = None) -> list[AuditRow]:
         """Return rows, newest first; with `before`, only rows before that number."""

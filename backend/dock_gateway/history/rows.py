@@ -8,6 +8,7 @@ from typing import Any
 
 import orjson
 
+from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.event import Event
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Verb
 
@@ -173,7 +174,16 @@ def line_of(entry: Goal | Event | Key) -> bytes:
         else ("key", key_row(entry))
     )
     texts = {name: value.decode() if isinstance(value, bytes) else value for name, value in row.items()}
-    body = orjson.dumps({kind: texts})
+    return _checked_line({kind: texts})
+
+
+def audit_line_of(entry: AuditEntry) -> bytes:
+    """Convert an entry of the audit log to a spool line."""
+    return _checked_line(vars(entry))
+
+
+def _checked_line(document: dict[str, Any]) -> bytes:
+    body = orjson.dumps(document)
     return b"%08x %s\n" % (zlib.crc32(body), body)
 
 
@@ -183,10 +193,7 @@ def entry_of(line: bytes) -> Goal | Event | Key:
     Raises:
         ValueError: The line is damaged.
     """
-    checksum, _, body = line.rstrip(b"\n").partition(b" ")
-    if int(checksum, 16) != zlib.crc32(body):
-        raise ValueError("the checksum is wrong")
-    ((kind, row),) = orjson.loads(body).items()
+    ((kind, row),) = _read_checked(line).items()
     try:
         if kind == "goal":
             times = {name: row[name] and datetime.fromisoformat(row[name]) for name in _TIMES}
@@ -197,6 +204,27 @@ def entry_of(line: bytes) -> Goal | Event | Key:
         return Key(**row | {"expires_at": datetime.fromisoformat(row["expires_at"])})
     except (KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"not an entry of this version: {error!r}") from error
+
+
+def audit_entry_of(line: bytes) -> AuditEntry:
+    """Convert a spool line to its entry of the audit log.
+
+    Raises:
+        ValueError: The line is damaged.
+    """
+    fields = _read_checked(line)
+    try:
+        return AuditEntry(**fields | {"at": datetime.fromisoformat(fields["at"])})
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"not an entry of this version: {error!r}") from error
+
+
+def _read_checked(line: bytes) -> dict[str, Any]:
+    checksum, _, body = line.rstrip(b"\n").partition(b" ")
+    if int(checksum, 16) != zlib.crc32(body):
+        raise ValueError("the checksum is wrong")
+    document: dict[str, Any] = orjson.loads(body)
+    return document
 
 
 def _storable(text: str) -> str:

@@ -10,17 +10,19 @@ import logging
 import os
 import time
 import uuid
+from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from itertools import islice
 from pathlib import Path
-from typing import TypeVar
+from typing import Generic, TypeVar
 
+from dock_gateway.core.audit import AuditEntry
 from dock_gateway.core.event import Event
 from dock_gateway.core.goal import Goal
 from dock_gateway.history.files import identity
-from dock_gateway.history.rows import Key, entry_of, line_of
+from dock_gateway.history.rows import Key, audit_entry_of, audit_line_of, entry_of, line_of
 
 log = logging.getLogger(__name__)
 
@@ -28,9 +30,10 @@ APPEND_TIMEOUT = 5.0  # seconds
 
 Entry = Goal | Event | Key
 Result = TypeVar("Result")
+SpooledT = TypeVar("SpooledT")
 
 
-class Spool:
+class Files(ABC, Generic[SpooledT]):
     """The spool in a folder. All file operations run in order on one thread.
 
     Attributes:
@@ -50,12 +53,26 @@ class Spool:
         """The number of entries."""
         return sum(self._counts.values())
 
+    @staticmethod
+    @abstractmethod
+    def line_of(entry: SpooledT) -> bytes:
+        """Convert an entry to a line."""
+
+    @staticmethod
+    @abstractmethod
+    def entry_of(line: bytes) -> SpooledT:
+        """Convert a line to its entry.
+
+        Raises:
+            ValueError: The line is damaged.
+        """
+
     async def _run(self, work: Callable[[], Result]) -> Result:
         return await asyncio.get_running_loop().run_in_executor(self._executor, work)
 
     # ------------------------------------------------------------------ write
 
-    async def append(self, entries: list[Entry]) -> None:
+    async def append(self, entries: list[SpooledT]) -> None:
         """Append entries; on return they are on the disk.
 
         Raises:
@@ -63,7 +80,7 @@ class Spool:
         """
         if not entries:
             return
-        data = b"".join(map(line_of, entries))
+        data = b"".join(map(self.line_of, entries))
         async with asyncio.timeout(APPEND_TIMEOUT):
             path = await self._run(lambda: self._append(data))
         self._counts[path] = self._counts.get(path, 0) + len(entries)
@@ -129,13 +146,13 @@ class Spool:
                     adopted.append(path)
         return adopted
 
-    def _read(self, paths: list[Path]) -> Iterator[Entry]:
+    def _read(self, paths: list[Path]) -> Iterator[SpooledT]:
         for path in paths:
             try:
                 with path.open("rb") as file:
                     for number, line in enumerate(file, 1):
                         try:
-                            entry = entry_of(line)
+                            entry = self.entry_of(line)
                         except ValueError as error:
                             log.error("%s, line %d is damaged and skipped: %s", path, number, error)
                         else:
@@ -152,7 +169,7 @@ class Spool:
 
         return await self._run(rotate)
 
-    async def read(self, paths: list[Path], size: int = 200) -> AsyncIterator[list[Entry]]:
+    async def read(self, paths: list[Path], size: int = 200) -> AsyncIterator[list[SpooledT]]:
         """Yield the entries of these files, `size` at a time."""
         entries = self._read(paths)
         while chunk := await self._run(lambda: list(islice(entries, size))):
@@ -182,6 +199,20 @@ class Spool:
 
         await self._run(close)
         self._executor.shutdown(wait=False)
+
+
+class Spool(Files[Entry]):
+    """The spool of goals, events and keys."""
+
+    line_of = staticmethod(line_of)
+    entry_of = staticmethod(entry_of)
+
+
+class AuditSpool(Files[AuditEntry]):
+    """The spool of entries of the audit log."""
+
+    line_of = staticmethod(audit_line_of)
+    entry_of = staticmethod(audit_entry_of)
 
 
 def _is_at(path: Path, descriptor: int) -> bool:

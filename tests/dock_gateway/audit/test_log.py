@@ -4,6 +4,7 @@ import asyncio
 import logging
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 import orjson
 import pytest
@@ -12,6 +13,7 @@ from dock_gateway.audit import log as module
 from dock_gateway.audit.log import MAX_UNKNOWN, AuditLog
 from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.history import AuditSpool
 from dock_gateway.history.memory import MemoryAudit
 from tests.support.audit import make_entry
 from tests.support.history import timed
@@ -27,12 +29,14 @@ class Store(MemoryAudit):
         self.answering = asyncio.Event()
         self.answering.set()
         self.batches: list[int] = []
+        self.durable: list[bool] = []
 
-    async def append(self, entries: Sequence[AuditEntry]) -> list[AuditRow]:
+    async def append(self, entries: Sequence[AuditEntry], *, durable: bool = True) -> list[AuditRow]:
         await self.answering.wait()
         if self.away:
             raise Unavailable("away", code="history_unavailable")
         self.batches.append(len(entries))
+        self.durable.append(durable)
         return await super().append(entries)
 
     async def stored(self) -> list[AuditEntry]:
@@ -45,9 +49,9 @@ def store() -> Store:
 
 
 @asynccontextmanager
-async def opened(store: Store) -> AsyncIterator[AuditLog]:
-    audit = AuditLog(store)
-    audit.open()
+async def opened(store: Store, folder: Path | None = None) -> AsyncIterator[AuditLog]:
+    audit = AuditLog(store, None if folder is None else AuditSpool(folder))
+    await audit.open()
     try:
         yield audit
     finally:
@@ -73,6 +77,9 @@ async def test_an_answer_goes_out_after_its_entry_is_stored(store: Store) -> Non
         store.answering.set()
         await waiting
         assert await store.stored() == [make_entry(1)]
+        audit.record(make_entry(2))
+        await until(lambda: not len(audit))
+    assert store.durable == [True, False]
 
 
 async def test_it_is_stored_at_once(store: Store, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -109,7 +116,7 @@ async def test_an_error_of_the_store_ends_nothing(
 ) -> None:
     original = store.append
 
-    async def fail(_: Sequence[AuditEntry]) -> list[AuditRow]:
+    async def fail(_: Sequence[AuditEntry], *, durable: bool = True) -> list[AuditRow]:
         raise RuntimeError("a bug")
 
     monkeypatch.setattr(store, "append", fail)
@@ -187,10 +194,50 @@ async def test_closing_stores_what_waits(store: Store) -> None:
 async def test_closing_does_not_wait_for_a_history_that_is_away(store: Store, caplog: pytest.LogCaptureFixture) -> None:
     store.answering.clear()
     audit = AuditLog(store)
-    audit.open()
+    await audit.open()
     audit.record(make_entry(1))
     assert await timed(audit.close()) < PATIENCE
     assert "1 entries are lost" in caplog.text
+
+
+async def test_what_waits_outlasts_the_process(store: Store, tmp_path: Path) -> None:
+    store.away = True
+    async with opened(store, tmp_path) as audit:
+        audit.record(make_entry(1, subject='a "name"\nof two lines'))
+        await until(lambda: list(tmp_path.glob("*.jsonl")))  # while it runs: a kill loses nothing then
+        audit.record(make_entry(2))
+    async with opened(store, tmp_path) as audit:  # the history is still away
+        audit.record(make_entry(3))
+        assert len(audit) == 3
+    store.away = False
+    async with opened(store, tmp_path) as audit:
+        await until(lambda: not len(audit) and not list(tmp_path.iterdir()))
+        await audit.store(make_entry(4))
+    first, *others = await store.stored()
+    assert first == make_entry(1, subject='a "name"\nof two lines')
+    assert others == [make_entry(2), make_entry(3), make_entry(4)]
+
+
+async def test_two_gateways_do_not_take_each_others_entries(store: Store, tmp_path: Path) -> None:
+    store.away = True
+    async with opened(store, tmp_path) as audit:
+        audit.record(make_entry(1))
+        await until(lambda: list(tmp_path.glob("*.jsonl")))
+        async with opened(store, tmp_path) as other:
+            assert len(other) == 0
+
+
+async def test_a_spool_that_cannot_be_written_ends_nothing(
+    store: Store, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    (tmp_path / "file").touch()
+    store.away = True
+    async with opened(store, tmp_path / "file" / "spool") as audit:
+        audit.record(make_entry(1))
+        await until(lambda: "cannot be written" in caplog.text)
+        store.away = False
+        await until(lambda: not len(audit))
+    assert await store.stored() == [make_entry(1)]
 
 
 async def test_each_entry_is_logged_once_with_its_digest(store: Store, caplog: pytest.LogCaptureFixture) -> None:
