@@ -13,6 +13,8 @@ from tests.support.forks import Fork
 from tests.support.waiting import PATIENCE, wait_until
 
 BIN = Path(sys.executable).parent
+# What Fast DDS writes to standard error about its transport through shared memory.
+FAST_DDS = "RTPS_TRANSPORT_SHM"
 
 
 def ros_environment(domain: int, **more: str) -> dict[str, str]:
@@ -74,6 +76,11 @@ class Process:
         """All that was printed so far."""
         with self._changed:
             return "\n".join(self._lines)
+
+    @property
+    def own_lines(self) -> list[str]:
+        """The lines of the program itself. Fast DDS adds its own where a killed process left shared memory behind."""
+        return [line for line in self.output.splitlines() if FAST_DDS not in line]
 
     def wait_for(self, text: str, timeout: float = PATIENCE) -> str:
         """Wait for a line that holds `text` and return it; fail with the whole output otherwise."""

@@ -253,4 +253,4 @@ def test_a_wrong_parameter_is_refused_in_one_line(domain: int, parameter: str, c
     with Process("dock_simulator", "--ros-args", "-p", parameter, env=ros_environment(domain)) as program:
         assert program.wait() == 2
         assert complaint in program.output
-        assert len(program.output.splitlines()) == 1
+        assert len(program.own_lines) == 1

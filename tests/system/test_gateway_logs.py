@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.processes import Process
 
 pytestmark = pytest.mark.ros
 
@@ -24,8 +25,8 @@ def dock(gateway: RunningGateway, request_id: str) -> str:
     return goal_id
 
 
-def parsed(output: str) -> list[dict[str, Any]]:
-    lines = [json.loads(line) for line in output.splitlines()]
+def parsed(process: Process) -> list[dict[str, Any]]:
+    lines = [json.loads(line) for line in process.own_lines]
     assert all({"time", "level", "logger", "message"} <= line.keys() for line in lines)
     return lines
 
@@ -39,7 +40,7 @@ def test_every_line_is_json(domain: int, level: str) -> None:
             socket.next()
         gateway.process.send_signal(signal.SIGTERM)
         gateway.process.wait()
-        lines = parsed(gateway.process.output)
+        lines = parsed(gateway.process)
     about = [line for line in lines if line.get("goal_id") == goal_id]
     assert [line["message"].split(",")[0] for line in about if line["logger"].endswith("goal_machine")] == [
         f"goal {goal_id} on /connect_to_charging_dock",
@@ -75,5 +76,5 @@ def test_lines_for_people(shared_domain: int) -> None:
         line = gateway.process.wait_for(f"goal {goal_id} on ")
     assert line.startswith("[INFO] [20")
     assert line.endswith("goal_machine]: " + f"goal {goal_id} on /connect_to_charging_dock, pending, origin gateway")
-    others = [line for line in gateway.process.output.splitlines() if "[dock_gateway.audit]" not in line]
+    others = [line for line in gateway.process.own_lines if "[dock_gateway.audit]" not in line]
     assert not any("job-17" in line for line in others)  # only records of the audit log name the request
