@@ -120,6 +120,13 @@ describe("permissions", () => {
     session.set(as("operator"));
     expect(whyForbidden("POST /dock")).toBeNull();
     expect(whyForbidden("DELETE /stop")).toBe("Needs the role supervisor; you are operator.");
+    const limited = as("supervisor");
+    if (limited.principal !== null) limited.principal.robots = ["/robot1"];
+    session.set(limited);
+    expect(whyForbidden("DELETE /stop")).toBeNull();
+    expect(whyForbidden("PUT /automation/rules/{rule_id}")).toBe(
+      "This is about every robot, and your access is limited to some.",
+    );
     session.set(OUT);
     expect(whyForbidden("POST /dock")).toBe("Your login has ended. Log in first.");
   });

@@ -90,6 +90,23 @@ def test_lists_have_the_own_robot_only(robots: Robots, goals: dict[str, str]) ->
     assert len(robots.ask(robots.admin, "GET", "/goals")["goals"]) == 2
 
 
+def test_graph_and_rules_have_the_own_robot_only(robots: Robots) -> None:
+    battery = {"below": 0.01, "idle_s": 3600}
+    for name, chosen in (("both", {"names": [ONE, TWO]}), ("other", {"names": [TWO]}), ("all", {"all": True})):
+        body = {"name": name, "mode": "off", "robots": chosen, "battery": battery}
+        robots.ask(robots.admin, "PUT", f"/automation/rules/{name}", body)
+        assert robots.refused(robots.one, "PUT", f"/automation/rules/{name}", body)
+    rules = robots.ask(robots.one, "GET", "/automation/rules")["rules"]
+    assert [rule["name"] for rule in rules] == ["all", "both"]
+    assert [[each["robot"] for each in rule["applies_to"]] for rule in rules] == [[ONE], [ONE]]
+    graph = robots.answer(robots.one, "GET", "/graph")
+    assert f"{ONE}/battery_status" in graph.text
+    assert TWO not in graph.text + str(rules)
+    assert TWO in robots.answer(robots.admin, "GET", "/graph").text
+    for name in ("both", "other", "all"):
+        assert robots.answer(robots.admin, "DELETE", f"/automation/rules/{name}").status_code == 204
+
+
 def test_the_other_robot_is_out_of_reach(robots: Robots, goals: dict[str, str]) -> None:
     other = goals[TWO]
     for method, path in (
@@ -108,7 +125,6 @@ def test_the_other_robot_is_out_of_reach(robots: Robots, goals: dict[str, str]) 
         ("GET", f"/battery/history?robot={TWO}"),
         ("DELETE", f"/stop?robot={TWO}"),
         ("DELETE", "/stop"),
-        ("GET", "/graph"),
         ("GET", "/metrics"),
         ("GET", f"/graph/topics{TWO}/battery_status"),
     ):

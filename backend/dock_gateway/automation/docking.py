@@ -4,7 +4,7 @@ import asyncio
 import logging
 import time
 import uuid
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from datetime import timedelta
 from typing import Any
@@ -17,6 +17,7 @@ from dock_gateway.core.automation import Decision, Mode, Outcome, Rule, Wait
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import GoalStatus
+from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.robot_state import CHARGES, RobotState
@@ -78,14 +79,21 @@ class AutomaticDocking:
 
     # ------------------------------------------------------------------ rules
 
-    async def documents(self) -> list[dict[str, Any]]:
+    async def documents(self, grant: Grant = UNLIMITED) -> list[dict[str, Any]]:
         """Return the rules as `GET /automation/rules` shows them, by name.
+
+        A limited grant gets those that apply to its robots, or name one of them, without the other robots.
 
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
         rules = await self._rules.read()
         states = self._fleet.states()
+        if grant.limited:
+            states = [state for state in states if grant.covers_robot(state.name)]
+            groups = {group for state in states for group in state.label.groups}
+            rules = {key: _narrow(rule, grant, groups) for key, rule in rules.items()}
+            rules = {key: rule for key, rule in rules.items() if rule.robots or _applies(rule, states)}
         return [
             self._document(rule_id, rule, states)
             for rule_id, rule in sorted(rules.items(), key=lambda item: (item[1].name.casefold(), item[0]))
@@ -135,7 +143,7 @@ class AutomaticDocking:
             "applies_to": [
                 {"robot": state.name, "waits_for": self._waits.get((rule_id, state.name), default).value}
                 for state in states
-                if rule.covers(state.name, tuple(state.label.groups))
+                if _applies(rule, [state])
             ],
         }
 
@@ -297,3 +305,17 @@ def _stopped(stop: Mapping[str, Any]) -> str | None:
         return None
     by = f" by {stop['by']}" if stop["by"] else ""
     return f"stopped{by} at {stop['since']:%H:%M:%S} UTC"
+
+
+def _narrow(rule: Rule, grant: Grant, groups: Collection[str]) -> Rule:
+    """Return a rule without the robots beyond a grant, and without groups that have none of its robots."""
+    return replace(
+        rule,
+        robots=tuple(filter(grant.covers_robot, rule.robots)),
+        groups=tuple(group for group in rule.groups if group in groups),
+    )
+
+
+def _applies(rule: Rule, states: Iterable[RobotState]) -> bool:
+    """Return whether a rule applies to any of these robots."""
+    return any(rule.covers(state.name, tuple(state.label.groups)) for state in states)

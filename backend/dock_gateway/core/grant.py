@@ -72,6 +72,10 @@ class Grant:
         covered = self._robots.fullmatch(name) and self._topics.fullmatch(name)
         return bool(covered and (not of_action or self._actions.fullmatch(action)))
 
+    def covers_place(self, name: str) -> bool:
+        """Return whether a node or a service is in the namespace of one of their robots."""
+        return bool(self._robots.fullmatch(name))
+
     def covers_alert(self, robot: str | None) -> bool:
         """Return whether they see an alert of a robot; None: one of the gateway, which everyone sees."""
         return robot is None or self.covers_robot(robot)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from dock_gateway.core.goal import encode
+from dock_gateway.core.grant import Grant
 
 ACTION_PART = "/_action/"
 STATUS = "status"
@@ -167,6 +168,27 @@ def graph_document(seen: Seen) -> dict[str, Any]:
             for name, action in sorted(actions.items())
         ],
     }
+
+
+def narrow_graph(seen: Seen, grant: Grant) -> Seen:
+    """Return what a grant includes of a graph.
+
+    The other nodes that use it are seen only as users of it.
+    """
+
+    def covers(name: str) -> bool:
+        action, of_action, _ = name.partition(ACTION_PART)
+        return grant.covers_action(action) if of_action else grant.covers_topic(name)
+
+    def covers_service(name: str) -> bool:
+        action, of_action, _ = name.partition(ACTION_PART)
+        return grant.covers_action(action) if of_action else grant.covers_place(name)
+
+    return Seen(
+        nodes={name: count for name, count in seen.nodes.items() if grant.covers_place(name)},
+        topics={name: topic for name, topic in seen.topics.items() if covers(name)},
+        services={name: service for name, service in seen.services.items() if covers_service(name)},
+    )
 
 
 def _find_actions(seen: Seen) -> dict[str, _Action]:

@@ -3,11 +3,12 @@
 import asyncio
 import hashlib
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.goal import encode
-from dock_gateway.core.graph import Seen, Topic, graph_document
+from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.graph import Seen, Topic, graph_document, narrow_graph
 from dock_gateway.core.tasks import cancel
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Survey, read_topic
@@ -22,6 +23,7 @@ class View:
 
     body: bytes
     tag: str
+    seen: Seen = field(repr=False, compare=False)
 
 
 class GraphCache:
@@ -36,8 +38,8 @@ class GraphCache:
         self._looking: asyncio.Task[View] | None = None
         self._began = 0.0
 
-    async def graph(self) -> View:
-        """Return the whole graph, at most one second old.
+    async def graph(self, grant: Grant = UNLIMITED) -> View:
+        """Return the graph, at most one second old: all of it, or what a limited grant includes.
 
         Raises:
             Unavailable: `ros_unavailable`, when the ROS thread is down.
@@ -45,7 +47,8 @@ class GraphCache:
         now = time.monotonic()
         if self._looking is None or (self._looking.done() and now - self._began >= INTERVAL):
             self._looking, self._began = asyncio.create_task(self._look()), now
-        return await asyncio.shield(self._looking)  # shared with other requests
+        view = await asyncio.shield(self._looking)  # shared with other requests
+        return await asyncio.to_thread(_view, narrow_graph(view.seen, grant)) if grant.limited else view
 
     async def topic(self, name: str) -> Topic:
         """Return the current state of one topic.
@@ -73,4 +76,4 @@ class GraphCache:
 
 def _view(seen: Seen) -> View:
     body = encode(graph_document(seen))
-    return View(body, f'"{hashlib.sha256(body).hexdigest()[:32]}"')
+    return View(body, f'"{hashlib.sha256(body).hexdigest()[:32]}"', seen)

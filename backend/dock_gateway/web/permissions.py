@@ -140,6 +140,8 @@ SCOPES: dict[str, Scope] = {
     "list_robots": Scope.LISTED,
     "list_alerts": Scope.LISTED,
     "list_decisions": Scope.LISTED,
+    "list_rules": Scope.LISTED,
+    "get_graph": Scope.LISTED,
     # Robots
     "get_stop": Scope.ROBOT,
     "release_stop": Scope.ROBOT,
@@ -186,10 +188,8 @@ SCOPES: dict[str, Scope] = {
     "echo_topic": Scope.TOPIC,
     "get_topic": Scope.TOPIC,
     # The rest of the API is about every robot.
-    "get_graph": Scope.EVERY,
     "metrics": Scope.EVERY,
     "label_robot": Scope.EVERY,
-    "list_rules": Scope.EVERY,
     "replace_rule": Scope.EVERY,
     "remove_rule": Scope.EVERY,
     "list_webhooks": Scope.EVERY,

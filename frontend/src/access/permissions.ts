@@ -24,6 +24,13 @@ export const NEEDED = {
   "GET /audit": "admin",
 } as const satisfies Record<string, Role>;
 
+/** Those that are about every robot: whose access is limited to some may not send them. */
+const ABOUT_EVERY_ROBOT: ReadonlySet<string> = new Set([
+  "PUT /robots/label",
+  "PUT /automation/rules/{rule_id}",
+  "GET /webhooks",
+]);
+
 /** A request that a command of the page sends. */
 export type Command = keyof typeof NEEDED;
 
@@ -32,9 +39,12 @@ export function whyForbidden(command: Command): string | null {
   const { principal } = session.state;
   if (principal === null) return "Your login has ended. Log in first.";
   const role = NEEDED[command];
-  return ROLES.indexOf(principal.role) >= ROLES.indexOf(role)
-    ? null
-    : `Needs the role ${role}; you are ${principal.role}.`;
+  if (ROLES.indexOf(principal.role) < ROLES.indexOf(role))
+    return `Needs the role ${role}; you are ${principal.role}.`;
+  const limited = principal.robots.length + principal.actions.length > 0;
+  return limited && ABOUT_EVERY_ROBOT.has(command)
+    ? "This is about every robot, and your access is limited to some."
+    : null;
 }
 
 /** As `whyForbidden`; renders anew when somebody else has logged in. */

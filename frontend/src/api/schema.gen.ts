@@ -640,7 +640,7 @@ export interface paths {
         };
         /**
          * Get Graph
-         * @description Return the whole graph, at most one second old. With `If-None-Match`, return 304 if it has not changed.
+         * @description Return the graph, at most one second old. With `If-None-Match`, return 304 if it has not changed.
          */
         get: operations["get_graph"];
         put?: never;
@@ -3474,8 +3474,8 @@ export interface components {
          * Session
          * @description Whether requests need a login, and who makes this one; null if its login is missing or not valid.
          *
-         *     `open_to` is who may do everything without a login: the programs of the gateway's machine, or everyone on the network;
-         *     null where requests need one.
+         *     `open_to` is who may do everything without a login: the programs of the gateway's machine, or everyone on the
+         *     network; null where requests need one.
          */
         Session: {
             /** Required */

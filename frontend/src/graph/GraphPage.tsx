@@ -29,7 +29,6 @@ export default function GraphPage() {
   const [view, change] = useView();
   const narrow = useMediaQuery("(max-width: 48em)", false, { getInitialValueInEffect: false });
   const { data: graph, error, refetch } = useGraph();
-  const refused = graph === undefined && error?.code === "not_covered";
   const form = view.form ?? (narrow ? "list" : "picture");
   usePageTitle(view.selected === null ? "Graph" : `${baseName(view.selected.name)} · Graph`);
 
@@ -49,8 +48,8 @@ export default function GraphPage() {
       {graph === undefined && error !== null && (
         <CommandErrorAlert command="Reading the graph" error={error} onClose={() => void refetch()} />
       )}
-      {!refused && <GraphFilters graph={graph} form={form} view={view} change={change} />}
-      {refused ? null : graph === undefined ? (
+      <GraphFilters graph={graph} form={form} view={view} change={change} />
+      {graph === undefined ? (
         <div className={classes.columns} aria-busy="true">
           <Skeleton className={classes.picture} />
           <Skeleton className={classes.picture} visibleFrom="lg" />

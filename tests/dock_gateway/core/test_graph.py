@@ -7,7 +7,8 @@ import pytest
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from dock_gateway.core.goal import encode
-from dock_gateway.core.graph import Endpoint, Quality, Seen, Service, Topic, graph_document, is_noise
+from dock_gateway.core.grant import Grant, Role
+from dock_gateway.core.graph import Endpoint, Quality, Seen, Service, Topic, graph_document, is_noise, narrow_graph
 from dock_gateway.ros.graph import scan
 from dock_gateway.web.routes.graph import is_known
 
@@ -176,3 +177,44 @@ def test_odd_names_keep_nothing_from_being_found() -> None:
     assert list(found.actions) == ["/a__b", "/fibonacci"] or list(found.actions) == ["/fibonacci"]
     assert "/fibonacci/battery_status" in found.topics
     assert not [name for name in found.topics if " " in name or "//" in name]
+
+
+def of(robot: str) -> tuple[list[Topic], list[Service], str]:
+    """A robot with a node, a topic that the gateway reads, a service and an action."""
+    node, kind = f"{robot}/driver", "sensor_msgs/msg/BatteryState"
+    topics = [
+        Topic(f"{robot}/battery_status", [at(node, kind)], [at("/gateway", kind)]),
+        Topic(f"{robot}/fibonacci/_action/feedback", [at(node, f"{FIBONACCI}_FeedbackMessage")], []),
+    ]
+    services = [
+        Service(f"{robot}/driver/get_parameters", ["rcl_interfaces/srv/GetParameters"], {node}),
+        Service(f"{robot}/fibonacci/_action/send_goal", [f"{FIBONACCI}_SendGoal"], {node}),
+    ]
+    return topics, services, node.lstrip("/")
+
+
+@pytest.mark.parametrize("limits", [{"robots": ("/robot1",)}, {"robots": ("/robot1",), "topics": ("*/odom",)}])
+def test_a_limited_grant_has_its_own_part(limits: dict[str, Any]) -> None:
+    parts = [of("/robot1"), of("/robot10"), of("")]
+    topics, services = ([thing for part in parts for thing in part[index]] for index in (0, 1))
+    nodes = dict.fromkeys([*(name for _, _, name in parts), "gateway"], 1)
+    graph = seen(*topics, services=tuple(services), **nodes)  # type: ignore[arg-type]
+    document = graph_document(narrow_graph(graph, Grant(Role.VIEWER, **limits)))
+    assert [action["name"] for action in document["actions"]] == ["/robot1/fibonacci"]
+    assert [service["name"] for service in document["services"]] == ["/robot1/driver/get_parameters"]
+    if "topics" in limits:
+        assert document["topics"] == []
+        assert [node["name"] for node in document["nodes"]] == ["/robot1/driver"]
+    else:
+        assert [topic["name"] for topic in document["topics"]] == ["/robot1/battery_status"]
+        assert [node["name"] for node in document["nodes"]] == ["/gateway", "/robot1/driver"]
+        assert document["nodes"][0]["subscribers"] == ["/robot1/battery_status"]
+    assert b"/robot10" not in encode(document)
+
+
+def test_without_an_action_its_parts_are_left_out() -> None:
+    topics, services, _ = of("/robot1")
+    grant = Grant(Role.VIEWER, actions=("*/dock",))
+    document = graph_document(narrow_graph(seen(*topics, services=tuple(services)), grant))
+    assert document["actions"] == []
+    assert [topic["name"] for topic in document["topics"]] == ["/robot1/battery_status"]

@@ -104,9 +104,9 @@ GoalIdQuery = Annotated[
 
 
 @router.get("/rules", response_model=RuleList, responses=problems(422, 503), dependencies=[NO_QUERY])
-async def list_rules(gateway: TheGateway) -> Response:
+async def list_rules(gateway: TheGateway, grant: TheGrant) -> Response:
     """List the rules by name, each with the robots that it applies to and what it waits for."""
-    return json_response({"rules": await gateway.automation.documents()})
+    return json_response({"rules": await gateway.automation.documents(grant)})
 
 
 @router.put(

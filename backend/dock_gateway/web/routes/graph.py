@@ -3,6 +3,7 @@
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
+from dock_gateway.web.access import TheGrant
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import GraphName, TheGateway, json_response, known_query
 from dock_gateway.web.schemas.graph import Graph, GraphTopic
@@ -11,9 +12,9 @@ router = APIRouter(tags=["Graph"], prefix="/graph", dependencies=[Depends(known_
 
 
 @router.get("", response_model=Graph, responses={304: {"description": "As in `If-None-Match`"}, **problems(422, 503)})
-async def get_graph(request: Request, gateway: TheGateway) -> Response:
-    """Return the whole graph, at most one second old. With `If-None-Match`, return 304 if it has not changed."""
-    view = await gateway.graph.graph()
+async def get_graph(request: Request, gateway: TheGateway, grant: TheGrant) -> Response:
+    """Return the graph, at most one second old. With `If-None-Match`, return 304 if it has not changed."""
+    view = await gateway.graph.graph(grant)
     headers = {"ETag": view.tag, "Cache-Control": "no-cache"}
     if is_known(request.headers.get("if-none-match"), view.tag):
         return Response(status_code=304, headers=headers)
