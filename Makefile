@@ -68,7 +68,8 @@ $(BENCH)/installed: benchmarks/install benchmarks/requirements.txt benchmarks/pe
 	@benchmarks/install $(BENCH)
 	@touch $@
 
-format: setup ## format Python and TypeScript
+format: setup ## format Python and TypeScript, and write the tables of parameters in docs/docking.md
+	$(BIN)/python -m scripts.docking_tables
 	$(BIN)/ruff check --fix --quiet . || true
 	$(BIN)/ruff format --quiet .
 	. scripts/node-env && cd frontend && npx --no-install biome check --write src tests

@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from benchmarks.docking.trial import Trial
-from docking.goal.limiter import MotionLimits
+from docking.parameters import MotionLimits
 
 
 def table(trials: Mapping[str, Sequence[Trial]], limits: MotionLimits) -> str:

@@ -6,10 +6,8 @@ from random import Random
 
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, Velocity
-from docking.goal.admission import GoalPolicy
 from docking.goal.engine import Command, DockGoal, End, Outcome
-from docking.goal.limiter import MotionLimits
-from docking.parameters import ControllerName, DockSettings
+from docking.parameters import ControllerName, DockSettings, MotionLimits
 from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED
 from docking.simulation.marker import MarkerSettings
@@ -91,7 +89,7 @@ class Trial:
 
 def settings_of(controller: ControllerName) -> DockSettings:
     """The defaults, with a controller."""
-    return DockSettings(GoalPolicy.REJECT, controller=controller)
+    return DockSettings(controller=controller)
 
 
 def simulation_of(controller: ControllerName, seed: int) -> Simulation:
@@ -103,7 +101,7 @@ def simulation_of(controller: ControllerName, seed: int) -> Simulation:
 def run_trial(controller: ControllerName, seed: int) -> Trial:
     """Dock once."""
     simulation, settings = simulation_of(controller, seed), settings_of(controller)
-    goal = DockGoal(make_plan(settings), settings.limits, simulation.time)
+    goal = DockGoal(make_plan(settings), settings.timeouts, simulation.time)
     speeds, period = _Speeds(), settings.control_period
     trail = [(simulation.robot.x, simulation.robot.y)]
     step: Command | Outcome = goal.step(simulation.observe())

@@ -161,6 +161,7 @@ def test_names_namespaces_and_parameters_come_from_the_command_line(domain: int,
         (("-p", "robot_radius:=0.0"), "robot_radius out of range"),
         (("-p", "controller:=magic"), "must be one of: rotate, dock_pose, infrared"),
         (("-p", "battery_stale_after:=90.0"), "must not be below battery_stale_after"),
+        (("-p", "controller:=dock_pose", "-p", "retry_timeout:=2.0"), "backwards at 0.156 m/s"),
         (("--no-such-argument",), "wrong ROS arguments"),
     ],
 )

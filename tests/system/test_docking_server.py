@@ -10,8 +10,9 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState
 
 from docking.core.observation import Observation, Velocity
+from docking.core.parameter import parameters_of
 from docking.goal.plan import Solo
-from docking.parameters import DOCK_SERVER
+from docking.parameters import DockSettings
 from docking.ros.action_server import RESULT_TIMEOUT
 from tests.support.docking import (
     ABORTED,
@@ -276,7 +277,8 @@ def test_the_report_is_repeated_while_nothing_happens(domain: int, observer: Obs
 
 
 def test_parameters_are_described_and_guarded(domain: int, observer: Observer) -> None:
-    names = [parameter.name for parameter in DOCK_SERVER]
+    parameters = list(parameters_of(DockSettings))
+    names = [parameter.name for parameter in parameters]
     with dock_server(domain) as server:
         client = observer.call(
             lambda: observer.node.create_client(
@@ -286,8 +288,8 @@ def test_parameters_are_described_and_guarded(domain: int, observer: Observer) -
         wait_until(client.service_is_ready, "the parameter service")
         asked = observer.call(lambda: client.call_async(DescribeParameters.Request(names=names)))
         descriptors = observer.result_of(asked, "the descriptors").descriptors
-        for parameter, descriptor in zip(DOCK_SERVER, descriptors, strict=True):
-            assert descriptor.description == parameter.description
+        for parameter, descriptor in zip(parameters, descriptors, strict=True):
+            assert descriptor.description == parameter.text
             if descriptor.type == ParameterType.PARAMETER_DOUBLE:
                 assert descriptor.floating_point_range[0].to_value == parameter.maximum
         refused = {

@@ -8,8 +8,8 @@ from docking.core.errors import DockingError, FailedToControl
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.goal.behavior import Done, Failed, Step
-from docking.goal.limiter import MotionLimits
 from docking.goal.plan import Aim
+from docking.parameters import MotionLimits
 
 PROJECTION = 0.25
 """How far beyond the dock the way leads, in m, as with nav2: the law explodes where its target is."""

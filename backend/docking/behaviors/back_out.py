@@ -5,10 +5,8 @@ import math
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Done
-from docking.goal.limiter import MotionLimits
+from docking.parameters import MotionLimits
 
-SPEED = 0.6
-"""The part of the highest speed that the robot backs with: it does not see where it goes."""
 STEERING = 2.0
 """How hard it holds its direction, in 1/s."""
 
@@ -39,7 +37,7 @@ class BackOut:
         if left <= 0.005:
             return Done()
         motion = self._motion
-        speed = min(SPEED * motion.v_linear_max, math.sqrt(motion.a_linear_max * left), 2.0 * left + 0.01)
+        speed = min(motion.v_linear_back, math.sqrt(motion.a_linear_max * left), 2.0 * left + 0.01)
         # To the left of the line, a robot that drives backwards gets back to it when it is turned to the left.
         turn = STEERING * (math.atan(2.0 * moved.y) - normalize_angle(moved.theta))
         return Velocity(-speed, turn)

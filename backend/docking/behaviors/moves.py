@@ -5,7 +5,7 @@ import math
 from docking.behaviors.smooth import Gains, steer
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import Velocity
-from docking.goal.limiter import MotionLimits
+from docking.parameters import MotionLimits
 
 RESERVE = 0.6
 """The part of the highest deceleration that is planned with."""

@@ -5,7 +5,7 @@ import math
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.estimation.beacon_filter import BeaconFilter
 from docking.goal.behavior import Done
-from docking.goal.limiter import MotionLimits
+from docking.parameters import MotionLimits
 
 BEYOND = math.radians(3.0)
 """How far beyond the edge of the centre receiver's view to turn, in rad."""

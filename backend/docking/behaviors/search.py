@@ -7,7 +7,7 @@ from docking.behaviors.moves import turn
 from docking.core.geometry import normalize_angle
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Done
-from docking.goal.limiter import MotionLimits
+from docking.parameters import MotionLimits
 
 FIRST = math.radians(100.0)
 """How far to turn to the left, before it is tried to the right, on and on."""

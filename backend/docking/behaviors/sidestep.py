@@ -8,7 +8,7 @@ from docking.core.geometry import normalize_angle
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.estimation.beacon_filter import BeaconFilter
 from docking.goal.behavior import Done, Failed, Step
-from docking.goal.limiter import MotionLimits
+from docking.parameters import MotionLimits
 
 NEAREST = 0.35
 """From the receivers to the beacon, in m, where forwards becomes backwards."""

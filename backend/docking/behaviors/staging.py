@@ -3,12 +3,11 @@
 import math
 
 from docking.behaviors.moves import drive_to, turn
-from docking.core.dock import Dock
 from docking.core.geometry import normalize_angle
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Done
-from docking.goal.limiter import MotionLimits
 from docking.goal.plan import Aim
+from docking.parameters import Dock, MotionLimits
 
 REACHED = 0.03
 """How near the robot must get to its staging pose, in m, before it turns to the dock."""

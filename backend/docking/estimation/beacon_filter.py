@@ -1,10 +1,10 @@
 """Where the infrared beacon is and which way it shines, out of what three receivers see."""
 
 import math
-from dataclasses import dataclass
 
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import InfraredReading, Observation
+from docking.parameters import Receivers
 
 RANGE_GAIN = 0.2
 """How much of a difference in distance is believed at once: the readings are noisy."""
@@ -14,49 +14,6 @@ FARTHEST = 10.0
 """In m; no beacon is seen from farther away."""
 FRESH = 0.3
 """How old a reading may be, in s."""
-
-
-@dataclass(frozen=True, slots=True)
-class Receivers:
-    """How the receivers are mounted and what the beacon is like.
-
-    Attributes:
-        infrared_receiver_x: Where all three are, in base_link, in m.
-        infrared_receiver_angle: How far the left and the right one are turned away from straight ahead, in rad.
-        infrared_field_of_view: Of each, from edge to edge, in rad.
-        infrared_beacon_angle: How far to each side the beacon shines, in rad from the dock's axis.
-    """
-
-    infrared_receiver_x: float = 0.15
-    infrared_receiver_angle: float = 0.349
-    infrared_field_of_view: float = 0.5
-    infrared_beacon_angle: float = 1.047
-
-    def sector(self, reading: InfraredReading) -> tuple[float, float] | None:
-        """Between which bearings the beacon is, in rad to the left of straight ahead; None where it is not seen."""
-        half, angle = 0.5 * self.infrared_field_of_view, self.infrared_receiver_angle
-        lowest, highest = -math.pi, math.pi
-        for distance, direction in ((reading.left, angle), (reading.center, 0.0), (reading.right, -angle)):
-            if _sees(distance):
-                lowest, highest = max(lowest, direction - half), min(highest, direction + half)
-        if lowest == -math.pi or lowest > highest:
-            return None
-        # Where one sees it and its neighbour does not, the neighbour's view ends there.
-        if not _sees(reading.center):
-            if _sees(reading.left):
-                lowest = max(lowest, half)
-            else:
-                highest = min(highest, -half)
-        else:
-            if not _sees(reading.left):
-                highest = min(highest, angle - half)
-            if not _sees(reading.right):
-                lowest = max(lowest, half - angle)
-        return lowest, highest
-
-    def position(self, robot: Pose) -> Pose:
-        """Where they are, in the frame of the robot's pose."""
-        return robot.compose(Pose(self.infrared_receiver_x))
 
 
 class BeaconFilter:
@@ -116,7 +73,7 @@ class BeaconFilter:
         if not (reading.stamp > self.heard_at and abs(observation.now - reading.stamp) <= FRESH):
             return
         self.heard_at = reading.stamp
-        sector = self.receivers.sector(reading)
+        sector = find_sector(reading, self.receivers)
         if sector is None:
             self.dark += 1
             return
@@ -137,6 +94,29 @@ class BeaconFilter:
             distance = known + RANGE_GAIN * (distance - known)
         ahead = receivers.compose(Pose(distance * math.cos(bearing), distance * math.sin(bearing)))
         self.position = Pose(ahead.x, ahead.y)
+
+
+def find_sector(reading: InfraredReading, receivers: Receivers) -> tuple[float, float] | None:
+    """Between which bearings the beacon is, in rad to the left of straight ahead; None where it is not seen."""
+    half, angle = 0.5 * receivers.infrared_field_of_view, receivers.infrared_receiver_angle
+    lowest, highest = -math.pi, math.pi
+    for distance, direction in ((reading.left, angle), (reading.center, 0.0), (reading.right, -angle)):
+        if _sees(distance):
+            lowest, highest = max(lowest, direction - half), min(highest, direction + half)
+    if lowest == -math.pi or lowest > highest:
+        return None
+    # Where one sees it and its neighbour does not, the neighbour's view ends there.
+    if not _sees(reading.center):
+        if _sees(reading.left):
+            lowest = max(lowest, half)
+        else:
+            highest = min(highest, -half)
+    else:
+        if not _sees(reading.left):
+            highest = min(highest, angle - half)
+        if not _sees(reading.right):
+            lowest = max(lowest, half - angle)
+    return lowest, highest
 
 
 def _sees(distance: float) -> bool:

@@ -1,10 +1,10 @@
 """Which goals are let in."""
 
-import enum
 from dataclasses import dataclass
 
 from docking.core.battery import PowerSupplyStatus, describe_status
 from docking.core.errors import ErrorCode
+from docking.parameters import GoalPolicy
 
 
 @dataclass(frozen=True)
@@ -28,13 +28,6 @@ UNDOCKING = Purpose(
     (PowerSupplyStatus.DISCHARGING, PowerSupplyStatus.NOT_CHARGING, PowerSupplyStatus.UNKNOWN),
     "undocking only accepts 2 (DISCHARGING) or 3 (NOT_CHARGING); 0 (not set) means either",
 )
-
-
-class GoalPolicy(enum.StrEnum):
-    """What happens to a goal that comes while another one runs."""
-
-    REJECT = "reject"
-    PREEMPT = "preempt"
 
 
 @dataclass(frozen=True)

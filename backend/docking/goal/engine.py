@@ -20,39 +20,7 @@ from docking.goal.behavior import Behavior, Done, Failed
 from docking.goal.limiter import Limiter
 from docking.goal.motion_watch import MotionWatch
 from docking.goal.plan import Plan
-
-
-@dataclass(frozen=True)
-class Limits:
-    """How long a goal bears what, in seconds, and how often it tries.
-
-    Attributes:
-        battery_stale_after: Silence of the battery that stops the wheels.
-        battery_lost_after: Silence of the battery that aborts the goal.
-        goal_timeout: The longest that a goal may take; 0 is for ever.
-        initial_perception_timeout: The longest that INITIAL_PERCEPTION may take.
-        staging_timeout: The longest that NAV_TO_STAGING_POSE may take.
-        dock_approach_timeout: The longest that CONTROLLING may take, where there are other stages.
-        wait_charge_timeout: The longest that WAIT_FOR_CHARGE may take.
-        retry_timeout: The longest that RETRY may take.
-        undocking_timeout: The longest that UNDOCKING may take, until the battery no longer charges.
-        odometry_timeout: Silence of odometry that aborts a goal that needs it.
-        blocked_after: How long the robot may not move although it was told to.
-        max_retries: How often to back off and try again.
-    """
-
-    battery_stale_after: float = 2.0
-    battery_lost_after: float = 60.0
-    goal_timeout: float = 0.0
-    initial_perception_timeout: float = 20.0
-    staging_timeout: float = 60.0
-    dock_approach_timeout: float = 30.0
-    wait_charge_timeout: float = 5.0
-    retry_timeout: float = 30.0
-    undocking_timeout: float = 20.0
-    odometry_timeout: float = 1.0
-    blocked_after: float = 2.0
-    max_retries: int = 3
+from docking.parameters import DockTimeouts, Timeouts
 
 
 @dataclass(frozen=True)
@@ -120,16 +88,16 @@ class Goal:
         retries: How often it has begun anew.
     """
 
-    def __init__(self, limits: Limits, started_at: float) -> None:
+    def __init__(self, timeouts: Timeouts, started_at: float) -> None:
         """Start the goal.
 
         Args:
-            limits: Its deadlines.
+            timeouts: Its time limits.
             started_at: Seconds of the monotonic clock.
         """
         self.outcome: Outcome | None = None
         self.retries = 0
-        self._limits = limits
+        self._timeouts = timeouts
         self._started_at = started_at
         self._stepped_at = started_at
 
@@ -146,12 +114,12 @@ class Goal:
             return self.outcome
         now, battery = observation.now, observation.battery
         dt, self._stepped_at = max(0.0, now - self._stepped_at), now
-        fresh = battery is not None and battery.age(now) <= self._limits.battery_stale_after
+        fresh = battery is not None and battery.age(now) <= self._timeouts.battery_stale_after
         if battery is not None and fresh and self._is_reached(battery):
             return self._finish(Outcome(End.SUCCEEDED, retries=self.retries))
-        if 0.0 < self._limits.goal_timeout <= now - self._started_at:
+        if 0.0 < self._timeouts.goal_timeout <= now - self._started_at:
             return self.abort(
-                ErrorCode.TIMEOUT, f"the goal was not reached within {self._limits.goal_timeout:g} s (goal_timeout)"
+                ErrorCode.TIMEOUT, f"the goal was not reached within {self._timeouts.goal_timeout:g} s (goal_timeout)"
             )
         return self._go_on(observation, dt) if fresh else self._wait(now, battery)
 
@@ -169,15 +137,15 @@ class Goal:
 
     def _wait(self, now: float, battery: BatteryReading | None) -> Command | Outcome:
         heard_at = self._started_at if battery is None else max(self._started_at, battery.received_at)
-        if now - heard_at > self._limits.battery_lost_after:
+        if now - heard_at > self._timeouts.battery_lost_after:
             return self.abort(
                 ErrorCode.BATTERY_LOST,
-                f"no battery message for {self._limits.battery_lost_after:g} s (battery_lost_after)",
+                f"no battery message for {self._timeouts.battery_lost_after:g} s (battery_lost_after)",
             )
         message = (
             "no battery message received yet: the robot waits"
             if battery is None
-            else f"no battery message for over {self._limits.battery_stale_after:g} s: the robot waits"
+            else f"no battery message for over {self._timeouts.battery_stale_after:g} s: the robot waits"
         )
         return Command(Stage.WAIT_FOR_BATTERY, self._rest(), ErrorCode.BATTERY_STALE, message, retries=self.retries)
 
@@ -202,27 +170,28 @@ DEADLINES: dict[Stage, tuple[str, type[DockingError], str]] = {
     Stage.WAIT_FOR_CHARGE: ("wait_charge_timeout", FailedToCharge, "the battery on the dock did not charge"),
     Stage.RETRY: ("retry_timeout", FailedToControl, "the robot did not back off"),
 }
-"""Which of the limits a stage has, and what has happened when it is over."""
+"""Which time limit a stage has, and what has happened when it is over."""
 
 
 class DockGoal(Goal):
     """A goal to dock: succeeds as soon as the charger is connected, at any stage."""
 
-    def __init__(self, plan: Plan, limits: Limits, started_at: float) -> None:
+    def __init__(self, plan: Plan, timeouts: DockTimeouts, started_at: float) -> None:
         """Start the goal.
 
         Args:
             plan: The stages and what moves the robot at each, while the battery is not charging.
-            limits: Its deadlines.
+            timeouts: Its time limits.
             started_at: Seconds of the monotonic clock.
         """
-        super().__init__(limits, started_at)
+        super().__init__(timeouts, started_at)
+        self._limits = timeouts
         self._plan = plan
         self._limiter: Limiter | None = None
         self._watch: MotionWatch | None = None
         if plan.motion is not None:
             self._limiter = Limiter(plan.motion)
-            self._watch = MotionWatch(limits.odometry_timeout, limits.blocked_after, started_at)
+            self._watch = MotionWatch(timeouts.odometry_timeout, timeouts.blocked_after, started_at)
         self._failure: DockingError | None = None  # what the running retry is about
         self._stage = plan.stages[0]
         self._stage_time = 0.0

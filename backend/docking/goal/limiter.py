@@ -1,28 +1,7 @@
 """Limits of velocity and acceleration, kept in one place."""
 
-from dataclasses import dataclass
-
 from docking.core.observation import STANDSTILL, Velocity
-
-
-@dataclass(frozen=True, slots=True)
-class MotionLimits:
-    """What the robot may do.
-
-    Attributes:
-        v_linear_max: Forward and backward, in m/s.
-        v_linear_min: The slowest on the way, for the last piece before contact, in m/s.
-        v_angular_max: Both ways, in rad/s.
-        a_linear_max: Faster and slower, in m/s².
-        a_angular_max: The same for turning, in rad/s².
-    """
-
-    v_linear_max: float = 0.26
-    v_linear_min: float = 0.04
-    v_angular_max: float = 1.0
-    a_linear_max: float = 0.5
-    a_angular_max: float = 2.0
-
+from docking.parameters import MotionLimits
 
 LONGEST_STEP = 0.2
 """In s; after a longer pause the robot does not change its velocity by more than in this time."""

@@ -7,7 +7,7 @@ from docking.core.errors import DockingError, FailedToDetectDock, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.goal.behavior import Behavior
-from docking.goal.limiter import MotionLimits
+from docking.parameters import MotionLimits
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,10 +10,10 @@ from rclpy.context import Context
 from action_tutorials_interfaces.action import ConnectToChargingDock
 from docking.core.battery import Battery
 from docking.core.errors import Stage
-from docking.goal.admission import DOCKING, GoalPolicy
+from docking.goal.admission import DOCKING
 from docking.goal.engine import Command, DockGoal
 from docking.goal.plan import Plan
-from docking.parameters import DOCK_SERVER, ControllerName, DockSettings, dock_settings
+from docking.parameters import ControllerName, DockSettings, GoalPolicy
 from docking.plans.registry import make_plan
 from docking.ros.active_goal import ActiveGoal
 from docking.ros.footprint import FootprintPublisher
@@ -36,7 +36,7 @@ class DockServer(GoalServer):
     action_type = ConnectToChargingDock
     action_name = "connect_to_charging_dock"
     purpose = DOCKING
-    parameters = DOCK_SERVER
+    settings_type = DockSettings
 
     def __init__(
         self,
@@ -67,8 +67,8 @@ class DockServer(GoalServer):
         )
         battery.on_connected = self.control  # at once, not at the next turn of the timer
 
-    def _take_settings(self, values: dict[str, object]) -> None:
-        self._settings = dock_settings(values)
+    def _take_settings(self, settings: DockSettings) -> None:
+        self._settings = settings
 
     @property
     def _goal_policy(self) -> GoalPolicy:
@@ -85,12 +85,12 @@ class DockServer(GoalServer):
 
     def _equip(self) -> None:
         super()._equip()
-        self._footprint.publish(self._settings.footprint)
+        self._footprint.publish(self._settings.outline)
         if self._running is None:
             self._poses.switch(on=Sensor.MARKER in self._needs)
 
     def _make_goal(self) -> DockGoal:
-        return DockGoal(self._make_plan(self._settings), self._settings.limits, time.monotonic())
+        return DockGoal(self._make_plan(self._settings), self._settings.timeouts, time.monotonic())
 
     def _tell_progress(self, command: Command) -> None:
         if command.stage is Stage.CONTROLLING:

@@ -40,7 +40,7 @@ from docking.ros.simulator_messages import (
 )
 from docking.simulation.battery_yield import BatteryYield
 from docking.simulation.faults import Fault
-from docking.simulation.parameters import DOCK_SIMULATOR, simulator_settings
+from docking.simulation.parameters import SimulatorSettings
 from docking.simulation.simulation import Simulation
 from docking.simulation.status import Status, status_of
 
@@ -69,7 +69,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             rclpy.exceptions.ParameterException: A parameter is wrong.
         """
         super().__init__("dock_simulator", context=context, **options)
-        declare_parameters(self, DOCK_SIMULATOR, self._take_settings)
+        declare_parameters(self, SimulatorSettings, self._take_settings)
         self._simulation = Simulation(self._settings.settings, self._settings.seed)
         self._courtesy = BatteryYield()
         self._ticks = 0
@@ -85,8 +85,8 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._timer = self.create_timer(PERIOD, self._tick, clock=steady)
         self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._report, clock=steady)
 
-    def _take_settings(self, values: dict[str, object]) -> None:
-        self._settings = simulator_settings(values)
+    def _take_settings(self, settings: SimulatorSettings) -> None:
+        self._settings = settings
 
     def _make_publishers(self) -> None:
         def publisher(message_type: type, topic: str, qos: QoSProfile | int = 10) -> Any:

@@ -7,9 +7,9 @@ from rclpy.context import Context
 
 from action_tutorials_interfaces.action import DisconnectFromChargingDock
 from docking.core.battery import Battery
-from docking.goal.admission import UNDOCKING, GoalPolicy
+from docking.goal.admission import UNDOCKING
 from docking.goal.engine import Command
-from docking.parameters import UNDOCK_SERVER, undock_settings
+from docking.parameters import GoalPolicy, UndockSettings
 from docking.plans.undock import UndockGoal
 from docking.ros.active_goal import ActiveGoal
 from docking.ros.goal_server import GoalServer
@@ -22,7 +22,7 @@ class UndockServer(GoalServer):
     action_type = DisconnectFromChargingDock
     action_name = "disconnect_from_charging_dock"
     purpose = UNDOCKING
-    parameters = UNDOCK_SERVER
+    settings_type = UndockSettings
 
     def __init__(
         self, battery: Battery, *, active_goal: ActiveGoal | None = None, context: Context | None = None, **options: Any
@@ -42,8 +42,8 @@ class UndockServer(GoalServer):
             "disconnect_from_charging_dock_action_server", battery, active_goal=active_goal, context=context, **options
         )
 
-    def _take_settings(self, values: dict[str, object]) -> None:
-        self._settings = undock_settings(values)
+    def _take_settings(self, settings: UndockSettings) -> None:
+        self._settings = settings
 
     @property
     def _goal_policy(self) -> GoalPolicy:
@@ -59,7 +59,7 @@ class UndockServer(GoalServer):
 
     def _make_goal(self) -> UndockGoal:
         settings = self._settings
-        return UndockGoal(settings.distance, settings.motion, settings.limits, time.monotonic())
+        return UndockGoal(settings.staging.distance, settings.motion, settings.timeouts, time.monotonic())
 
     def _tell_progress(self, command: Command) -> None:
         if command.error_msg == "":

@@ -6,14 +6,13 @@ from docking.behaviors.approach import Approach
 from docking.behaviors.search import Search
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.wait_for_charge import WaitForCharge
-from docking.core.dock import Dock
 from docking.core.errors import LostMarker, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.marker_filter import MarkerFilter
 from docking.goal.behavior import Behavior
-from docking.goal.limiter import MotionLimits
 from docking.goal.plan import Poses
+from docking.parameters import Dock, MotionLimits
 from docking.plans.sighted import SightedPlan
 
 ENOUGH = 8

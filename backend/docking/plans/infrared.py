@@ -9,14 +9,13 @@ from docking.behaviors.sequence import Sequence
 from docking.behaviors.sidestep import Sidestep
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.wait_for_charge import WaitForCharge
-from docking.core.dock import Dock
 from docking.core.errors import InfraredLost, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
-from docking.estimation.beacon_filter import FRESH, BeaconFilter, Receivers
+from docking.estimation.beacon_filter import FRESH, BeaconFilter
 from docking.goal.behavior import Behavior
-from docking.goal.limiter import MotionLimits
 from docking.goal.plan import Poses
+from docking.parameters import Dock, MotionLimits, Receivers
 from docking.plans.sighted import SightedPlan
 
 ENOUGH = 3

@@ -14,7 +14,7 @@ def make_plan(settings: DockSettings) -> Plan:
             settings.dock,
             settings.motion,
             search_speed=settings.search_speed,
-            detection_timeout=settings.detection_timeout,
+            detection_timeout=settings.external_detection_timeout,
         )
     if settings.controller is ControllerName.INFRARED:
         return InfraredPlan(
@@ -22,6 +22,6 @@ def make_plan(settings: DockSettings) -> Plan:
             settings.motion,
             settings.receivers,
             search_speed=settings.search_speed,
-            detection_timeout=settings.detection_timeout,
+            detection_timeout=settings.external_detection_timeout,
         )
     return Solo(Rotate(settings.rotate_speed))

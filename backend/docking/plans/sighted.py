@@ -4,11 +4,10 @@ from abc import abstractmethod
 
 from docking.behaviors.back_out import BackOut
 from docking.behaviors.moves import bounded
-from docking.core.dock import Dock
 from docking.core.errors import Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
-from docking.goal.limiter import MotionLimits
+from docking.parameters import Dock, MotionLimits
 
 BLIND_WAY = 0.1
 """How far to back off, in m, where the dock is not known."""

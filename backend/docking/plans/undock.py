@@ -5,9 +5,10 @@ from docking.core.battery import BatteryReading
 from docking.core.errors import Blocked, DockingError, ErrorCode, FailedToUndock, Stage
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Done
-from docking.goal.engine import Command, Goal, Limits, Outcome
-from docking.goal.limiter import Limiter, MotionLimits
+from docking.goal.engine import Command, Goal, Outcome
+from docking.goal.limiter import Limiter
 from docking.goal.motion_watch import MotionWatch
+from docking.parameters import MotionLimits, UndockTimeouts
 
 
 class UndockGoal(Goal):
@@ -16,19 +17,20 @@ class UndockGoal(Goal):
     One whose battery is not connected to a charger in the first place is not docked, and succeeds at once.
     """
 
-    def __init__(self, distance: float, motion: MotionLimits, limits: Limits, started_at: float) -> None:
+    def __init__(self, distance: float, motion: MotionLimits, timeouts: UndockTimeouts, started_at: float) -> None:
         """Start the goal.
 
         Args:
             distance: How far to back out, in m.
             motion: What the robot may do.
-            limits: Its deadlines.
+            timeouts: Its time limits.
             started_at: Seconds of the monotonic clock.
         """
-        super().__init__(limits, started_at)
+        super().__init__(timeouts, started_at)
+        self._undocking_timeout = timeouts.undocking_timeout
         self._controller = BackOut(distance, motion)
         self._limiter = Limiter(motion)
-        self._watch = MotionWatch(limits.odometry_timeout, limits.blocked_after, started_at)
+        self._watch = MotionWatch(timeouts.odometry_timeout, timeouts.blocked_after, started_at)
         self._time = 0.0
         self._docked = False  # as far as is known
         self._out = False
@@ -56,9 +58,9 @@ class UndockGoal(Goal):
         Raises:
             FailedToUndock: It has taken too long.
         """
-        if self._time > self._limits.undocking_timeout:
+        if self._time > self._undocking_timeout:
             what = "the battery is still charging" if self._out else "the robot did not get away from the dock"
-            raise FailedToUndock(f"{what} after {self._limits.undocking_timeout:g} s (undocking_timeout)")
+            raise FailedToUndock(f"{what} after {self._undocking_timeout:g} s (undocking_timeout)")
         step = STANDSTILL if self._out else self._controller.step(observation, dt)
         if isinstance(step, Done):
             self._out = True

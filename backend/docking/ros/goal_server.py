@@ -18,10 +18,11 @@ from std_msgs.msg import Bool
 
 from docking.core.battery import Battery
 from docking.core.errors import ErrorCode, Stage
-from docking.goal.admission import GoalPolicy, Purpose, admit
+from docking.core.parameter import NodeSettings
+from docking.goal.admission import Purpose, admit
 from docking.goal.engine import Command, End, Goal, Outcome
 from docking.goal.report import Report, report_on
-from docking.parameters import Parameter
+from docking.parameters import GoalPolicy
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
 from docking.ros.active_goal import ActiveGoal, Execution
 from docking.ros.battery_subscriber import BATTERY_TOPIC, battery_message
@@ -50,7 +51,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
     action_type: type
     action_name: str
     purpose: Purpose
-    parameters: tuple[Parameter, ...]
+    settings_type: type[NodeSettings]
 
     def __init__(
         self,
@@ -83,7 +84,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         self._stage = Stage.IDLE
         self._fed_back_at = -math.inf
         self._sensors = Sensors(self, self._repeat_report)
-        declare_parameters(self, self.parameters, self._take_over)
+        declare_parameters(self, self.settings_type, self._take_over)
         self._drive = Drive(self)
         self._diagnostics = Diagnostics(self, self.action_name)
         self._server = IdentifyingActionServer(
@@ -112,7 +113,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
     # What subclasses say.
 
     @abstractmethod
-    def _take_settings(self, values: dict[str, object]) -> None:
+    def _take_settings(self, settings: Any) -> None:
         """Keep the values of all parameters."""
 
     @property
@@ -144,8 +145,8 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
 
     # Parameters and equipment.
 
-    def _take_over(self, values: dict[str, object]) -> None:
-        self._take_settings(values)
+    def _take_over(self, settings: NodeSettings) -> None:
+        self._take_settings(settings)
         if self.executor is not None:  # else the node is not spun yet, and its maker goes on with this
             self.executor.create_task(self._equip)
 

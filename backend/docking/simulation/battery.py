@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from random import Random
 
 from docking.core.battery import PowerSupplyStatus
+from docking.core.parameter import number
 from docking.simulation.discharge import HHR650D, SECONDS_PER_HOUR, DischargeCurve
 
 
@@ -13,17 +14,16 @@ class BatterySettings:
     """What the battery and its charger are like.
 
     Attributes:
-        start: What is in it at the start, as a part of its capacity, 0…1.
         cells: In series.
-        charge_current: That the charger gives until the battery is full, in A; at 6.5 A, an empty one takes an hour.
+        charge_current: At 6.5 A, an empty battery takes an hour.
         ambient: Temperature around, in °C.
         cooling: Heat that leaves for each degree above that, in W/K.
         spread: Standard deviation of what the voltage of a cell differs from the mean by, in V.
     """
 
-    start: float = 0.24
+    battery_start: float = number(0.24, 0.0, 1.0, "", "Initial charge of the battery, 0 to 1.")
     cells: int = 7
-    charge_current: float = 6.5
+    charge_current: float = number(6.5, 0.0, 65.0, "A", "Charging current until the battery is full.")
     ambient: float = 25.0
     cooling: float = 0.5
     spread: float = 0.004
@@ -97,7 +97,7 @@ class BatteryPack:
         drawn = [random.gauss(0.0, settings.spread) for _ in range(cells)]
         mean = sum(drawn) / cells
         self._offsets = tuple(value - mean for value in drawn)
-        self._taken = (1.0 - settings.start) * self._curve.capacity
+        self._taken = (1.0 - settings.battery_start) * self._curve.capacity
         self.current = 0.0
         self.status = PowerSupplyStatus.DISCHARGING
         self.temperature = settings.ambient

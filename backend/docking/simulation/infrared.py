@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from random import Random
 
 from docking.core.geometry import Pose
+from docking.core.parameter import number
 
 RECEIVER_X = 0.15
 """The receivers are at the robot's front: x in base_link, in m."""
@@ -20,18 +21,16 @@ class InfraredSettings:
     Attributes:
         rate: Readings a second.
         minimum: The shortest distance that is told, in m.
-        range: The farthest that the beacon is seen from, in m.
         field_of_view: Of each receiver, from edge to edge, in rad.
         beacon_angle: How far to each side the beacon shines, in rad.
-        noise: Standard deviation of a distance, in m.
     """
 
     rate: float = 15.0
     minimum: float = 0.02
-    range: float = 2.0
+    range: float = number(2.0, 0.0, 50.0, "m", "Maximum range of the infrared receivers.")
     field_of_view: float = 0.5
     beacon_angle: float = math.radians(60.0)
-    noise: float = 0.01
+    noise: float = number(0.01, 0.0, 1.0, "m", "Standard deviation of the measured distance to the beacon.")
 
 
 class InfraredReceivers:

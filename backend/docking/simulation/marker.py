@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from random import Random
 
 from docking.core.geometry import Pose, normalize_angle
+from docking.core.parameter import number
 from docking.simulation.obstacle import Obstacle
 
 CAMERA_X = 0.15
@@ -26,14 +27,9 @@ class MarkerSettings:
 
     Attributes:
         rate: Pictures a second.
-        range: The farthest, in m.
-        field_of_view: Of the camera, from edge to edge, in rad.
         view_angle: The most that the marker may be seen from the side, from its normal, in rad.
-        noise: Standard deviation of each coordinate, in m.
-        angle_noise: Standard deviation of the angle, in rad.
         noise_per_metre: What is added to `noise` for each m between camera and marker, in m.
         noise_per_radian: What is added to `angle_noise` for each rad that the marker is seen from the side, in rad.
-        drop_outs: The part of the pictures in which the marker is not found, 0…1.
         outliers: The part of the detections that are somewhere else, 0…1.
         ghosts: The part of the detections that are of a reflection, always at the same place, 0…1.
         hidden_every: Seconds between the moments at which something begins to hide the marker; 0 is never.
@@ -44,14 +40,14 @@ class MarkerSettings:
     """
 
     rate: float = 15.0
-    range: float = 4.0
-    field_of_view: float = math.radians(70.0)
+    range: float = number(4.0, 0.0, 50.0, "m", "Maximum range at which the camera detects the marker.")
+    field_of_view: float = number(math.radians(70.0), 0.0, 6.28, "rad", "Field of view of the camera, edge to edge.")
     view_angle: float = math.radians(75.0)
-    noise: float = 0.01
-    angle_noise: float = math.radians(1.0)
+    noise: float = number(0.01, 0.0, 1.0, "m", "Standard deviation of the marker's position, for each coordinate.")
+    angle_noise: float = number(math.radians(1.0), 0.0, 1.0, "rad", "Standard deviation of the marker's heading.")
+    drop_outs: float = number(0.1, 0.0, 1.0, "", "Fraction of the camera images in which the marker is missed.")
     noise_per_metre: float = 0.0
     noise_per_radian: float = 0.0
-    drop_outs: float = 0.1
     outliers: float = 0.0
     ghosts: float = 0.0
     hidden_every: float = 0.0

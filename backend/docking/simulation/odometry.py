@@ -5,21 +5,29 @@ from dataclasses import dataclass
 from random import Random
 
 from docking.core.geometry import Pose, normalize_angle
+from docking.core.parameter import number
 
 
 @dataclass(frozen=True, slots=True)
 class OdometrySettings:
     """How well the robot knows its wheels.
 
+    The error of a radius is drawn once, so that the error of the pose grows with the way (Borenstein and Feng, UMBmark,
+    1996: unequal wheels).
+
     Attributes:
-        drift: Standard deviation of the error that the radius of each wheel is known with, as a part of it. It is
-            drawn once, so that the error grows with the way (Borenstein and Feng, UMBmark, 1996: unequal wheels).
         delay: Seconds from a measurement to its arrival.
         honest_stamps: Whether its stamp is the moment of the measurement; else that of its arrival.
         twist: Whether it has a velocity; else that is 0, as with drivers that leave it empty.
     """
 
-    drift: float = 0.005
+    drift: float = number(
+        0.005,
+        0.0,
+        0.2,
+        "",
+        "Standard deviation of the error of each wheel's radius, as a fraction of the radius.",
+    )
     delay: float = 0.0
     honest_stamps: bool = True
     twist: bool = True

@@ -7,6 +7,7 @@ from random import Random
 from docking.core.footprint import ROBOT_RADIUS
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, Velocity
+from docking.core.parameter import number
 
 ROUNDING = 1e-9
 """What sums of many steps may be wrong by, in s."""
@@ -19,35 +20,31 @@ class RobotSettings:
     Attributes:
         radius: Of its round body, whose centre is base_link, in m.
         wheel_separation: Between the two wheels, in m.
-        linear_max: The fastest that it drives, either way, in m/s.
-        angular_max: The fastest that it turns, either way, in rad/s.
-        linear_acceleration: The most, either way, in m/s².
-        angular_acceleration: The most, either way, in rad/s².
         linear_dead_zone: A commanded linear velocity that is smaller does not move the robot, in m/s.
         angular_dead_zone: The same for turning, in rad/s.
         left_wheel_error: How much larger the left wheel's radius is than the robot's software takes it for, as a
             fraction of it; commands and odometry are both wrong by that.
         right_wheel_error: The same for the right one.
-        slip: The part of a wheel's turning that is lost on the ground, 0…1.
-        slip_noise: Standard deviation of a wheel's way on the ground after 1 m, in m; it grows with the way's root.
-        watchdog: Seconds without a command after which the robot stops.
+        slip_noise: Grows with the root of the way.
         stall_time: Seconds that a motor bears a wheel that is stuck, until both motors are switched off. They
             come back with the next command to stand still.
     """
 
     radius: float = ROBOT_RADIUS
     wheel_separation: float = 0.23
-    linear_max: float = 0.3
-    angular_max: float = 1.2
-    linear_acceleration: float = 1.0
-    angular_acceleration: float = 4.0
+    linear_max: float = number(0.3, 0.0, 5.0, "m/s", "Maximum linear velocity, forwards and backwards.")
+    angular_max: float = number(1.2, 0.0, 10.0, "rad/s", "Maximum angular velocity, in both directions.")
+    linear_acceleration: float = number(1.0, 0.0, 20.0, "m/s²", "Maximum linear acceleration.")
+    angular_acceleration: float = number(4.0, 0.0, 50.0, "rad/s²", "Maximum angular acceleration.")
+    cmd_vel_timeout: float = number(
+        0.5, 0.0, 60.0, "s", "Simulated time without a message on cmd_vel after which the robot stops."
+    )
+    slip: float = number(0.01, 0.0, 0.9, "", "Wheel slip, as a fraction of the wheel's rotation.")
+    slip_noise: float = number(0.003, 0.0, 0.1, "m", "Standard deviation of a wheel's travel over 1 m.")
     linear_dead_zone: float = 0.0
     angular_dead_zone: float = 0.0
     left_wheel_error: float = 0.0
     right_wheel_error: float = 0.0
-    slip: float = 0.01
-    slip_noise: float = 0.003
-    watchdog: float = 0.5
     stall_time: float = 0.5
 
 
@@ -189,7 +186,7 @@ class Robot:
     def _target(self, dt: float, halted: bool) -> tuple[float, float]:
         settings, command = self._settings, self._command
         self._command_age += dt
-        if halted or self._command_age > settings.watchdog + ROUNDING:
+        if halted or self._command_age > settings.cmd_vel_timeout + ROUNDING:
             return 0.0, 0.0
         linear, angular = command.linear_x, command.angular_z
         if abs(linear) < settings.linear_dead_zone:

@@ -13,6 +13,7 @@ from random import Random
 from docking.core.battery import BatteryReading, PowerSupplyStatus
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, InfraredReading, MarkerDetection, Observation, Odometry, Velocity
+from docking.core.parameter import group, number
 from docking.estimation.track import Track
 from docking.simulation.battery import BatteryMeasurement, BatteryPack, BatterySettings
 from docking.simulation.delay import Delay
@@ -28,8 +29,6 @@ INSTANT = 1e-6
 """So short a time, in s, that nothing happens in it."""
 STEP = 0.02
 """The longest step, in s, that the model is meant for."""
-START = Pose(-1.5, 0.4, -0.3)
-"""Where the robot stands at first, in world, unless it is said."""
 BATTERY_RATE = 10.0
 """Measurements of the battery a second."""
 LATE = 0.3
@@ -40,6 +39,15 @@ WRONG = 1.0 / 3.0
 """The part of the detections that are wrong with the fault `wrong_detections`."""
 IN_THE_WAY = Obstacle(-0.55, 0.05, 0.08)
 """What stands in front of the dock with the fault `obstacle`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Start(Pose):
+    """Where the robot stands at first, in world."""
+
+    x: float = number(-1.5, -20.0, 20.0, "m", "Start pose of the robot in world, x.")
+    y: float = number(0.4, -20.0, 20.0, "m", "Start pose, y.")
+    theta: float = number(-0.3, -3.15, 3.15, "rad", "Start pose, heading; 0 faces the dock.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,17 +69,17 @@ class Settings:
         dock: The dock.
     """
 
-    start: Pose = START
+    start: Pose = group(Start, "start_")
     electronics_power: float = 2.5
     driving_power: float = 20.0
     stall_power: float = 6.0
+    robot: RobotSettings = group(RobotSettings)
+    odometry: OdometrySettings = group(OdometrySettings, "odometry_")
+    marker: MarkerSettings = group(MarkerSettings, "marker_")
+    infrared: InfraredSettings = group(InfraredSettings, "infrared_")
+    battery: BatterySettings = group(BatterySettings)
     command_delay: float = 0.0
     obstacles: tuple[Obstacle, ...] = ()
-    robot: RobotSettings = field(default_factory=RobotSettings)
-    odometry: OdometrySettings = field(default_factory=OdometrySettings)
-    marker: MarkerSettings = field(default_factory=MarkerSettings)
-    infrared: InfraredSettings = field(default_factory=InfraredSettings)
-    battery: BatterySettings = field(default_factory=BatterySettings)
     dock: DockSettings = field(default_factory=DockSettings)
 
 
@@ -209,8 +217,8 @@ class Simulation:
             command: A velocity that arrives at the beginning.
         """
         count = math.ceil(seconds / STEP - 1e-9)
-        for number in range(count):
-            self.step(seconds / count, command if number == 0 else None)
+        for step in range(count):
+            self.step(seconds / count, command if step == 0 else None)
 
     def place(self, pose: Pose) -> None:
         """Lift the robot and set it down elsewhere, standing still. Odometry does not notice.

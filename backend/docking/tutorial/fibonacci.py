@@ -1,7 +1,18 @@
 """The Fibonacci sequence of the official action tutorial."""
 
+from dataclasses import dataclass
+
+from docking.core.parameter import NodeSettings, number
+
 MAX_ORDER = 46
 """The largest order whose last number still fits in the message's int32."""
+
+
+@dataclass(frozen=True)
+class FibonacciSettings(NodeSettings):
+    """The parameters of the action server."""
+
+    step_period: float = number(1.0, 0.01, 60.0, "s", "Time between two numbers.")
 
 
 def check_order(order: int) -> str | None:

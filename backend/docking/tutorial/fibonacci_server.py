@@ -14,11 +14,10 @@ from rclpy.node import Node
 from rclpy.task import Future
 
 from action_tutorials_interfaces.action import Fibonacci as FibonacciAction
-from docking.parameters import FIBONACCI_SERVER
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
 from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
-from docking.tutorial.fibonacci import Fibonacci, check_order
+from docking.tutorial.fibonacci import Fibonacci, FibonacciSettings, check_order
 
 CLOSE_TIMEOUT = 1.0
 LINGER = 0.2
@@ -43,7 +42,7 @@ class FibonacciServer(Node):  # type: ignore[misc] # rclpy has no types
         super().__init__("fibonacci_action_server", context=context, **options)
         self._closing = False
         self._pauses: dict[str, Future] = {}
-        declare_parameters(self, FIBONACCI_SERVER, self._take_settings)
+        declare_parameters(self, FibonacciSettings, self._take_settings)
         self._server = IdentifyingActionServer(
             self,
             FibonacciAction,
@@ -53,8 +52,8 @@ class FibonacciServer(Node):  # type: ignore[misc] # rclpy has no types
             cancel_callback=self._cancel,
         )
 
-    def _take_settings(self, values: dict[str, object]) -> None:
-        self._step_period = values["step_period"]
+    def _take_settings(self, settings: FibonacciSettings) -> None:
+        self._step_period = settings.step_period
 
     def _decide(self, request: FibonacciAction.Goal) -> GoalResponse:
         fault = "the action server is shutting down" if self._closing else check_order(request.order)

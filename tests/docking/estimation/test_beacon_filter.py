@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from docking.behaviors.sidestep import Sidestep
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, InfraredReading, Observation, Odometry, Velocity
-from docking.estimation.beacon_filter import BeaconFilter, Receivers
-from docking.goal.limiter import MotionLimits
+from docking.estimation.beacon_filter import BeaconFilter, find_sector
+from docking.parameters import MotionLimits, Receivers
 
 INF = math.inf
 BEACON = Pose(1.0, 0.3)
@@ -33,7 +33,7 @@ def observed(robot: Pose, now: float) -> Observation:
 @given(st.floats(-1.0, 1.0))
 def test_the_bearing_is_in_the_sector_that_is_seen(bearing: float) -> None:
     beacon = Pose(RECEIVERS.infrared_receiver_x + math.cos(bearing), math.sin(bearing))
-    sector = RECEIVERS.sector(reading(Pose(), beacon))
+    sector = find_sector(reading(Pose(), beacon), RECEIVERS)
     if sector is None:
         assert abs(bearing) > RECEIVERS.infrared_receiver_angle + 0.5 * RECEIVERS.infrared_field_of_view - 1e-9
     else:
@@ -43,11 +43,11 @@ def test_the_bearing_is_in_the_sector_that_is_seen(bearing: float) -> None:
 
 @pytest.mark.parametrize("unseen", [INF, math.nan])
 def test_nothing_seen_is_no_sector(unseen: float) -> None:
-    assert RECEIVERS.sector(InfraredReading(unseen, unseen, unseen, 0.0)) is None
+    assert find_sector(InfraredReading(unseen, unseen, unseen, 0.0), RECEIVERS) is None
 
 
 def test_too_near_to_tell_is_seen() -> None:
-    sector = RECEIVERS.sector(InfraredReading(INF, -INF, INF, 0.0))
+    sector = find_sector(InfraredReading(INF, -INF, INF, 0.0), RECEIVERS)
     assert sector is not None
     assert sector[0] < 0.0 < sector[1]
 

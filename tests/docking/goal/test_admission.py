@@ -3,7 +3,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from docking.core.errors import ErrorCode
-from docking.goal.admission import DOCKING, UNDOCKING, GoalPolicy, Purpose, Rejection, admit
+from docking.goal.admission import DOCKING, UNDOCKING, Purpose, Rejection, admit
+from docking.parameters import GoalPolicy
 
 STATUSES = {"dock": {0, 1, 4}, "undock": {0, 2, 3}}
 PURPOSES = {"dock": DOCKING, "undock": UNDOCKING}

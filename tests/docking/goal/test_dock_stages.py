@@ -9,10 +9,8 @@ import pytest
 from docking.core.errors import ErrorCode, Stage
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, InfraredReading, Observation, Velocity
-from docking.goal.admission import GoalPolicy
-from docking.goal.engine import Command, DockGoal, End, Limits, Outcome
-from docking.goal.limiter import MotionLimits
-from docking.parameters import ControllerName, DockSettings
+from docking.goal.engine import Command, DockGoal, End, Outcome
+from docking.parameters import ControllerName, DockSettings, DockTimeouts, MotionLimits
 from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
@@ -20,7 +18,7 @@ from docking.simulation.simulation import Settings, Simulation
 
 PERIOD = 0.05
 STARTS = {ControllerName.DOCK_POSE: Pose(-1.5, 0.4, -0.3), ControllerName.INFRARED: Pose(-0.8, -0.2, 0.2)}
-LIMITS = Limits(max_retries=1)
+LIMITS = DockTimeouts(max_retries=1)
 ORDER = [Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING]
 
 
@@ -35,7 +33,7 @@ class World:
     """
 
     controller: ControllerName
-    limits: Limits = LIMITS
+    limits: DockTimeouts = LIMITS
     start: Pose | None = None
     blind: Callable[[Observation], Observation] = lambda observation: observation
     happen: Callable[["World"], None] = lambda world: None
@@ -45,7 +43,7 @@ class World:
 
     def __post_init__(self) -> None:
         self.simulation = Simulation(Settings(start=self.start or STARTS[self.controller]), seed=3)
-        self.plan = make_plan(DockSettings(GoalPolicy.REJECT, controller=self.controller))
+        self.plan = make_plan(DockSettings(controller=self.controller))
         self.goal = DockGoal(self.plan, self.limits, 0.0)
         self.entered_at = 0.0
 
@@ -290,14 +288,18 @@ def test_a_silent_battery_stops_the_robot_and_the_clocks_of_the_stages(controlle
 @pytest.mark.parametrize(
     ("limits", "stage", "error"),
     [
-        (Limits(max_retries=0, initial_perception_timeout=0.2), Stage.INITIAL_PERCEPTION, "FAILED_TO_DETECT_DOCK"),
-        (Limits(max_retries=0, staging_timeout=1.0), Stage.NAV_TO_STAGING_POSE, "FAILED_TO_STAGE"),
-        (Limits(max_retries=0, dock_approach_timeout=1.0), Stage.CONTROLLING, "FAILED_TO_CONTROL"),
-        (Limits(goal_timeout=3.0), Stage.NAV_TO_STAGING_POSE, "TIMEOUT"),
+        (
+            DockTimeouts(max_retries=0, initial_perception_timeout=0.2),
+            Stage.INITIAL_PERCEPTION,
+            "FAILED_TO_DETECT_DOCK",
+        ),
+        (DockTimeouts(max_retries=0, staging_timeout=1.0), Stage.NAV_TO_STAGING_POSE, "FAILED_TO_STAGE"),
+        (DockTimeouts(max_retries=0, dock_approach_timeout=1.0), Stage.CONTROLLING, "FAILED_TO_CONTROL"),
+        (DockTimeouts(goal_timeout=3.0), Stage.NAV_TO_STAGING_POSE, "TIMEOUT"),
     ],
 )
 @both
-def test_every_stage_has_a_deadline(controller: ControllerName, limits: Limits, stage: Stage, error: str) -> None:
+def test_every_stage_has_a_deadline(controller: ControllerName, limits: DockTimeouts, stage: Stage, error: str) -> None:
     world = World(controller, limits=limits)
     outcome = world.run()
     assert (outcome.end, outcome.error_code) == (End.ABORTED, ErrorCode(error))
@@ -332,5 +334,5 @@ def test_a_controller_that_gives_no_number_fails_after_the_retries() -> None:
             return Broken()
 
     simulation = Simulation(seed=1)
-    goal = DockGoal(BrokenPlan(), Limits(max_retries=0), 0.0)
+    goal = DockGoal(BrokenPlan(), DockTimeouts(max_retries=0), 0.0)
     assert goal.step(simulation.observe()).error_code is ErrorCode.FAILED_TO_CONTROL

@@ -18,15 +18,15 @@ from docking.core.errors import (
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.goal.behavior import Behavior, Done, Failed, Step
-from docking.goal.engine import Command, DockGoal, End, Limits, Outcome
-from docking.goal.limiter import MotionLimits
+from docking.goal.engine import Command, DockGoal, End, Outcome
 from docking.goal.plan import Poses, Solo
+from docking.parameters import DockTimeouts, MotionLimits
 
 START = 1000.0
-LIMITS = Limits(battery_stale_after=2.0, battery_lost_after=60.0, goal_timeout=0.0)
+LIMITS = DockTimeouts(battery_stale_after=2.0, battery_lost_after=60.0, goal_timeout=0.0)
 
 
-def make_goal(limits: Limits = LIMITS) -> DockGoal:
+def make_goal(limits: DockTimeouts = LIMITS) -> DockGoal:
     return DockGoal(Solo(Rotate()), limits, START)
 
 
@@ -101,7 +101,7 @@ def test_silence_from_before_the_goal_does_not_count(battery: BatteryReading | N
 
 
 def test_it_times_out() -> None:
-    goal = make_goal(Limits(goal_timeout=5.0))
+    goal = make_goal(DockTimeouts(goal_timeout=5.0))
     assert isinstance(goal.step(Observation(START + 4.9, reading(3, START + 4.9))), Command)
     step = goal.step(Observation(START + 5.0, reading(3, START + 5.0)))
     assert isinstance(step, Outcome)
@@ -110,12 +110,12 @@ def test_it_times_out() -> None:
 
 
 def test_a_timeout_of_less_than_a_second_counts() -> None:
-    step = make_goal(Limits(goal_timeout=0.5)).step(Observation(START + 0.5, reading(3, START + 0.5)))
+    step = make_goal(DockTimeouts(goal_timeout=0.5)).step(Observation(START + 0.5, reading(3, START + 0.5)))
     assert step.error_code is ErrorCode.TIMEOUT
 
 
 def test_charging_counts_even_in_the_moment_of_the_timeout() -> None:
-    goal = make_goal(Limits(goal_timeout=5.0))
+    goal = make_goal(DockTimeouts(goal_timeout=5.0))
     assert goal.step(Observation(START + 5.0, reading(1, START + 5.0))) == Outcome(End.SUCCEEDED)
 
 
@@ -141,7 +141,7 @@ def test_the_first_outcome_stays() -> None:
 
 @given(st.lists(st.tuples(st.floats(0.0, 30.0), st.one_of(st.none(), st.integers(0, 255))), min_size=1, max_size=60))
 def test_it_never_moves_on_a_stale_battery_and_never_after_its_end(events: list[tuple[float, int | None]]) -> None:
-    goal = make_goal(Limits(battery_stale_after=2.0, battery_lost_after=20.0, goal_timeout=100.0))
+    goal = make_goal(DockTimeouts(battery_stale_after=2.0, battery_lost_after=20.0, goal_timeout=100.0))
     now, battery, ended = START, None, None
     for pause, status in events:
         now += pause
@@ -187,7 +187,7 @@ class Script:
 class Run:
     """A goal with a scripted plan, stepped by the clock with a fresh battery and odometry."""
 
-    def __init__(self, limits: Limits = LIMITS, **steps: Step) -> None:
+    def __init__(self, limits: DockTimeouts = LIMITS, **steps: Step) -> None:
         self.plan = Script(**steps)
         self.goal = DockGoal(self.plan, limits, START)
         self.now = START
@@ -227,7 +227,7 @@ def test_it_stands_still_without_odometry() -> None:
 
 
 def test_a_stage_may_take_its_time_and_no_longer() -> None:
-    run = Run(Limits(initial_perception_timeout=2.0, max_retries=0), INITIAL_PERCEPTION=STANDSTILL)
+    run = Run(DockTimeouts(initial_perception_timeout=2.0, max_retries=0), INITIAL_PERCEPTION=STANDSTILL)
     for _ in range(8):
         assert isinstance(run.step(0.25), Command)
     step = run.step(0.25)
@@ -238,7 +238,7 @@ def test_a_stage_may_take_its_time_and_no_longer() -> None:
 
 
 def test_each_stage_has_its_own_time() -> None:
-    run = Run(Limits(initial_perception_timeout=2.0, dock_approach_timeout=2.0), INITIAL_PERCEPTION=STANDSTILL)
+    run = Run(DockTimeouts(initial_perception_timeout=2.0, dock_approach_timeout=2.0), INITIAL_PERCEPTION=STANDSTILL)
     for _ in range(7):
         run.step(0.25)
     run.plan.steps = {"CONTROLLING": STANDSTILL}
@@ -249,7 +249,7 @@ def test_each_stage_has_its_own_time() -> None:
 
 
 def test_each_failure_is_a_retry_until_there_are_no_more() -> None:
-    run = Run(Limits(max_retries=2), CONTROLLING=NO_CHARGE)
+    run = Run(DockTimeouts(max_retries=2), CONTROLLING=NO_CHARGE)
     run.step()
     for retries in (1, 2):
         assert run.step(0.1) == Command(Stage.RETRY, STANDSTILL, ErrorCode.FAILED_TO_CHARGE, "no charge", retries)

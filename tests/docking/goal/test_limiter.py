@@ -4,7 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from docking.core.observation import STANDSTILL, Velocity
-from docking.goal.limiter import Limiter, MotionLimits
+from docking.goal.limiter import Limiter
+from docking.parameters import MotionLimits
 
 LIMITS = MotionLimits(v_linear_max=0.26, v_angular_max=1.0, a_linear_max=0.5, a_angular_max=2.0)
 WISHES = st.builds(Velocity, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))

@@ -7,8 +7,8 @@ from docking.core.battery import BatteryReading
 from docking.core.errors import ErrorCode, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry
-from docking.goal.engine import Command, End, Limits, Outcome
-from docking.goal.limiter import MotionLimits
+from docking.goal.engine import Command, End, Outcome
+from docking.parameters import MotionLimits, UndockTimeouts
 from docking.plans.undock import UndockGoal
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
@@ -25,8 +25,8 @@ def docked() -> Simulation:
     return simulation
 
 
-def undock(simulation: Simulation, limits: Limits | None = None, *, keep_charging: bool = False) -> Outcome:
-    goal = UndockGoal(0.7, MOTION, limits or Limits(), simulation.time)
+def undock(simulation: Simulation, limits: UndockTimeouts | None = None, *, keep_charging: bool = False) -> Outcome:
+    goal = UndockGoal(0.7, MOTION, limits or UndockTimeouts(), simulation.time)
     speed, begun = 0.0, simulation.time
     while simulation.time < begun + 100.0:
         observation = simulation.observe()
@@ -81,13 +81,13 @@ def test_a_robot_that_is_held_fast_has_failed_to_undock() -> None:
 
 
 def test_a_way_that_takes_too_long_is_a_failure() -> None:
-    outcome = undock(docked(), Limits(undocking_timeout=1.0))
+    outcome = undock(docked(), UndockTimeouts(undocking_timeout=1.0))
     assert outcome.error_code is ErrorCode.FAILED_TO_UNDOCK
     assert "did not get away" in outcome.error_msg
 
 
 def test_without_odometry_it_does_not_move_and_gives_up() -> None:
-    goal = UndockGoal(0.7, MOTION, Limits(), 0.0)
+    goal = UndockGoal(0.7, MOTION, UndockTimeouts(), 0.0)
     for number in range(10):
         now = 0.1 * number
         step = goal.step(Observation(now, BatteryReading(1, now)))
@@ -97,7 +97,10 @@ def test_without_odometry_it_does_not_move_and_gives_up() -> None:
 
 
 def test_it_waits_for_a_silent_battery() -> None:
-    goal, odometry = UndockGoal(0.7, MOTION, Limits(battery_lost_after=5.0), 0.0), Odometry(Pose(), STANDSTILL, 0.0)
+    goal, odometry = (
+        UndockGoal(0.7, MOTION, UndockTimeouts(battery_lost_after=5.0), 0.0),
+        Odometry(Pose(), STANDSTILL, 0.0),
+    )
     step = goal.step(Observation(0.0, None, odometry))
     assert isinstance(step, Command)
     assert (step.stage, step.velocity) == (Stage.WAIT_FOR_BATTERY, STANDSTILL)
@@ -106,7 +109,7 @@ def test_it_waits_for_a_silent_battery() -> None:
 
 def test_the_first_outcome_stays() -> None:
     simulation = docked()
-    goal = UndockGoal(0.7, MOTION, Limits(), simulation.time)
+    goal = UndockGoal(0.7, MOTION, UndockTimeouts(), simulation.time)
     assert isinstance(goal.step(simulation.observe()), Command)
     canceled = goal.cancel()
     assert goal.step(simulation.observe()) is canceled

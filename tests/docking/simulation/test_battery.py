@@ -16,7 +16,7 @@ RUNS = st.lists(
 
 
 def make_battery(start: float = 0.24, **more: float) -> BatteryPack:
-    return BatteryPack(BatterySettings(start=start, **more), Random(1))
+    return BatteryPack(BatterySettings(battery_start=start, **more), Random(1))
 
 
 def run(battery: BatteryPack, seconds: float, power: float = DRIVING, **charger: bool) -> None:

@@ -87,7 +87,7 @@ def test_a_velocity_that_is_no_number_does_not_count_as_a_command(velocity: Velo
 def test_without_commands_it_stops_after_the_watchdogs_time() -> None:
     robot = make_robot()
     drive(robot, 1.0, Velocity(0.2, 0.0))
-    still_driving = round(EXACT.watchdog / DT) - 1
+    still_driving = round(EXACT.cmd_vel_timeout / DT) - 1
     for _ in range(still_driving):
         robot.step(DT)
         assert robot.linear == 0.2

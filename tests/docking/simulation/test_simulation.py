@@ -249,14 +249,14 @@ def test_a_dead_charger_makes_contact_without_charge() -> None:
 
 
 def test_a_full_battery_is_full_on_the_dock() -> None:
-    simulation = Simulation(replace(EXACT, start=DOCKED, battery=BatterySettings(start=1.0)))
+    simulation = Simulation(replace(EXACT, start=DOCKED, battery=BatterySettings(battery_start=1.0)))
     simulation.run(1.0)
     assert battery_of(simulation.observe()).status is PowerSupplyStatus.FULL
     assert simulation.charging
 
 
 def test_an_empty_battery_stops_the_robot() -> None:
-    simulation = Simulation(replace(EXACT, battery=BatterySettings(start=0.0)))
+    simulation = Simulation(replace(EXACT, battery=BatterySettings(battery_start=0.0)))
     drive(simulation, 1.0, 0.2)
     assert simulation.robot.pose == IN_FRONT
 

@@ -1,0 +1,51 @@
+"""Writes the tables of parameters in docs/docking.md anew, from the dataclasses that declare the parameters."""
+
+from pathlib import Path
+
+from docking.core.parameter import NodeSettings, Parameter, parameters_of
+from docking.parameters import DockSettings, UndockSettings
+from docking.simulation.parameters import SimulatorSettings
+from docking.tutorial.fibonacci import FibonacciSettings
+
+PAGE = Path(__file__).parents[1] / "docs" / "docking.md"
+NODES: dict[str, type[NodeSettings]] = {
+    "connect_to_charging_dock_action_server": DockSettings,
+    "disconnect_from_charging_dock_action_server": UndockSettings,
+    "dock_simulator": SimulatorSettings,
+    "fibonacci_action_server": FibonacciSettings,
+}
+HEAD = "| parameter | type | unit | range | default | |\n|---|---|---|---|---|---|\n"
+TYPES = {bool: "bool", int: "integer", float: "double"}
+
+
+def row(parameter: Parameter) -> str:
+    """The line about a parameter."""
+    default, limits = parameter.default, f"`{parameter.form}`" if parameter.form else ""
+    if parameter.minimum is not None:
+        limits = f"{parameter.minimum:.10g} … {parameter.maximum:.10g}"
+    elif parameter.choices:
+        limits = ", ".join(f"`{choice}`" for choice in parameter.choices)
+    if isinstance(default, bool):
+        shown = f"`{str(default).lower()}`"
+    elif isinstance(default, str):
+        shown = f"`{default}`" if default else "empty"
+    else:
+        shown = f"{default:g}"
+    cells = (f"`{parameter.name}`", TYPES.get(type(default), "string"), parameter.unit, limits, shown, parameter.text)
+    return f"| {' | '.join(cells)} |\n".replace("|  |", "| |")
+
+
+def written(page: str) -> str:
+    """The page, with the table below the heading of each node made anew."""
+    for node, settings in NODES.items():
+        before, heading, after = page.partition(f"### {node}\n")
+        between, _, rest = after.partition(HEAD)
+        lines = rest.splitlines(keepends=True)
+        while lines and lines[0].startswith("|"):
+            del lines[0]
+        page = "".join([before, heading, between, HEAD, *map(row, parameters_of(settings)), *lines])
+    return page
+
+
+if __name__ == "__main__":
+    PAGE.write_text(written(PAGE.read_text()))
