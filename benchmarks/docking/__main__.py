@@ -8,6 +8,7 @@ from functools import partial
 from multiprocessing import Pool
 from pathlib import Path
 
+from benchmarks.docking import robustness
 from benchmarks.docking.picture import picture
 from benchmarks.docking.table import table
 from benchmarks.docking.trial import REGIONS, Trial, run_trial, settings_of
@@ -28,13 +29,26 @@ def run_trials(seeds: range, processes: int) -> dict[ControllerName, list[Trial]
 def main() -> None:
     """Run the trials, print the table, write the table and the picture."""
     parser = argparse.ArgumentParser("benchmarks.docking", description="Dock from many random starts, in simulation")
-    parser.add_argument("--trials", type=int, default=1000, help="starts for each controller (default: 1000)")
+    parser.add_argument(
+        "--trials", type=int, help="starts for each controller (default: 1000, with --robustness 200 for each fault)"
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the first start (default: 0)")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1, help="default: one a core")
     parser.add_argument("--output", type=Path, default=Path(__file__).parents[1] / "results", help="a folder")
+    parser.add_argument("--robustness", action="store_true", help="with each fault of a real robot instead")
+    parser.add_argument(
+        "--rows", default="", help="with --robustness: only faults whose names contain one of these, comma-separated"
+    )
     options = parser.parse_args()
     begun = time.monotonic()
-    seeds = range(options.seed, options.seed + options.trials)
+    count = options.trials or (200 if options.robustness else 1000)
+    seeds = range(options.seed, options.seed + count)
+    if options.robustness:
+        text = robustness.measure(options.rows, seeds, options.processes, options.output / "docking-robustness.json")
+        print(text)
+        (options.output / "docking-robustness.md").write_text(text + "\n")
+        print(f"\n{time.monotonic() - begun:.0f} s; written: docking-robustness.md", file=sys.stderr)
+        return
     trials = run_trials(seeds, options.processes)
     seconds = time.monotonic() - begun
     text = table(trials, settings_of(ControllerName.DOCK_POSE).motion)

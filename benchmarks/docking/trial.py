@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, replace
 from random import Random
 
+from benchmarks.docking.cases import CASES, Case
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, Velocity
 from docking.goal.engine import Command, DockGoal, End, Outcome
@@ -92,21 +93,25 @@ def settings_of(controller: ControllerName) -> DockSettings:
     return DockSettings(controller=controller)
 
 
-def simulation_of(controller: ControllerName, seed: int) -> Simulation:
+def simulation_of(controller: ControllerName, seed: int, case: Case = CASES[0]) -> Simulation:
     """A simulated robot at the start of a seed."""
     start = REGIONS[controller].draw(Random(f"{seed} start"))
-    return Simulation(Settings(start=start, marker=replace(MarkerSettings(), drop_outs=DROP_OUTS)), seed)
+    settings = Settings(start=start, marker=replace(MarkerSettings(), drop_outs=DROP_OUTS))
+    return Simulation(case.change(settings, Random(f"{seed} case")), seed)
 
 
-def run_trial(controller: ControllerName, seed: int) -> Trial:
+def run_trial(controller: ControllerName, seed: int, case: Case = CASES[0]) -> Trial:
     """Dock once."""
-    simulation, settings = simulation_of(controller, seed), settings_of(controller)
+    simulation, settings = simulation_of(controller, seed, case), settings_of(controller)
+    random = Random(f"{seed} disturbances")
     goal = DockGoal(make_plan(settings), settings.timeouts, simulation.time)
     speeds, period = _Speeds(), settings.control_period
     trail = [(simulation.robot.x, simulation.robot.y)]
     step: Command | Outcome = goal.step(simulation.observe())
     while isinstance(step, Command) and simulation.time < LONGEST:
         speeds.told(step.velocity, period)
+        case.disturb(simulation, random)
+        period = settings.control_period * (1.0 + random.uniform(-case.jitter, case.jitter))
         simulation.run(period, step.velocity)
         speeds.driven(simulation.robot.velocity)
         if simulation.time >= TRAIL_PERIOD * len(trail):

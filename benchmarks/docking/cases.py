@@ -1,0 +1,136 @@
+"""What real robots do to a docking goal: each case changes the simulation in one way."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from random import Random
+from typing import Any
+
+from docking.core.geometry import Pose
+from docking.parameters import ControllerName
+from docking.simulation.simulation import Settings, Simulation
+
+DOCK_POSE, INFRARED = ControllerName.DOCK_POSE, ControllerName.INFRARED
+BOTH = (DOCK_POSE, INFRARED)
+
+Change = Callable[[Settings, Random], Settings]
+Disturbance = Callable[[Simulation, Random], None]
+
+
+@dataclass(frozen=True)
+class Case:
+    """One row of the table.
+
+    Attributes:
+        name: As in the table.
+        controllers: Which it is measured with.
+        change: Makes the settings of one trial.
+        disturb: What happens before each control step.
+        jitter: How much longer or shorter a control period is at most, as a fraction of it.
+    """
+
+    name: str
+    controllers: tuple[ControllerName, ...]
+    change: Change = lambda settings, random: settings
+    disturb: Disturbance = lambda simulation, random: None
+    jitter: float = 0.0
+
+
+def _set(part: str, **values: Any) -> Change:
+    """Change some fields of one part of the settings, or of the settings themselves if `part` is empty."""
+
+    def change(settings: Settings, _random: Random) -> Settings:
+        return replace(settings, **({part: replace(getattr(settings, part), **values)} if part else values))
+
+    return change
+
+
+def _all(*changes: Change) -> Change:
+    def change(settings: Settings, random: Random) -> Settings:
+        for one in changes:
+            settings = one(settings, random)
+        return settings
+
+    return change
+
+
+def _one_wheel(error: float) -> Change:
+    """One of the wheels, the left or the right one, is larger or smaller."""
+
+    def change(settings: Settings, random: Random) -> Settings:
+        wheel = random.choice(("left_wheel_error", "right_wheel_error"))
+        return _set("robot", **{wheel: random.choice((error, -error))})(settings, random)
+
+    return change
+
+
+def _mounted(distance: float, angle: float) -> Change:
+    """The camera is turned, and to the left or to the right of where it is taken to be."""
+
+    def change(settings: Settings, random: Random) -> Settings:
+        error = Pose(0.0, random.choice((distance, -distance)), random.choice((angle, -angle)))
+        return _set("marker", mount_error=error)(settings, random)
+
+    return change
+
+
+def _push(simulation: Simulation, random: Random) -> None:
+    """About once in four seconds, someone pushes the robot."""
+    if random.random() < 0.0125:
+        simulation.push(Pose(random.uniform(-0.04, 0.04), random.uniform(-0.04, 0.04), random.uniform(-0.1, 0.1)))
+
+
+CASES = (
+    Case("none", BOTH),
+    Case("marker noise 2 cm, 3°", (DOCK_POSE,), _set("marker", noise=0.02, angle_noise=0.052)),
+    Case("marker noise 5 cm, 8°", (DOCK_POSE,), _set("marker", noise=0.05, angle_noise=0.14)),
+    Case(
+        "marker noise 2 cm more per m, 6° more per rad aside",
+        (DOCK_POSE,),
+        _set("marker", noise_per_metre=0.02, noise_per_radian=0.1),
+    ),
+    Case("marker at 5 Hz", (DOCK_POSE,), _set("marker", rate=5.0)),
+    Case("marker at 2 Hz", (DOCK_POSE,), _set("marker", rate=2.0)),
+    Case("marker at 1 Hz", (DOCK_POSE,), _set("marker", rate=1.0)),
+    Case("30 % of the detections wrong", (DOCK_POSE,), _set("marker", outliers=0.3)),
+    Case("15 % of the detections of a reflection", (DOCK_POSE,), _set("marker", ghosts=0.15)),
+    Case("marker hidden 2 s every 8 s", (DOCK_POSE,), _set("marker", hidden_every=8.0, hidden_for=2.0)),
+    Case("camera off by 5 mm, 1.5°", (DOCK_POSE,), _mounted(0.005, 0.026)),
+    Case("detections 0.3 s late", (DOCK_POSE,), _set("marker", delay=0.3)),
+    Case("detections 0.15 s late, wrong stamps", (DOCK_POSE,), _set("marker", delay=0.15, honest_stamps=False)),
+    Case("commands 0.15 s late", BOTH, _set("", command_delay=0.15)),
+    Case("commands 0.2 s late", (INFRARED,), _set("", command_delay=0.2)),
+    Case("commands 0.3 s late", BOTH, _set("", command_delay=0.3)),
+    Case("odometry 0.2 s late", BOTH, _set("odometry", delay=0.2)),
+    Case("odometry 0.2 s late, wrong stamps", (DOCK_POSE,), _set("odometry", delay=0.2, honest_stamps=False)),
+    Case("commands and odometry 0.2 s late each", BOTH, _all(_set("", command_delay=0.2), _set("odometry", delay=0.2))),
+    Case("base accelerates at 0.2 m/s²", BOTH, _set("robot", linear_acceleration=0.2)),
+    Case(
+        "base accelerates at 0.2 m/s² and 1 rad/s²",
+        BOTH,
+        _set("robot", linear_acceleration=0.2, angular_acceleration=1.0),
+    ),
+    Case("base clamps at 0.15 m/s, 0.5 rad/s", BOTH, _set("robot", linear_max=0.15, angular_max=0.5)),
+    Case("dead zone 0.05 m/s, 0.1 rad/s", BOTH, _set("robot", linear_dead_zone=0.05, angular_dead_zone=0.1)),
+    Case("dead zone 0.15 rad/s", BOTH, _set("robot", angular_dead_zone=0.15)),
+    Case("one wheel 5 % off", BOTH, _one_wheel(0.05)),
+    Case("one wheel 10 % off", BOTH, _one_wheel(0.1)),
+    Case("both wheels 8 % larger", BOTH, _set("robot", left_wheel_error=0.08, right_wheel_error=0.08)),
+    Case("both wheels 8 % smaller", BOTH, _set("robot", left_wheel_error=-0.08, right_wheel_error=-0.08)),
+    Case("slip 10 %", BOTH, _set("robot", slip=0.1)),
+    Case("odometry without velocity", BOTH, _set("odometry", twist=False)),
+    Case("control period jitters by 80 %", BOTH, jitter=0.8),
+    Case("pushed 4 cm, 6° every 4 s", (DOCK_POSE,), disturb=_push),
+    Case("contacts bounce for 1 s", BOTH, _set("dock", bounce=1.0)),
+    Case(
+        "all at once, milder",
+        (DOCK_POSE,),
+        _all(
+            _set("", command_delay=0.1),
+            _set("odometry", delay=0.1, twist=False),
+            _set("marker", rate=5.0, noise=0.02, angle_noise=0.052, delay=0.1, outliers=0.05),
+            _set("robot", linear_acceleration=0.3, linear_dead_zone=0.03, angular_dead_zone=0.05, linear_max=0.2),
+            _one_wheel(0.03),
+        ),
+    ),
+)
+"""In the order of the table."""
