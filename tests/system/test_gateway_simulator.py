@@ -26,6 +26,8 @@ FAULTS = (
     "worn_wheel",
     "wrong_detections",
     "obstacle",
+    "hidden_beacon",
+    "infrared_ghosts",
     "silent_battery",
     "percentage_0_to_100",
 )

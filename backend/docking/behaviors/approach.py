@@ -106,8 +106,7 @@ class Approach:
         motion = self._motion
         steering = steer(robot, docked.compose(Pose(PROJECTION)), Gains())
         slowest = motion.v_linear_min
-        speed = min(
-            motion.v_linear_max / steering.slowness, slowest + braked(max(0.0, left - SLOW), motion.a_linear_max)
-        )
+        fast = max(0.0, left - max(SLOW, self._until))
+        speed = min(motion.v_linear_max / steering.slowness, slowest + braked(fast, motion.a_linear_max))
         speed = max(slowest, speed)
         return Velocity(speed, bounded(steering.curvature * speed, motion.v_angular_max))

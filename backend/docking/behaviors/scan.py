@@ -1,4 +1,4 @@
-"""Turns to and fro in front of the beacon, to learn its direction from where the receivers lose it."""
+"""Turns to and fro in front of the beacon, to learn its direction from the edges of the receivers' views."""
 
 import math
 
@@ -7,10 +7,8 @@ from docking.estimation.beacon_filter import BeaconFilter
 from docking.goal.behavior import Done
 from docking.parameters import MotionLimits
 
-BEYOND = math.radians(3.0)
-"""How far beyond the edge of the centre receiver's view to turn, in rad."""
-SPEED = 0.35
-"""How fast, in rad/s: the slower, the better the edge is known."""
+BEYOND = math.radians(5.0)
+"""How far beyond the edge of the center receiver's view to turn, in rad: as far as two readings."""
 
 
 class Scan:
@@ -24,14 +22,14 @@ class Scan:
             motion: What the robot may do.
         """
         self._beacon = beacon
-        self._speed = min(SPEED, motion.v_angular_max)
-        reach = 0.5 * beacon.receivers.infrared_field_of_view + BEYOND
+        self._speed = max(motion.v_angular_min, min(beacon.receivers.infrared_scan_speed, motion.v_angular_max))
+        reach = beacon.receivers.half + BEYOND
         self._bearings = [-reach, reach, 0.0]
 
     def step(self, observation: Observation, dt: float) -> Velocity | Done:
         """Turn until the beacon has the next bearing."""
         odometry = observation.odometry
-        if self._beacon.position is None or odometry is None:
+        if not self._beacon.known or odometry is None:
             return STANDSTILL
         error = self._beacon.bearing(odometry.pose) - self._bearings[0]
         if abs(error) < 0.5 * self._speed * max(dt, 0.05) + 0.01:

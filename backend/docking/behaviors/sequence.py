@@ -16,6 +16,8 @@ class Sequence:
     def step(self, observation: Observation, dt: float) -> Step:
         """What the one whose turn it is says; a standstill between two."""
         if self._current is None:
+            if not self._makers:
+                return Done()
             self._current = self._makers.pop(0)()
         step = self._current.step(observation, dt)
         if isinstance(step, Done) and self._makers:

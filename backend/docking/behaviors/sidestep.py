@@ -1,4 +1,4 @@
-"""Finds the edge of the beacon's light: the robot goes round the dock, and must look at it all the time."""
+"""Finds an edge of the beacon's light: the robot goes round the dock, and must look at it all the time."""
 
 import math
 
@@ -6,75 +6,125 @@ from docking.behaviors.moves import TURN_FIRST, bounded, turn
 from docking.core.errors import InfraredLost
 from docking.core.geometry import normalize_angle
 from docking.core.observation import STANDSTILL, Observation, Velocity
-from docking.estimation.beacon_filter import BeaconFilter
+from docking.estimation.beacon_filter import BeaconFilter, Crossing
 from docking.goal.behavior import Done, Failed, Step
 from docking.parameters import MotionLimits
 
-NEAREST = 0.35
-"""From the receivers to the beacon, in m, where forwards becomes backwards."""
-FARTHEST = 1.0
-"""From the receivers to the beacon, in m, where backwards becomes forwards."""
-STEERING = 2.5
+BEARING = 0.45
+"""Where the beacon is kept: this part of the way from the center receiver's view to the other one's outer edge."""
+STEERING = 2.0
 """How hard the bearing is kept, in 1/s."""
 TOUCHING = 0.05
 """From the receivers to the beacon, in m: nearer than that it says nothing more of how fast the bearing changes."""
-GONE = 3
-"""Readings, one after another, that must not see the beacon to be beyond the edge."""
+BEYOND = math.radians(2.0)
+"""How far to drive into the dark, and back into the light, to be certain of either, in rad around the dock."""
+AGREEMENT = math.radians(4.0)
+"""How much the places may differ, in rad around the dock, at which an edge was crossed to and fro."""
+CROSSINGS = 3
+"""How often an edge is crossed before it is believed: out of the light, back into it, and out again."""
 SILENT = 0.5
 """How old the last reading may be, in s, for the robot to drive on."""
-SPEED = 0.8
-"""The part of the highest speed that it drives with."""
 
 
 class Sidestep:
     """Drives to and fro in front of the dock, each time further to one side, as a car gets into a parking space.
 
     Forwards it has the beacon in the one outer receiver, backwards in the other one, so that it never loses sight of
-    it but where the light ends.
+    it but where the light ends. Where it goes out, something may have hidden the beacon. So the robot drives back until
+    it sees it again, and once more out of the light: an edge is always at the same place. As it is crossed both ways,
+    it does not matter how late readings come.
     """
 
-    def __init__(self, beacon: BeaconFilter, motion: MotionLimits, side: int) -> None:
+    def __init__(self, beacon: BeaconFilter, motion: MotionLimits, side: int, lost_after: float) -> None:
         """Begin anywhere in the light.
 
         Args:
             beacon: Where the beacon is; the edge is noted there.
             motion: What the robot may do.
             side: 1 to the right, looking at the dock, -1 to the left.
+            lost_after: For how long the beacon may be out of sight elsewhere, in s.
         """
         self._beacon = beacon
         self._motion = motion
         self._side = side
-        self._count = beacon.count
-        self._forwards: bool | None = None
+        self._lost_after = lost_after
+        self._forwards: bool | None = None  # on the way outwards
         self._turning = True
+        self._outwards = True
+        self._crossings: list[Crossing] = []
+        self._handled = beacon.crossings[-1].stamp if beacon.crossings else -math.inf
 
     def step(self, observation: Observation, dt: float) -> Step:
-        """Drive on, until the light ends."""
+        """Drive on, until an edge is certain."""
         beacon, odometry = self._beacon, observation.odometry
-        if beacon.position is None or odometry is None:
+        if not beacon.known or odometry is None or observation.now - beacon.heard_at > SILENT:
             return STANDSTILL
-        if beacon.dark >= GONE and beacon.lit is not None:
-            if beacon.count == self._count:
-                return Failed(InfraredLost("the beacon went out of sight before the robot had moved"))
-            beacon.edges[self._side] = beacon.lit
+        for crossing in [crossing for crossing in beacon.crossings if crossing.stamp > self._handled]:
+            self._handled = crossing.stamp
+            self._take(crossing)
+        if len(self._crossings) == CROSSINGS:
+            beacon.confirm_edge(self._side, self._edge())
             return Done()
-        if observation.now - beacon.heard_at > SILENT:
+        if self._is_lost(observation.now):
+            if observation.now - beacon.seen_at > self._lost_after:
+                return Failed(InfraredLost(f"the beacon was out of sight for {self._lost_after:g} s inside its light"))
             return STANDSTILL
+        self._choose_way()
         robot = odometry.pose
-        distance = beacon.receivers.position(robot).distance_to(beacon.position)
-        if self._forwards is None:
-            self._forwards = distance > 0.5 * (NEAREST + FARTHEST)
-        elif distance < NEAREST if self._forwards else distance > FARTHEST:
-            self._forwards = not self._forwards
-            self._turning = True
-        return self._drive(beacon.bearing(robot), distance)
+        return self._drive(beacon.bearing(robot), beacon.distance(robot))
+
+    def _take(self, crossing: Crossing) -> None:
+        """Keep it where it agrees with those before; they are dark, lit, dark."""
+        if crossing.lit is self._outwards:
+            self._crossings.clear()
+        elif self._crossings and abs(self._beyond(crossing.line_of_sight)) > AGREEMENT:
+            self._crossings = [] if crossing.lit else [crossing]
+        elif self._crossings or not crossing.lit:
+            self._crossings.append(crossing)
+
+    def _beyond(self, line_of_sight: float) -> float:
+        """How far outside of the last crossing a place is, in rad around the dock."""
+        return self._side * normalize_angle(line_of_sight - self._crossings[-1].line_of_sight)
+
+    def _edge(self) -> float:
+        out, back, again = (crossing.line_of_sight for crossing in self._crossings)
+        return back + 0.5 * normalize_angle(out + 0.5 * normalize_angle(again - out) - back)
+
+    def _is_lost(self, now: float) -> bool:
+        """Whether it is dark where it must not be."""
+        if self._beacon.lit:
+            return False
+        if not self._crossings:
+            return True
+        return not self._outwards and self._beyond(self._beacon.angle) < -(AGREEMENT + BEYOND)
+
+    def _choose_way(self) -> None:
+        if not self._crossings:
+            self._outwards = True
+            return
+        beyond = self._beyond(self._beacon.angle)
+        if self._beacon.lit and beyond > AGREEMENT:
+            self._crossings.clear()
+            self._outwards = True
+        elif self._outwards and not self._beacon.lit and beyond > BEYOND:
+            self._outwards = False
+        elif not self._outwards and self._beacon.lit and beyond < -BEYOND:
+            self._outwards = True
 
     def _drive(self, bearing: float, distance: float) -> Velocity:
-        wanted = self._side * self._beacon.receivers.infrared_receiver_angle * (1.0 if self._forwards else -1.0)
+        receivers = self._beacon.receivers
+        nearest, farthest = receivers.infrared_distance_min, receivers.infrared_distance_max
+        if self._forwards is None:
+            self._forwards = distance > 0.5 * (nearest + farthest)
+        elif self._outwards and not self._crossings and (distance < nearest if self._forwards else distance > farthest):
+            self._forwards = not self._forwards
+            self._turning = True
+        kept = receivers.half + BEARING * receivers.infrared_receiver_angle
+        wanted = self._side * kept * (1.0 if self._forwards else -1.0)
         error = normalize_angle(bearing - wanted)
         if self._turning and abs(error) > 0.2 * TURN_FIRST:
             return turn(error, self._motion)
         self._turning = False
-        speed = SPEED * self._motion.v_linear_max * (1.0 if self._forwards else -1.0)
+        speed = self._motion.v_linear_max * (1.0 if self._forwards is self._outwards else -1.0)
         keeping = speed * math.sin(bearing) / max(distance, TOUCHING)  # as the beacon goes by
         return Velocity(speed, bounded(STEERING * error + keeping, self._motion.v_angular_max))

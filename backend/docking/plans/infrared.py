@@ -3,25 +3,28 @@
 import math
 
 from docking.behaviors.approach import Approach
+from docking.behaviors.back_out import BackOut
+from docking.behaviors.go_to import GoTo
+from docking.behaviors.moves import bounded
 from docking.behaviors.scan import Scan
 from docking.behaviors.search import Search
 from docking.behaviors.sequence import Sequence
 from docking.behaviors.sidestep import Sidestep
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.wait_for_charge import WaitForCharge
-from docking.core.errors import InfraredLost, Stage
+from docking.core.errors import DockingError, FailedToControl, InfraredLost, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.beacon_filter import FRESH, BeaconFilter
-from docking.goal.behavior import Behavior
+from docking.goal.behavior import Behavior, Failed
 from docking.goal.plan import Poses
 from docking.parameters import Dock, MotionLimits, Receivers
 from docking.plans.sighted import SightedPlan
 
 ENOUGH = 3
 """Readings that must see the beacon before the robot moves on."""
-LAST_LOOK = 0.25
-"""Where the direction is learned once more, in m before the docked pose."""
+WELL_SEEN = 0.75
+"""From the receivers to the beacon, in m: how far to back off."""
 
 
 class InfraredPlan(SightedPlan):
@@ -47,6 +50,8 @@ class InfraredPlan(SightedPlan):
         super().__init__(dock, motion, search_speed=search_speed, detection_timeout=detection_timeout)
         self.beacon = BeaconFilter(receivers)
         self._side = 1
+        self._has_axis = False
+        self._light: Pose | None = None  # in odom, where the robot has had a good look at the beacon
         self._needed = False  # whether the stage needs the receivers
 
     @property
@@ -76,20 +81,39 @@ class InfraredPlan(SightedPlan):
             raise InfraredLost(
                 f"the receivers were silent for {self._detection_timeout:g} s (external_detection_timeout)"
             )
+        had_axis, self._has_axis = self._has_axis, self.beacon.axis is not None
+        if had_axis and not self._has_axis and self._needed:
+            raise InfraredLost("the beacon is not where it was")
         super().observe(observation)
 
     def controller(self, stage: Stage) -> Behavior:
         """A new one for a stage."""
         self._needed = stage in {Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING}
         if stage is Stage.INITIAL_PERCEPTION:
-            return Sequence(self._search, self._scan)
+            return Sequence(self._return_to_light, self._search, self._scan, self._remember_light)
         if stage is Stage.NAV_TO_STAGING_POSE:
-            return Sequence(self._sidestep, self._to_staging, self._scan)
+            return self._find_axis()
         if stage is Stage.CONTROLLING:
-            return Sequence(lambda: self._approach(LAST_LOOK), self._scan, self._approach)
+            return Sequence(self._first_approach, self._scan, self._check_axis, self._approach)
         if stage is Stage.RETRY:
-            return self.back_off()
+            return self._back_off()
         return WaitForCharge(self)
+
+    def _back_off(self) -> BackOut:
+        """Not farther from the beacon than where it is seen well."""
+        if self._robot is None or not self.beacon.known:
+            return self.back_off()
+        return BackOut(bounded(WELL_SEEN - self.beacon.distance(self._robot), -self.dock.staging_x_offset), self.motion)
+
+    def _return_to_light(self) -> Behavior:
+        """A retry begins where the beacon is in sight for sure."""
+        if self._light is None or self.beacon.lit:
+            return Sequence()
+        return GoTo(self._light, self.motion)
+
+    def _remember_light(self) -> Behavior:
+        self._light = self._robot
+        return Sequence()
 
     def _search(self) -> Search:
         beacon, robot = self.beacon, self._robot
@@ -105,12 +129,41 @@ class InfraredPlan(SightedPlan):
     def _scan(self) -> Scan:
         return Scan(self.beacon, self.motion)
 
+    def _find_axis(self) -> Sequence:
+        """By one edge, and by the other one where that is not enough."""
+        return Sequence(self._sidestep, self._to_staging, self._scan, self._find_more)
+
+    def _find_more(self) -> Sequence:
+        return Sequence() if self._knows_axis() else self._find_axis()
+
+    def _knows_axis(self) -> bool:
+        return self.beacon.axis_error <= self.beacon.receivers.infrared_axis_error_max
+
+    def _check_axis(self) -> Behavior:
+        if self._knows_axis():
+            return Sequence()
+        error = math.degrees(self.beacon.axis_error)
+        return _Failure(FailedToControl(f"the dock's axis is not known well enough: to {error:.1f} degrees"))
+
     def _sidestep(self) -> Sidestep:
         side, self._side = self._side, -self._side
-        return Sidestep(self.beacon, self.motion, side)
+        return Sidestep(self.beacon, self.motion, side, self._detection_timeout)
 
     def _to_staging(self) -> ToStaging:
         return ToStaging(self, self.dock, self.motion)
 
+    def _first_approach(self) -> Approach:
+        return self._approach(self.beacon.receivers.infrared_last_scan)
+
     def _approach(self, until: float = -math.inf) -> Approach:
         return Approach(self, self.motion, self.lost, self._detection_timeout, until=until)
+
+
+class _Failure:
+    """Fails at once."""
+
+    def __init__(self, error: DockingError) -> None:
+        self._failed = Failed(error)
+
+    def step(self, observation: Observation, dt: float) -> Failed:
+        return self._failed

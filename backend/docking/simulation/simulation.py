@@ -37,6 +37,8 @@ WORN = 0.1
 """How much smaller the right wheel is with the fault `worn_wheel`, as a fraction of its radius."""
 WRONG = 1.0 / 3.0
 """The part of the detections that are wrong with the fault `wrong_detections`."""
+GHOSTS = 0.1
+"""The part of the infrared distances that are anything with the fault `infrared_ghosts`."""
 IN_THE_WAY = Obstacle(-0.55, 0.05, 0.08)
 """What stands in front of the dock with the fault `obstacle`."""
 
@@ -161,7 +163,7 @@ class Simulation:
         self.odometry = DriftingOdometry(settings.odometry, settings.robot.wheel_separation, self._random("odometry"))
         self.battery = BatteryPack(settings.battery, self._random("battery"))
         self._camera = MarkerCamera(settings.marker, self._random("marker"), self._random("outliers"))
-        self._receivers = InfraredReceivers(settings.infrared, self._random("infrared"))
+        self._receivers = InfraredReceivers(settings.infrared, self._random("infrared"), self._random("ghosts"))
         self._picture_due = self._ranges_due = self._measurement_due = 0.0
         self._bouncing = self._random("bounce")
         self._touched_at: float | None = None
@@ -336,7 +338,7 @@ class Simulation:
         self._detect()
         if now >= self._ranges_due:
             self._ranges_due += 1.0 / self.settings.infrared.rate
-            self.ranges = Ranges(*self._receivers.measure(self.robot.pose), self.time)
+            self._measure_ranges()
         if now >= self._measurement_due:
             self._measurement_due += 1.0 / BATTERY_RATE
             self._measure_battery()
@@ -367,6 +369,15 @@ class Simulation:
             except LookupError:
                 continue
             self.sighting = Sighting(marker, odometry.pose, stamp, min(odometry.stamp, self.time))
+
+    def _measure_ranges(self) -> None:
+        ranges = self._receivers.measure(
+            self.robot.pose,
+            self.time,
+            hidden=Fault.HIDDEN_BEACON in self.faults,
+            ghosts=GHOSTS if Fault.INFRARED_GHOSTS in self.faults else 0.0,
+        )
+        self.ranges = Ranges(*ranges, self.time)
 
     def _measure_battery(self) -> None:
         if Fault.SILENT_BATTERY in self.faults:

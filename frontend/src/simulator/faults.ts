@@ -45,6 +45,16 @@ export const FAULTS: readonly FaultWords[] = [
     effect: "A pillar in front of the dock: it hides the marker, and stops the robot.",
   },
   {
+    fault: "hidden_beacon",
+    name: "Hidden beacon",
+    effect: "No infrared receiver sees the beacon: docking by infrared waits, then backs off and retries.",
+  },
+  {
+    fault: "infrared_ghosts",
+    name: "Infrared ghosts",
+    effect: "A tenth of the infrared distances are random: docking leaves them out.",
+  },
+  {
     fault: "silent_battery",
     name: "Silent battery",
     effect: "No battery messages: the wheels stand still, and after a time battery_lost.",

@@ -1,4 +1,6 @@
 import math
+from collections.abc import Iterable
+from random import Random
 
 import pytest
 from hypothesis import given
@@ -7,95 +9,178 @@ from hypothesis import strategies as st
 from docking.behaviors.sidestep import Sidestep
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, InfraredReading, Observation, Odometry, Velocity
-from docking.estimation.beacon_filter import BeaconFilter, find_sector
+from docking.estimation.beacon_filter import BeaconFilter
 from docking.parameters import MotionLimits, Receivers
 
 INF = math.inf
 BEACON = Pose(1.0, 0.3)
 RECEIVERS = Receivers()
+PERIOD = 1.0 / 15.0
 
 
 def reading(robot: Pose, beacon: Pose = BEACON, stamp: float = 0.0) -> InfraredReading:
-    """What ideal receivers see."""
+    """What ideal receivers see of a beacon that shines in all directions."""
     receivers = RECEIVERS.position(robot)
     distance = receivers.distance_to(beacon)
     bearing = normalize_angle(math.atan2(beacon.y - receivers.y, beacon.x - receivers.x) - robot.theta)
-    half = 0.5 * RECEIVERS.infrared_field_of_view
-    angle = RECEIVERS.infrared_receiver_angle
-    left, center, right = (distance if abs(bearing - way) <= half else INF for way in (angle, 0.0, -angle))
+    left, center, right = (distance if abs(bearing - way) <= RECEIVERS.half else INF for way in RECEIVERS.directions)
     return InfraredReading(left, center, right, stamp)
 
 
-def observed(robot: Pose, now: float) -> Observation:
-    return Observation(now, odometry=Odometry(robot, STANDSTILL, now), infrared=reading(robot, stamp=now))
+def observed(odometry: Pose, now: float, seen: InfraredReading) -> Observation:
+    return Observation(now, odometry=Odometry(odometry, STANDSTILL, now), infrared=seen)
 
 
-@given(st.floats(-1.0, 1.0))
-def test_the_bearing_is_in_the_sector_that_is_seen(bearing: float) -> None:
-    beacon = Pose(RECEIVERS.infrared_receiver_x + math.cos(bearing), math.sin(bearing))
-    sector = find_sector(reading(Pose(), beacon), RECEIVERS)
-    if sector is None:
-        assert abs(bearing) > RECEIVERS.infrared_receiver_angle + 0.5 * RECEIVERS.infrared_field_of_view - 1e-9
-    else:
-        assert sector[0] - 1e-9 <= bearing <= sector[1] + 1e-9
-        assert sector[1] - sector[0] < math.radians(21)
+def looking_around(x: float, y: float, count: int = 150) -> Iterable[Pose]:
+    """A robot that turns to and fro in front of the beacon."""
+    towards = math.atan2(BEACON.y - y, BEACON.x - x)
+    return (Pose(x, y, towards + 0.4 * math.sin(number / 15)) for number in range(count))
 
 
-@pytest.mark.parametrize("unseen", [INF, math.nan])
-def test_nothing_seen_is_no_sector(unseen: float) -> None:
-    assert find_sector(InfraredReading(unseen, unseen, unseen, 0.0), RECEIVERS) is None
+def run(beacon_filter: BeaconFilter, poses: Iterable[Pose], start: float = 0.0) -> float:
+    """Perfect odometry and readings; returns the moment after the last one."""
+    now = start
+    for pose in poses:
+        beacon_filter.update(observed(pose, now, reading(pose, stamp=now)))
+        now += PERIOD
+    return now
 
 
-def test_too_near_to_tell_is_seen() -> None:
-    sector = find_sector(InfraredReading(INF, -INF, INF, 0.0), RECEIVERS)
-    assert sector is not None
-    assert sector[0] < 0.0 < sector[1]
-
-
-@given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
+@given(st.floats(-0.4, 0.4), st.floats(-0.4, 0.4))
 def test_turning_to_and_fro_finds_the_beacon(x: float, y: float) -> None:
     beacon_filter = BeaconFilter(RECEIVERS)
-    towards = math.atan2(BEACON.y - y, BEACON.x - x)
-    for number in range(200):
-        heading = towards + 0.35 * math.sin(number / 15)
-        beacon_filter.update(observed(Pose(x, y, heading), number / 15))
+    run(beacon_filter, looking_around(x, y))
+    assert beacon_filter.position is not None
+    assert beacon_filter.position.distance_to(BEACON) < 0.03
+
+
+def test_turning_to_and_fro_shows_that_odometry_measures_turns_too_large() -> None:
+    beacon_filter = BeaconFilter(RECEIVERS)
+    now = 0.0
+    for pose in looking_around(0.0, 0.0, 200):
+        seen = reading(pose, stamp=now)
+        beacon_filter.update(observed(Pose(0.0, 0.0, 1.1 * pose.theta), now, seen))
+        now += PERIOD
+    assert beacon_filter._state is not None
+    assert beacon_filter._state[4] == pytest.approx(1.0 / 1.1, abs=0.03)
+
+
+@pytest.mark.parametrize("ghosts", [0.02, 0.1])
+def test_ghosts_move_the_beacon_nowhere(ghosts: float) -> None:
+    random = Random(3)
+    beacon_filter = BeaconFilter(RECEIVERS)
+    now = 0.0
+    for pose in looking_around(0.2, 0.0, 300):
+        seen = reading(pose, stamp=now)
+        ranges = [random.uniform(0.02, 2.0) if random.random() < ghosts else distance for distance in seen_by(seen)]
+        beacon_filter.update(observed(pose, now, InfraredReading(*ranges, now)))
+        now += PERIOD
     assert beacon_filter.position is not None
     assert beacon_filter.position.distance_to(BEACON) < 0.04
 
 
-@given(st.floats(-math.pi, math.pi), st.floats(0.3, 1.0), st.sampled_from([-1, 1]))
-def test_an_edge_of_the_light_gives_the_axis(axis: float, distance: float, side: int) -> None:
+def test_ghosts_alone_are_no_beacon() -> None:
+    random = Random(3)
     beacon_filter = BeaconFilter(RECEIVERS)
-    beacon_filter.position = BEACON
-    assert beacon_filter.axis is None
-    # Looking at the dock, its right-hand edge is a robot's whose line of sight is turned to the left of the axis.
-    line_of_sight = axis + side * RECEIVERS.infrared_beacon_angle
-    edge = Pose(BEACON.x - distance * math.cos(line_of_sight), BEACON.y - distance * math.sin(line_of_sight))
-    beacon_filter.edges[side] = edge
+    for number in range(600):
+        ranges = [random.uniform(0.02, 2.0) if random.random() < 0.1 else INF for _ in range(3)]
+        beacon_filter.update(observed(Pose(), number * PERIOD, InfraredReading(*ranges, number * PERIOD)))
+    assert not beacon_filter.known
+
+
+def test_a_beacon_that_is_somewhere_else_is_found_there_and_its_axis_is_unknown() -> None:
+    beacon_filter = BeaconFilter(RECEIVERS)
+    now = run(beacon_filter, looking_around(0.0, 0.0))
+    beacon_filter.confirm_edge(1, beacon_filter.angle)
     assert beacon_filter.axis is not None
-    assert normalize_angle(beacon_filter.axis - axis) == pytest.approx(0.0, abs=1e-9)
+    moved = Pose(0.6, 0.2)
+    for number in range(30):
+        at = now + number * PERIOD
+        beacon_filter.update(observed(Pose(), at, reading(Pose(), moved, at)))
+    assert beacon_filter.position is not None
+    assert beacon_filter.position.distance_to(moved) < 0.1
+    assert beacon_filter.axis is None
+
+
+def test_a_beacon_that_is_hidden_and_seen_again_is_where_it_was() -> None:
+    beacon_filter = BeaconFilter(RECEIVERS)
+    now = run(beacon_filter, looking_around(0.0, 0.0))
+    before = beacon_filter.position
+    assert before is not None
+    robot = Pose(0.0, 0.0, beacon_filter.line_of_sight(Pose()) - 0.35)
+    for number in range(60):
+        at = now + number * PERIOD
+        hidden = number % 20 < 8
+        seen = InfraredReading(INF, INF, INF, at) if hidden else reading(robot, stamp=at)
+        beacon_filter.update(observed(robot, at, seen))
+    assert beacon_filter.position is not None
+    assert beacon_filter.position.distance_to(before) < 0.02
+    assert {crossing.lit for crossing in beacon_filter.crossings} == {True, False}
+
+
+@given(st.sampled_from([-1, 1]))
+def test_an_edge_of_the_light_gives_the_axis(side: int) -> None:
+    beacon_filter = BeaconFilter(RECEIVERS)
+    run(beacon_filter, looking_around(0.0, 0.0))
+    assert beacon_filter.axis is None
+    assert beacon_filter.axis_error > 1.0
+    beacon_filter.confirm_edge(side, beacon_filter.angle)
+    line_of_sight = seen_from_the_last()
+    # Looking at the dock, its right-hand edge is a robot's whose line of sight is turned to the left of the axis.
+    assert beacon_filter.axis == pytest.approx(line_of_sight - side * RECEIVERS.infrared_beacon_angle, abs=0.03)
+    assert beacon_filter.axis_error < 0.04
 
 
 def test_with_both_edges_it_does_not_matter_how_wide_the_light_is() -> None:
     beacon_filter = BeaconFilter(RECEIVERS)
-    beacon_filter.position = Pose()
-    for side in (-1, 1):
-        line_of_sight = 0.4 + side * math.radians(50.0)
-        beacon_filter.edges[side] = Pose(-math.cos(line_of_sight), -math.sin(line_of_sight))
-    assert beacon_filter.axis == pytest.approx(0.4)
+    run(beacon_filter, looking_around(0.0, 0.0))
+    angle, wide = beacon_filter.angle, 2.0 * RECEIVERS.infrared_beacon_angle + 0.04
+    beacon_filter.confirm_edge(1, angle)
+    alone = beacon_filter.axis_error
+    beacon_filter.confirm_edge(-1, angle - wide)
+    assert beacon_filter.edges == {-1, 1}
+    assert beacon_filter.axis == pytest.approx(seen_from_the_last() - 0.5 * wide, abs=0.02)
+    assert beacon_filter.axis_error < alone
 
 
-@given(st.tuples(*[st.floats(allow_nan=True, allow_infinity=True)] * 3), st.floats(-3.0, 3.0))
-def test_no_reading_makes_it_something_else_than_numbers(ranges: tuple[float, float, float], theta: float) -> None:
+def test_an_edge_that_contradicts_the_other_one_replaces_it() -> None:
     beacon_filter = BeaconFilter(RECEIVERS)
-    for number in range(3):
-        now = float(number)
-        odometry = Odometry(Pose(0.0, 0.0, theta), STANDSTILL, now)
-        beacon_filter.update(Observation(now, odometry=odometry, infrared=InfraredReading(*ranges, now)))
+    run(beacon_filter, looking_around(0.0, 0.0))
+    beacon_filter.confirm_edge(1, beacon_filter.angle - 0.6)
+    beacon_filter.confirm_edge(-1, beacon_filter.angle)
+    assert beacon_filter.edges == {-1}
+    expected = seen_from_the_last() + RECEIVERS.infrared_beacon_angle
+    assert beacon_filter.axis == pytest.approx(expected, abs=0.04)
+
+
+@given(
+    st.lists(st.tuples(*[st.floats(allow_nan=True, allow_infinity=True)] * 3), min_size=1, max_size=12),
+    st.floats(-3.0, 3.0),
+)
+def test_no_reading_makes_it_something_else_than_numbers(
+    several: list[tuple[float, float, float]], theta: float
+) -> None:
+    beacon_filter = BeaconFilter(RECEIVERS)
+    for number in range(24):
+        now = number * PERIOD
+        ranges = several[number % len(several)]
+        pose = Pose(0.01 * number, 0.0, theta + 0.02 * number)
+        beacon_filter.update(observed(pose, now, InfraredReading(*ranges, now)))
     assert beacon_filter.position is None or beacon_filter.position.finite
 
 
 def test_a_beacon_right_at_the_receivers_is_no_division_by_zero() -> None:
-    step = Sidestep(BeaconFilter(RECEIVERS), MotionLimits(), 1)._drive(RECEIVERS.infrared_receiver_angle, 0.0)
+    step = Sidestep(BeaconFilter(RECEIVERS), MotionLimits(), 1, 2.0)._drive(RECEIVERS.infrared_receiver_angle, 0.0)
     assert isinstance(step, Velocity)
     assert step.finite
+
+
+def seen_from_the_last() -> float:
+    """The direction to the beacon from the receivers after looking around at the origin."""
+    *_, last = looking_around(0.0, 0.0)
+    receivers = RECEIVERS.position(last)
+    return math.atan2(BEACON.y - receivers.y, BEACON.x - receivers.x)
+
+
+def seen_by(seen: InfraredReading) -> tuple[float, float, float]:
+    return seen.left, seen.center, seen.right

@@ -217,7 +217,23 @@ def test_a_beacon_that_goes_dark_is_no_edge_of_its_light() -> None:
 
     world.blind = blind
     assert world.run().error_code is ErrorCode.INFRARED_LOST
-    assert world.in_stage < 2.0
+    assert world.in_stage < 8.0
+    assert not world.plan.poses.filtered_dock, "an edge was believed"
+
+
+@pytest.mark.parametrize("seconds", [0.3, 0.8, 1.5])
+def test_a_beacon_that_is_hidden_again_and_again_does_not_mislead(seconds: float) -> None:
+    world = World(ControllerName.INFRARED)
+
+    def blind(observation: Observation) -> Observation:
+        if observation.infrared is None or observation.infrared.stamp % 6.0 > seconds:
+            return observation
+        return replace(observation, infrared=InfraredReading(math.inf, math.inf, math.inf, observation.infrared.stamp))
+
+    world.blind = blind
+    assert world.run().end is End.SUCCEEDED
+    assert world.simulation.contact
+    assert world.simulation.bumps == 0
 
 
 def test_a_beacon_that_is_never_seen() -> None:

@@ -14,7 +14,7 @@ SURE = InfraredSettings(noise=0.0)
 
 
 def measure(robot: Pose, settings: InfraredSettings = SURE) -> tuple[float, float, float]:
-    return InfraredReceivers(settings, Random(1)).measure(robot)
+    return InfraredReceivers(settings, Random(1), Random(2)).measure(robot)
 
 
 def turned(degrees: float) -> Pose:
@@ -59,7 +59,7 @@ def test_a_docked_robot_still_sees_it() -> None:
 
 
 def test_its_noise_is_as_large_as_it_is_set() -> None:
-    receivers = InfraredReceivers(replace(SURE, noise=0.02), Random(1))
+    receivers = InfraredReceivers(replace(SURE, noise=0.02), Random(1), Random(2))
     distances = [receivers.measure(Pose(-1.0, 0.0, 0.0))[1] for _ in range(4000)]
     assert fmean(distances) == pytest.approx(0.85, abs=0.002)
     assert pstdev(distances) == pytest.approx(0.02, rel=0.05)
@@ -69,3 +69,25 @@ def test_its_noise_is_as_large_as_it_is_set() -> None:
 def test_a_distance_is_in_range_or_infinite(x: float, y: float, theta: float, noise: float) -> None:
     for distance in measure(Pose(x, y, theta), replace(SURE, noise=noise)):
         assert distance == math.inf or SURE.minimum <= distance <= SURE.range
+
+
+def test_ghosts_are_anything_whether_the_beacon_is_seen_or_not() -> None:
+    receivers = InfraredReceivers(replace(SURE, ghosts=0.1), Random(1), Random(2))
+    away = [receivers.measure(Pose(-1.0, 0.0, math.pi)) for _ in range(2000)]
+    ghosts = [distance for ranges in away for distance in ranges if distance < math.inf]
+    assert len(ghosts) == pytest.approx(600, rel=0.15)
+    assert fmean(ghosts) == pytest.approx(1.0, abs=0.1)
+    seen = [receivers.measure(Pose(-1.0, 0.0, 0.0))[1] for _ in range(2000)]
+    assert sum(distance != pytest.approx(0.85) for distance in seen) == pytest.approx(200, rel=0.25)
+
+
+def test_something_hides_the_beacon_now_and_then() -> None:
+    receivers = InfraredReceivers(replace(SURE, hidden_every=10.0, hidden_for=0.5), Random(1), Random(2))
+    dark = [0.01 * n for n in range(3000) if receivers.measure(Pose(-1.0, 0.0, 0.0), 0.01 * n)[1] == math.inf]
+    assert len(dark) == pytest.approx(150, abs=3)
+    assert dark[-1] - dark[0] > 15.0
+
+
+def test_hidden_it_is_not_seen_by_any() -> None:
+    receivers = InfraredReceivers(SURE, Random(1), Random(2))
+    assert receivers.measure(Pose(-1.0, 0.0, 0.0), hidden=True) == (math.inf, math.inf, math.inf)

@@ -18,6 +18,8 @@ def test_it_tells_each_fault_and_where_the_robot_is() -> None:
         "worn_wheel": "false",
         "wrong_detections": "false",
         "obstacle": "false",
+        "hidden_beacon": "false",
+        "infrared_ghosts": "false",
         "silent_battery": "false",
         "percentage_0_to_100": "false",
         "contact": "false",

@@ -25,6 +25,8 @@ Fault = Literal[
     "worn_wheel",
     "wrong_detections",
     "obstacle",
+    "hidden_beacon",
+    "infrared_ghosts",
     "silent_battery",
     "percentage_0_to_100",
 ]
