@@ -220,7 +220,7 @@ class DockGoal(Goal):
         Raises:
             DockingError: It fails, or says nothing sensible.
         """
-        step = self._controller.step(observation, dt)
+        step = self._controller.step(observation if self._watch is None else self._watch.ahead(observation), dt)
         if isinstance(step, Failed):
             raise step.error
         if isinstance(step, Done):
@@ -228,7 +228,9 @@ class DockGoal(Goal):
             return self._rest()
         if not step.finite:
             raise FailedToControl(f"the controller gave {step}")
-        return step if self._limiter is None else self._limiter.limit(step, dt)
+        if self._limiter is None or self._watch is None:
+            return step
+        return self._limiter.limit(step, dt, self._watch.model.dead_zone)
 
     def _check_deadline(self) -> None:
         """See whether the stage has taken too long.
@@ -269,6 +271,8 @@ class DockGoal(Goal):
         self._stage = stage
         self._stage_time = 0.0
         self._controller = self._plan.controller(stage)
+        if self._watch is not None:
+            self._watch.restart()
 
     def _rest(self) -> Velocity:
         if self._limiter is not None:

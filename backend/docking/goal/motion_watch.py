@@ -1,45 +1,33 @@
 """Compares the commanded motion with the motion that odometry measures."""
 
-from collections import deque
-from dataclasses import dataclass
+from dataclasses import replace
 
 from docking.core.errors import Blocked, OdometryLost
 from docking.core.geometry import Pose
-from docking.core.observation import STANDSTILL, Observation
+from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.estimation.motion_model import Motion, MotionModel
 
 DELAY = 0.3
 """How old odometry may be, in s, for the robot to go on driving."""
 FARTHEST = 1e6
 """In m from where odometry began; what is farther is no pose."""
-PAUSE = 0.4
-"""After a longer time without a look, in s, the comparison begins anew: a base stops when commands stay away."""
-TOLERANCE = 0.35
-"""The fraction of the commanded motion, in both directions, that may be missing: wheels slip."""
+LAGS = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)
+"""How late, in s, the base may do what it is told: commands and odometry take time, and wheels speed up slowly."""
+LEAST_MOTION = 0.3
+"""The part of the commanded motion that there must be: many bases drive slower than they are told, and wheels slip."""
+MOST_MOTION = 1.35
+"""How many times the commanded motion, forward and backward, there may be."""
 LEAST_WAY = 0.04
-"""In m; a shorter way missing says nothing: odometry comes late, by up to 0.1 s, and wheels need time to speed up."""
+"""In m; a shorter way missing, or too much, says nothing."""
 LEAST_TURN = 0.2
-"""In rad; a smaller turn missing says nothing."""
-
-
-_SUMS = ("commanded", "commanded_turn", "to_and_fro", "to_and_fro_turn", "measured", "measured_turn")
-
-
-@dataclass(frozen=True, slots=True)
-class _Ways:
-    """Commanded and measured motion between two observations: m forward and rad, since `at`."""
-
-    at: float
-    commanded: float
-    commanded_turn: float
-    measured: float
-    measured_turn: float
+"""In rad; a smaller turn missing, or too much, says nothing."""
 
 
 class MotionWatch:
     """Compares the commanded velocities with odometry.
 
     Attributes:
-        commanded: The velocity since the last look.
+        model: How the base carries out commands.
     """
 
     def __init__(self, odometry_timeout: float, blocked_after: float, started_at: float) -> None:
@@ -50,20 +38,28 @@ class MotionWatch:
             blocked_after: Seconds over which commanded and measured motion are compared.
             started_at: Seconds of the monotonic clock.
         """
-        self.commanded = STANDSTILL
+        self.model = MotionModel(blocked_after)
         self._odometry_timeout = odometry_timeout
         self._blocked_after = blocked_after
         self._heard_at = started_at
-        self._last: tuple[float, Pose] | None = None
-        self._window: deque[_Ways] = deque()
-        self._sums = dict.fromkeys(_SUMS, 0.0)  # of the window
+        self._begins_at = self._looked_at = started_at
+
+    @property
+    def commanded(self) -> Velocity:
+        """The velocity since the last look."""
+        return self.model.commanded
+
+    @commanded.setter
+    def commanded(self, velocity: Velocity) -> None:
+        self.model.commanded = velocity
 
     def rest(self) -> None:
-        """Forget earlier motion: the robot was commanded to stand still."""
-        self.commanded = STANDSTILL
-        self._last = None
-        self._window.clear()
-        self._sums = dict.fromkeys(_SUMS, 0.0)
+        """The robot is commanded to stand still."""
+        self.model.commanded = STANDSTILL
+
+    def restart(self) -> None:
+        """Begin a new comparison: what came before was reported, or meant, such as pushing against the dock."""
+        self._begins_at = self._looked_at
 
     def sees(self, observation: Observation) -> bool:
         """Whether the robot knows where it is, so that it may move.
@@ -84,48 +80,48 @@ class MotionWatch:
                 nonsense = "" if odometry is sound else f" except an implausible pose, {odometry and odometry.pose}"
                 raise OdometryLost(f"no odometry for {self._odometry_timeout:g} s (odometry_timeout){nonsense}")
             return False
-        self._remember(now, sound.pose)
-        if self._window and now - self._window[0].at >= self._blocked_after:
-            self._compare()
+        self._looked_at = now
+        self.model.look(now, sound.pose)
+        self._compare(now)
         return True
 
-    def _remember(self, now: float, pose: Pose) -> None:
-        last, self._last = self._last, (now, pose)
-        if last is None:
-            return
-        dt, moved = now - last[0], pose.relative_to(last[1])
-        if not 0.0 <= dt <= PAUSE:  # nobody knows for how long the command held
-            self.rest()
-            return
-        ways = _Ways(last[0], self.commanded.linear_x * dt, self.commanded.angular_z * dt, moved.x, moved.theta)
-        self._window.append(ways)
-        self._add(ways, 1.0)
-        while len(self._window) > 1 and now - self._window[1].at >= self._blocked_after:
-            self._add(self._window.popleft(), -1.0)
-
-    def _add(self, ways: _Ways, sign: float) -> None:
-        sums = self._sums
-        sums["commanded"] += sign * ways.commanded
-        sums["commanded_turn"] += sign * ways.commanded_turn
-        sums["to_and_fro"] += sign * abs(ways.commanded)
-        sums["to_and_fro_turn"] += sign * abs(ways.commanded_turn)
-        sums["measured"] += sign * ways.measured
-        sums["measured_turn"] += sign * ways.measured_turn
-
-    def _compare(self) -> None:
-        sums = self._sums
-        missing, missing_turn = (
-            abs(sums["commanded"] - sums["measured"]),
-            abs(sums["commanded_turn"] - sums["measured_turn"]),
+    def ahead(self, observation: Observation) -> Observation:
+        """The same when a command that is given now takes effect: the robot is where it will be then."""
+        odometry = observation.odometry
+        if odometry is None:
+            return observation
+        return replace(
+            observation, odometry=replace(odometry, pose=self.model.ahead(odometry.pose), velocity=self.model.velocity)
         )
-        if missing > max(LEAST_WAY, TOLERANCE * sums["to_and_fro"]) or missing_turn > max(
-            LEAST_TURN, TOLERANCE * sums["to_and_fro_turn"]
-        ):
-            raise Blocked(
-                f"commanded {sums['commanded']:.2f} m and {sums['commanded_turn']:.2f} rad within"
-                f" {self._blocked_after:g} s (blocked_after), measured"
-                f" {sums['measured']:.2f} m and {sums['measured_turn']:.2f} rad"
-            )
+
+    def _compare(self, now: float) -> None:
+        begin = now - self._blocked_after
+        if begin < max(self._begins_at, self.model.known_since):
+            return
+        measured = self.model.measured(begin, now)
+        for lag in LAGS:
+            if _match(self.model.commands(begin - lag, now - lag), measured):
+                return
+        commanded = self.model.commands(begin, now)
+        self.restart()
+        raise Blocked(
+            f"motion does not match command: commanded {commanded.way:.2f} m and {commanded.turn:.2f} rad within"
+            f" {self._blocked_after:g} s (blocked_after), measured {measured.way:.2f} m and {measured.turn:.2f} rad"
+        )
+
+
+def _match(commanded: Motion, measured: Motion) -> bool:
+    return _fits(commanded.way, commanded.to_and_fro, measured.way, LEAST_WAY) and _fits(
+        commanded.turn, commanded.turn_to_and_fro, measured.turn, LEAST_TURN
+    )
+
+
+def _fits(commanded: float, to_and_fro: float, measured: float, least: float) -> bool:
+    """Whether one of the two, way or turn, was carried out."""
+    if commanded < 0.0:
+        commanded, measured = -commanded, -measured
+    missing, more = LEAST_MOTION * commanded - measured, measured - MOST_MOTION * to_and_fro
+    return (missing <= 0.0 or commanded - measured <= least) and more <= least
 
 
 def _makes_sense(pose: Pose) -> bool:

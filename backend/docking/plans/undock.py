@@ -61,11 +61,11 @@ class UndockGoal(Goal):
         if self._time > self._undocking_timeout:
             what = "the battery is still charging" if self._out else "the robot did not get away from the dock"
             raise FailedToUndock(f"{what} after {self._undocking_timeout:g} s (undocking_timeout)")
-        step = STANDSTILL if self._out else self._controller.step(observation, dt)
+        step = STANDSTILL if self._out else self._controller.step(self._watch.ahead(observation), dt)
         if isinstance(step, Done):
             self._out = True
             return self._rest()
-        return self._limiter.limit(step, dt)
+        return self._limiter.limit(step, dt, self._watch.model.dead_zone)
 
     def _rest(self) -> Velocity:
         self._watch.rest()

@@ -1,5 +1,6 @@
 import math
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -36,3 +37,25 @@ def test_a_stop_is_not_delayed() -> None:
         limiter.limit(Velocity(0.26, 1.0), 0.1)
     assert limiter.stop() == STANDSTILL
     assert limiter.limit(STANDSTILL, 0.1) == STANDSTILL
+
+
+@pytest.mark.parametrize(("wish", "expected"), [(0.02, 0.05), (-0.01, -0.05), (0.0, 0.0), (0.1, 0.1)])
+def test_it_drives_at_its_slowest_or_not_at_all(wish: float, expected: float) -> None:
+    limiter = Limiter(LIMITS)
+    velocities = [limiter.limit(Velocity(wish, 0.0), 0.05, Velocity(0.05, 0.0)) for _ in range(20)]
+    assert velocities[-1].linear_x == expected
+
+
+@given(st.floats(-0.2, 0.2), st.floats(0.02, 0.1))
+def test_a_slow_turn_is_made_of_faster_ones_and_the_mean_is_right(wish: float, dt: float) -> None:
+    limiter, turned = Limiter(LIMITS), 0.0
+    for _ in range(600):
+        turned += dt * limiter.limit(Velocity(0.1, wish), dt, Velocity(0.0, 0.15)).angular_z
+    assert turned == pytest.approx(600 * dt * wish, abs=0.1)
+
+
+def test_a_stop_forgets_the_turn_that_was_owed() -> None:
+    limiter = Limiter(LIMITS)
+    limiter.limit(Velocity(0.0, 0.14), 0.2, Velocity(0.0, 0.15))
+    limiter.stop()
+    assert [limiter.limit(STANDSTILL, 0.1, Velocity(0.0, 0.15)) for _ in range(5)] == [STANDSTILL] * 5

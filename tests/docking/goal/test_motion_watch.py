@@ -36,7 +36,7 @@ def test_a_robot_that_does_as_it_is_told_is_not_blocked(told: Velocity, slip: fl
     drive(watch(), told, Velocity(told.linear_x * (1 - slip), told.angular_z * (1 - slip)), 20.0)
 
 
-@pytest.mark.parametrize("delay", [0.0, 0.05, 0.1])
+@pytest.mark.parametrize("delay", [0.0, 0.1, 0.25, 0.5])
 def test_odometry_that_comes_late_does_not_make_it_blocked(delay: float) -> None:
     """Forwards, backwards, to and fro, as fast as the robot may, each for a random while."""
     motion, random, pose, told = watch(), Random(5), Pose(), STANDSTILL
@@ -72,11 +72,53 @@ def test_a_robot_that_does_not_is_blocked_after_a_while(told: Velocity, done: Ve
         drive(motion, told, done, 0.2, start=1.95, pose=pose)
 
 
-def test_what_was_before_a_rest_does_not_count() -> None:
+@pytest.mark.parametrize("share", [0.4, 0.58, 1.0])
+def test_a_base_that_drives_slower_than_it_is_told_is_not_blocked(share: float) -> None:
+    drive(watch(), Velocity(0.26, 0.0), Velocity(0.26 * share, 0.0), 10.0)
+    drive(watch(), Velocity(0.0, 1.0), Velocity(0.0, share), 10.0)
+
+
+def test_motion_that_was_not_commanded_does_not_match() -> None:
+    with pytest.raises(Blocked, match="motion does not match command"):
+        drive(watch(), STANDSTILL, Velocity(0.1, 0.0), 3.0)
+
+
+def test_a_late_base_that_was_told_to_rest_may_still_move() -> None:
+    """It stops 0.4 s after the command: the motion before it counts, too."""
+    motion = watch()
+    pose = drive(motion, Velocity(0.26, 0.0), STANDSTILL, 0.4)
+    pose = drive(motion, Velocity(0.26, 0.0), Velocity(0.26, 0.0), 3.0, start=0.4, pose=pose)
+    motion.rest()
+    pose = drive(motion, STANDSTILL, Velocity(0.26, 0.0), 0.4, start=3.4, pose=pose)
+    drive(motion, STANDSTILL, STANDSTILL, 3.0, start=3.8, pose=pose)
+
+
+def test_a_rest_does_not_hide_that_it_is_blocked() -> None:
     motion = watch()
     pose = drive(motion, Velocity(0.2, 0.0), STANDSTILL, 1.9)
     motion.rest()
-    drive(motion, Velocity(0.2, 0.0), STANDSTILL, 1.9, start=1.9, pose=pose)
+    with pytest.raises(Blocked):
+        drive(motion, Velocity(0.2, 0.0), STANDSTILL, 1.9, start=1.9, pose=pose)
+
+
+def test_once_it_was_reported_the_comparison_begins_again() -> None:
+    motion = watch()
+    with pytest.raises(Blocked):
+        drive(motion, Velocity(0.2, 0.0), STANDSTILL, 3.0)
+    drive(motion, Velocity(0.2, 0.0), STANDSTILL, 1.9, start=2.05)
+
+
+def test_ahead_the_robot_is_where_it_will_be() -> None:
+    motion = watch()
+    pose = drive(motion, Velocity(0.2, 0.0), STANDSTILL, 0.3)
+    pose = drive(motion, Velocity(0.2, 0.0), Velocity(0.2, 0.0), 3.0, start=0.3, pose=pose)
+    seen = Observation(3.3, odometry=Odometry(pose, STANDSTILL, 3.3))
+    motion.sees(seen)
+    ahead = motion.ahead(seen).odometry
+    assert ahead is not None
+    assert ahead.pose.x == pytest.approx(pose.x + 0.2 * 0.3, abs=0.005)
+    assert ahead.velocity.linear_x == pytest.approx(0.2), "measured from poses"
+    assert motion.ahead(Observation(3.3)) == Observation(3.3)
 
 
 def test_what_was_before_a_pause_does_not_count() -> None:

@@ -1,0 +1,216 @@
+"""How the base carries out commands, learned from odometry: how late, and from which velocity on.
+
+Everything that depends on it has one model: the controllers plan from where the robot will be when the next command
+takes effect (a Smith predictor), and a base that does not move as commanded is recognized.
+"""
+
+import math
+from bisect import bisect_right
+from dataclasses import dataclass
+
+from docking.core.geometry import Pose
+from docking.core.observation import STANDSTILL, Velocity
+
+LAGS = tuple(0.05 * number for number in range(13))
+"""What the lag may be, in s: from a command until odometry shows the motion."""
+USUAL_LAG = 0.05
+"""In s; what is assumed as long as nothing else is known."""
+DOUBT = 1e-3
+"""How much an unusual lag must explain better, in m² for each s² that it is away from the usual one."""
+LEVER = 0.15
+"""How many m of error one rad of error counts as."""
+FORGETTING = 0.99
+"""The weight of a step in the next one."""
+PAUSE = 0.4
+"""After a longer time without a look, in s, nobody knows what the base did: it stops when commands stay away."""
+WINDOW = 0.15
+"""Seconds over which a velocity is measured."""
+STUCK = 0.3
+"""Seconds without motion after which a command is too small for the base."""
+STILL = 0.1
+"""The part of a commanded motion below which there is none."""
+RAISE = 1.4
+"""How much larger than a command that did not move the base the next one must be."""
+DEAD_ZONE_MAX = Velocity(0.12, 0.4)
+"""The largest dead zone that is learned: a base that does not move then is blocked."""
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Ways from the start on.
+
+    Attributes:
+        way: Forward, in m.
+        turn: To the left, in rad.
+        to_and_fro: Forward and backward, in m.
+        turn_to_and_fro: To the left and to the right, in rad.
+    """
+
+    way: float = 0.0
+    turn: float = 0.0
+    to_and_fro: float = 0.0
+    turn_to_and_fro: float = 0.0
+
+    def plus(self, way: float, turn: float) -> "Motion":
+        """One step more."""
+        return Motion(self.way + way, self.turn + turn, self.to_and_fro + abs(way), self.turn_to_and_fro + abs(turn))
+
+    def since(self, before: "Motion") -> "Motion":
+        """What is new."""
+        return Motion(
+            self.way - before.way,
+            self.turn - before.turn,
+            self.to_and_fro - before.to_and_fro,
+            self.turn_to_and_fro - before.turn_to_and_fro,
+        )
+
+    def towards(self, after: "Motion", share: float) -> "Motion":
+        """In between."""
+        return Motion(
+            self.way + share * (after.way - self.way),
+            self.turn + share * (after.turn - self.turn),
+            self.to_and_fro + share * (after.to_and_fro - self.to_and_fro),
+            self.turn_to_and_fro + share * (after.turn_to_and_fro - self.turn_to_and_fro),
+        )
+
+
+NOWHERE = Motion()
+
+
+class MotionModel:
+    """Compares commands with odometry.
+
+    Attributes:
+        commanded: The velocity since the last look.
+        lag: Seconds from a command until odometry shows the motion.
+        dead_zone: Commands below do not move the base, as far as is known.
+        known_since: Since when there was no pause, in s.
+    """
+
+    def __init__(self, memory: float = 2.0) -> None:
+        """Begin at a standstill.
+
+        Args:
+            memory: Seconds of history that are kept at least, beyond the largest lag.
+        """
+        self.commanded = STANDSTILL
+        self.known_since = math.inf
+        self._memory = memory + LAGS[-1]
+        self.lag = USUAL_LAG
+        self.dead_zone = STANDSTILL
+        self._times: list[float] = []
+        self._commands: list[Motion] = []
+        self._measured: list[Motion] = []
+        self._last: Pose | None = None
+        self._lagged = [NOWHERE] * len(LAGS)
+        self._errors = [0.0] * len(LAGS)
+        self._still_since = [math.inf, math.inf]
+        self._raised_at = [-math.inf, -math.inf]
+
+    # History.
+
+    def look(self, now: float, pose: Pose) -> None:
+        """Take over what odometry says; since the last look, `commanded` held."""
+        last, self._last = self._last, pose
+        dt = now - self._times[-1] if self._times else math.inf
+        if last is None or dt > PAUSE:
+            self._times, self._commands, self._measured = [now], [NOWHERE], [NOWHERE]
+            self._lagged = [NOWHERE] * len(LAGS)
+            self._still_since = [math.inf, math.inf]
+            self.known_since = now
+            return
+        if dt <= 0.0:
+            return
+        moved = pose.relative_to(last)
+        self._times.append(now)
+        self._commands.append(self._commands[-1].plus(self.commanded.linear_x * dt, self.commanded.angular_z * dt))
+        self._measured.append(self._measured[-1].plus(moved.x, moved.theta))
+        if self._times[0] < now - 2.0 * self._memory:
+            gone = bisect_right(self._times, now - self._memory)
+            del self._times[:gone], self._commands[:gone], self._measured[:gone]
+        self._learn_lag()
+        self._learn_dead_zone(now)
+
+    def commands(self, begin: float, end: float) -> Motion:
+        """The motion that was commanded between two moments."""
+        return self._at(self._commands, end).since(self._at(self._commands, begin))
+
+    def measured(self, begin: float, end: float) -> Motion:
+        """The motion that odometry measured between two moments."""
+        return self._at(self._measured, end).since(self._at(self._measured, begin))
+
+    def _at(self, history: list[Motion], at: float) -> Motion:
+        times = self._times
+        index = bisect_right(times, at)
+        if index == 0:
+            return history[0]
+        if index == len(times):
+            return history[-1]
+        before, after = times[index - 1], times[index]
+        return history[index - 1].towards(history[index], (at - before) / (after - before))
+
+    # What is derived from it.
+
+    @property
+    def velocity(self) -> Velocity:
+        """As it was measured a moment ago: from poses, since not every odometry has a velocity."""
+        if len(self._times) < 2:
+            return STANDSTILL
+        now = self._times[-1]
+        seconds = min(WINDOW, now - self._times[0])
+        moved = self.measured(now - seconds, now)
+        return Velocity(moved.way / seconds, moved.turn / seconds)
+
+    def ahead(self, pose: Pose) -> Pose:
+        """Where the robot will be when a command that is given now takes effect.
+
+        Args:
+            pose: The newest that odometry has measured.
+        """
+        if not self._times:
+            return pose
+        now = self._times[-1]
+        coming = self.commands(now - self.lag, now)
+        # A base that does not move at all is not about to.
+        way, turn = (
+            0.0 if now - since > self.lag + WINDOW else motion
+            for motion, since in zip((coming.way, coming.turn), self._still_since, strict=True)
+        )
+        half = 0.5 * turn
+        return pose.compose(Pose(way * math.cos(half), way * math.sin(half), turn))
+
+    # How it learns.
+
+    def _learn_lag(self) -> None:
+        now = self._times[-1]
+        moved = self._measured[-1].since(self._measured[-2])
+        steps = []
+        for number, lag in enumerate(LAGS):
+            before, self._lagged[number] = self._lagged[number], self._at(self._commands, now - lag)
+            step = self._lagged[number].since(before)
+            steps.append((step.way - moved.way) ** 2 + (LEVER * (step.turn - moved.turn)) ** 2)
+        if max(steps) - min(steps) < 1e-9:
+            return
+        self._errors = [FORGETTING * error + step for error, step in zip(self._errors, steps, strict=True)]
+        scores = [error + DOUBT * (lag - USUAL_LAG) ** 2 for error, lag in zip(self._errors, LAGS, strict=True)]
+        best = min(range(len(LAGS)), key=scores.__getitem__)
+        self.lag = LAGS[best]
+        if 0 < best < len(LAGS) - 1:  # between the two neighbours, by a parabola
+            less, least, more = scores[best - 1 : best + 2]
+            self.lag += 0.5 * (LAGS[1] - LAGS[0]) * (less - more) / (less - 2.0 * least + more)
+
+    def _learn_dead_zone(self, now: float) -> None:
+        commanded, measured = self._commands[-1].since(self._commands[-2]), self._measured[-1].since(self._measured[-2])
+        dt = self._times[-1] - self._times[-2]
+        zone = [self.dead_zone.linear_x, self.dead_zone.angular_z]
+        most = (DEAD_ZONE_MAX.linear_x, DEAD_ZONE_MAX.angular_z)
+        told = (self.commanded.linear_x, self.commanded.angular_z)
+        for axis, (command, way) in enumerate(((commanded.way, measured.way), (commanded.turn, measured.turn))):
+            if command == 0.0 or abs(way) > STILL * abs(command):
+                self._still_since[axis] = math.inf
+                continue
+            self._still_since[axis] = min(self._still_since[axis], now - dt)
+            if now - max(self._still_since[axis], self._raised_at[axis]) > STUCK + self.lag:
+                zone[axis] = min(most[axis], max(zone[axis], RAISE * abs(told[axis])))
+                self._raised_at[axis] = now
+        self.dead_zone = Velocity(*zone)
