@@ -10,6 +10,7 @@ from typing import Protocol, TypeVar
 
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
+from dock_gateway.access.single_sign_on import open_single_sign_on
 from dock_gateway.access.tickets import Tickets
 from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.actions.unfinished import store_unfinished, take_over_unfinished
@@ -161,7 +162,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     webhooks = SharedBook(history.webhooks, "webhook", MAX_WEBHOOKS)
     outbox = Outbox(webhooks, SharedEntries(history.webhook_deliveries))
     notifier = _closed_by(stack, Notifier(alerts, labels, webhooks=webhooks, outbox=outbox))
-    logins = _closed_by(stack, Logins(history))
+    logins = _closed_by(stack, Logins(history, open_single_sign_on(settings)))
     if settings.authentication:
         await logins.open()
     parts = Parts(settings, bridge, hub, history, actions, robots, stopper, alerts, notifier)

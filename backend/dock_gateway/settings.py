@@ -5,9 +5,10 @@ import re
 from ipaddress import ip_network
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple, Self
+from urllib.parse import urlsplit
 
 import platformdirs
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "::1", "localhost"})
@@ -16,6 +17,12 @@ LOOPBACK_HOSTS = frozenset({"127.0.0.1", "::1", "localhost"})
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 NAMESPACE = re.compile(rf"/?|/?{NAME.pattern}(/{NAME.pattern})*/?")
 ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
+
+# Signatures that a provider publishes keys for: neither `none` nor those with a shared secret are among them.
+SIGNATURES = frozenset(
+    {"RS256", "RS384", "RS512", "PS256", "PS384", "PS512", "ES256", "ES384", "ES512", "EdDSA", "Ed25519"}
+)
+ROLES = frozenset({"viewer", "operator", "supervisor", "admin"})
 
 Seconds = Annotated[float, Field(gt=0, le=3600)]
 
@@ -90,6 +97,62 @@ class Settings(BaseSettings):
     tls_client_ca: Path | None = Field(
         None,
         description="PEM file with certificate authorities. Only clients with a certificate of theirs can connect.",
+    )
+    oidc_issuer: str | None = Field(
+        None,
+        description="Issuer of the OpenID Connect provider where people log in, such as "
+        "`https://login.example.com/realms/site`: [access.md](access.md#an-identity-provider).",
+    )
+    oidc_client_id: str | None = Field(
+        None,
+        description="The gateway's client id at the provider, for people who use the dashboard. Empty: only services.",
+    )
+    oidc_client_secret: SecretStr | None = Field(
+        None,
+        description="The secret of that client; empty for a public client. Options can be seen by others.",
+    )
+    oidc_audience: str | None = Field(
+        None,
+        description="The audience (`aud`) of JWT access tokens for this gateway, such as `https://robots.example.com`. "
+        "Empty: none are accepted.",
+    )
+    oidc_name: str = Field(
+        "", max_length=40, description="What the login page calls the provider. Empty: the host name of the issuer."
+    )
+    oidc_scopes: str = Field(
+        "openid profile",
+        pattern="^[!#-\\[\\]-~]+( [!#-\\[\\]-~]+)*$",
+        description="What the dashboard asks the provider for, separated by spaces; `openid` is needed.",
+    )
+    oidc_algorithms: Annotated[tuple[str, ...], NoDecode] = Field(
+        ("RS256", "PS256", "ES256", "EdDSA", "Ed25519"),
+        description="Algorithms of signatures that are accepted from the provider, separated by commas.",
+    )
+    oidc_name_claim: str = Field(
+        "preferred_username",
+        min_length=1,
+        description="The claim with the name of a person or a service; `sub` is used where it is missing. It has to be "
+        "one that people cannot change themselves.",
+    )
+    oidc_role_claim: str = Field(
+        "roles",
+        min_length=1,
+        description="The claim with roles or groups: a text or a list. `realm_access.roles` is a claim in a claim.",
+    )
+    oidc_roles: Annotated[tuple[str, ...], NoDecode] = Field(
+        (),
+        description="The role of each value of that claim: `robot-ops=operator,robot-admins=admin`. The highest "
+        "counts; who has none of the values has no access.",
+    )
+    oidc_robots_claim: str | None = Field(
+        None,
+        description="The claim with the robots of a person or a service: a list of namespaces such as `/hall_a/*`. "
+        "Without a valid one there is no access, but for admins. Empty: every robot.",
+    )
+    oidc_actions_claim: str | None = Field(None, description="The claim with the actions, likewise.")
+    oidc_topics_claim: str | None = Field(None, description="The claim with the topics, likewise.")
+    oidc_session_hours: float = Field(
+        12.0, gt=0, le=720, description="Hours after which a login with the provider ends at the latest."
     )
     trusted_proxies: Annotated[tuple[str, ...], NoDecode] = Field(
         ("127.0.0.1", "::1"),
@@ -300,11 +363,44 @@ class Settings(BaseSettings):
 
     @field_validator("allowed_hosts", "allowed_origins", "trusted_proxies", mode="before")
     @classmethod
-    def _split(cls, value: object) -> object:
-        parts = value.split(",") if isinstance(value, str) else value
-        if not isinstance(parts, list | tuple):
+    def _split_lower(cls, value: object) -> object:
+        parts = _split(value)
+        if not isinstance(parts, tuple):
             return value
-        return tuple(part.strip().lower() if isinstance(part, str) else part for part in parts if part)
+        return tuple(part.lower() if isinstance(part, str) else part for part in parts)
+
+    @field_validator("oidc_algorithms", "oidc_roles", mode="before")
+    @classmethod
+    def _split_exactly(cls, value: object) -> object:
+        return _split(value)
+
+    @field_validator("oidc_algorithms")
+    @classmethod
+    def _check_algorithms(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        if not value or not SIGNATURES.issuperset(value):
+            raise ValueError(f"choose from {', '.join(sorted(SIGNATURES))}, separated by commas")
+        return value
+
+    @field_validator("oidc_roles")
+    @classmethod
+    def _check_roles(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        for part in value:
+            claimed, _, role = part.rpartition("=")
+            if not claimed.strip() or role.strip() not in ROLES:
+                raise ValueError(
+                    f"{part[:100]!r} is not like robot-ops=operator; roles are viewer, operator, supervisor and admin"
+                )
+        return value
+
+    @field_validator("oidc_issuer")
+    @classmethod
+    def _check_issuer(cls, value: str | None) -> str | None:
+        if value is not None and not (is_safe_address(value) and "?" not in value):
+            raise ValueError(
+                f"{value[:100]!r} is not an address such as https://login.example.com/realms/site; only a provider on "
+                "this machine may be at http"
+            )
+        return value
 
     @field_validator("trusted_proxies")
     @classmethod
@@ -313,7 +409,19 @@ class Settings(BaseSettings):
             ip_network(part)
         return value
 
-    @field_validator("tls_cert", "tls_key", "tls_client_ca", mode="before")
+    @field_validator(
+        "tls_cert",
+        "tls_key",
+        "tls_client_ca",
+        "oidc_issuer",
+        "oidc_client_id",
+        "oidc_client_secret",
+        "oidc_audience",
+        "oidc_robots_claim",
+        "oidc_actions_claim",
+        "oidc_topics_claim",
+        mode="before",
+    )
     @classmethod
     def _read_empty(cls, value: object) -> object:
         return value or None
@@ -353,6 +461,31 @@ class Settings(BaseSettings):
             raise ValueError("tls_client_ca needs tls_cert and tls_key")
         if self.authentication and self.database_url == "memory:":
             raise ValueError("authentication needs a database for users and tokens: the history `memory:` keeps none")
+        return self
+
+    @model_validator(mode="after")
+    def _check_oidc(self) -> Self:
+        if self.oidc_issuer is None:
+            if needless := sorted(
+                name for name in self.model_fields_set if name.startswith("oidc_") and getattr(self, name)
+            ):
+                raise ValueError(f"{needless[0]} needs oidc_issuer")
+            return self
+        if not self.authentication:
+            raise ValueError("oidc_issuer needs authentication: without it nobody is asked to log in")
+        if self.oidc_client_id is None and self.oidc_audience is None:
+            raise ValueError("oidc_issuer needs oidc_client_id for people, or oidc_audience for services, or both")
+        if self.oidc_client_id is None and self.oidc_client_secret is not None:
+            raise ValueError("oidc_client_secret needs oidc_client_id")
+        if self.oidc_client_id == self.oidc_audience:
+            raise ValueError(
+                "oidc_audience must not be oidc_client_id: what the provider says to the dashboard would count as an "
+                "access token"
+            )
+        if "openid" not in self.oidc_scopes.split():
+            raise ValueError("oidc_scopes needs openid")
+        if not self.oidc_roles:
+            raise ValueError("oidc_issuer needs oidc_roles, such as robot-ops=operator: nobody has a role otherwise")
         return self
 
     @property
@@ -396,6 +529,26 @@ class Settings(BaseSettings):
     def docking_actions(self, namespace: str | None = None) -> DockingActions:
         """The docking and the undocking action of a robot, of the configured one where none is named."""
         return DockingActions(self.resolve(self.dock_action, namespace), self.resolve(self.undock_action, namespace))
+
+
+def _split(value: object) -> object:
+    """Return the parts of a setting that are separated by commas."""
+    parts = value.split(",") if isinstance(value, str) else value
+    if not isinstance(parts, list | tuple):
+        return value
+    return tuple(part.strip() if isinstance(part, str) else part for part in parts if part)
+
+
+def is_safe_address(value: str) -> bool:
+    """Return whether a text is an address that can be asked safely: over TLS, or on this machine."""
+    try:
+        address = urlsplit(value)
+        host = address.hostname
+        _ = address.port
+    except ValueError:
+        return False
+    safe = address.scheme == "https" or (address.scheme == "http" and host in LOOPBACK_HOSTS)
+    return bool(safe and host and value.isprintable() and not re.search(r"[ #@\\]", value))
 
 
 def _is_named(action_name: str, name: str) -> bool:

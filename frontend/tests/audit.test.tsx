@@ -102,6 +102,7 @@ describe("the page", () => {
       required: true,
       open_to: null,
       principal: { name: "Ada", kind: "token", role: "viewer", robots: [], actions: [], topics: [] },
+      provider: null,
     });
     renderPage(fakeGateway(), {}, "/ui/audit");
     expect(await screen.findByText("Needs the role admin; you are viewer.")).toBeTruthy();

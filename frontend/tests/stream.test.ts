@@ -124,7 +124,7 @@ describe("stream", () => {
   });
 
   it("waits for a login when its token is no longer valid, and goes on at once after it", async () => {
-    const out = { required: true, open_to: null, principal: null };
+    const out = { required: true, open_to: null, principal: null, provider: null };
     vi.stubGlobal("fetch", async () => Response.json(out));
     const socket = await newest();
     socket.open();
@@ -140,7 +140,9 @@ describe("stream", () => {
   });
 
   it("asks whether a login is needed where a handshake was refused", async () => {
-    vi.stubGlobal("fetch", async () => Response.json({ required: true, open_to: null, principal: null }));
+    vi.stubGlobal("fetch", async () =>
+      Response.json({ required: true, open_to: null, principal: null, provider: null }),
+    );
     (await newest()).drop();
     await vi.advanceTimersByTimeAsync(60_000);
     expect(FakeSocket.sockets).toHaveLength(1);

@@ -9,7 +9,7 @@ from dataclasses import replace
 from datetime import datetime, timedelta
 from typing import ClassVar, Generic, TypeVar
 
-from dock_gateway.core.access import Principal, Session, Token
+from dock_gateway.core.access import PersonSession, Principal, Session, Token
 from dock_gateway.core.errors import GatewayError, NotAuthenticated
 from dock_gateway.core.event import utc_now
 from dock_gateway.fleet.shared_book import SharedBook
@@ -20,7 +20,7 @@ ID_DIGITS = 16
 # Time between two records of the use of a secret.
 USED_EVERY = timedelta(minutes=1)
 
-CredentialT = TypeVar("CredentialT", Token, Session)
+CredentialT = TypeVar("CredentialT", Token, Session, PersonSession)
 
 
 class Credentials(ABC, Generic[CredentialT]):

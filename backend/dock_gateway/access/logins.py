@@ -1,4 +1,4 @@
-"""Who uses the gateway: users with their sessions, tokens, and the streams that end with them."""
+"""Who uses the gateway: users and people with their sessions, tokens, and the streams that end with them."""
 
 import asyncio
 import logging
@@ -10,9 +10,13 @@ from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
+from dock_gateway.access.claims import PREFIX as PERSON_NAMES
+from dock_gateway.access.jwt import looks_like_jwt
+from dock_gateway.access.login_attempt import LoginAttempt
 from dock_gateway.access.login_delays import LoginDelays, network_of
 from dock_gateway.access.passwords import Passwords
-from dock_gateway.access.sessions import MAX_SESSIONS, PREFIX, Sessions
+from dock_gateway.access.sessions import MAX_SESSIONS, PERSON_PREFIX, PREFIX, PersonSessions, Sessions
+from dock_gateway.access.single_sign_on import SingleSignOn, no_provider
 from dock_gateway.access.tokens import MAX_TOKENS, Tokens
 from dock_gateway.access.users import MAX_USERS, Check, Users, edit, is_admin, new_era, new_user, user_document
 from dock_gateway.core.access import Kind, Principal, User
@@ -40,12 +44,17 @@ class Logins:
 
     Args:
         history: Stores them.
+        sso: An identity provider, where people and services log in as well.
     """
 
-    def __init__(self, history: History) -> None:
+    def __init__(self, history: History, sso: SingleSignOn | None = None) -> None:
         self.tokens = Tokens(SharedBook(history.tokens, "token", MAX_TOKENS))
         self._users = Users(SharedBook(history.users, "user", MAX_USERS))
         self._sessions = Sessions(SharedBook(history.sessions, "session", MAX_SESSIONS), self._users.book)
+        self.people = PersonSessions(
+            SharedBook(history.person_sessions, "session", MAX_SESSIONS), None if sso is None else sso.issuer
+        )
+        self.sso = sso
         self._passwords = Passwords()
         self._delays = LoginDelays()
         self._streams: dict[Principal, set[Callable[[], None]]] = {}
@@ -54,7 +63,9 @@ class Logins:
     async def open(self) -> None:
         """Read who may log in, and watch that from now on."""
         await self.look()
-        if await self._users.book.sync() and not self._users.book.keys() | self.tokens.book.keys():
+        if self.sso is not None:
+            self.sso.provider.open()
+        elif await self._users.book.sync() and not self._users.book.keys() | self.tokens.book.keys():
             log.warning("nobody can log in yet: `dock-gateway user add NAME --role admin` adds the first user")
         self._tasks.spawn(self._run())
 
@@ -70,11 +81,15 @@ class Logins:
         await self._sessions.look()  # before the users: a new session's user is known
         await self._users.book.sync()
         await self._sessions.sweep()
+        await self.people.look()
+        await self.people.sweep()
         self._end_streams()
 
     async def close(self) -> None:
         """Watch no longer."""
         await self._tasks.close()
+        if self.sso is not None:
+            await self.sso.provider.close()
 
     # ------------------------------------------------------------------ who makes a request
 
@@ -83,17 +98,41 @@ class Logins:
 
         Raises:
             NotAuthenticated: There is no secret, or no valid token or session with it (`invalid_token`).
+            NotAllowed: It is an access token of the provider, and its claims give no role (`no_role`).
         """
         if secret is None:
             raise NotAuthenticated("this gateway asks for a login: log in, or send `Authorization: Bearer dgw_…`")
-        return (self._sessions if secret.startswith(PREFIX) else self.tokens).identify(secret)
+        if secret.startswith(PREFIX):
+            return self._sessions.identify(secret)
+        if secret.startswith(PERSON_PREFIX):
+            return self.people.identify(secret)
+        if self.sso is not None and looks_like_jwt(secret):
+            return self.sso.identify(secret)
+        return self.tokens.identify(secret)
+
+    async def prepare(self, secret: str | None) -> None:
+        """Ask the provider for what `identify` needs to know for this secret, if it is an access token.
+
+        Raises:
+            Unavailable: The provider has not answered yet since the gateway was started (`provider_unavailable`).
+        """
+        if self.sso is not None and secret is not None and looks_like_jwt(secret):
+            await self.sso.prepare(secret)
 
     def is_valid(self, principal: Principal) -> bool:
         """Return whether someone is still logged in, and may do what they could when they were identified."""
         if principal.credential is None:
             return True
-        credentials = self._sessions if principal.kind is Kind.USER else self.tokens
-        return credentials.principal(principal.credential) == principal
+        match principal.kind:
+            case Kind.SERVICE:
+                return self.sso is not None and self.sso.is_valid(principal)
+            case Kind.PERSON:
+                current = self.people.principal(principal.credential)
+            case Kind.USER:
+                current = self._sessions.principal(principal.credential)
+            case _:
+                current = self.tokens.principal(principal.credential)
+        return current == principal
 
     def require_valid(self, principal: Principal) -> None:
         """Refuse someone who was identified earlier, if that is no longer true.
@@ -134,6 +173,9 @@ class Logins:
                 this name, by which records name them.
             Unavailable: The history does not answer (`history_unavailable`); there is no new token.
         """
+        if name.lower().startswith(PERSON_NAMES):
+            detail = f"names that begin with {PERSON_NAMES} are for the identity provider"
+            raise Conflict(detail, code="user_exists")
         return await self.tokens.create(name, grant, expires_at, by, self._users.without(name))
 
     async def revoke_token(self, token_id: str) -> None:
@@ -183,6 +225,61 @@ class Logins:
             secret = await self._sessions.create(name, user.era)
         return self._sessions.identify(secret), secret
 
+    async def log_in_person(
+        self,
+        attempt: LoginAttempt | None,
+        said: Mapping[str, str],
+        redirect_uri: str,
+        address: str,
+        note: Callable[[str], None] = lambda _: None,
+    ) -> tuple[Principal, str]:
+        """Log a person in whom the provider has sent back; return as `log_in` does.
+
+        Args:
+            attempt: What the browser has kept of the login.
+            said: The query with which the provider has sent it back.
+            redirect_uri: The address without the query.
+            address: The client's address.
+            note: Is given the name of the person and the provider's id, also if they are refused then.
+
+        Raises:
+            NotFound: People do not log in here with a provider (`no_provider`).
+            NotAuthenticated: The login is not valid (`login_failed`).
+            NotAllowed: The person has no role (`no_role`).
+            Conflict: There are too many sessions (`too_many_sessions`).
+            TooManyRequests: There were too many failed logins (`too_many_logins`).
+            Unavailable: The provider (`provider_unavailable`) or the history (`history_unavailable`) does not answer.
+        """
+        sso = self._require_sso()
+        code, attempt = sso.accept(attempt, said)  # not counted: any page can make a browser fail here
+        with self._counted("", address):
+            person = await sso.redeem(code, attempt, redirect_uri)
+            note(f"{person.name} ({person.subject})")
+            grant = sso.grant_of(person)
+            secret = await self.people.create(person.name, person.subject, grant, person.attempt, sso.lifetime)
+        return self.people.identify(secret), secret
+
+    def _require_sso(self) -> SingleSignOn:
+        if self.sso is None:
+            raise no_provider()
+        return self.sso
+
+    async def begin_person(self, page: str, redirect_uri: str) -> tuple[str, LoginAttempt]:
+        """Begin a login with the provider, as `SingleSignOn.begin` does."""
+        return await self._require_sso().begin(page, redirect_uri)
+
+    async def end_person(self, name: str) -> None:
+        """End all sessions of a person.
+
+        Raises:
+            NotFound: The person has none (`person_not_found`).
+            Unavailable: The history does not answer (`history_unavailable`); some go on.
+        """
+        try:
+            await self.people.end_all(name)
+        finally:
+            self._end_streams()
+
     async def log_out(self, secret: str | None) -> None:
         """End the session of a secret, if it is one.
 
@@ -190,7 +287,7 @@ class Logins:
             Unavailable: The history does not answer (`history_unavailable`); the session goes on.
         """
         if secret is not None:
-            await self._sessions.end(secret)
+            await (self.people if secret.startswith(PERSON_PREFIX) else self._sessions).end(secret)
             self._end_streams()
 
     async def end_sessions(self, name: str) -> None:

@@ -28,7 +28,11 @@ class Tickets:
         """Return a new ticket for a user."""
         now = self._clock()
         self._unused = {ticket: held for ticket, held in self._unused.items() if held[1] > now}
-        own = [ticket for ticket, (user, _) in self._unused.items() if user == principal]
+        own = [
+            ticket
+            for ticket, (user, _) in self._unused.items()
+            if (user.name, user.kind) == (principal.name, principal.kind)
+        ]
         for oldest in own[: max(0, len(own) + 1 - MAX_TICKETS)]:
             del self._unused[oldest]
         ticket = secrets.token_urlsafe(32)

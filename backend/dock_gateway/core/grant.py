@@ -16,6 +16,8 @@ from dock_gateway.core.goal import encode
 LIMITS = ("robots", "actions", "topics")
 # A pattern of names, in which `*` stands for any text.
 PATTERN = re.compile(r"/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+")
+# Maximum number of patterns of each limit, and of characters of one: as many as a name on the ROS graph can have.
+MAX_PATTERNS, MAX_PATTERN = 50, 255
 # Between the name of an action and those of its topics, `feedback` and `status`.
 ACTION_TOPICS = "/_action/"
 # The topics of the events that are about several robots.

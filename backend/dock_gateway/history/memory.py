@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from copy import copy
 from typing import Generic
 
-from dock_gateway.core.access import Session, Token, User
+from dock_gateway.core.access import PersonSession, Session, Token, User
 from dock_gateway.core.automation import Decision, Rule
 from dock_gateway.core.event import FEEDBACK, Event, kind_of
 from dock_gateway.core.filters import GoalFilter
@@ -84,6 +84,7 @@ class MemoryHistory:
         self.tokens = MemoryEntries[Token]()
         self.users = MemoryEntries[User]()
         self.sessions = MemoryEntries[Session]()
+        self.person_sessions = MemoryEntries[PersonSession]()
         self.audit = MemoryAudit()
         self.on_loss: Callable[[], None] = lambda: None
         self._limit = limit

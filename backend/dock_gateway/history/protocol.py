@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any, NamedTuple, Protocol, TypeVar
 
-from dock_gateway.core.access import Session, Token, User
+from dock_gateway.core.access import PersonSession, Session, Token, User
 from dock_gateway.core.audit import AuditEntry, AuditFilter, AuditRow
 from dock_gateway.core.automation import Decision, Rule
 from dock_gateway.core.event import Event, nanoseconds, time_id
@@ -231,6 +231,10 @@ class History(Protocol):
     @property
     def sessions(self) -> Entries[Session]:
         """The sessions of users, by id."""
+
+    @property
+    def person_sessions(self) -> Entries[PersonSession]:
+        """The sessions of people of an identity provider, by id."""
 
     @property
     def audit(self) -> AuditStore:

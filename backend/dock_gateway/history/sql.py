@@ -13,7 +13,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from dock_gateway.core.access import Session, Token, User
+from dock_gateway.core.access import PersonSession, Session, Token, User
 from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.event import Event, time_id
@@ -52,6 +52,7 @@ from dock_gateway.history.tables import (
     automation_decisions,
     automation_rules,
     goal_tags,
+    person_sessions,
     robot_labels,
     sessions,
     tokens,
@@ -103,6 +104,7 @@ class SqlHistory:
         self.tokens = SqlEntries(self._reader, writer, tokens, _token)
         self.users = SqlEntries(self._reader, writer, users, _user)
         self.sessions = SqlEntries(self._reader, writer, sessions, Session)
+        self.person_sessions = SqlEntries(self._reader, writer, person_sessions, _person_session)
         self.audit = SqlAudit(self._reader, writer)
         self._events = EventReader(self._reader, self._waiting)
         self.retention = Retention(self._database, limits)
@@ -339,6 +341,10 @@ def _token(name: str, role: str, *fields: Any) -> Token:
 
 def _user(role: str, *fields: Any) -> User:
     return User(Role(role), *fields)
+
+
+def _person_session(name: str, issuer: str, subject: str, role: str, *fields: Any) -> PersonSession:
+    return PersonSession(name, issuer, subject, Role(role), *fields)
 
 
 def _delivery(webhook_id: str, event_type: str, state: str, *fields: Any) -> Delivery:

@@ -40,7 +40,7 @@ async def authorize(connection: HTTPConnection) -> None:
     name = connection.scope["route"].name
     if name in PUBLIC:
         return
-    connection.scope["principal"] = principal = identify(connection)
+    connection.scope["principal"] = principal = await identify(connection)
     role = role_for(name, [connection.scope.get("method", "")])
     if role is None:
         raise NotAllowed(f"no role may use {name}", code="role_required")
@@ -53,16 +53,22 @@ async def authorize(connection: HTTPConnection) -> None:
         gateway.quotas.spend_goal(principal)
 
 
-def identify(connection: HTTPConnection) -> Principal:
+async def identify(connection: HTTPConnection) -> Principal:
     """Return who makes a request.
 
     Raises:
         NotAuthenticated: The request needs a login, and has none that is valid.
+        NotAllowed: It has an access token of the identity provider that gives no role (`no_role`).
+        Unavailable: It has one, and the provider has not answered yet (`provider_unavailable`).
     """
     gateway = get_gateway(connection)
     ticket = connection.query_params.get(TICKET) if connection.scope["type"] == "websocket" else None
+    if ticket is None and not gateway.settings.authentication:
+        return ANYBODY
     if ticket is None:
-        return gateway.logins.identify(secret_of(connection)) if gateway.settings.authentication else ANYBODY
+        secret = secret_of(connection)
+        await gateway.logins.prepare(secret)
+        return gateway.logins.identify(secret)
     principal = gateway.tickets.redeem(ticket)
     gateway.logins.require_valid(principal)
     return principal

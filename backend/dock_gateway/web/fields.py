@@ -6,7 +6,7 @@ from typing import Any
 from fastapi import Path
 
 from dock_gateway.core.errors import FieldError, InvalidField, got
-from dock_gateway.core.grant import LIMITS, PATTERN, Grant, Role
+from dock_gateway.core.grant import LIMITS, MAX_PATTERN, MAX_PATTERNS, PATTERN, Grant, Role
 from dock_gateway.robots.registry import read_namespace
 from dock_gateway.web.requests import MAX_GROUP, ROBOT_PATTERN, name_schema, read_name
 
@@ -32,11 +32,10 @@ ROBOTS_REQUEST = {
     },
 }
 
-MAX_PATTERNS = 50
 _PATTERNS_REQUEST = {
     "type": "array",
     "maxItems": MAX_PATTERNS,
-    "items": {"type": "string", "maxLength": MAX_ROBOT, "pattern": f"^(?:{PATTERN.pattern})$"},
+    "items": {"type": "string", "maxLength": MAX_PATTERN, "pattern": f"^(?:{PATTERN.pattern})$"},
 }
 GRANT_REQUEST = {
     "role": {"enum": [role.value for role in Role]},
@@ -66,7 +65,7 @@ def _read_patterns(value: object, path: str) -> tuple[str, ...]:
     if not isinstance(value, list) or len(value) > MAX_PATTERNS:
         raise InvalidField([FieldError(path, f"an array of up to {MAX_PATTERNS} patterns of names", got(value))])
     for index, pattern in enumerate(value):
-        if not isinstance(pattern, str) or len(pattern) > MAX_ROBOT or not PATTERN.fullmatch(pattern):
+        if not isinstance(pattern, str) or len(pattern) > MAX_PATTERN or not PATTERN.fullmatch(pattern):
             raise InvalidField([FieldError(f"{path}.{index}", "a name such as /robot1 or /hall_a/*", got(pattern))])
     return tuple(dict.fromkeys(value))
 

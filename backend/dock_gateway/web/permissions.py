@@ -9,7 +9,7 @@ from enum import Enum, auto
 from dock_gateway.core.grant import Role
 
 # Requests that need no login: health checks, and the login itself.
-PUBLIC = frozenset({"healthz", "readyz", "get_session", "log_in", "log_out"})
+PUBLIC = frozenset({"healthz", "readyz", "get_session", "log_in", "log_out", "begin_login", "finish_login"})
 
 ROUTES: dict[str, Role] = {
     # Streams
@@ -58,6 +58,8 @@ ROUTES: dict[str, Role] = {
     "put_user": Role.ADMIN,
     "remove_user": Role.ADMIN,
     "end_sessions": Role.ADMIN,
+    "list_people": Role.ADMIN,
+    "end_person_sessions": Role.ADMIN,
     "list_tokens": Role.ADMIN,
     "create_token": Role.ADMIN,
     "revoke_token": Role.ADMIN,
@@ -67,19 +69,21 @@ ROUTES: dict[str, Role] = {
 }
 
 # The audit log has every request that is not a GET, and these. They hand out much at once, or say who did what.
-AUDITED_READS = frozenset({"export_goals", "export_goal", "list_audit", "export_audit"})
+AUDITED_READS = frozenset({"export_goals", "export_goal", "list_audit", "export_audit", "finish_login"})
 # The commands that it leaves out, as they change nothing.
 UNAUDITED_COMMANDS = frozenset({"subscribe", "unsubscribe", "ping"})
 # The requests and commands whose entry is stored before they are answered, if they succeed.
 STORED_FIRST = frozenset(
     {
         "log_in",
+        "finish_login",
         "log_out",
         "log_out_everywhere",
         "change_password",
         "put_user",
         "remove_user",
         "end_sessions",
+        "end_person_sessions",
         "create_token",
         "revoke_token",
         "release_stop",
@@ -201,6 +205,8 @@ SCOPES: dict[str, Scope] = {
     "put_user": Scope.EVERY,
     "remove_user": Scope.EVERY,
     "end_sessions": Scope.EVERY,
+    "list_people": Scope.EVERY,
+    "end_person_sessions": Scope.EVERY,
     "list_tokens": Scope.EVERY,
     "create_token": Scope.EVERY,
     "revoke_token": Scope.EVERY,

@@ -3,6 +3,7 @@ import type { components } from "../api/schema.gen";
 
 export type SessionState = components["schemas"]["Session"];
 export type Principal = components["schemas"]["Requester"];
+export type Provider = components["schemas"]["Provider"];
 export type Role = components["schemas"]["Role"];
 
 /** A page that got no answer is shown all the same: what needs a login is refused, and then it is asked again (ms). */
@@ -13,6 +14,7 @@ export const ANYBODY: SessionState = {
   required: false,
   open_to: null,
   principal: { name: null, kind: "anybody", role: "admin", robots: [], actions: [], topics: [] },
+  provider: null,
 };
 
 /** Who uses this page, as the gateway says. The login itself is a cookie, which scripts cannot read. */
@@ -65,6 +67,11 @@ export class Session {
     this.#listeners.add(listener);
     return () => this.#listeners.delete(listener);
   };
+}
+
+/** Whether somebody of this kind may be logged in in several browsers. */
+export function hasSession(kind: Principal["kind"] | undefined): boolean {
+  return kind === "user" || kind === "person";
 }
 
 /** That of this page. */

@@ -17,7 +17,7 @@ from dock_gateway.access.credentials import ID_DIGITS, digest_of
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.passwords import Passwords
 from dock_gateway.access.sessions import LIFETIME, MAX_PER_USER
-from dock_gateway.core.access import IDLE, Kind, Principal, Session, Token, User
+from dock_gateway.core.access import IDLE, Kind, PersonSession, Principal, Session, Token, User
 from dock_gateway.core.errors import Conflict, NotAllowed, NotAuthenticated, NotFound, TooManyRequests, Unavailable
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.history import History
@@ -39,9 +39,12 @@ class Site:
         self.users: SharedStore[User] = SharedStore()
         self.sessions: SharedStore[Session] = SharedStore()
         self.tokens: SharedStore[Token] = SharedStore()
+        self.people: SharedStore[PersonSession] = SharedStore()
 
     def logins(self) -> Logins:
-        stores = SimpleNamespace(users=self.users, sessions=self.sessions, tokens=self.tokens)
+        stores = SimpleNamespace(
+            users=self.users, sessions=self.sessions, tokens=self.tokens, person_sessions=self.people
+        )
         return Logins(cast("History", stores))
 
     def go_away(self) -> None:

@@ -36,6 +36,7 @@ REQUESTS = [
 SOCKETS = [(route.path, route.name) for route in ROUTES_OF_API if isinstance(route, APIWebSocketRoute)]
 HTTPS = "https://127.0.0.1:8000"
 PASSWORD = "correct horse battery staple"
+OUT = {"required": True, "open_to": None, "principal": None, "provider": None}
 
 pytestmark = pytest.mark.usefixtures("quick_hashes", "stopped_clock")
 
@@ -157,13 +158,18 @@ def test_other_credentials_are_refused(site: Site, header: str) -> None:
 def test_a_browser_logs_in_and_out(site: Site, url: str, cookie: str) -> None:
     secret = site.secrets[Role.OPERATOR]
     with site.client(url=url) as client:
-        assert client.get("/session").json() == {"required": True, "open_to": None, "principal": None}
+        assert client.get("/session").json() == OUT
         assert client.post("/session", json={"token": "dgw_wrong"}).json()["code"] == "invalid_token"
         assert client.post("/session", json={"token": 7}).status_code == 422
         assert client.post("/session", json={}).status_code == 422
         assert not client.cookies
         answer = client.post("/session", json={"token": f" {secret}\n"})
-        who = {"required": True, "open_to": None, "principal": described("operator", "token", "operator")}
+        who = {
+            "required": True,
+            "open_to": None,
+            "principal": described("operator", "token", "operator"),
+            "provider": None,
+        }
         assert answer.json() == who
         attributes = answer.headers["set-cookie"].lower()
         assert attributes.startswith(f"{cookie.lower()}=")
@@ -172,7 +178,12 @@ def test_a_browser_logs_in_and_out(site: Site, url: str, cookie: str) -> None:
         assert ("secure" in attributes) is (url == HTTPS)
         assert client.get("/session").json() == who
         assert client.get("/robots").status_code == 404
-        assert client.delete("/session").json() == {"required": True, "open_to": None, "principal": None}
+        assert client.delete("/session").json() == {
+            "required": True,
+            "open_to": None,
+            "principal": None,
+            "provider": None,
+        }
         assert not client.cookies
         assert client.get("/robots").status_code == 401
 
@@ -271,7 +282,12 @@ def test_what_is_no_token(site: Site, body: object, path: str) -> None:
 
 
 def test_without_authentication_everybody_may_do_everything() -> None:
-    anybody = {"required": False, "open_to": "machine", "principal": described(None, "anybody", "admin")}
+    anybody = {
+        "required": False,
+        "open_to": "machine",
+        "principal": described(None, "anybody", "admin"),
+        "provider": None,
+    }
     with Site(Settings()).client() as client:
         assert client.get("/session").json() == anybody
         login = client.post("/session", json={"token": "dgw_x"})
@@ -288,7 +304,7 @@ def test_a_user_logs_in_and_out(users: Site, url: str) -> None:
         assert log_in(client, user="nobody").json()["code"] == "invalid_login"
         assert not client.cookies
         answer = log_in(client, " Ada ")
-        who = {"required": True, "open_to": None, "principal": described("ada", "user", "operator")}
+        who = {**OUT, "principal": described("ada", "user", "operator")}
         assert answer.json() == who
         attributes = answer.headers["set-cookie"].lower()
         for attribute in ("httponly", "samesite=strict", "path=/", "max-age=2592000"):
@@ -296,7 +312,12 @@ def test_a_user_logs_in_and_out(users: Site, url: str) -> None:
         assert attributes.startswith("__host-") is ("secure" in attributes) is (url == HTTPS)
         (secret,) = client.cookies.values()
         assert client.get("/session").json() == who
-        assert client.delete("/session").json() == {"required": True, "open_to": None, "principal": None}
+        assert client.delete("/session").json() == {
+            "required": True,
+            "open_to": None,
+            "principal": None,
+            "provider": None,
+        }
         assert not client.cookies
         assert client.get("/robots", headers={"Authorization": f"Bearer {secret}"}).json()["code"] == "invalid_token"
 

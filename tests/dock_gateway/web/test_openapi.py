@@ -84,6 +84,10 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("get", "/session"),
         ("post", "/session"),
         ("post", "/session/ticket"),
+        ("get", "/session/oidc"),
+        ("get", "/session/oidc/callback"),
+        ("get", "/people"),
+        ("delete", "/people/{person}/sessions"),
         ("delete", "/session"),
         ("put", "/session/password"),
         ("delete", "/sessions"),
@@ -156,6 +160,8 @@ def test_operations_name_the_role_that_they_need(document: dict[str, Any]) -> No
     assert public == {(method, "/session") for method in ("get", "post", "delete")} | {
         ("get", "/healthz"),
         ("get", "/readyz"),
+        ("get", "/session/oidc"),
+        ("get", "/session/oidc/callback"),
     }
 
 

@@ -6,7 +6,7 @@ from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from dock_gateway import __version__
-from dock_gateway.core.errors import NotAuthenticated, Unavailable
+from dock_gateway.core.errors import GatewayError, Unavailable
 from dock_gateway.ros.bridge import ros_environment
 from dock_gateway.web.access import identify
 from dock_gateway.web.requests import TheGateway, json_response
@@ -45,14 +45,14 @@ async def readyz(request: Request, gateway: TheGateway) -> Response:
     state = gateway.dock.watch.state
     ready = gateway.bridge.alive and gateway.dock.watch.ready
     history, stop = gateway.history.stats(), gateway.stopper.state()
-    if not _sees_everything(request):
+    if not await _sees_everything(request):
         history, stop = replace(history, last_error=None), {**stop, "by": None, "robots": []}
     document = {"ready": ready, "action_server": state, "history": history, "stop": stop}
     return json_response(document, 200 if ready else 503)
 
 
-def _sees_everything(request: Request) -> bool:
+async def _sees_everything(request: Request) -> bool:
     try:
-        return not identify(request).grant.limited
-    except NotAuthenticated:
+        return not (await identify(request)).grant.limited
+    except GatewayError:
         return False

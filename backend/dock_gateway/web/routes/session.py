@@ -10,7 +10,7 @@ from starlette.responses import Response
 from dock_gateway.access.passwords import MAX_PASSWORD
 from dock_gateway.access.tickets import LIFETIME
 from dock_gateway.core.access import ANYBODY, Principal
-from dock_gateway.core.errors import FieldError, InvalidField, NotAuthenticated
+from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
 from dock_gateway.gateway import Gateway
 from dock_gateway.web.access import address_of, forget_login, identify, keep_login, principal_of, secret_of
 from dock_gateway.web.audit import audited
@@ -47,8 +47,14 @@ LOGIN_REQUEST = {
 
 def _session(gateway: Gateway, principal: Principal | None) -> Response:
     who = None if principal is None else {"name": principal.name, "kind": principal.kind, **asdict(principal.grant)}
-    settings = gateway.settings
-    response = json_response({"required": settings.authentication, "open_to": settings.open_to, "principal": who})
+    settings, sso = gateway.settings, gateway.logins.sso
+    document = {
+        "required": settings.authentication,
+        "open_to": settings.open_to,
+        "principal": who,
+        "provider": {"name": sso.name, "logout_url": sso.logout_url} if sso is not None and sso.client_id else None,
+    }
+    response = json_response(document)
     response.headers["Cache-Control"] = "no-store"
     return response
 
@@ -57,8 +63,8 @@ def _session(gateway: Gateway, principal: Principal | None) -> Response:
 async def get_session(request: Request, gateway: TheGateway) -> Response:
     """Return who makes the request, and whether requests need a login. `principal` is null without a valid one."""
     try:
-        return _session(gateway, identify(request))
-    except NotAuthenticated:
+        return _session(gateway, await identify(request))
+    except GatewayError:
         return _session(gateway, None)
 
 
@@ -104,8 +110,8 @@ def _log_in_with_token(request: Request, gateway: Gateway, fields: dict[str, Any
 @router.delete("", name="log_out", response_model=Session, responses=problems(422, 503))
 async def log_out(request: Request, gateway: TheGateway) -> Response:
     """End the session of the browser. A token is only forgotten: it stays valid."""
-    with suppress(NotAuthenticated):
-        request.scope["principal"] = identify(request)
+    with suppress(GatewayError):
+        request.scope["principal"] = await identify(request)
     await gateway.logins.log_out(secret_of(request))
     response = _session(gateway, None if gateway.settings.authentication else ANYBODY)
     forget_login(response, request)

@@ -91,10 +91,14 @@ async def end_sessions(name: UserName, gateway: TheGateway) -> Response:
     return Response(status_code=204)
 
 
-@router.delete("/sessions", name="log_out_everywhere", status_code=204, responses=problems(409, 422, 503))
+@router.delete("/sessions", name="log_out_everywhere", status_code=204, responses=problems(404, 409, 422, 503))
 async def log_out_everywhere(request: Request, gateway: TheGateway) -> Response:
     """Log the user who asks out in every browser."""
-    await gateway.logins.end_sessions(require_user(principal_of(request)))
+    principal = principal_of(request)
+    if principal.kind is Kind.PERSON and principal.name is not None:
+        await gateway.logins.end_person(principal.name)
+    else:
+        await gateway.logins.end_sessions(require_user(principal))
     response = Response(status_code=204)
     forget_login(response, request)
     return response

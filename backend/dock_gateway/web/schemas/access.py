@@ -24,6 +24,13 @@ class Requester(Grant):
     kind: Kind
 
 
+class Provider(Schema):
+    """An identity provider, at which people log in with `/session/oidc`. `logout_url` is its page for logging out."""
+
+    name: str
+    logout_url: str | None
+
+
 class Session(Schema):
     """Whether requests need a login, and who makes this one; null if its login is missing or not valid.
 
@@ -34,6 +41,7 @@ class Session(Schema):
     required: bool
     open_to: Literal["machine", "network"] | None
     principal: Requester | None
+    provider: Provider | None
 
 
 class Token(Grant):
@@ -76,6 +84,22 @@ class User(Grant):
     created_at: datetime
     logged_in_at: datetime | None
     sessions: int
+
+
+class Person(Grant):
+    """A person who is logged in with the identity provider. `subject` is the provider's id of them."""
+
+    name: str
+    subject: str
+    sessions: int
+    logged_in_at: datetime
+    expires_at: datetime
+
+
+class PersonList(Schema):
+    """The people, by name."""
+
+    people: list[Person]
 
 
 class UserList(Schema):
