@@ -5,6 +5,7 @@ import { QueryClientProvider } from "@tanstack/react-query";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { BrowserRouter } from "react-router";
+import { takeFailure } from "./access/provider";
 import { session } from "./access/session";
 import { createGateway } from "./api/client";
 import { createHttp } from "./api/http";
@@ -16,6 +17,7 @@ import { cssVariables, theme } from "./layout/theme";
 import { openRobot } from "./robot/services";
 import { openStream, streamUrl } from "./stream/stream";
 
+takeFailure(window);
 const { location } = window;
 const http = createHttp(location.origin);
 const store = new FleetStore();

@@ -1,6 +1,6 @@
 import { readFileSync } from "node:fs";
 import { QueryObserver } from "@tanstack/react-query";
-import { act, screen, waitFor } from "@testing-library/react";
+import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import "../src/access/AccountMenu";
 import "../src/access/LoginForm";
@@ -8,19 +8,21 @@ import "../src/access/LoginPage";
 import "../src/access/TokensPage";
 import "../src/access/UsersPage";
 import { NEEDED, whyForbidden } from "../src/access/permissions";
+import { takeFailure } from "../src/access/provider";
 import { ANYBODY, type Role, Session, type SessionState, session } from "../src/access/session";
-import type { Token, User } from "../src/api/access";
+import type { Person, Token, User } from "../src/api/access";
 import { createQueryClient, pauseWhileUnseen } from "../src/api/queryClient";
 import { whyNot } from "../src/operations/operation";
 import { ownName, setOwnName } from "../src/stop/who";
 import { robot } from "./events";
 import { descriptionOf, fakeGateway, isDisabled, renderPage } from "./page";
 
-const OUT: SessionState = { required: true, open_to: null, principal: null };
-const as = (role: Role, name = "Ada", kind: "token" | "user" = "token"): SessionState => ({
+const OUT: SessionState = { required: true, open_to: null, principal: null, provider: null };
+const as = (role: Role, name = "Ada", kind: "token" | "user" | "person" = "token"): SessionState => ({
   required: true,
   open_to: null,
   principal: { name, kind, role, robots: [], actions: [], topics: [] },
+  provider: null,
 });
 
 const BOB: User = {
@@ -54,7 +56,7 @@ const NIGHT: Token = {
  * A gateway with one valid token, `dgw_right`, a user `ada` with the password `right`, and lists of tokens and users; it
  * remembers what it is asked, and the bodies.
  */
-function answering(tokens: Token[] = [], users: User[] = []) {
+function answering(tokens: Token[] = [], users: User[] = [], people: Person[] = []) {
   const asked: string[] = [];
   const refuse = (status: number, code: string) =>
     Response.json({ code, title: "No", detail: "no" }, { status });
@@ -85,6 +87,11 @@ function answering(tokens: Token[] = [], users: User[] = []) {
     if (request.method === "DELETE" && pathname.startsWith("/users/")) {
       if (pathname.endsWith("/sessions")) users = users.map((user) => ({ ...user, sessions: 0 }));
       else users = users.filter(({ name }) => pathname !== `/users/${name}`);
+      return new Response(null, { status: 204 });
+    }
+    if (pathname === "/people") return Response.json({ people });
+    if (request.method === "DELETE" && pathname.startsWith("/people/")) {
+      people = people.filter(({ name }) => pathname !== `/people/${encodeURIComponent(name)}/sessions`);
       return new Response(null, { status: 204 });
     }
     if (pathname === "/tokens" && request.method === "GET") return Response.json({ tokens });
@@ -393,6 +400,51 @@ describe("the page", () => {
     await user.click(await screen.findByRole("button", { name: "Remove" }));
     await waitFor(() => expect(screen.queryByRole("listitem", { name: "bob" })).toBeNull());
     expect(asked).toContain("DELETE /users/bob");
+  });
+
+  it("leads to the identity provider, says why a login with it has failed, and keeps the address clean", async () => {
+    answering();
+    window.history.replaceState(null, "", "/ui/goals?status=failed&login_error=no_role");
+    takeFailure(window);
+    expect(window.location.search).toBe("?status=failed");
+    session.set({ ...OUT, provider: { name: "Site login", logout_url: "https://login.example/logout" } });
+    renderPage(fakeGateway());
+    const link = await screen.findByRole("link", { name: "Log in with Site login" });
+    expect(link.getAttribute("href")).toBe("/session/oidc?page=%2Fui%2Fgoals%3Fstatus%3Dfailed");
+    expect(screen.getByText(/you have no role here/)).toBeTruthy();
+    expect(screen.getByRole("link", { name: "Log out at Site login" })).toBeTruthy();
+    expect(screen.getByLabelText("Name")).toBeTruthy();
+    window.history.replaceState(null, "", "/");
+    takeFailure(window);
+  });
+
+  it("shows admins who is logged in with the identity provider, and logs them out", async () => {
+    const person: Person = {
+      ...BOB,
+      name: "oidc:grace/1",
+      subject: "4711",
+      sessions: 1,
+      logged_in_at: "2026-11-24T09:00:00Z",
+      expires_at: "2026-11-24T21:00:00Z",
+    };
+    const asked = answering([], [], [person]);
+    session.set({ ...as("admin", "root", "user"), provider: { name: "Site login", logout_url: null } });
+    const { user } = renderPage(fakeGateway(), {}, "/ui/users");
+    const list = await screen.findByRole("list", { name: "Logged in with Site login" });
+    expect(await within(list).findByText("4711")).toBeTruthy();
+    await user.click(within(list).getByRole("button", { name: "Log out oidc:grace/1" }));
+    await screen.findByText("oidc:grace/1 is logged out everywhere.");
+    expect(asked).toContain("DELETE /people/oidc%3Agrace%2F1/sessions");
+    expect(await screen.findByText("Nobody.")).toBeTruthy();
+  });
+
+  it("lets a person of the identity provider log out everywhere, and has no password for them", async () => {
+    answering();
+    session.set(as("operator", "oidc:grace", "person"));
+    const { user } = renderPage(fakeGateway());
+    await user.click(await screen.findByRole("button", { name: "Logged in as oidc:grace, operator" }));
+    expect(await screen.findByRole("menuitem", { name: "Log out everywhere" })).toBeTruthy();
+    expect(screen.queryByRole("menuitem", { name: "Change password …" })).toBeNull();
   });
 
   it("says to others that users are for admins", async () => {

@@ -6,7 +6,7 @@ import classes from "./access.module.css";
 import { type Grant, limitWords } from "./GrantFields";
 
 interface AccountItemProps {
-  account: Grant & { name: string; created_by: string | null; created_at: string };
+  account: Grant & { name: string; created_by?: string | null; created_at: string };
   /** Why it cannot be used, in a word. */
   flaw: string | null;
   /** What happened first. */
@@ -16,7 +16,7 @@ interface AccountItemProps {
   buttons: ReactNode;
 }
 
-/** A user or a token: whose it is, what they may do, and since when. */
+/** A user, a person or a token: whose it is, what they may do, and since when. */
 export function AccountItem({ account, flaw, begun, children, buttons }: AccountItemProps) {
   const { name, role, created_by, created_at } = account;
   const titleId = useId();
@@ -40,7 +40,7 @@ export function AccountItem({ account, flaw, begun, children, buttons }: Account
         </Group>
         <FactList wide>
           <Fact name={begun}>
-            <Time value={created_at} /> {created_by === null ? "in a terminal" : `by ${created_by}`}
+            <Time value={created_at} /> {byWords(created_by)}
           </Fact>
           {limits !== "" && <Fact name="Only for">{limits}</Fact>}
           {children}
@@ -49,4 +49,9 @@ export function AccountItem({ account, flaw, begun, children, buttons }: Account
       {buttons}
     </Paper>
   );
+}
+
+function byWords(created_by: string | null | undefined): string {
+  if (created_by === undefined) return "";
+  return created_by === null ? "in a terminal" : `by ${created_by}`;
 }

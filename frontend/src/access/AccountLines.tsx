@@ -5,7 +5,7 @@ import { Link } from "react-router";
 import { lazyPart } from "../ui/lazyPart";
 import classes from "./access.module.css";
 import { accessWords } from "./OpenNotice";
-import { useSession } from "./session";
+import { hasSession, useSession } from "./session";
 import { useLogOut } from "./useLogOut";
 
 const PasswordDialog = lazyPart(() => import("./PasswordDialog"));
@@ -47,7 +47,7 @@ export function AccountLines({ className, onChoose }: { className: string; onCho
           Log out
         </UnstyledButton>
       )}
-      {isUser && (
+      {hasSession(principal?.kind) && (
         <UnstyledButton className={className} onClick={() => logOut(true)}>
           Log out everywhere
         </UnstyledButton>

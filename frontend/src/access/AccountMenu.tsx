@@ -2,7 +2,7 @@ import { ActionIcon, Menu } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Link } from "react-router";
 import PasswordDialog from "./PasswordDialog";
-import type { SessionState } from "./session";
+import { hasSession, type SessionState } from "./session";
 import { useLogOut } from "./useLogOut";
 
 const PERSON =
@@ -54,7 +54,9 @@ export default function AccountMenu({ state: { open_to, principal }, words }: Ac
           )}
           {isUser && <Menu.Item onClick={dialog.open}>Change password …</Menu.Item>}
           {open_to === null && <Menu.Item onClick={() => logOut()}>Log out</Menu.Item>}
-          {isUser && <Menu.Item onClick={() => logOut(true)}>Log out everywhere</Menu.Item>}
+          {hasSession(principal?.kind) && (
+            <Menu.Item onClick={() => logOut(true)}>Log out everywhere</Menu.Item>
+          )}
         </Menu.Dropdown>
       </Menu>
       <PasswordDialog opened={opened} onClose={dialog.close} />

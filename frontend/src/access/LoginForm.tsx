@@ -6,7 +6,8 @@ import { useFleet } from "../fleet/context";
 import { Command } from "../ui/Command";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { useCommand } from "../ui/useCommand";
-import { session } from "./session";
+import { ProviderLogin } from "./ProviderLogin";
+import { session, useSession } from "./session";
 
 const ADD_USER = "dock-gateway user add NAME --role operator";
 const CREATE_TOKEN = "dock-gateway token create NAME --role operator";
@@ -15,6 +16,7 @@ const CREATE_TOKEN = "dock-gateway token create NAME --role operator";
 export default function LoginForm({ onDone }: { onDone?: () => void }) {
   const { http } = useFleet();
   const client = useQueryClient();
+  const { provider } = useSession();
   const [byToken, setByToken] = useState(false);
   const login = useCommand((body: LoginBody) => logIn(http, body));
   const submit = (body: LoginBody, onError: () => void) =>
@@ -34,6 +36,7 @@ export default function LoginForm({ onDone }: { onDone?: () => void }) {
   };
   return (
     <Stack gap="md">
+      {provider !== null && <ProviderLogin provider={provider} />}
       <Fields login={login} submit={submit} />
       <Button variant="subtle" onClick={toggle}>
         {byToken ? "Log in with a password" : "Log in with a token"}

@@ -5,6 +5,7 @@ import { Fact } from "../ui/Fact";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Time } from "../ui/Time";
 import { AccountItem } from "./AccountItem";
+import { sessionWords } from "./words";
 
 interface UserItemProps {
   user: User;
@@ -46,9 +47,4 @@ export function UserItem({ user, reason, onEdit, onLogOut, onRemove }: UserItemP
       <Fact name="Logged in">{sessionWords(sessions)}</Fact>
     </AccountItem>
   );
-}
-
-function sessionWords(sessions: number): string {
-  if (sessions === 0) return "No";
-  return sessions === 1 ? "In one browser" : `In ${sessions} browsers`;
 }

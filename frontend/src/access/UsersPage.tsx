@@ -10,15 +10,18 @@ import { ReasonButton } from "../ui/ReasonButton";
 import { RemovalDialog } from "../ui/RemovalDialog";
 import { usePageTitle } from "../ui/usePageTitle";
 import { OpenNotice } from "./OpenNotice";
+import { PeopleList } from "./PeopleList";
 import { useForbidden } from "./permissions";
+import { useSession } from "./session";
 import { UserForm } from "./UserForm";
 import { UserItem } from "./UserItem";
 import { useUsers } from "./useUsers";
 
-/** Those who log in with a name and a password; for admins. */
+/** Those who log in with a name and a password, or with the identity provider; for admins. */
 export default function UsersPage() {
   usePageTitle("Users");
   const forbidden = useForbidden("GET /users");
+  const { provider } = useSession();
   const { users, error, refetch, save, remove, logOut } = useUsers();
   /** Who is changed; null for a new user, undefined for no form. */
   const [edited, setEdited] = useState<User | null>();
@@ -73,6 +76,7 @@ export default function UsersPage() {
           No users.
         </Text>
       )}
+      {provider !== null && forbidden === null && <PeopleList provider={provider.name} reason={reason} />}
       <Dialog
         opened={edited !== undefined}
         onClose={closeForm}

@@ -20,6 +20,7 @@ export const NEEDED = {
   "PUT /automation/rules/{rule_id}": "supervisor",
   "GET /webhooks": "supervisor",
   "GET /users": "admin",
+  "GET /people": "admin",
   "GET /tokens": "admin",
   "GET /audit": "admin",
 } as const satisfies Record<string, Role>;

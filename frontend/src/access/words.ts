@@ -1,5 +1,10 @@
 import type { Role } from "./session";
 
+export function sessionWords(sessions: number): string {
+  if (sessions === 0) return "No";
+  return sessions === 1 ? "In one browser" : `In ${sessions} browsers`;
+}
+
 /** What somebody with a role may do besides what those before it may. */
 export const ROLE_WORDS: Record<Role, string> = {
   viewer: "Sees its robots, and may stop every robot.",
