@@ -1,11 +1,11 @@
 """The parameters of the action servers. A new parameter is one more field here; see `core.parameter`."""
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from docking.core.footprint import ROBOT_RADIUS, Footprint, read_footprint, round_footprint
 from docking.core.geometry import Pose
-from docking.core.parameter import NodeSettings, choice, group, number, string
+from docking.core.parameter import NodeSettings, choice, group, number, string, switch
 
 BACKWARDS = 0.6
 """The part of v_linear_max that the robot backs with: it does not see where it goes."""
@@ -73,6 +73,14 @@ class DockTimeouts(Timeouts):
     )
     wait_charge_timeout: float = number(
         5.0, 0.1, 3600.0, "s", "Time limit for the battery to start charging on the dock."
+    )
+    charge_stable_for: float = number(
+        1.0,
+        0.0,
+        60.0,
+        "s",
+        "Time for which the battery must charge without a break until the goal succeeds; meanwhile the robot goes on "
+        "to the docked pose. With rotate, the first battery message counts, as in the tutorial.",
     )
     retry_timeout: float = number(30.0, 0.1, 3600.0, "s", "Time limit for backing off.")
     max_retries: int = number(3, 0, 100, "", "Maximum number of retries; the robot backs off before each of them.")
@@ -329,6 +337,13 @@ class DockSettings(ServerSettings):
     )
 
     @property
+    def goal_timeouts(self) -> DockTimeouts:
+        """The time limits of a goal with this controller."""
+        if self.controller is ControllerName.ROTATE:
+            return replace(self.timeouts, charge_stable_for=0.0)
+        return self.timeouts
+
+    @property
     def outline(self) -> Footprint:
         """The robot from above, in base_link."""
         return read_footprint(self.footprint) or round_footprint(self.robot_radius)
@@ -368,6 +383,11 @@ class UndockSettings(ServerSettings):
     """The parameters of the undocking action server."""
 
     timeouts: UndockTimeouts = group(UndockTimeouts)
+    assume_docked: bool = switch(
+        False,
+        "Whether a robot backs out although nothing tells that it is docked: for bases whose battery never tells that "
+        "it charges. If it is false, the goal is aborted (DOCKED_UNKNOWN).",
+    )
     staging: Staging = group(Staging)
 
     def find_conflict(self) -> str | None:

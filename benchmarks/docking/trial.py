@@ -7,7 +7,8 @@ from random import Random
 from benchmarks.docking.cases import CASES, Case
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, Velocity
-from docking.goal.engine import Command, DockGoal, End, Outcome
+from docking.goal.dock import Docking
+from docking.goal.engine import Command, End, Goal, Outcome
 from docking.parameters import ControllerName, DockSettings, MotionLimits
 from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED
@@ -104,7 +105,7 @@ def run_trial(controller: ControllerName, seed: int, case: Case = CASES[0]) -> T
     """Dock once."""
     simulation, settings = simulation_of(controller, seed, case), settings_of(controller)
     random = Random(f"{seed} disturbances")
-    goal = DockGoal(make_plan(settings), settings.timeouts, simulation.time)
+    goal = Goal(make_plan(settings), Docking(settings.timeouts), simulation.time)
     speeds, period = _Speeds(), settings.control_period
     trail = [(simulation.robot.x, simulation.robot.y)]
     step: Command | Outcome = goal.step(simulation.observe())

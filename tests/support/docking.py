@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import takewhile
 from typing import Any
 
@@ -13,14 +13,17 @@ from sensor_msgs.msg import BatteryState
 
 from action_tutorials_interfaces.action import ConnectToChargingDock, DisconnectFromChargingDock
 from docking.core.battery import Battery
+from docking.goal.dock import Docking
+from docking.goal.dock_memory import DockMemory
+from docking.goal.engine import Goal
 from docking.goal.plan import Plan
-from docking.nodes.dock_server import DockServer
-from docking.nodes.undock_server import UndockServer
+from docking.nodes.dock_server import DOCK
+from docking.nodes.undock_server import UNDOCK
 from docking.parameters import DockSettings
 from docking.plans.registry import make_plan
 from docking.ros.active_goal import ActiveGoal
 from docking.ros.battery_subscriber import BatteryStateSubscriber
-from docking.ros.goal_server import GoalServer
+from docking.ros.node import ActionNode, ActionSpec
 from docking.ros.process import Spinner
 from tests.support.observer import GoalOfTest, Observer, ros_nodes
 from tests.support.waiting import PATIENCE, wait_until
@@ -55,6 +58,13 @@ def send_dock_goal(observer: Observer, status: int = 1, action: str = ACTION) ->
     return observer.send_goal(ConnectToChargingDock, action, dock_goal(status))
 
 
+def _with_plan(make_plan: Callable[[DockSettings], Plan]) -> ActionSpec[DockSettings]:
+    def make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
+        return Goal(make_plan(settings), Docking(settings.goal_timeouts, memory), started_at)
+
+    return replace(DOCK, make_goal=make_goal)
+
+
 # A busy machine is no broken odometry.
 PATIENT = "odometry_timeout:=10.0"
 
@@ -64,7 +74,7 @@ def docking_servers(
     domain: int,
     *parameters: str,
     make_plan: Callable[[DockSettings], Plan] = make_plan,
-) -> Iterator[tuple[DockServer, UndockServer]]:
+) -> Iterator[tuple[ActionNode[Any], ActionNode[Any]]]:
     """The docking and the undocking server in the test process, with the battery subscriber.
 
     Args:
@@ -75,8 +85,8 @@ def docking_servers(
     arguments = [text for parameter in (PATIENT, *parameters) for text in ("-p", parameter)]
     with ros_nodes(domain, *arguments) as context:
         battery, active_goal = Battery(), ActiveGoal()
-        dock = DockServer(battery, active_goal=active_goal, make_plan=make_plan, context=context)
-        undock = UndockServer(battery, active_goal=active_goal, context=context)
+        dock = ActionNode(_with_plan(make_plan), battery, active_goal=active_goal, context=context)
+        undock = ActionNode(UNDOCK, battery, active_goal=active_goal, context=context)
         with _spun(context, battery, dock, undock):
             yield dock, undock
 
@@ -86,18 +96,18 @@ def dock_server(
     domain: int,
     *parameters: str,
     make_plan: Callable[[DockSettings], Plan] = make_plan,
-) -> Iterator[DockServer]:
+) -> Iterator[ActionNode[Any]]:
     """The tutorial's two nodes in the test process; see `docking_servers`."""
     arguments = [text for parameter in parameters for text in ("-p", parameter)]
     with ros_nodes(domain, *arguments) as context:
         battery = Battery()
-        server = DockServer(battery, make_plan=make_plan, context=context)
+        server = ActionNode(_with_plan(make_plan), battery, context=context)
         with _spun(context, battery, server):
             yield server
 
 
 @contextmanager
-def _spun(context: Context, battery: Battery, *servers: GoalServer) -> Iterator[None]:
+def _spun(context: Context, battery: Battery, *servers: ActionNode[Any]) -> Iterator[None]:
     with Spinner(context, [*servers, BatteryStateSubscriber(battery, context=context)]) as spinner:
         yield
         for server in servers:

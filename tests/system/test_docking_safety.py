@@ -8,7 +8,7 @@ from rcl_interfaces.msg import Log
 from std_msgs.msg import Bool
 
 from docking.core.observation import Observation, Velocity
-from docking.goal.plan import Solo
+from docking.goal.plan import SingleStage
 from docking.ros.qos import LATCHED
 from tests.support.docking import ABORTED, LOW, Reports, dock_server, send_dock_goal, watch_wheels
 from tests.support.observer import Observer
@@ -64,7 +64,7 @@ class Hangs:
 
 def test_the_watchdog_stops_a_robot_whose_controller_hangs(domain: int, observer: Observer) -> None:
     controller = Hangs()
-    with dock_server(domain, make_plan=lambda _settings: Solo(controller)):
+    with dock_server(domain, make_plan=lambda _settings: SingleStage(controller)):
         wheels = watch_wheels(observer)
         log = observer.record(Log, "/rosout")
         with observer.publishing(LOW, BATTERY):

@@ -14,7 +14,7 @@ from docking.core.errors import FailedToDetectDock
 from docking.core.geometry import Pose
 from docking.core.observation import Observation, Velocity
 from docking.goal.behavior import Failed
-from docking.goal.plan import Poses, Solo
+from docking.goal.plan import KnownPoses, SingleStage
 from tests.support.docking import ABORTED, LOW, Reports, dock_server, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.sensors import detection, infrared, odometry
@@ -49,7 +49,7 @@ def witness(domain: int, observer: Observer, controller: str) -> Iterator[Witnes
     """A witness of what the server hears while a goal runs."""
     controllers = Witness()
     with (
-        dock_server(domain, f"controller:={controller}", make_plan=lambda _settings: Solo(controllers)),
+        dock_server(domain, f"controller:={controller}", make_plan=lambda _settings: SingleStage(controllers)),
         observer.publishing(LOW, "battery_status"),
     ):
         assert send_dock_goal(observer).accepted
@@ -212,7 +212,7 @@ class Blind:
 
 
 def test_an_abort_says_what_is_wrong_with_the_sensors(domain: int, observer: Observer) -> None:
-    with dock_server(domain, "controller:=dock_pose", make_plan=lambda _settings: Solo(Blind())):
+    with dock_server(domain, "controller:=dock_pose", make_plan=lambda _settings: SingleStage(Blind())):
         reports = Reports(observer)
         complaint = "/detected_dock_pose cannot be used: no odometry has come yet"
         with observer.publishing(detection(SOMEWHERE, AT), MARKER):
@@ -226,10 +226,10 @@ def test_an_abort_says_what_is_wrong_with_the_sensors(domain: int, observer: Obs
         assert (report["error_code"], report["error_number"]) == ("FAILED_TO_DETECT_DOCK", "904")
 
 
-class Knows(Solo):
+class Knows(SingleStage):
     """A plan that knows where everything is."""
 
-    poses = Poses(Pose(1.0, 2.0, 0.5), Pose(1.1, 2.0, 0.5), Pose(0.4, 2.0, 0.5))
+    poses = KnownPoses(Pose(1.0, 2.0, 0.5), Pose(1.1, 2.0, 0.5), Pose(0.4, 2.0, 0.5))
 
 
 def test_the_poses_are_shown_while_a_goal_runs(domain: int, observer: Observer) -> None:

@@ -11,7 +11,7 @@ from sensor_msgs.msg import BatteryState
 
 from docking.core.observation import Observation, Velocity
 from docking.core.parameter import parameters_of
-from docking.goal.plan import Solo
+from docking.goal.plan import SingleStage
 from docking.parameters import DockSettings
 from docking.ros.action_server import RESULT_TIMEOUT
 from tests.support.docking import (
@@ -195,7 +195,7 @@ class RaisesAtFirst:
 
 
 def test_an_exception_stops_the_robot_and_the_server_goes_on(domain: int, observer: Observer) -> None:
-    with dock_server(domain, make_plan=lambda _settings: Solo(RaisesAtFirst())):
+    with dock_server(domain, make_plan=lambda _settings: SingleStage(RaisesAtFirst())):
         wheels = watch_wheels(observer)
         reports = Reports(observer)
         with observer.publishing(LOW, BATTERY):
@@ -218,7 +218,7 @@ class NotANumber:
 
 
 def test_a_velocity_that_is_no_number_is_never_published(domain: int, observer: Observer) -> None:
-    with dock_server(domain, make_plan=lambda _settings: Solo(NotANumber())):
+    with dock_server(domain, make_plan=lambda _settings: SingleStage(NotANumber())):
         wheels = watch_wheels(observer)
         with observer.publishing(LOW, BATTERY):
             assert send_dock_goal(observer).result().status == ABORTED

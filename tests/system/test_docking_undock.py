@@ -15,7 +15,6 @@ from tests.support.docking import (
     CANCELED,
     CHARGING,
     LOW,
-    SUCCEEDED,
     Reports,
     docking_servers,
     send_dock_goal,
@@ -44,14 +43,18 @@ def on_the_dock(observer: Observer, namespace: str = "") -> Iterator[None]:
         yield
 
 
-def test_a_robot_that_is_not_docked_is_undocked_at_once(domain: int, observer: Observer) -> None:
+def test_where_nothing_tells_that_the_robot_is_docked_it_does_not_move(domain: int, observer: Observer) -> None:
     with docking_servers(domain):
         wheels = watch_wheels(observer)
+        reports = Reports(observer)
         with observer.publishing(LOW, BATTERY):
             for status in (0, 2, 3):
-                answer = send_undock_goal(observer, status).result()
-                assert answer.status == SUCCEEDED
+                goal = send_undock_goal(observer, status)
+                answer = goal.result()
+                assert answer.status == ABORTED
                 assert answer.result.final_battery_state.power_supply_status == 3
+                report = reports.wait_for(goal_id=goal.goal_id, error_code="DOCKED_UNKNOWN", error_number="973")
+                assert "3 (NOT_CHARGING)" in report["error_msg"]
         assert all(message == Twist() for message in wheels.messages)
 
 
@@ -134,7 +137,7 @@ def test_undocking_preempts_docking_where_the_policy_says_so(domain: int, observ
         with observer.publishing(LOW, BATTERY):
             docking = send_dock_goal(observer)
             wait_until(lambda: wheels.moving, "a move")
-            assert send_undock_goal(observer).result().status == SUCCEEDED
+            assert send_undock_goal(observer).result().status == ABORTED
             assert docking.result().status == ABORTED
             reports.wait_for(goal_id=docking.goal_id, stage="ABORTED", error_code="PREEMPTED")
             wait_until(lambda: wheels.standing, "zero velocity")
@@ -184,8 +187,8 @@ def test_the_client_undocks(domain: int, observer: Observer) -> None:
     with docking_servers(domain):
         with observer.publishing(LOW, BATTERY), Process(client, env=ros_environment(domain)) as process:
             process.wait_for("Goal accepted...")
-            process.wait_for("Result (1 = CHARGING, 3 = NOT CHARGING): 3")
-            assert process.wait() == 0
+            process.wait_for("DOCKED_UNKNOWN")
+            assert process.wait() == 1
         with on_the_dock(observer), Process(client, env=ros_environment(domain)) as process:
             process.wait_for("Received feedback (1 = CHARGING, 3 = NOT CHARGING): 1")
             process.send_signal(signal.SIGINT)

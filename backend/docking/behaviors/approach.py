@@ -8,7 +8,7 @@ from docking.core.errors import DockingError, FailedToControl
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.goal.behavior import Done, Failed, Step
-from docking.goal.plan import Aim
+from docking.goal.plan import DockTarget
 from docking.parameters import MotionLimits
 
 PROJECTION = 0.25
@@ -41,7 +41,7 @@ class Approach:
 
     def __init__(
         self,
-        aim: Aim,
+        aim: DockTarget,
         motion: MotionLimits,
         lost: type[DockingError],
         lost_after: float,

@@ -6,7 +6,7 @@ from docking.behaviors.moves import drive_to, turn
 from docking.core.geometry import normalize_angle
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Done
-from docking.goal.plan import Aim
+from docking.goal.plan import DockTarget
 from docking.parameters import Dock, MotionLimits
 
 REACHED = 0.03
@@ -25,7 +25,7 @@ class ToStaging:
     On the way the dock may be out of sight: odometry will do.
     """
 
-    def __init__(self, aim: Aim, dock: Dock, motion: MotionLimits) -> None:
+    def __init__(self, aim: DockTarget, dock: Dock, motion: MotionLimits) -> None:
         """Plan nothing yet: the way follows what is known of the dock at each step.
 
         Args:

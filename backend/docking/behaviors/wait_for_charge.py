@@ -6,7 +6,7 @@ from docking.core.errors import PushedOff
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Failed
-from docking.goal.plan import Aim
+from docking.goal.plan import DockTarget
 
 MOVED = 0.03
 """How far the wheels may turn, in m, without being told to."""
@@ -19,7 +19,7 @@ TURNED = math.radians(12.0)
 class WaitForCharge:
     """Stands still, and sees whether someone moves the robot away from the dock."""
 
-    def __init__(self, aim: Aim) -> None:
+    def __init__(self, aim: DockTarget) -> None:
         """Begin on the dock.
 
         Args:

@@ -74,6 +74,8 @@ class ErrorCode(enum.StrEnum):
     """Aborted: no odometry for odometry_timeout."""
     FAILED_TO_UNDOCK = "FAILED_TO_UNDOCK"
     """Aborted: the robot did not get away from the dock in time, or its battery is charging still."""
+    DOCKED_UNKNOWN = "DOCKED_UNKNOWN"
+    """Aborted: nothing tells whether the robot is docked, so that it must not back out."""
     UNKNOWN = "UNKNOWN"
     """Aborted: an unexpected error; the log has it."""
 
@@ -104,6 +106,7 @@ NUMBERS = {
     ErrorCode.BLOCKED: 970,
     ErrorCode.PUSHED_OFF: 971,
     ErrorCode.FAILED_TO_UNDOCK: 972,
+    ErrorCode.DOCKED_UNKNOWN: 973,
 }
 
 
@@ -120,7 +123,8 @@ class DockingError(Exception):
     ├── OdometryLost
     ├── Blocked
     ├── PushedOff
-    └── FailedToUndock
+    ├── FailedToUndock
+    └── DockedUnknown
 
     Attributes:
         error_code: Its code.
@@ -192,4 +196,11 @@ class FailedToUndock(DockingError):
     """The robot did not get away from the dock in time, or its battery is charging still."""
 
     error_code = ErrorCode.FAILED_TO_UNDOCK
+    worth_a_retry = False
+
+
+class DockedUnknown(DockingError):
+    """Nothing tells whether the robot is docked."""
+
+    error_code = ErrorCode.DOCKED_UNKNOWN
     worth_a_retry = False

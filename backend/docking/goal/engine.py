@@ -1,26 +1,17 @@
-"""A docking goal from its acceptance to its end: a state machine that is given the time and what is known then."""
+"""A goal from its acceptance to its end: a state machine that is given the time and what is known then."""
 
 import enum
 from dataclasses import dataclass
 
 from docking.core.battery import BatteryReading
-from docking.core.errors import (
-    DockingError,
-    ErrorCode,
-    FailedToCharge,
-    FailedToControl,
-    FailedToDetectDock,
-    FailedToStage,
-    OdometryLost,
-    Stage,
-)
+from docking.core.errors import DockingError, ErrorCode, FailedToControl, FailedToDetectDock, OdometryLost, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Behavior, Done, Failed
 from docking.goal.limiter import Limiter
 from docking.goal.motion_watch import MotionWatch
+from docking.goal.objective import Objective
 from docking.goal.plan import Plan
-from docking.parameters import DockTimeouts, Timeouts
 
 
 @dataclass(frozen=True)
@@ -32,7 +23,7 @@ class Command:
         velocity: What the wheels have to do until the next step.
         error_code: NONE, or why the goal waits or tries again.
         error_msg: The same as a sentence.
-        retries: How often it has begun anew.
+        retries: Number of retries.
         dock_pose: Of base_link when docked, by the last detection alone; in odom, as the next two.
         filtered_dock_pose: The same by all detections.
         staging_pose: Of base_link in front of the dock.
@@ -69,7 +60,7 @@ class Outcome:
         end: How.
         error_code: NONE unless it was aborted.
         error_msg: The same as a sentence.
-        retries: How often it had begun anew.
+        retries: Number of retries.
     """
 
     end: End
@@ -81,25 +72,36 @@ class Outcome:
 class Goal:
     """One accepted goal. It has one outcome, the first; whatever comes later changes nothing.
 
-    What docking and undocking have in common: nothing moves while the battery is silent, and time runs out.
+    The plan says what moves the robot at each stage, the objective when the goal is reached. Here is what all goals
+    have in common: nothing moves while the battery or odometry is silent, time runs out, velocities keep the limits,
+    and what fails is tried again.
 
     Attributes:
         outcome: None while the goal goes on.
-        retries: How often it has begun anew.
+        retries: Number of retries.
     """
 
-    def __init__(self, timeouts: Timeouts, started_at: float) -> None:
+    def __init__(self, plan: Plan, objective: Objective, started_at: float) -> None:
         """Start the goal.
 
         Args:
-            timeouts: Its time limits.
-            started_at: Seconds of the monotonic clock.
+            plan: The stages and what moves the robot at each.
+            objective: What the goal is for.
+            started_at: Seconds of the clock that observations have.
         """
         self.outcome: Outcome | None = None
         self.retries = 0
-        self._timeouts = timeouts
-        self._started_at = started_at
-        self._stepped_at = started_at
+        self._plan = plan
+        self._objective = objective
+        self._timeouts = objective.timeouts
+        self._started_at = self._stepped_at = started_at
+        self._limiter: Limiter | None = None
+        self._watch: MotionWatch | None = None
+        if plan.motion is not None:
+            self._limiter = Limiter(plan.motion)
+            self._watch = MotionWatch(self._timeouts.odometry_timeout, self._timeouts.blocked_after, started_at)
+        self._failure: DockingError | None = None  # what the running retry is about
+        self._enter(plan.stages[0])
 
     def step(self, observation: Observation) -> Command | Outcome:
         """What to do now.
@@ -114,26 +116,35 @@ class Goal:
             return self.outcome
         now, battery = observation.now, observation.battery
         dt, self._stepped_at = max(0.0, now - self._stepped_at), now
-        fresh = battery is not None and battery.age(now) <= self._timeouts.battery_stale_after
-        if battery is not None and fresh and self._is_reached(battery):
-            return self._finish(Outcome(End.SUCCEEDED, retries=self.retries))
+        fresh = battery if battery is not None and battery.age(now) <= self._timeouts.battery_stale_after else None
+        try:
+            if self._objective.is_reached(observation, fresh, self._finished):
+                return self._succeed(observation)
+        except DockingError as failure:
+            return self.abort(failure.error_code, str(failure))
         if 0.0 < self._timeouts.goal_timeout <= now - self._started_at:
             return self.abort(
                 ErrorCode.TIMEOUT, f"the goal was not reached within {self._timeouts.goal_timeout:g} s (goal_timeout)"
             )
-        return self._go_on(observation, dt) if fresh else self._wait(now, battery)
+        return self._wait(now, battery) if fresh is None else self._go_on(observation, dt)
 
-    def _is_reached(self, battery: BatteryReading) -> bool:
-        """Whether a fresh reading ends the goal well."""
-        raise NotImplementedError
+    def cancel(self) -> Outcome:
+        """End it because someone asked for it."""
+        return self._finish(Outcome(End.CANCELED, retries=self.retries))
 
-    def _go_on(self, observation: Observation, dt: float) -> Command | Outcome:
-        """What to do now that the battery is known and the goal is not reached."""
-        raise NotImplementedError
+    def abort(self, error_code: ErrorCode, error_msg: str) -> Outcome:
+        """End it because it cannot go on."""
+        return self._finish(Outcome(End.ABORTED, error_code, error_msg, self.retries))
 
-    def _rest(self) -> Velocity:
-        """Stand still, whatever was to come next."""
-        return STANDSTILL
+    def _succeed(self, observation: Observation) -> Outcome:
+        odometry = observation.odometry
+        self._objective.memory.note(self._objective.docks, None if odometry is None else odometry.pose)
+        return self._finish(Outcome(End.SUCCEEDED, retries=self.retries))
+
+    def _finish(self, outcome: Outcome) -> Outcome:
+        if self.outcome is None:
+            self.outcome = outcome
+        return self.outcome
 
     def _wait(self, now: float, battery: BatteryReading | None) -> Command | Outcome:
         heard_at = self._started_at if battery is None else max(self._started_at, battery.received_at)
@@ -149,58 +160,9 @@ class Goal:
         )
         return Command(Stage.WAIT_FOR_BATTERY, self._rest(), ErrorCode.BATTERY_STALE, message, retries=self.retries)
 
-    def cancel(self) -> Outcome:
-        """End it because someone asked for it."""
-        return self._finish(Outcome(End.CANCELED, retries=self.retries))
-
-    def abort(self, error_code: ErrorCode, error_msg: str) -> Outcome:
-        """End it because it cannot go on."""
-        return self._finish(Outcome(End.ABORTED, error_code, error_msg, self.retries))
-
-    def _finish(self, outcome: Outcome) -> Outcome:
-        if self.outcome is None:
-            self.outcome = outcome
-        return self.outcome
-
-
-DEADLINES: dict[Stage, tuple[str, type[DockingError], str]] = {
-    Stage.INITIAL_PERCEPTION: ("initial_perception_timeout", FailedToDetectDock, "the dock was not found"),
-    Stage.NAV_TO_STAGING_POSE: ("staging_timeout", FailedToStage, "the staging pose was not reached"),
-    Stage.CONTROLLING: ("dock_approach_timeout", FailedToControl, "the dock was not reached"),
-    Stage.WAIT_FOR_CHARGE: ("wait_charge_timeout", FailedToCharge, "the battery on the dock did not charge"),
-    Stage.RETRY: ("retry_timeout", FailedToControl, "the robot did not back off"),
-}
-"""Which time limit a stage has, and what has happened when it is over."""
-
-
-class DockGoal(Goal):
-    """A goal to dock: succeeds as soon as the charger is connected, at any stage."""
-
-    def __init__(self, plan: Plan, timeouts: DockTimeouts, started_at: float) -> None:
-        """Start the goal.
-
-        Args:
-            plan: The stages and what moves the robot at each, while the battery is not charging.
-            timeouts: Its time limits.
-            started_at: Seconds of the monotonic clock.
-        """
-        super().__init__(timeouts, started_at)
-        self._limits = timeouts
-        self._plan = plan
-        self._limiter: Limiter | None = None
-        self._watch: MotionWatch | None = None
-        if plan.motion is not None:
-            self._limiter = Limiter(plan.motion)
-            self._watch = MotionWatch(timeouts.odometry_timeout, timeouts.blocked_after, started_at)
-        self._failure: DockingError | None = None  # what the running retry is about
-        self._stage = plan.stages[0]
-        self._stage_time = 0.0
-        self._controller: Behavior = plan.controller(self._stage)
-
-    def _is_reached(self, battery: BatteryReading) -> bool:
-        return battery.connected
-
     def _go_on(self, observation: Observation, dt: float) -> Command | Outcome:
+        if self._objective.holds(self._stage):
+            return self._command(self._rest(), Stage.WAIT_FOR_CHARGE)
         self._stage_time += dt
         try:
             if self._watch is not None and not self._watch.sees(observation):
@@ -209,9 +171,11 @@ class DockGoal(Goal):
             self._check_deadline()
             velocity = self._move(observation, dt)
         except DockingError as failure:
-            return self._recover(failure)
+            return self._recover(self._objective.reword(failure))
         if self._watch is not None:
             self._watch.commanded = velocity
+        if velocity != STANDSTILL:
+            self._objective.memory.moves()
         return self._command(velocity)
 
     def _move(self, observation: Observation, dt: float) -> Velocity:
@@ -220,6 +184,8 @@ class DockGoal(Goal):
         Raises:
             DockingError: It fails, or says nothing sensible.
         """
+        if self._finished:
+            return self._rest()
         step = self._controller.step(observation if self._watch is None else self._watch.ahead(observation), dt)
         if isinstance(step, Failed):
             raise step.error
@@ -238,21 +204,21 @@ class DockGoal(Goal):
         Raises:
             DockingError: It has.
         """
-        if self._watch is None:
-            return
-        name, error, message = DEADLINES[self._stage]
-        seconds = getattr(self._limits, name)
-        if self._stage_time > seconds:
-            raise error(f"{message} within {seconds:g} s ({name})")
+        deadline = self._objective.deadline(self._stage, self._finished)
+        if self._watch is not None and deadline is not None and self._stage_time > deadline.seconds:
+            raise deadline.error(f"{deadline.message} within {deadline.seconds:g} s ({deadline.parameter})")
 
     def _recover(self, failure: DockingError) -> Command | Outcome:
         """Try again where that may help, else give up."""
+        if self._objective.holds(self._plan.stages[-1]):  # pressing on, it has come as far as it can get
+            self._enter(self._plan.stages[-1])
+            return self._command(self._rest())
         reason = self._failure
         if reason is not None and self._stage is Stage.RETRY and not isinstance(failure, OdometryLost):
             return self.abort(reason.error_code, f"{reason}; then, while backing off: {failure}")
         if isinstance(failure, FailedToDetectDock) and self.retries:
             return self.abort(self._plan.lost.error_code, f"{failure}, although it was seen before")
-        if not failure.worth_a_retry or self._watch is None or self.retries >= self._limits.max_retries:
+        if not failure.worth_a_retry or self._watch is None or self.retries >= self._objective.max_retries:
             return self.abort(failure.error_code, str(failure))
         self.retries += 1
         self._failure = failure
@@ -264,13 +230,16 @@ class DockGoal(Goal):
         if self._stage is Stage.RETRY:
             self._failure = None
             self._enter(stages[0])
-        elif self._stage is not stages[-1]:
+        elif self._stage is stages[-1]:
+            self._finished = True
+        else:
             self._enter(stages[stages.index(self._stage) + 1])
 
     def _enter(self, stage: Stage) -> None:
         self._stage = stage
         self._stage_time = 0.0
-        self._controller = self._plan.controller(stage)
+        self._finished = False
+        self._controller: Behavior = self._plan.controller(stage)
         if self._watch is not None:
             self._watch.restart()
 
@@ -281,10 +250,10 @@ class DockGoal(Goal):
             self._watch.rest()
         return STANDSTILL
 
-    def _command(self, velocity: Velocity) -> Command:
+    def _command(self, velocity: Velocity, stage: Stage | None = None) -> Command:
         failure, poses = self._failure, self._plan.poses
         return Command(
-            self._stage,
+            stage or self._stage,
             velocity,
             ErrorCode.NONE if failure is None else failure.error_code,
             "" if failure is None else str(failure),

@@ -11,7 +11,7 @@ from docking.parameters import MotionLimits
 
 
 @dataclass(frozen=True, slots=True)
-class Poses:
+class KnownPoses:
     """What a plan knows of the dock, in the frame odom; None for what it does not know.
 
     Attributes:
@@ -25,7 +25,7 @@ class Poses:
     staging: Pose | None = None
 
 
-class Aim(Protocol):
+class DockTarget(Protocol):
     """What the controllers of several stages drive by.
 
     Attributes:
@@ -60,7 +60,7 @@ class Plan(Protocol):
     def lost(self) -> type[DockingError]: ...  # noqa: D102
 
     @property
-    def poses(self) -> Poses: ...  # noqa: D102
+    def poses(self) -> KnownPoses: ...  # noqa: D102
 
     def observe(self, observation: Observation) -> None:
         """Take notice, whatever the stage; called once before the controller's step."""
@@ -69,13 +69,13 @@ class Plan(Protocol):
         """A new controller for one of the stages, or for RETRY."""
 
 
-class Solo:
-    """The plan of a controller that needs no stages, such as `Rotate`."""
+class SingleStage:
+    """The plan of a behavior that is the only one and needs no odometry, such as `Rotate`."""
 
     stages = (Stage.CONTROLLING,)
     motion = None
     lost = FailedToDetectDock
-    poses = Poses()
+    poses = KnownPoses()
 
     def __init__(self, controller: Behavior) -> None:
         self._controller = controller

@@ -1,24 +1,17 @@
 """The node `connect_to_charging_dock_action_server`: drives the robot until its battery is charging."""
 
 import sys
-import time
-from collections.abc import Callable, Sequence
-from typing import Any
-
-from rclpy.context import Context
+from collections.abc import Sequence
 
 from action_tutorials_interfaces.action import ConnectToChargingDock
-from docking.core.battery import Battery
 from docking.core.errors import Stage
 from docking.goal.admission import DOCKING
-from docking.goal.engine import Command, DockGoal
-from docking.goal.plan import Plan
-from docking.parameters import ControllerName, DockSettings, GoalPolicy
+from docking.goal.dock import Docking
+from docking.goal.dock_memory import DockMemory
+from docking.goal.engine import Goal
+from docking.parameters import ControllerName, DockSettings
 from docking.plans.registry import make_plan
-from docking.ros.active_goal import ActiveGoal
-from docking.ros.footprint import FootprintPublisher
-from docking.ros.goal_server import FEEDBACK_PERIOD, GoalServer
-from docking.ros.poses import PosePublishers
+from docking.ros.node import FEEDBACK_PERIOD, ActionNode, ActionSpec
 from docking.ros.process import run_process
 from docking.ros.sensors import Sensor
 from docking.ros.server_process import serve
@@ -30,80 +23,33 @@ NEEDS: dict[ControllerName, frozenset[Sensor]] = {
 }
 
 
-class DockServer(GoalServer):
-    """Action server `connect_to_charging_dock`."""
+def _control_period(settings: DockSettings) -> float:
+    # `rotate` gives ten velocities a second, as the tutorial does.
+    return FEEDBACK_PERIOD if settings.controller is ControllerName.ROTATE else settings.control_period
 
-    action_type = ConnectToChargingDock
-    action_name = "connect_to_charging_dock"
-    purpose = DOCKING
-    settings_type = DockSettings
 
-    def __init__(
-        self,
-        battery: Battery,
-        *,
-        active_goal: ActiveGoal | None = None,
-        make_plan: Callable[[DockSettings], Plan] = make_plan,
-        context: Context | None = None,
-        **options: Any,
-    ) -> None:
-        """Make the node.
+def _make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
+    return Goal(make_plan(settings), Docking(settings.goal_timeouts, memory), started_at)
 
-        Args:
-            battery: Where the battery subscriber puts its readings.
-            active_goal: Shared by all servers that drive this robot; None where there is no other.
-            make_plan: Makes the plan of each goal.
-            context: The ROS context; None is the default one.
-            options: For rclpy's Node.
 
-        Raises:
-            rclpy.exceptions.ParameterException: A parameter is wrong.
-        """
-        self._make_plan = make_plan
-        self._poses = PosePublishers(self)
-        self._footprint = FootprintPublisher(self)
-        super().__init__(
-            "connect_to_charging_dock_action_server", battery, active_goal=active_goal, context=context, **options
-        )
-        battery.on_connected = self.control  # at once, not at the next turn of the timer
-
-    def _take_settings(self, settings: DockSettings) -> None:
-        self._settings = settings
-
-    @property
-    def _goal_policy(self) -> GoalPolicy:
-        return self._settings.goal_policy
-
-    @property
-    def _needs(self) -> frozenset[Sensor]:
-        return NEEDS[self._settings.controller]
-
-    @property
-    def _control_period(self) -> float:
-        # `rotate` gives ten velocities a second, as the tutorial does.
-        return FEEDBACK_PERIOD if self._settings.controller is ControllerName.ROTATE else self._settings.control_period
-
-    def _equip(self) -> None:
-        super()._equip()
-        self._footprint.publish(self._settings.outline)
-        if self._running is None:
-            self._poses.switch(on=Sensor.MARKER in self._needs)
-
-    def _make_goal(self) -> DockGoal:
-        return DockGoal(self._make_plan(self._settings), self._settings.timeouts, time.monotonic())
-
-    def _tell_progress(self, command: Command) -> None:
-        if command.stage is Stage.CONTROLLING:
-            self.get_logger().info("NOT CHARGING...", throttle_duration_sec=1.0)
-        self._poses.publish(command, self._sensors.odometry_frame)
-
-    def _tell_success(self) -> None:
-        self.get_logger().info("CHARGING...")
-        self.get_logger().info("Successfully connected to the charging dock!")
+DOCK = ActionSpec(
+    node_name="connect_to_charging_dock_action_server",
+    action_name="connect_to_charging_dock",
+    action_type=ConnectToChargingDock,
+    purpose=DOCKING,
+    settings=DockSettings,
+    needs=lambda settings: NEEDS[settings.controller],
+    control_period=_control_period,
+    make_goal=_make_goal,
+    progress={Stage.CONTROLLING: "NOT CHARGING..."},
+    success=("CHARGING...", "Successfully connected to the charging dock!"),
+    ends_with_charge=True,
+    outline=lambda settings: settings.outline,
+)
 
 
 def _run(args: Sequence[str] | None) -> int:
-    return serve(lambda battery, context: [DockServer(battery, context=context)], args)
+    return serve(lambda battery, context: [ActionNode(DOCK, battery, context=context)], args)
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -2,19 +2,20 @@
 
 import sys
 from collections.abc import Sequence
+from typing import Any
 
 from rclpy.context import Context
 
 from docking.core.battery import Battery
-from docking.nodes.dock_server import DockServer
-from docking.nodes.undock_server import UndockServer
+from docking.nodes.dock_server import DOCK
+from docking.nodes.undock_server import UNDOCK
 from docking.ros.active_goal import ActiveGoal
-from docking.ros.goal_server import GoalServer
+from docking.ros.node import ActionNode
 from docking.ros.process import run_process
 from docking.ros.server_process import serve
 
 
-def make_servers(battery: Battery, context: Context) -> list[GoalServer]:
+def make_servers(battery: Battery, context: Context) -> list[ActionNode[Any]]:
     """The docking and the undocking node, which share the robot.
 
     Args:
@@ -23,8 +24,8 @@ def make_servers(battery: Battery, context: Context) -> list[GoalServer]:
     """
     active_goal = ActiveGoal()
     return [
-        DockServer(battery, active_goal=active_goal, context=context),
-        UndockServer(battery, active_goal=active_goal, context=context),
+        ActionNode(DOCK, battery, active_goal=active_goal, context=context),
+        ActionNode(UNDOCK, battery, active_goal=active_goal, context=context),
     ]
 
 

@@ -11,7 +11,7 @@ from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.marker_filter import MarkerFilter
 from docking.goal.behavior import Behavior
-from docking.goal.plan import Poses
+from docking.goal.plan import KnownPoses
 from docking.parameters import Dock, MotionLimits
 from docking.plans.sighted import SightedPlan
 
@@ -41,10 +41,10 @@ class DockPosePlan(SightedPlan):
         self.marker = MarkerFilter(MEMORY)
 
     @property
-    def poses(self) -> Poses:
+    def poses(self) -> KnownPoses:
         """As far as they are known."""
         raw = self.marker.raw
-        return Poses(None if raw is None else self.dock.docked(raw), self.docked, self.staging)
+        return KnownPoses(None if raw is None else self.dock.docked(raw), self.docked, self.staging)
 
     @property
     def docked(self) -> Pose | None:

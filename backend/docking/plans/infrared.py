@@ -17,7 +17,7 @@ from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.beacon_filter import FRESH, BeaconFilter
 from docking.goal.behavior import Behavior, Failed
-from docking.goal.plan import Poses
+from docking.goal.plan import KnownPoses
 from docking.parameters import Dock, MotionLimits, Receivers
 from docking.plans.sighted import SightedPlan
 
@@ -55,9 +55,9 @@ class InfraredPlan(SightedPlan):
         self._needed = False  # whether the stage needs the receivers
 
     @property
-    def poses(self) -> Poses:
+    def poses(self) -> KnownPoses:
         """As far as they are known; there is no pose from one reading alone."""
-        return Poses(None, self.docked, self.staging)
+        return KnownPoses(None, self.docked, self.staging)
 
     @property
     def docked(self) -> Pose | None:

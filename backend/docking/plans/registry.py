@@ -1,7 +1,7 @@
 """The plan that the parameters ask for."""
 
 from docking.behaviors.rotate import Rotate
-from docking.goal.plan import Plan, Solo
+from docking.goal.plan import Plan, SingleStage
 from docking.parameters import ControllerName, DockSettings
 from docking.plans.dock_pose import DockPosePlan
 from docking.plans.infrared import InfraredPlan
@@ -24,4 +24,4 @@ def make_plan(settings: DockSettings) -> Plan:
             search_speed=settings.search_speed,
             detection_timeout=settings.external_detection_timeout,
         )
-    return Solo(Rotate(settings.rotate_speed))
+    return SingleStage(Rotate(settings.rotate_speed))

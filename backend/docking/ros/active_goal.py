@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 
+from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal, Outcome
 
 
@@ -34,6 +35,8 @@ class ActiveGoal:
 
     Attributes:
         running: None while nobody drives.
+        memory: What the goals so far tell of the dock.
     """
 
     running: Execution | None = None
+    memory: DockMemory = field(default_factory=DockMemory)

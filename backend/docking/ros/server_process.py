@@ -3,12 +3,13 @@
 import time
 from collections.abc import Callable, Sequence
 from concurrent import futures
+from typing import Any
 
 from rclpy.context import Context
 
 from docking.core.battery import Battery
 from docking.ros.battery_subscriber import BatteryStateSubscriber
-from docking.ros.goal_server import GoalServer
+from docking.ros.node import ActionNode
 from docking.ros.process import Spinner, StopSignals, ros_context
 
 CLOSE_TIMEOUT = 0.8
@@ -18,7 +19,7 @@ HOLD_TIME = 0.5
 HOLD_PERIOD = 0.05
 
 
-def serve(make_servers: Callable[[Battery, Context], Sequence[GoalServer]], args: Sequence[str] | None) -> int:
+def serve(make_servers: Callable[[Battery, Context], Sequence[ActionNode[Any]]], args: Sequence[str] | None) -> int:
     """Run servers and a battery subscriber until a signal ends them.
 
     Args:
@@ -41,7 +42,7 @@ def serve(make_servers: Callable[[Battery, Context], Sequence[GoalServer]], args
         return 0 if spinner.failure is None else 1
 
 
-def _close(servers: Sequence[GoalServer], spinner: Spinner) -> None:
+def _close(servers: Sequence[ActionNode[Any]], spinner: Spinner) -> None:
     """End the goals, and hold the robot still: a base that listens best-effort may miss a single zero velocity."""
     closing = [spinner.call(server.close) for server in servers]
     deadline = time.monotonic() + CLOSE_TIMEOUT
@@ -56,6 +57,6 @@ def _close(servers: Sequence[GoalServer], spinner: Spinner) -> None:
             closed.result()
 
 
-def _hold_still(servers: Sequence[GoalServer]) -> None:
+def _hold_still(servers: Sequence[ActionNode[Any]]) -> None:
     for server in servers:
         server.hold_still()

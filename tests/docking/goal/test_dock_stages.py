@@ -9,7 +9,8 @@ import pytest
 from docking.core.errors import ErrorCode, Stage
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, InfraredReading, Observation, Velocity
-from docking.goal.engine import Command, DockGoal, End, Outcome
+from docking.goal.dock import Docking
+from docking.goal.engine import Command, End, Goal, Outcome
 from docking.parameters import ControllerName, DockSettings, DockTimeouts, MotionLimits
 from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED
@@ -44,7 +45,7 @@ class World:
     def __post_init__(self) -> None:
         self.simulation = Simulation(Settings(start=self.start or STARTS[self.controller]), seed=3)
         self.plan = make_plan(DockSettings(controller=self.controller))
-        self.goal = DockGoal(self.plan, self.limits, 0.0)
+        self.goal = Goal(self.plan, Docking(self.limits), 0.0)
         self.entered_at = 0.0
 
     @property
@@ -91,7 +92,7 @@ both = pytest.mark.parametrize("controller", list(STARTS))
 def test_the_stages_follow_each_other_onto_the_dock(controller: ControllerName) -> None:
     world = World(controller)
     assert world.run() == Outcome(End.SUCCEEDED)
-    assert world.stages == ORDER
+    assert world.stages in (ORDER, [*ORDER, Stage.WAIT_FOR_CHARGE])
     assert world.simulation.contact
     assert world.simulation.bumps == 0
     assert world.reasons == {ErrorCode.NONE}
@@ -130,6 +131,48 @@ def test_a_dock_out_of_view_is_searched(controller: ControllerName, turned: floa
     start = STARTS[controller]
     world = World(controller, start=Pose(start.x, start.y, normalize_angle(start.theta + turned)))
     assert world.run() == Outcome(End.SUCCEEDED)
+
+
+def test_it_presses_on_until_the_battery_has_charged_for_a_while() -> None:
+    def ends_at(stable_for: float) -> tuple[Outcome, float]:
+        world = World(ControllerName.DOCK_POSE, limits=replace(LIMITS, charge_stable_for=stable_for))
+        outcome = world.run()
+        return outcome, world.simulation.robot.x
+
+    first, far = ends_at(0.0)
+    stable, near = ends_at(1.0)
+    assert first == stable == Outcome(End.SUCCEEDED)
+    assert far < DOCKED.x - 0.012  # at the first contact
+    assert near > DOCKED.x - 0.004
+
+
+def test_a_contact_that_bounces_is_no_success_until_it_holds() -> None:
+    charging_at: list[float] = []
+
+    def bounce(observation: Observation) -> Observation:
+        battery = observation.battery
+        if battery is not None and battery.connected and (not charging_at or observation.now - charging_at[0] < 4.0):
+            charging_at.append(observation.now)
+            flicker = int((observation.now - charging_at[0]) / 0.5) % 2 == 1
+            return replace(observation, battery=replace(battery, status=3 if flicker else 1))
+        return observation
+
+    world = World(ControllerName.DOCK_POSE)
+    world.blind = bounce
+    assert world.run() == Outcome(End.SUCCEEDED)
+    assert world.simulation.time > charging_at[0] + 4.0
+
+
+def test_a_robot_that_charges_when_the_goal_comes_stands_still_until_it_is_reached() -> None:
+    world = World(ControllerName.DOCK_POSE, start=DOCKED)
+    world.simulation.run(0.5)
+    goal = Goal(world.plan, Docking(LIMITS), world.simulation.time)
+    begun = world.simulation.time
+    while isinstance(step := goal.step(world.simulation.observe()), Command):
+        assert (step.stage, step.velocity) == (Stage.WAIT_FOR_CHARGE, STANDSTILL)
+        world.simulation.run(PERIOD, step.velocity)
+    assert step == Outcome(End.SUCCEEDED)
+    assert world.simulation.time - begun == pytest.approx(1.0, abs=0.06)
 
 
 @both
@@ -350,5 +393,5 @@ def test_a_controller_that_gives_no_number_fails_after_the_retries() -> None:
             return Broken()
 
     simulation = Simulation(seed=1)
-    goal = DockGoal(BrokenPlan(), DockTimeouts(max_retries=0), 0.0)
+    goal = Goal(BrokenPlan(), Docking(DockTimeouts(max_retries=0)), 0.0)
     assert goal.step(simulation.observe()).error_code is ErrorCode.FAILED_TO_CONTROL

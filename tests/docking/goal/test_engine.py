@@ -18,16 +18,24 @@ from docking.core.errors import (
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.goal.behavior import Behavior, Done, Failed, Step
-from docking.goal.engine import Command, DockGoal, End, Outcome
-from docking.goal.plan import Poses, Solo
+from docking.goal.dock import Docking
+from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.plan import KnownPoses, SingleStage
 from docking.parameters import DockTimeouts, MotionLimits
 
 START = 1000.0
-LIMITS = DockTimeouts(battery_stale_after=2.0, battery_lost_after=60.0, goal_timeout=0.0)
 
 
-def make_goal(limits: DockTimeouts = LIMITS) -> DockGoal:
-    return DockGoal(Solo(Rotate()), limits, START)
+def timeouts(**values: float) -> DockTimeouts:
+    """Time limits with which the first charging message counts."""
+    return DockTimeouts(**{"charge_stable_for": 0.0, **values})  # type: ignore[arg-type]
+
+
+LIMITS = timeouts(battery_stale_after=2.0, battery_lost_after=60.0, goal_timeout=0.0)
+
+
+def make_goal(limits: DockTimeouts = LIMITS) -> Goal:
+    return Goal(SingleStage(Rotate()), Docking(limits), START)
 
 
 def reading(status: int, at: float) -> BatteryReading:
@@ -101,7 +109,7 @@ def test_silence_from_before_the_goal_does_not_count(battery: BatteryReading | N
 
 
 def test_it_times_out() -> None:
-    goal = make_goal(DockTimeouts(goal_timeout=5.0))
+    goal = make_goal(timeouts(goal_timeout=5.0))
     assert isinstance(goal.step(Observation(START + 4.9, reading(3, START + 4.9))), Command)
     step = goal.step(Observation(START + 5.0, reading(3, START + 5.0)))
     assert isinstance(step, Outcome)
@@ -110,12 +118,12 @@ def test_it_times_out() -> None:
 
 
 def test_a_timeout_of_less_than_a_second_counts() -> None:
-    step = make_goal(DockTimeouts(goal_timeout=0.5)).step(Observation(START + 0.5, reading(3, START + 0.5)))
+    step = make_goal(timeouts(goal_timeout=0.5)).step(Observation(START + 0.5, reading(3, START + 0.5)))
     assert step.error_code is ErrorCode.TIMEOUT
 
 
 def test_charging_counts_even_in_the_moment_of_the_timeout() -> None:
-    goal = make_goal(DockTimeouts(goal_timeout=5.0))
+    goal = make_goal(timeouts(goal_timeout=5.0))
     assert goal.step(Observation(START + 5.0, reading(1, START + 5.0))) == Outcome(End.SUCCEEDED)
 
 
@@ -125,7 +133,7 @@ def test_a_velocity_that_is_no_number_aborts(velocity: Velocity) -> None:
         def step(self, observation: Observation, dt: float) -> Velocity:
             return velocity
 
-    step = DockGoal(Solo(Broken()), LIMITS, START).step(Observation(START, reading(3, START)))
+    step = Goal(SingleStage(Broken()), Docking(LIMITS), START).step(Observation(START, reading(3, START)))
     assert isinstance(step, Outcome)
     assert (step.end, step.error_code) == (End.ABORTED, ErrorCode.FAILED_TO_CONTROL)
     assert str(velocity) in step.error_msg
@@ -141,7 +149,7 @@ def test_the_first_outcome_stays() -> None:
 
 @given(st.lists(st.tuples(st.floats(0.0, 30.0), st.one_of(st.none(), st.integers(0, 255))), min_size=1, max_size=60))
 def test_it_never_moves_on_a_stale_battery_and_never_after_its_end(events: list[tuple[float, int | None]]) -> None:
-    goal = make_goal(DockTimeouts(battery_stale_after=2.0, battery_lost_after=20.0, goal_timeout=100.0))
+    goal = make_goal(timeouts(battery_stale_after=2.0, battery_lost_after=20.0, goal_timeout=100.0))
     now, battery, ended = START, None, None
     for pause, status in events:
         now += pause
@@ -168,7 +176,7 @@ class Script:
     stages = (Stage.INITIAL_PERCEPTION, Stage.CONTROLLING)
     motion = MotionLimits()
     lost = LostMarker
-    poses = Poses()
+    poses = KnownPoses()
 
     def __init__(self, **steps: Step) -> None:
         self.steps = steps
@@ -189,7 +197,7 @@ class Run:
 
     def __init__(self, limits: DockTimeouts = LIMITS, **steps: Step) -> None:
         self.plan = Script(**steps)
-        self.goal = DockGoal(self.plan, limits, START)
+        self.goal = Goal(self.plan, Docking(limits), START)
         self.now = START
 
     def step(self, seconds: float = 0.0, *, odometry: bool = True, battery: bool = True) -> Command | Outcome:
@@ -227,7 +235,7 @@ def test_it_stands_still_without_odometry() -> None:
 
 
 def test_a_stage_may_take_its_time_and_no_longer() -> None:
-    run = Run(DockTimeouts(initial_perception_timeout=2.0, max_retries=0), INITIAL_PERCEPTION=STANDSTILL)
+    run = Run(timeouts(initial_perception_timeout=2.0, max_retries=0), INITIAL_PERCEPTION=STANDSTILL)
     for _ in range(8):
         assert isinstance(run.step(0.25), Command)
     step = run.step(0.25)
@@ -238,7 +246,7 @@ def test_a_stage_may_take_its_time_and_no_longer() -> None:
 
 
 def test_each_stage_has_its_own_time() -> None:
-    run = Run(DockTimeouts(initial_perception_timeout=2.0, dock_approach_timeout=2.0), INITIAL_PERCEPTION=STANDSTILL)
+    run = Run(timeouts(initial_perception_timeout=2.0, dock_approach_timeout=2.0), INITIAL_PERCEPTION=STANDSTILL)
     for _ in range(7):
         run.step(0.25)
     run.plan.steps = {"CONTROLLING": STANDSTILL}
@@ -249,7 +257,7 @@ def test_each_stage_has_its_own_time() -> None:
 
 
 def test_each_failure_is_a_retry_until_there_are_no_more() -> None:
-    run = Run(DockTimeouts(max_retries=2), CONTROLLING=NO_CHARGE)
+    run = Run(timeouts(max_retries=2), CONTROLLING=NO_CHARGE)
     run.step()
     for retries in (1, 2):
         assert run.step(0.1) == Command(Stage.RETRY, STANDSTILL, ErrorCode.FAILED_TO_CHARGE, "no charge", retries)

@@ -19,7 +19,8 @@ from docking.core.observation import (
     Odometry,
     Velocity,
 )
-from docking.goal.engine import Command, DockGoal, End, Outcome
+from docking.goal.dock import Docking
+from docking.goal.engine import Command, End, Goal, Outcome
 from docking.parameters import ControllerName
 from docking.plans.registry import make_plan
 from docking.simulation.marker import MarkerSettings
@@ -68,7 +69,7 @@ def test_whatever_is_observed_velocities_are_numbers_within_their_limits(
     controller: ControllerName, known: list[tuple[float, Observation]]
 ) -> None:
     docking = settings_of(controller)
-    goal, now, last, ended = DockGoal(make_plan(docking), docking.timeouts, 0.0), 0.0, STANDSTILL, None
+    goal, now, last, ended = Goal(make_plan(docking), Docking(docking.timeouts), 0.0), 0.0, STANDSTILL, None
     for pause, observation in known:
         now += pause
         step = goal.step(at(now, observation, Pose(0.01 * now, 0.0, 0.1 * math.sin(now))))
@@ -106,7 +107,7 @@ def test_it_docks_from_everywhere_in_its_region(
     start = Pose(x, y, normalize_angle(math.atan2(-y, -x) + turned * region.off))
     simulation = Simulation(Settings(start=start, marker=MarkerSettings(drop_outs=DROP_OUTS)), seed)
     docking = settings_of(controller)
-    goal = DockGoal(make_plan(docking), docking.timeouts, 0.0)
+    goal = Goal(make_plan(docking), Docking(docking.timeouts), 0.0)
     step = goal.step(simulation.observe())
     while isinstance(step, Command):
         simulation.run(docking.control_period, step.velocity)
@@ -123,7 +124,7 @@ def test_it_docks_although_some_detections_are_nonsense(seed: int) -> None:
     random = Random(seed)
     simulation = simulation_of(ControllerName.DOCK_POSE, seed)
     docking = settings_of(ControllerName.DOCK_POSE)
-    goal = DockGoal(make_plan(docking), docking.timeouts, 0.0)
+    goal = Goal(make_plan(docking), Docking(docking.timeouts), 0.0)
     told: MarkerDetection | None = None
     while True:
         observation = simulation.observe()

@@ -6,10 +6,12 @@ import pytest
 from docking.core.battery import BatteryReading
 from docking.core.errors import ErrorCode, Stage
 from docking.core.geometry import Pose
-from docking.core.observation import STANDSTILL, Observation, Odometry
-from docking.goal.engine import Command, End, Outcome
+from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
+from docking.goal.dock_memory import DockMemory
+from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.undock import Undocking
 from docking.parameters import MotionLimits, UndockTimeouts
-from docking.plans.undock import UndockGoal
+from docking.plans.undock import UndockPlan
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
 from docking.simulation.simulation import Settings, Simulation
@@ -25,8 +27,26 @@ def docked() -> Simulation:
     return simulation
 
 
-def undock(simulation: Simulation, limits: UndockTimeouts | None = None, *, keep_charging: bool = False) -> Outcome:
-    goal = UndockGoal(0.7, MOTION, limits or UndockTimeouts(), simulation.time)
+def undock_goal(
+    timeouts: UndockTimeouts | None = None,
+    started_at: float = 0.0,
+    memory: DockMemory | None = None,
+    *,
+    assume_docked: bool = False,
+) -> Goal:
+    objective = Undocking(timeouts or UndockTimeouts(), memory, assume_docked=assume_docked)
+    return Goal(UndockPlan(0.7, MOTION), objective, started_at)
+
+
+def undock(
+    simulation: Simulation,
+    limits: UndockTimeouts | None = None,
+    memory: DockMemory | None = None,
+    *,
+    keep_charging: bool = False,
+    assume_docked: bool = False,
+) -> Outcome:
+    goal = undock_goal(limits, simulation.time, memory, assume_docked=assume_docked)
     speed, begun = 0.0, simulation.time
     while simulation.time < begun + 100.0:
         observation = simulation.observe()
@@ -56,11 +76,59 @@ def test_it_backs_out_to_the_staging_pose_and_charges_no_longer() -> None:
     assert abs(simulation.robot.theta) < math.radians(5.0)
 
 
-def test_a_robot_that_is_not_docked_has_succeeded_at_once_without_moving() -> None:
+def test_where_nothing_tells_whether_it_is_docked_it_does_not_move_and_is_no_success() -> None:
     simulation = Simulation(seed=4)
     begun = simulation.time
-    assert undock(simulation) == Outcome(End.SUCCEEDED)
+    outcome = undock(simulation)
+    assert (outcome.end, outcome.error_code) == (End.ABORTED, ErrorCode.DOCKED_UNKNOWN)
+    assert "2 (DISCHARGING)" in outcome.error_msg
+    assert "assume_docked" in outcome.error_msg
     assert simulation.time == pytest.approx(begun + 1.0)
+
+
+def test_it_backs_out_all_the_same_where_it_is_to_assume_that_it_is_docked() -> None:
+    simulation = docked()
+    simulation.set_fault(Fault.DEAD_CHARGER, True)
+    simulation.run(1.0)
+    assert undock(simulation, assume_docked=True) == Outcome(End.SUCCEEDED)
+    assert simulation.robot.x < -0.85
+
+
+def test_a_robot_that_has_undocked_has_succeeded_at_once() -> None:
+    simulation, memory = docked(), DockMemory()
+    assert undock(simulation, memory=memory) == Outcome(End.SUCCEEDED)
+    begun, place = simulation.time, simulation.robot.pose
+    assert undock(simulation, memory=memory) == Outcome(End.SUCCEEDED)
+    assert simulation.time == pytest.approx(begun + 1.0)
+    assert simulation.robot.pose.distance_to(place) < 0.01
+
+
+def test_a_robot_that_was_moved_since_is_not_known_to_be_anywhere() -> None:
+    simulation, memory = docked(), DockMemory()
+    undock(simulation, memory=memory)
+    simulation.run(2.0, Velocity(-0.2, 0.0))
+    assert undock(simulation, memory=memory).error_code is ErrorCode.DOCKED_UNKNOWN
+
+
+@pytest.mark.parametrize("at", [DOCKED, None])
+def test_a_full_robot_whose_charger_switched_off_is_docked_still(at: Pose | None) -> None:
+    simulation = docked()
+    odometry = simulation.observe().odometry
+    assert odometry is not None
+    simulation.set_fault(Fault.DEAD_CHARGER, True)
+    simulation.run(1.0)
+    assert not simulation.charging
+    memory = DockMemory(True, at and odometry.pose)
+    assert undock(simulation, memory=memory) == Outcome(End.SUCCEEDED)
+    assert simulation.robot.x < -0.85
+    assert memory.docked is False
+
+
+def test_a_goal_that_fails_on_the_dock_leaves_it_known_that_the_robot_is_docked() -> None:
+    simulation, memory = docked(), DockMemory()
+    simulation.set_fault(Fault.STUCK_WHEEL, True)
+    assert undock(simulation, memory=memory).error_code is ErrorCode.FAILED_TO_UNDOCK
+    assert memory.docked is True
 
 
 def test_a_battery_that_goes_on_charging_is_a_failure() -> None:
@@ -87,7 +155,7 @@ def test_a_way_that_takes_too_long_is_a_failure() -> None:
 
 
 def test_without_odometry_it_does_not_move_and_gives_up() -> None:
-    goal = UndockGoal(0.7, MOTION, UndockTimeouts(), 0.0)
+    goal = undock_goal()
     for number in range(10):
         now = 0.1 * number
         step = goal.step(Observation(now, BatteryReading(1, now)))
@@ -98,7 +166,7 @@ def test_without_odometry_it_does_not_move_and_gives_up() -> None:
 
 def test_it_waits_for_a_silent_battery() -> None:
     goal, odometry = (
-        UndockGoal(0.7, MOTION, UndockTimeouts(battery_lost_after=5.0), 0.0),
+        undock_goal(UndockTimeouts(battery_lost_after=5.0)),
         Odometry(Pose(), STANDSTILL, 0.0),
     )
     step = goal.step(Observation(0.0, None, odometry))
@@ -109,7 +177,7 @@ def test_it_waits_for_a_silent_battery() -> None:
 
 def test_the_first_outcome_stays() -> None:
     simulation = docked()
-    goal = UndockGoal(0.7, MOTION, UndockTimeouts(), simulation.time)
+    goal = undock_goal(None, simulation.time)
     assert isinstance(goal.step(simulation.observe()), Command)
     canceled = goal.cancel()
     assert goal.step(simulation.observe()) is canceled

@@ -1,11 +1,12 @@
-"""What the docking and the undocking node have in common: an action server that drives the robot."""
+"""A node that serves an action which drives the robot: docking or undocking, as its `ActionSpec` says."""
 
 import math
+import time
 import traceback
-from abc import abstractmethod
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from rclpy.action import CancelResponse, GoalResponse
 from rclpy.action.server import ServerGoalHandle
@@ -18,21 +19,25 @@ from std_msgs.msg import Bool
 
 from docking.core.battery import Battery
 from docking.core.errors import ErrorCode, Stage
-from docking.core.parameter import NodeSettings
+from docking.core.footprint import Footprint
 from docking.goal.admission import Purpose, admit
+from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Command, End, Goal, Outcome
 from docking.goal.report import Report, report_on
-from docking.parameters import GoalPolicy
+from docking.parameters import ServerSettings
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
 from docking.ros.active_goal import ActiveGoal, Execution
 from docking.ros.battery_subscriber import BATTERY_TOPIC, battery_message
 from docking.ros.diagnostics import Diagnostics
+from docking.ros.footprint import FootprintPublisher
 from docking.ros.parameters import declare_parameters
+from docking.ros.poses import PosePublishers
 from docking.ros.qos import LATCHED
 from docking.ros.sensors import Sensor, Sensors
 from docking.ros.velocity import Drive
 
 Event = TypeVar("Event", Command, Outcome)
+S = TypeVar("S", bound=ServerSettings)
 
 FEEDBACK_PERIOD = 0.1
 DIAGNOSTICS_PERIOD = 1.0
@@ -42,20 +47,48 @@ SENSED = frozenset(
 """What a sensor's fault may be the cause of."""
 
 
-class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
-    """An action server whose goals move the robot; publishes `cmd_vel` and `/diagnostics`.
+@dataclass(frozen=True)
+class ActionSpec(Generic[S]):
+    """What an action is: all that docking and undocking differ in.
 
-    Everything here runs in the one thread that spins the node. Subclasses say what a goal is and find the words.
+    Attributes:
+        node_name: The name of the node that serves it.
+        action_name: The name of the action.
+        action_type: Its type.
+        purpose: What its goals may ask for.
+        settings: The dataclass of the node's parameters.
+        needs: What a goal needs to know, by the parameters.
+        control_period: Seconds between two control steps, by the parameters.
+        make_goal: Makes a goal that begins at a moment, by the parameters and what is remembered of the dock.
+        progress: What is logged once a second at a stage.
+        success: What is logged at the end.
+        ends_with_charge: Whether a message of a charging battery is looked at as soon as it comes.
+        outline: The robot's footprint, by the parameters; None where it is not published.
     """
 
-    action_type: type
+    node_name: str
     action_name: str
+    action_type: type
     purpose: Purpose
-    settings_type: type[NodeSettings]
+    settings: type[S]
+    needs: Callable[[S], frozenset[Sensor]]
+    control_period: Callable[[S], float]
+    make_goal: Callable[[S, DockMemory, float], Goal]
+    progress: Mapping[Stage, str]
+    success: Sequence[str]
+    ends_with_charge: bool = False
+    outline: Callable[[S], Footprint] | None = None
+
+
+class ActionNode(Node, Generic[S]):  # type: ignore[misc] # rclpy has no types
+    """Serves an action whose goals move the robot; publishes `cmd_vel` and `/diagnostics`.
+
+    Everything here runs in the one thread that spins the node.
+    """
 
     def __init__(
         self,
-        name: str,
+        spec: ActionSpec[S],
         battery: Battery,
         *,
         active_goal: ActiveGoal | None = None,
@@ -65,7 +98,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         """Make the node.
 
         Args:
-            name: Of the node.
+            spec: The action.
             battery: Where the battery subscriber puts its readings.
             active_goal: Shared by all servers that drive this robot; None where there is no other.
             context: The ROS context; None is the default one.
@@ -73,8 +106,10 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
 
         Raises:
             rclpy.exceptions.ParameterException: A parameter is wrong.
+            ValueError: The parameters cannot work together.
         """
-        super().__init__(name, context=context, **options)
+        super().__init__(spec.node_name, context=context, **options)
+        self._spec = spec
         self._battery = battery
         self._active_goal = active_goal or ActiveGoal()
         self._running: Execution | None = None  # None also while a goal of another server runs
@@ -84,13 +119,15 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         self._stage = Stage.IDLE
         self._fed_back_at = -math.inf
         self._sensors = Sensors(self, self._repeat_report)
-        declare_parameters(self, self.settings_type, self._take_over)
+        self._poses = PosePublishers(self)
+        self._footprint = FootprintPublisher(self)
+        declare_parameters(self, spec.settings, self._take_over)
         self._drive = Drive(self)
-        self._diagnostics = Diagnostics(self, self.action_name)
+        self._diagnostics = Diagnostics(self, spec.action_name)
         self._server = IdentifyingActionServer(
             self,
-            self.action_type,
-            self.action_name,
+            spec.action_type,
+            spec.action_name,
             execute_callback=self._execute,
             goal_callback=self._decide,
             handle_accepted_callback=self._accept,
@@ -108,53 +145,23 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         self._control_timer = self.create_timer(FEEDBACK_PERIOD, self.control, clock=steady)
         self._control_timer.cancel()
         self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._look_around, clock=steady)
-        self._equip()
-
-    # What subclasses say.
-
-    @abstractmethod
-    def _take_settings(self, settings: Any) -> None:
-        """Keep the values of all parameters."""
-
-    @property
-    @abstractmethod
-    def _goal_policy(self) -> GoalPolicy:
-        """What happens to a goal that comes while another one runs."""
-
-    @property
-    @abstractmethod
-    def _needs(self) -> frozenset[Sensor]:
-        """What the next goal needs to know."""
-
-    @property
-    @abstractmethod
-    def _control_period(self) -> float:
-        """Seconds between two control steps of the next goal."""
-
-    @abstractmethod
-    def _make_goal(self) -> Goal:
-        """A new goal, which begins now."""
-
-    @abstractmethod
-    def _tell_progress(self, command: Command) -> None:
-        """Say what the goal does, and show it."""
-
-    @abstractmethod
-    def _tell_success(self) -> None:
-        """Say that the goal has succeeded."""
+        self._show()
+        if spec.ends_with_charge:
+            battery.on_connected = self.control  # at once, not at the next turn of the timer
 
     # Parameters and equipment.
 
-    def _take_over(self, settings: NodeSettings) -> None:
-        self._take_settings(settings)
+    def _take_over(self, settings: S) -> None:
+        self._settings = settings
         if self.executor is not None:  # else the node is not spun yet, and its maker goes on with this
-            self.executor.create_task(self._equip)
+            self.executor.create_task(self._show)
 
-    def _equip(self) -> None:
-        """Subscribe to what the next goal needs; while a goal runs, it keeps what it has."""
+    def _show(self) -> None:
+        """Publish what follows from the parameters alone."""
+        if self._spec.outline is not None:
+            self._footprint.publish(self._spec.outline(self._settings))
         if self._running is None:
-            self._sensors.listen_to(self._needs)
-            self._control_timer.timer_period_ns = round(self._control_period * 1e9)
+            self._poses.switch(on=Sensor.MARKER in self._spec.needs(self._settings))
 
     # A goal comes: it is decided on, accepted, executed.
 
@@ -162,9 +169,9 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         running = self._active_goal.running
         rejection = admit(
             request.desired_battery_state.power_supply_status,
-            self.purpose,
+            self._spec.purpose,
             active_goal_id=None if running is None else running.goal_id,
-            policy=self._goal_policy,
+            policy=self._settings.goal_policy,
             stop_latched=self._stop_latched,
             shutting_down=self._closing,
         )
@@ -183,8 +190,10 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         running = self._active_goal.running
         if running is not None:
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
-        self._equip()
-        execution = Execution(handle, goal_id, self._make_goal(), self._end)
+        self._sensors.listen_to(self._spec.needs(self._settings))
+        self._control_timer.timer_period_ns = round(self._spec.control_period(self._settings) * 1e9)
+        goal = self._spec.make_goal(self._settings, self._active_goal.memory, time.monotonic())
+        execution = Execution(handle, goal_id, goal, self._end)
         self._running = self._active_goal.running = execution
         self._stage = Stage.IDLE
         self._fed_back_at = -math.inf
@@ -197,7 +206,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
             self._control_timer.reset()
             self.control()
         outcome: Outcome = await execution.ended
-        result = self.action_type.Result(final_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
+        result = self._spec.action_type.Result(final_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
         if outcome.end is End.SUCCEEDED:
             handle.succeed()
         elif outcome.end is End.CANCELED and handle.is_cancel_requested:
@@ -242,7 +251,9 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         if observation.now - self._fed_back_at > 0.75 * FEEDBACK_PERIOD:
             self._fed_back_at = observation.now
             running.handle.publish_feedback(self._feedback())
-        self._tell_progress(step)
+        self._poses.publish(step, self._sensors.odometry_frame)
+        if step.stage in self._spec.progress and not step.error_msg:
+            self.get_logger().info(self._spec.progress[step.stage], throttle_duration_sec=1.0)
         report = report_on(self._explained(step), running.goal_id)
         if report != self._report:
             self._report = report
@@ -271,13 +282,15 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         logger = self.get_logger()
         if outcome.end is End.SUCCEEDED:
             running.handle.publish_feedback(self._feedback())
-            self._tell_success()
+            for line in self._spec.success:
+                logger.info(line)
         elif outcome.end is End.CANCELED:
             logger.info(f"Goal {running.goal_id} canceled")
         else:
             logger.error(f"Goal {running.goal_id} aborted: {outcome.error_msg} [{outcome.error_code.value}]")
         self._publish_report(self._report)
-        self._equip()
+        self._sensors.listen_to(frozenset())  # an idle node costs next to nothing
+        self._show()
 
     # What is told.
 
@@ -288,7 +301,7 @@ class GoalServer(Node):  # type: ignore[misc] # rclpy has no types
         return replace(event, error_msg="; ".join([event.error_msg, *self._sensors.faults.values()]))
 
     def _feedback(self) -> Any:
-        return self.action_type.Feedback(current_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
+        return self._spec.action_type.Feedback(current_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
 
     def _look_around(self) -> None:
         self._drive.look_again()

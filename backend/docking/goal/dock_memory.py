@@ -1,0 +1,45 @@
+"""Whether the robot is docked, as far as earlier goals can tell."""
+
+from dataclasses import dataclass
+
+from docking.core.geometry import Pose
+
+MOVED = 0.1
+"""In m; a robot that odometry has moved by more is somewhere else."""
+TURNED = 0.35
+"""The same in rad."""
+
+
+@dataclass
+class DockMemory:
+    """Remembered from goal to goal, for as long as the process runs.
+
+    Attributes:
+        docked: Whether the robot was docked at the end of the last goal that tells; None where nothing is known.
+        at: Where it stood then, in odom; None where that is not known.
+    """
+
+    docked: bool | None = None
+    at: Pose | None = None
+
+    def note(self, docked: bool, at: Pose | None) -> None:
+        """Remember how a goal has ended, and where."""
+        self.docked, self.at = docked, at
+
+    def moves(self) -> None:
+        """A goal moves the robot: what is known without a pose is known no longer."""
+        if self.at is None:
+            self.docked = None
+
+    def recall(self, robot: Pose | None) -> bool | None:
+        """Whether the robot is docked; None where that is not known, as when it was moved since.
+
+        Args:
+            robot: Where it is now, in odom.
+        """
+        if self.docked is None or self.at is None:
+            return self.docked
+        if robot is None:
+            return None
+        off = robot.relative_to(self.at)
+        return self.docked if robot.distance_to(self.at) <= MOVED and abs(off.theta) <= TURNED else None

@@ -1,0 +1,71 @@
+"""What a goal is for: when it is reached, what its stages may take, and what is remembered of it."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from docking.core.battery import BatteryReading
+from docking.core.errors import DockingError, Stage
+from docking.core.observation import Observation
+from docking.goal.dock_memory import DockMemory
+from docking.parameters import Timeouts
+
+
+@dataclass(frozen=True, slots=True)
+class Deadline:
+    """The time limit of a stage.
+
+    Attributes:
+        parameter: The name of the limit.
+        seconds: The limit.
+        error: What has happened when it is over.
+        message: The same as half a sentence.
+    """
+
+    parameter: str
+    seconds: float
+    error: type[DockingError]
+    message: str
+
+
+class Objective(Protocol):
+    """Docking or undocking; a new one is made for each goal.
+
+    Attributes:
+        timeouts: The time limits of every goal.
+        max_retries: How often to back off and try again.
+        memory: What is remembered of the dock from goal to goal.
+        docks: Whether the robot is docked when the goal is reached.
+    """
+
+    @property
+    def timeouts(self) -> Timeouts: ...  # noqa: D102 - see above
+
+    @property
+    def max_retries(self) -> int: ...  # noqa: D102
+
+    @property
+    def memory(self) -> DockMemory: ...  # noqa: D102
+
+    @property
+    def docks(self) -> bool: ...  # noqa: D102
+
+    def is_reached(self, observation: Observation, battery: BatteryReading | None, finished: bool) -> bool:
+        """The success test; called at each step.
+
+        Args:
+            observation: What is known now.
+            battery: The latest reading, None where it is stale.
+            finished: Whether the last stage of the plan is done.
+
+        Raises:
+            DockingError: The goal can never be reached.
+        """
+
+    def holds(self, stage: Stage) -> bool:
+        """Whether the robot is to stand still at this stage, as the goal may be reached in a moment."""
+
+    def deadline(self, stage: Stage, finished: bool) -> Deadline | None:
+        """The time limit of a stage; None where it has none."""
+
+    def reword(self, failure: DockingError) -> DockingError:
+        """What a failure on the way means for this goal."""

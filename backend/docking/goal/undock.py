@@ -1,0 +1,76 @@
+"""Undocking: reached when the robot has backed out and its battery charges no longer."""
+
+from docking.core.battery import BatteryReading, describe_status
+from docking.core.errors import Blocked, DockedUnknown, DockingError, FailedToUndock, Stage
+from docking.core.observation import Observation
+from docking.goal.dock_memory import DockMemory
+from docking.goal.objective import Deadline
+from docking.parameters import UndockTimeouts
+
+
+class Undocking:
+    """The objective of an undocking goal; see `Objective`.
+
+    A robot whose battery is connected is docked. Without that, what earlier goals have left behind counts. Where
+    nothing tells, the goal fails: it is no success to be on the dock, and nothing is behind a robot that is not.
+    """
+
+    docks = False
+    max_retries = 0
+
+    def __init__(
+        self, timeouts: UndockTimeouts, memory: DockMemory | None = None, *, assume_docked: bool = False
+    ) -> None:
+        """Begin without knowing whether the robot is docked.
+
+        Args:
+            timeouts: The time limits.
+            memory: What is known from earlier goals.
+            assume_docked: What counts where nothing tells: that it is docked.
+        """
+        self.timeouts = timeouts
+        self.memory = memory or DockMemory()
+        self._assume_docked = assume_docked
+        self._docked = False  # for certain
+
+    def is_reached(self, observation: Observation, battery: BatteryReading | None, finished: bool) -> bool:
+        """Whether the robot is off the dock.
+
+        Raises:
+            DockedUnknown: Nothing tells whether the robot is docked.
+        """
+        if battery is None:
+            return False
+        pose = None if observation.odometry is None else observation.odometry.pose
+        if self._docked:
+            return finished and not battery.connected
+        if battery.connected:
+            self.memory.note(True, pose)
+            self._docked = True
+            return False
+        if pose is None and self.memory.at is not None:
+            return False  # odometry will tell, or be missed
+        known = self.memory.recall(pose)
+        if known is None and not self._assume_docked:
+            raise DockedUnknown(
+                f"it is not known whether the robot is docked: its battery is {describe_status(battery.status)}, and no"
+                " earlier goal tells. If it is on the dock, switch the charger on, drive it off by hand, or set"
+                " assume_docked to true and send the goal again; if it is not, there is nothing to do"
+            )
+        self._docked = known is not False
+        return known is False
+
+    def holds(self, stage: Stage) -> bool:
+        """Never."""
+        return False
+
+    def deadline(self, stage: Stage, finished: bool) -> Deadline | None:
+        """The time limit of backing out until the battery charges no longer."""
+        message = "the battery is still charging" if finished else "the robot did not get away from the dock"
+        return Deadline("undocking_timeout", self.timeouts.undocking_timeout, FailedToUndock, message)
+
+    def reword(self, failure: DockingError) -> DockingError:
+        """A robot that is blocked has failed to undock."""
+        if isinstance(failure, Blocked):
+            return FailedToUndock(f"the robot did not get away from the dock: {failure}")
+        return failure
