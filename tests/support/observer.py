@@ -103,18 +103,29 @@ class Observer:
             client.destroy()
 
     def publish(self, message: Any, topic: str, qos: QoSProfile | int = 10) -> None:
-        """Publish one message; the first on a topic waits for a subscriber."""
-        if topic not in self._publishers:
-            self._publishers[topic] = self.call(lambda: self.node.create_publisher(type(message), topic, qos))
-        publisher = self._publishers[topic]
+        """Publish one message, once there is a subscriber."""
+        publisher = self._publisher(message, topic, qos)
         wait_until(publisher.get_subscription_count, f"a subscriber of {topic}")
         self.call(lambda: publisher.publish(message))
 
+    def _publisher(self, message: Any, topic: str, qos: QoSProfile | int = 10) -> Any:
+        if topic not in self._publishers:
+            self._publishers[topic] = self.call(lambda: self.node.create_publisher(type(message), topic, qos))
+        return self._publishers[topic]
+
     @contextmanager
-    def publishing(self, message: Any, topic: str, period: float = 0.1) -> Iterator[None]:
-        """Publish a message again and again, from now to the end of the block."""
-        self.publish(message, topic)
-        publisher = self._publishers[topic]
+    def publishing(self, message: Any, topic: str, period: float = 0.1, *, heard: bool = True) -> Iterator[None]:
+        """Publish a message again and again, from now to the end of the block.
+
+        Args:
+            message: The message.
+            topic: Where to publish it.
+            period: Between two messages, in s.
+            heard: Whether to wait for a subscriber first.
+        """
+        publisher = self._publisher(message, topic)
+        if heard:
+            self.publish(message, topic)
         timer = self.call(lambda: self.node.create_timer(period, lambda: publisher.publish(message)))
         try:
             yield

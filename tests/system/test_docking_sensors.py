@@ -73,13 +73,17 @@ def test_it_listens_to_what_the_controller_needs_and_to_nothing_else(domain: int
     def said() -> set[str]:
         return POSES & {name for name, _ in observer.node.get_publisher_names_and_types_by_node(NODE, "/")}
 
-    with dock_server(domain) as server:
+    with dock_server(domain) as server, observer.publishing(LOW, "battery_status"):
         wait_until(lambda: NODE in observer.node.get_node_names(), "the node")
-        for controller in ("rotate", "dock_pose", "infrared", "rotate", "dock_pose"):
+        for controller in ("rotate", "dock_pose", "infrared"):
             (answer,) = server.set_parameters([Parameter("controller", value=controller)])
             assert answer.successful
-            wait_until(lambda name=controller: heard() == SENSORS[name], f"what {controller} listens to")
             wait_until(lambda name=controller: said() == (POSES if name == "dock_pose" else set()), "the poses")
+            assert heard() == set()
+            goal = send_dock_goal(observer)
+            wait_until(lambda name=controller: heard() == SENSORS[name], f"what {controller} listens to")
+            assert goal.cancel()
+            wait_until(lambda: heard() == set(), "the end of the goal, after which it listens to nothing")
 
 
 def test_a_detection_is_put_where_the_robot_was_when_it_saw_the_marker(domain: int, observer: Observer) -> None:
@@ -215,10 +219,12 @@ def test_an_abort_says_what_is_wrong_with_the_sensors(domain: int, observer: Obs
     with dock_server(domain, "controller:=dock_pose", make_plan=lambda _settings: SingleStage(Blind())):
         reports = Reports(observer)
         complaint = "/detected_dock_pose cannot be used: no odometry has come yet"
-        with observer.publishing(detection(SOMEWHERE, AT), MARKER):
-            reports.wait_for(name=f"{NODE}: sensors", message=complaint)
-        with observer.publishing(LOW, "battery_status"):
+        with (
+            observer.publishing(LOW, "battery_status"),
+            observer.publishing(detection(SOMEWHERE, AT), MARKER, heard=False),
+        ):
             goal = send_dock_goal(observer)
+            reports.wait_for(name=f"{NODE}: sensors", message=complaint)
             observer.publish(odometry(Pose(), AT), ODOM)
             assert goal.result().status == ABORTED
         report = reports.wait_for(goal_id=goal.goal_id, stage="ABORTED")
@@ -242,7 +248,7 @@ def test_the_poses_are_shown_while_a_goal_runs(domain: int, observer: Observer) 
             recording.wait_for_publisher()
         with (
             observer.publishing(LOW, "battery_status"),
-            observer.publishing(odometry(Pose(), AT, frame="robot1/odom"), ODOM),
+            observer.publishing(odometry(Pose(), AT, frame="robot1/odom"), ODOM, heard=False),
         ):
             goal = send_dock_goal(observer)
             for (topic, recording), x in zip(shown.items(), (1.0, 1.1, 0.4), strict=True):
