@@ -39,10 +39,17 @@ AREAS = {
     ),
     "stop": (["dock_gateway/fleet/stop.py"], ["tests/dock_gateway/fleet/test_stop.py"]),
     "docking": (
-        [f"docking/goal/{name}.py" for name in ("engine", "limiter", "motion_watch")],
+        [f"docking/goal/{name}.py" for name in ("engine", "dock", "undock", "dock_memory", "limiter", "motion_watch")],
         [
-            f"tests/docking/goal/test_{name}.py"
-            for name in ("engine", "limiter", "motion_watch", "dock_stages", "undock")
+            f"tests/docking/{name}.py"
+            for name in (
+                "goal/test_engine",
+                "goal/test_limiter",
+                "goal/test_motion_watch",
+                "goal/test_dock_stages",
+                "goal/test_dock_memory",
+                "plans/test_undock",
+            )
         ],
     ),
 }
