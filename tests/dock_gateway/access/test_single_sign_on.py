@@ -5,6 +5,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from datetime import timedelta
+from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -22,9 +23,12 @@ from dock_gateway.access.single_sign_on import SingleSignOn
 from dock_gateway.core.access import Kind
 from dock_gateway.core.errors import GatewayError, NotAuthenticated, NotFound, Unavailable
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.history import History
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
+from tests.support.history import open_at
 from tests.support.provider import AUDIENCE, CLIENT, ISSUER, Endless, FakeProvider, rsa_key, sign
+from tests.support.waiting import until
 
 REDIRECT = "https://robots.example/session/oidc/callback"
 HOME = "192.0.2.7"
@@ -45,7 +49,7 @@ class Site:
 
     def __init__(self, fake: FakeProvider) -> None:
         self.fake = fake
-        self.history = MemoryHistory(10)
+        self.history: History = MemoryHistory(10)
         self.now = 1_000_000.0
 
     @asynccontextmanager
@@ -299,6 +303,25 @@ async def test_sessions_of_another_provider_are_not_valid(site: Site, logins: Lo
     with pytest.raises(NotAuthenticated):
         without.identify(secret)
     assert logins.identify(secret)
+
+
+async def test_two_gateways_on_one_database(site: Site, fake: FakeProvider, database_url: str, tmp_path: Path) -> None:
+    fake.claims |= {"halls": ["/hall_a/*"]}
+    async with open_at(database_url, tmp_path / "a") as one, open_at(database_url, tmp_path / "b") as other:
+        await until(lambda: one.stats().database_reachable and other.stats().database_reachable)
+        site.history = one
+        async with site.gateway(oidc_robots_claim="halls") as here:
+            site.history = other
+            async with site.gateway() as elsewhere:
+                secret = await log_in(here, fake)
+                await elsewhere.look()
+                assert elsewhere.identify(secret) == here.identify(secret)
+                assert elsewhere.identify(secret).grant == Grant(Role.OPERATOR, ("/hall_a/*",))
+                await elsewhere.look()  # stores the use
+                await elsewhere.end_person("oidc:ada")
+                await here.look()
+                with pytest.raises(NotAuthenticated):
+                    here.identify(secret)
 
 
 async def test_failures_of_any_page_do_not_delay_logins(logins: Logins, fake: FakeProvider) -> None:
