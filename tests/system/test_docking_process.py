@@ -150,6 +150,29 @@ def test_names_namespaces_and_parameters_come_from_the_command_line(domain: int,
         assert report["name"] == "robot1/connect_to_charging_dock_action_server: connect_to_charging_dock"
 
 
+def test_nodes_are_not_renamed_alike(domain: int) -> None:
+    with Process(SERVER, "--ros-args", "-r", "__node:=x", env=ros_environment(domain)) as server:
+        assert server.wait() == 2
+        assert "-r connect_to_charging_dock_action_server:__node:=…" in server.own_lines[-1]
+
+
+def test_one_node_is_renamed_and_parameters_come_from_a_file(domain: int, observer: Observer, tmp_path: Path) -> None:
+    file = tmp_path / "robot.yaml"
+    file.write_text(
+        "/**:\n  ros__parameters:\n    rotate_speed: -0.3\ndocker:\n  ros__parameters:\n    goal_policy: preempt\n"
+    )
+    arguments = ("-r", "connect_to_charging_dock_action_server:__node:=docker", "--params-file", str(file))
+    with Process(SERVER, "--ros-args", *arguments, env=ros_environment(domain)):
+        wheels = watch_wheels(observer)
+        wait_until(lambda: {"docker", "battery_state_subscriber"} <= set(observer.node.get_node_names()), "the nodes")
+        with observer.publishing(LOW, "battery_status"):
+            first = send_dock_goal(observer)
+            wait_until(lambda: wheels.moving, "a move")
+            assert wheels.messages[-1].angular.z == -0.3
+            assert send_dock_goal(observer).accepted
+            assert first.result().status == ABORTED
+
+
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [

@@ -128,6 +128,10 @@ class Goal:
             )
         return self._wait(now, battery) if fresh is None else self._go_on(observation, dt)
 
+    def pause(self) -> None:
+        """The robot stands still, as time does; the next step goes on from there."""
+        self._rest()
+
     def cancel(self) -> Outcome:
         """End it because someone asked for it."""
         return self._finish(Outcome(End.CANCELED, retries=self.retries))

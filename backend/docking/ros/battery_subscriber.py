@@ -11,6 +11,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from sensor_msgs.msg import BatteryState
 
 from docking.core.battery import Battery, BatteryReading, received_at
+from docking.ros.clock import control_time
 
 BATTERY_TOPIC = "battery_status"
 # BEST_EFFORT and VOLATILE match every publisher. One message is kept: an older one is of no use.
@@ -56,7 +57,7 @@ class BatteryStateSubscriber(Node):  # type: ignore[misc] # rclpy has no types
         self._battery.update(
             BatteryReading(
                 status=message.power_supply_status,
-                received_at=received_at(time.monotonic(), time.time(), received_wall),
+                received_at=received_at(control_time(self), time.time(), received_wall),
                 message=message,
                 percentage=message.percentage,
             )

@@ -20,6 +20,7 @@ from std_msgs.msg import Bool
 from docking.core.battery import Battery
 from docking.core.errors import ErrorCode, Stage
 from docking.core.footprint import Footprint
+from docking.core.observation import STANDSTILL
 from docking.goal.admission import Purpose, admit
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Command, End, Goal, Outcome
@@ -28,6 +29,7 @@ from docking.parameters import ServerSettings
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
 from docking.ros.active_goal import ActiveGoal, Execution
 from docking.ros.battery_subscriber import BATTERY_TOPIC, battery_message
+from docking.ros.clock import ClockWatch, control_time
 from docking.ros.diagnostics import Diagnostics
 from docking.ros.footprint import FootprintPublisher
 from docking.ros.parameters import declare_parameters
@@ -118,6 +120,7 @@ class ActionNode(Node, Generic[S]):  # type: ignore[misc] # rclpy has no types
         self._report = Report()
         self._stage = Stage.IDLE
         self._fed_back_at = -math.inf
+        self._clock_watch = ClockWatch(self)
         self._sensors = Sensors(self, self._repeat_report)
         self._poses = PosePublishers(self)
         self._footprint = FootprintPublisher(self)
@@ -148,6 +151,11 @@ class ActionNode(Node, Generic[S]):  # type: ignore[misc] # rclpy has no types
         self._show()
         if spec.ends_with_charge:
             battery.on_connected = self.control  # at once, not at the next turn of the timer
+
+    @property
+    def own_name(self) -> str:
+        """The name of the node unless it is renamed."""
+        return self._spec.node_name
 
     # Parameters and equipment.
 
@@ -192,7 +200,7 @@ class ActionNode(Node, Generic[S]):  # type: ignore[misc] # rclpy has no types
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
         self._sensors.listen_to(self._spec.needs(self._settings))
         self._control_timer.timer_period_ns = round(self._spec.control_period(self._settings) * 1e9)
-        goal = self._spec.make_goal(self._settings, self._active_goal.memory, time.monotonic())
+        goal = self._spec.make_goal(self._settings, self._active_goal.memory, control_time(self))
         execution = Execution(handle, goal_id, goal, self._end)
         self._running = self._active_goal.running = execution
         self._stage = Stage.IDLE
@@ -242,12 +250,17 @@ class ActionNode(Node, Generic[S]):  # type: ignore[misc] # rclpy has no types
             self._end(running.goal.abort(ErrorCode.UNKNOWN, f"{type(error).__name__}: {error}"))
 
     def _step(self, running: Execution) -> None:
+        decided_at = time.monotonic()
+        if self._clock_watch.stopped:
+            running.goal.pause()
+            self._drive.go(STANDSTILL, decided_at)
+            return
         observation = self._sensors.observe(self._battery.latest)
         step = running.goal.step(observation)
         if isinstance(step, Outcome):
             self._end(step)
             return
-        self._drive.go(step.velocity, observation.now)
+        self._drive.go(step.velocity, decided_at)
         if observation.now - self._fed_back_at > 0.75 * FEEDBACK_PERIOD:
             self._fed_back_at = observation.now
             running.handle.publish_feedback(self._feedback())

@@ -18,6 +18,7 @@ from sensor_msgs.msg import Range
 from docking.core.battery import BatteryReading, received_at
 from docking.core.observation import InfraredReading, MarkerDetection, Observation, Odometry, Velocity
 from docking.estimation.track import Track
+from docking.ros.clock import control_time
 from docking.ros.geometry import pose_from
 from docking.ros.qos import LATEST
 
@@ -83,7 +84,7 @@ class Sensors:
         def receive(message: Any, info: dict[str, Any]) -> None:
             received_wall = info.get("received_timestamp", 0) / 1e9
             try:
-                take(message, received_at(time.monotonic(), time.time(), received_wall))
+                take(message, received_at(control_time(self._node), time.time(), received_wall))
             except ValueError as error:
                 self._set_fault(resolved, f"{resolved} {error}")
             else:
@@ -165,7 +166,7 @@ class Sensors:
         Args:
             battery: The battery's latest reading, which comes another way.
         """
-        return Observation(time.monotonic(), battery, self._track.latest, self._marker, self._infrared())
+        return Observation(control_time(self._node), battery, self._track.latest, self._marker, self._infrared())
 
     def _infrared(self) -> InfraredReading | None:
         if len(self._ranges) < len(RECEIVERS):

@@ -28,13 +28,22 @@ def serve(make_servers: Callable[[Battery, Context], Sequence[ActionNode[Any]]],
 
     Returns:
         The exit code: 0 after a signal, 1 after a failure.
+
+    Raises:
+        ValueError: Two nodes have one name.
     """
     signals = StopSignals()
     with ros_context(args) as context:
         battery = Battery()
         servers = make_servers(battery, context)
         subscriber = BatteryStateSubscriber(battery, context=context)
-        with Spinner(context, [*servers, subscriber], on_failure=signals.wake) as spinner:
+        nodes: list[Any] = [*servers, subscriber]
+        if len({node.get_fully_qualified_name() for node in nodes}) < len(nodes):
+            raise ValueError(
+                "-r __node:=… renames all nodes of this program alike. Name the node that is meant:"
+                f" -r {servers[0].own_name}:__node:=…"
+            )
+        with Spinner(context, nodes, on_failure=signals.wake) as spinner:
             try:
                 signals.wait()
             finally:
