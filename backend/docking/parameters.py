@@ -268,6 +268,11 @@ class ServerSettings(NodeSettings):
         "What happens to a goal that arrives while another one runs: it is rejected, or it preempts the "
         "other one, which is aborted.",
     )
+    autostart: bool = switch(
+        True,
+        "Whether the node configures and activates itself at its start; if not, `ros2 lifecycle set` or a manager "
+        "does.",
+    )
     timeouts: Timeouts = group(Timeouts)
     controller_frequency: float = number(
         20.0, 5.0, 100.0, "Hz", "Rate at which velocities are computed and published; rotate publishes at 10 Hz."

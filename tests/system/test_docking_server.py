@@ -4,6 +4,8 @@ import math
 
 import pytest
 from geometry_msgs.msg import Twist
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from rcl_interfaces.msg import Log, ParameterType
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.parameter import Parameter
@@ -320,3 +322,31 @@ def test_a_changed_parameter_counts_from_the_next_goal(domain: int, observer: Ob
 
 def test_results_are_not_kept_for_long() -> None:
     assert RESULT_TIMEOUT == 10
+
+
+def test_a_node_that_is_not_active_lets_no_goal_in(domain: int, observer: Observer) -> None:
+    node = "/connect_to_charging_dock_action_server"
+    with dock_server(domain, "autostart:=false"):
+        wheels, reports = watch_wheels(observer), Reports(observer)
+        client = observer.call(lambda: observer.node.create_client(ChangeState, f"{node}/change_state"))
+        wait_until(client.service_is_ready, "the lifecycle services")
+
+        def change(transition: int) -> bool:
+            request = ChangeState.Request(transition=Transition(id=transition))
+            asked = observer.call(lambda: client.call_async(request))
+            return bool(observer.result_of(asked, "the new state").success)
+
+        with observer.publishing(LOW, BATTERY):
+            refused = send_dock_goal(observer)
+            assert not refused.accepted
+            reports.wait_for(goal_id=refused.goal_id, error_code="NOT_ACTIVE", error_number="955")
+            assert change(Transition.TRANSITION_CONFIGURE)
+            assert not send_dock_goal(observer).accepted
+            assert change(Transition.TRANSITION_ACTIVATE)
+            goal = send_dock_goal(observer)
+            wait_until(lambda: wheels.moving, "a move")
+            assert change(Transition.TRANSITION_DEACTIVATE)
+            assert goal.result().status == ABORTED
+            reports.wait_for(goal_id=goal.goal_id, stage="ABORTED", error_code="NOT_ACTIVE")
+            wait_until(lambda: wheels.standing, "zero velocity")
+            assert not send_dock_goal(observer).accepted

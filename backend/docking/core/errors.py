@@ -46,6 +46,8 @@ class ErrorCode(enum.StrEnum):
     """Rejected or aborted: the action server is ending."""
     STOP_LATCHED = "STOP_LATCHED"
     """Rejected or aborted: a stop is latched, and nothing may move until it is released."""
+    NOT_ACTIVE = "NOT_ACTIVE"
+    """Rejected or aborted: the action server's node is not active (its lifecycle state)."""
     BATTERY_STALE = "BATTERY_STALE"
     """Waiting: no battery message for battery_stale_after."""
     BATTERY_LOST = "BATTERY_LOST"
@@ -98,6 +100,7 @@ NUMBERS = {
     ErrorCode.SHUTTING_DOWN: 952,
     ErrorCode.STOP_LATCHED: 953,
     ErrorCode.PREEMPTED: 954,
+    ErrorCode.NOT_ACTIVE: 955,
     ErrorCode.BATTERY_STALE: 960,
     ErrorCode.BATTERY_LOST: 961,
     ErrorCode.LOST_MARKER: 962,

@@ -46,6 +46,7 @@ def admit(
     policy: GoalPolicy,
     stop_latched: bool,
     shutting_down: bool,
+    active: bool = True,
 ) -> Rejection | None:
     """Decide on a goal.
 
@@ -56,12 +57,15 @@ def admit(
         policy: What to do in that case.
         stop_latched: Whether a stop is latched.
         shutting_down: Whether the server is ending.
+        active: Whether the server's node is active.
 
     Returns:
         None where the goal may run, else why it may not.
     """
     if shutting_down:
         return Rejection(ErrorCode.SHUTTING_DOWN, "the action server is shutting down")
+    if not active:
+        return Rejection(ErrorCode.NOT_ACTIVE, "the action server's node is not active: ros2 lifecycle set … activate")
     if desired_status not in purpose.statuses:
         return Rejection(
             ErrorCode.INVALID_GOAL,

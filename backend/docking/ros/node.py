@@ -13,7 +13,7 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
-from rclpy.node import Node
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from std_msgs.msg import Bool
 
@@ -82,9 +82,10 @@ class ActionSpec(Generic[S]):
     outline: Callable[[S], Footprint] | None = None
 
 
-class ActionNode(Node, Generic[S]):  # type: ignore[misc] # rclpy has no types
+class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has no types
     """Serves an action whose goals move the robot; publishes `cmd_vel` and `/diagnostics`.
 
+    It is a lifecycle node: goals are rejected unless it is active, which it becomes by itself (`autostart`).
     Everything here runs in the one thread that spins the node.
     """
 
@@ -115,7 +116,7 @@ class ActionNode(Node, Generic[S]):  # type: ignore[misc] # rclpy has no types
         self._battery = battery
         self._active_goal = active_goal or ActiveGoal()
         self._running: Execution | None = None  # None also while a goal of another server runs
-        self._closing = False
+        self._closing = self._active = False
         self._stop_latched = False
         self._report = Report()
         self._stage = Stage.IDLE
@@ -152,6 +153,33 @@ class ActionNode(Node, Generic[S]):  # type: ignore[misc] # rclpy has no types
         if spec.ends_with_charge:
             battery.on_connected = self.control  # at once, not at the next turn of the timer
 
+        if self._settings.autostart:
+            self.trigger_configure()
+            self.trigger_activate()
+
+    # Lifecycle.
+
+    def on_activate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Let goals in."""
+        self._active = True
+        return super().on_activate(state)
+
+    def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """Let no more goals in, and abort the one that runs, which stops the robot."""
+        self._leave()
+        return super().on_deactivate(state)
+
+    def on_shutdown(self, state: LifecycleState) -> TransitionCallbackReturn:
+        """The same, for good."""
+        self._leave()
+        return super().on_shutdown(state)
+
+    def _leave(self) -> None:
+        self._active = False
+        running = self._running
+        if running is not None:
+            self._end(running.goal.abort(ErrorCode.NOT_ACTIVE, "the action server's node was deactivated"))
+
     @property
     def own_name(self) -> str:
         """The name of the node unless it is renamed."""
@@ -182,6 +210,7 @@ class ActionNode(Node, Generic[S]):  # type: ignore[misc] # rclpy has no types
             policy=self._settings.goal_policy,
             stop_latched=self._stop_latched,
             shutting_down=self._closing,
+            active=self._active,
         )
         if rejection is None:
             return GoalResponse.ACCEPT
