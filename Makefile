@@ -27,7 +27,7 @@ INTERFACES := backend/action_tutorials_interfaces
 INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots format lock interfaces-wheel clean
+.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots format lock interfaces-wheel colcon-workspace clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
@@ -74,7 +74,7 @@ format: setup ## format Python and TypeScript, and write the tables of parameter
 	$(BIN)/ruff format --quiet .
 	. scripts/node-env && cd frontend && npx --no-install biome check --write src tests
 
-lock: $(UV) ## write both locks anew from the pyproject.toml files
+lock: $(UV) ## write the locks anew from the pyproject.toml files
 	$(UV) pip compile --quiet --universal --python-version 3.11 --generate-hashes --upgrade \
 	    --no-emit-index-url --no-annotate --no-header \
 	    --no-emit-package action-tutorials-interfaces --group dev --extra traces pyproject.toml -o requirements.lock
@@ -82,6 +82,9 @@ lock: $(UV) ## write both locks anew from the pyproject.toml files
 
 interfaces-wheel: $(UV) ## build and try the interface package on PYTHON=3.12 (or another CPython)
 	scripts/interfaces-wheel $(or $(PYTHON),3.12)
+
+colcon-workspace: $(UV) ## build and try both ROS packages with colcon, as on a ROS installation, on PYTHON=3.12
+	scripts/colcon-workspace $(or $(PYTHON),3.12)
 
 clean: ## remove everything that the other targets made
 	rm -rf .venv .tools dist $(BENCH) frontend/dist frontend/node_modules test-results
@@ -107,7 +110,7 @@ $(STAMPS)/interfaces: $(INTERFACE_SOURCES) build-requirements.lock scripts/build
 	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/wheel/*.whl
 	@touch $@
 
-$(STAMPS)/project: pyproject.toml backend/hatch_build.py $(wildcard backend/action_tutorials_py/*) $(STAMPS)/interfaces
+$(STAMPS)/project: pyproject.toml backend/hatch_build.py $(shell find backend/action_tutorials_py -type f) $(STAMPS)/interfaces
 	@$(UV) pip install --quiet --python $(BIN)/python --no-deps \
 	    --build-constraints build-requirements.lock --editable .
 	@touch $@

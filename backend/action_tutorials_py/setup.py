@@ -1,0 +1,41 @@
+"""The ROS package as colcon builds it.
+
+Its code is `docking`, a link to the folder beside this one. Without a ROS installation, use the wheel: /pyproject.toml.
+"""
+
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+PACKAGE = "action_tutorials_py"
+
+setup(
+    name=PACKAGE,
+    version="0.1.0",
+    description="Action servers that dock and undock a robot, their clients, a simulated robot, the Fibonacci tutorial",
+    maintainer="dock-gateway maintainers",
+    maintainer_email="maintainers@dock-gateway.example",
+    license="Apache-2.0",
+    python_requires=">=3.11",
+    install_requires=["setuptools"],
+    packages=find_packages(include=["docking", "docking.*"]),
+    package_data={"docking": ["py.typed"]},
+    zip_safe=True,
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{PACKAGE}"]),
+        (f"share/{PACKAGE}", ["package.xml"]),
+        (f"share/{PACKAGE}/config", [str(file) for file in Path("config").iterdir()]),
+        (f"share/{PACKAGE}/launch", [str(file) for file in Path("launch").iterdir()]),
+    ],
+    entry_points={
+        "console_scripts": [
+            "connect_to_charging_dock_server = docking.nodes.dock_server:main",
+            "connect_to_charging_dock_client = docking.clients.dock:main",
+            "disconnect_from_charging_dock_client = docking.clients.undock:main",
+            "docking_server = docking.nodes.docking_server:main",
+            "dock_simulator = docking.nodes.simulator:main",
+            "fibonacci_action_server = docking.tutorial.fibonacci_server:main",
+            "fibonacci_action_client = docking.tutorial.fibonacci_client:main",
+        ],
+    },
+)
