@@ -337,8 +337,7 @@ class BeaconFilter:
         for distance in sorted(distance for distance in ranges if distance < math.inf):
             agreeing = [[abs(other - distance) <= SAME for other in seen] for seen in recent]
             if sum(map(any, agreeing)) >= AGREEING:
-                seen = [2 * sum(column) >= AGREEING for column in zip(*agreeing, strict=True)]
-                sector = find_sector(seen, self.receivers)
+                sector = find_sector(agreeing[-1], self.receivers)  # the robot may turn: only the last one is of now
                 if sector is not None:
                     self._begin(distance, sector, stamp)
                     return True
