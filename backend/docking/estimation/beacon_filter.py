@@ -1,23 +1,15 @@
-"""Where the infrared beacon is and which way it shines, out of what three receivers see.
-
-An extended Kalman filter (Thrun, Burgard and Fox, Probabilistic Robotics, 2005, section 3.3) for the robot's pose as
-seen from the beacon, for the errors of odometry, and for the dock's axis.
-"""
+"""Where the infrared beacon is and which way it shines, out of what three receivers see."""
 
 import math
 from collections import deque
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
 from docking.core.geometry import Pose, normalize_angle
-from docking.core.observation import InfraredReading, Observation
+from docking.core.observation import Observation
+from docking.estimation.beacon_state import UNKNOWN, BeaconState, View
 from docking.estimation.receivers import Change, Sight, find_sector, ranges_of
 from docking.estimation.track import Track
 from docking.parameters import Receivers
-
-Vector = npt.NDArray[np.float64]
 
 FRESH = 0.3
 """How old a reading may be, in s."""
@@ -39,21 +31,6 @@ BEARING_GATE = 0.15
 """Beyond 3 standard deviations of the estimate, in rad: a receiver does not see that far beyond its view."""
 SECTOR_NOISE = 0.05
 """Standard deviation of a bearing, in rad, that is known only by the receivers which see the beacon."""
-EDGE_NOISE = 0.012
-"""Standard deviation of the direction of an edge of the light, in rad."""
-ANGLE_NOISE = 0.02
-"""Standard deviation of infrared_beacon_angle, in rad."""
-GATE = 16.0
-"""Squared, in standard deviations: what is less likely is not believed."""
-
-WAY_NOISE, DRIVING_NOISE, TURNING_NOISE = 0.01, 0.025, 0.01
-"""Standard deviations of odometry's random errors: in m after 1 m, in rad after 1 m, and in rad after 1 rad."""
-UNKNOWN = 2.0
-"""Standard deviation of an axis that is not known, in rad."""
-
-X, Y, THETA, WAY, TURN, CURVE, AXIS, ANGLE = range(8)
-"""The state: base_link as seen from the beacon; by what to multiply ways and turns of odometry, and how much the robot
-turns on each m, unnoticed; the way into the dock; and how far from that the light reaches to each side."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,8 +79,7 @@ class BeaconFilter:
         self.edges: set[int] = set()
         self._track = Track()
         self._odometry: Pose | None = None
-        self._state: Vector | None = None
-        self._covariance: Vector = np.zeros((8, 8))
+        self._state: BeaconState | None = None
         self._strange: deque[tuple[float, tuple[float, float, float]]] = deque(maxlen=REMEMBERED)
         self._clear_sights()
 
@@ -119,7 +95,7 @@ class BeaconFilter:
         """Of the beacon in odom, not turned; None before it was seen."""
         if self._state is None or self._odometry is None:
             return None
-        seen = self._odometry.compose(self._pose.inverse())
+        seen = self._odometry.compose(self._state.robot.inverse())
         return Pose(seen.x, seen.y)
 
     @property
@@ -127,16 +103,14 @@ class BeaconFilter:
         """The way into the dock, in rad in odom; None before an edge is known."""
         if self._state is None or self._odometry is None or not self.edges:
             return None
-        return normalize_angle(float(self._state[AXIS] - self._state[THETA]) + self._odometry.theta)
+        return normalize_angle(self._odometry.theta + self._state.axis)
 
     @property
     def axis_error(self) -> float:
         """Standard deviation of the robot's angle off the dock's axis, in rad."""
         if self._state is None or not self.edges:
             return UNKNOWN
-        gradient = self._view(self.heard_at).of_line_of_sight()
-        gradient[AXIS] -= 1.0
-        return math.sqrt(max(0.0, float(gradient @ self._covariance @ gradient)))
+        return self._state.axis_error(self._view(self._state, self.heard_at))
 
     def line_of_sight(self, receivers: Pose) -> float:
         """The direction to the beacon, in rad in odom."""
@@ -157,7 +131,8 @@ class BeaconFilter:
     @property
     def angle(self) -> float:
         """The direction to the beacon, in rad in the filter's frame: it does not drift as odometry does."""
-        return self._view(self.heard_at).line_of_sight
+        assert self._state is not None
+        return self._view(self._state, self.heard_at).line_of_sight
 
     @property
     def lit(self) -> bool:
@@ -172,7 +147,9 @@ class BeaconFilter:
         if odometry is None or not odometry.pose.finite:
             return
         self._track.add(odometry.stamp, odometry)
-        self._move(odometry.pose)
+        last, self._odometry = self._odometry, odometry.pose
+        if self._state is not None and last is not None:
+            self._state.move(odometry.pose.relative_to(last))
         if reading is None or math.isnan(reading.left + reading.center + reading.right):
             return
         if not (reading.stamp > self.heard_at and abs(observation.now - reading.stamp) <= FRESH):
@@ -180,7 +157,10 @@ class BeaconFilter:
         if reading.stamp - self.heard_at > FRESH:
             self._clear_sights()
         self.heard_at = reading.stamp
-        self._read(reading)
+        if self._state is None:
+            self._consider(ranges_of(reading), reading.stamp)
+        else:
+            self._read(self._state, ranges_of(reading), reading.stamp)
 
     def confirm_edge(self, side: int, line_of_sight: float) -> None:
         """An edge of the light was crossed.
@@ -190,61 +170,13 @@ class BeaconFilter:
             line_of_sight: The direction to the beacon there, in rad in the filter's frame, some moments ago.
         """
         assert self._state is not None
-        view = self._view(self.heard_at)
-        gradient = view.of_line_of_sight()
-        gradient[AXIS] -= 1.0
-        gradient[ANGLE] -= side
-        innovation = normalize_angle(float(self._state[AXIS] + side * self._state[ANGLE]) - line_of_sight)
-        if self._innovate(gradient, innovation, EDGE_NOISE**2):
-            self.edges.add(side)
-            return
-        # One of the two was no edge. This one has just been looked at more than once.
-        self.forget_axis()
-        self._innovate(gradient, normalize_angle(innovation), EDGE_NOISE**2, gate=math.inf)
+        view = self._view(self._state, self.heard_at)
+        if not self._state.correct_axis(view, side, line_of_sight):
+            # One of the two was no edge. This one has just been looked at more than once.
+            self._state.forget_axis()
+            self.edges.clear()
+            self._state.correct_axis(view, side, line_of_sight, gate=math.inf)
         self.edges.add(side)
-
-    def forget_axis(self) -> None:
-        """What was taken for an edge of the light cannot have been one."""
-        self.edges.clear()
-        for unknown, deviation in ((AXIS, UNKNOWN), (ANGLE, ANGLE_NOISE)):
-            self._covariance[unknown, :] = self._covariance[:, unknown] = 0.0
-            self._covariance[unknown, unknown] = deviation**2
-        if self._state is not None:
-            self._state[ANGLE] = self.receivers.infrared_beacon_angle
-
-    # How the robot moves.
-
-    @property
-    def _pose(self) -> Pose:
-        assert self._state is not None
-        return Pose(float(self._state[X]), float(self._state[Y]), float(self._state[THETA]))
-
-    def _move(self, odometry: Pose) -> None:
-        last, self._odometry = self._odometry, odometry
-        if last is None or self._state is None:
-            return
-        moved = odometry.relative_to(last)
-        if moved.x == 0.0 == moved.theta:
-            return
-        state = self._state
-        way = float(state[WAY]) * moved.x
-        turn = float(state[TURN]) * moved.theta + float(state[CURVE]) * moved.x
-        heading = float(state[THETA]) + 0.5 * turn
-        cos, sin = math.cos(heading), math.sin(heading)
-        change = np.eye(8)
-        change[THETA, [TURN, CURVE]] = moved.theta, moved.x
-        change[X] += -way * sin * (0.5 * (change[THETA] + np.eye(8)[THETA]))
-        change[Y] += way * cos * (0.5 * (change[THETA] + np.eye(8)[THETA]))
-        change[X, WAY], change[Y, WAY] = moved.x * cos, moved.x * sin
-        state[X] += way * cos
-        state[Y] += way * sin
-        state[THETA] = normalize_angle(float(state[THETA]) + turn)
-        covariance = change @ self._covariance @ change.T
-        driven, turned = abs(moved.x), abs(moved.theta)
-        covariance[X, X] += WAY_NOISE**2 * driven
-        covariance[Y, Y] += WAY_NOISE**2 * driven
-        covariance[THETA, THETA] += DRIVING_NOISE**2 * driven + TURNING_NOISE**2 * turned
-        self._covariance = covariance
 
     # What the receivers see.
 
@@ -252,39 +184,37 @@ class BeaconFilter:
         self._sights = (Sight(), Sight(), Sight())
         self._light = Sight()
 
-    def _read(self, reading: InfraredReading) -> None:
-        ranges, stamp = ranges_of(reading), reading.stamp
-        if self._state is None:
-            self._consider(ranges, stamp)
-            return
-        view = self._view(stamp)
-        seen = self._seen(ranges, view)
+    def _read(self, state: BeaconState, ranges: tuple[float, float, float], stamp: float) -> None:
+        view = self._view(state, stamp)
+        seen = self._seen(state, ranges, view)
         if any(seen):
             self._strange.clear()
             self.seen_at = stamp
             self.count += 1
         elif self._consider(ranges, stamp) or None in seen:
             return  # the beacon may be in sight or not
-        self._see_light(any(seen), stamp)
+        self._see_light(state, any(seen), stamp)
         if not any(seen) or view.distance < NEAREST:
             self._sights = (Sight(), Sight(), Sight())  # a light that goes out or on is no edge of a receiver's view
             return
         changes = [
             None if sees is None else sight.update(sees, stamp) for sight, sees in zip(self._sights, seen, strict=True)
         ]
-        self._correct_distance([distance for distance, sees in zip(ranges, seen, strict=True) if sees], stamp)
+        distances = [distance for distance, sees in zip(ranges, seen, strict=True) if sees]
+        mean, variance = math.fsum(distances) / len(distances), self.receivers.infrared_range_noise**2
+        state.correct(view.of_distance(), mean - view.distance, variance, gate=math.inf)
         for direction, change in zip(self.receivers.directions, changes, strict=True):
             if change is not None and change.gap < FRESH:
-                self._correct_edge(direction, change)
+                self._correct_edge(state, direction, change)
         settled = [sees if sees is sight.seen else None for sees, sight in zip(seen, self._sights, strict=True)]
         sector = find_sector(settled, self.receivers)
         if sector is not None:
-            self._correct_sector(sector, stamp)
+            self._correct_sector(state, sector, stamp)
 
-    def _seen(self, ranges: tuple[float, float, float], view: "_View") -> list[bool | None]:
+    def _seen(self, state: BeaconState, ranges: tuple[float, float, float], view: View) -> list[bool | None]:
         """Which receivers see the beacon; None if they see something else, so that nothing is known of the beacon."""
-        far = RANGE_GATE + 4.0 * self._deviation(view.of_distance())
-        aside = self.receivers.half + BEARING_GATE + 3.0 * self._deviation(view.of_bearing())
+        far = RANGE_GATE + 4.0 * state.deviation(view.of_distance())
+        aside = self.receivers.half + BEARING_GATE + 3.0 * state.deviation(view.of_bearing())
         seen: list[bool | None] = []
         for distance, direction in zip(ranges, self.receivers.directions, strict=True):
             if distance == math.inf:
@@ -297,36 +227,31 @@ class BeaconFilter:
                 seen.append(None)
         return seen
 
-    def _see_light(self, lit: bool, stamp: float) -> None:
-        view = self._view(stamp)
+    def _see_light(self, state: BeaconState, lit: bool, stamp: float) -> None:
+        view = self._view(state, stamp)
         outermost = self.receivers.infrared_receiver_angle + self.receivers.half
-        if not lit and abs(view.bearing) > outermost - WELL_INSIDE - self._deviation(view.of_bearing()):
+        if not lit and abs(view.bearing) > outermost - WELL_INSIDE - state.deviation(view.of_bearing()):
             return  # no wonder
         change = self._light.update(lit, stamp)
         if change is not None:
-            self.crossings.append(Crossing(change.seen, self._view(change.stamp).line_of_sight, change.stamp))
+            self.crossings.append(Crossing(change.seen, self._view(state, change.stamp).line_of_sight, change.stamp))
 
-    def _correct_distance(self, distances: list[float], stamp: float) -> None:
-        view = self._view(stamp)
-        mean = math.fsum(distances) / len(distances)
-        self._innovate(view.of_distance(), mean - view.distance, self.receivers.infrared_range_noise**2, gate=math.inf)
-
-    def _correct_edge(self, direction: float, change: Change) -> None:
+    def _correct_edge(self, state: BeaconState, direction: float, change: Change) -> None:
         """A receiver has begun or ceased to see the beacon: its bearing was that of an edge of the receiver's view."""
-        view = self._view(change.stamp)
+        view = self._view(state, change.stamp)
         half = self.receivers.half
         error = normalize_angle(view.bearing - direction)
         innovation = math.copysign(half, error) - error
-        before, after = self._view(change.before).bearing, self._view(change.after).bearing
+        before, after = self._view(state, change.before).bearing, self._view(state, change.after).bearing
         variance = BEARING_NOISE**2 + normalize_angle(after - before) ** 2 / 12.0
-        self._innovate(view.of_bearing(), innovation, variance)
+        state.correct(view.of_bearing(), innovation, variance)
 
-    def _correct_sector(self, sector: tuple[float, float], stamp: float) -> None:
-        view = self._view(stamp)
+    def _correct_sector(self, state: BeaconState, sector: tuple[float, float], stamp: float) -> None:
+        view = self._view(state, stamp)
         nearest = min(max(view.bearing, sector[0]), sector[1])
         innovation = normalize_angle(nearest - view.bearing)
         if abs(innovation) > SECTOR_NOISE:
-            self._innovate(view.of_bearing(), innovation, SECTOR_NOISE**2, gate=math.inf)
+            state.correct(view.of_bearing(), innovation, SECTOR_NOISE**2, gate=math.inf)
 
     # Where the beacon was found, or found again.
 
@@ -347,29 +272,15 @@ class BeaconFilter:
         assert self._odometry is not None
         then = self._then(stamp)
         bearing, width = 0.5 * (sector[0] + sector[1]), sector[1] - sector[0]
-        direction = then.theta + bearing
-        receivers = Pose(-distance * math.cos(direction), -distance * math.sin(direction), then.theta)
-        robot = receivers.compose(Pose(-self.receivers.infrared_receiver_x))
-        now = robot.compose(self._odometry.relative_to(then))
-        self._state = np.array(
-            [now.x, now.y, now.theta, 1.0, 1.0, 0.0, direction, self.receivers.infrared_beacon_angle]
-        )
-        scale, curve = self.receivers.infrared_scale_error, self.receivers.infrared_curve_error
-        self._covariance = np.diag([0.0, 0.0, 0.0, scale, scale, curve, 0.0, 0.0]) ** 2
-        along = np.array([math.cos(direction), math.sin(direction)])
-        across = np.array([-along[1], along[0]])
-        deviation = distance * (width / math.sqrt(12.0) + SECTOR_NOISE)
-        self._covariance[:2, :2] = self.receivers.infrared_range_noise**2 * np.outer(
-            along, along
-        ) + deviation**2 * np.outer(across, across)
-        self.forget_axis()
+        deviation = width / math.sqrt(12.0) + SECTOR_NOISE
+        self._state = BeaconState(self.receivers, then.theta, bearing, deviation, distance)
+        self._state.move(self._odometry.relative_to(then))
+        self.edges.clear()
         self._strange.clear()
         self.crossings.clear()
         self._clear_sights()
         self.count = 1
         self.seen_at = stamp
-
-    # The filter.
 
     def _then(self, stamp: float) -> Pose:
         """The robot in odom at a moment."""
@@ -379,53 +290,7 @@ class BeaconFilter:
         except LookupError:
             return self._odometry
 
-    def _view(self, stamp: float) -> "_View":
+    def _view(self, state: BeaconState, stamp: float) -> View:
+        """The beacon as it was seen at a moment."""
         assert self._odometry is not None
-        robot, then = self._pose, self._then(stamp).relative_to(self._odometry)
-        seen_from = robot.compose(self.receivers.position(then))
-        return _View(seen_from, seen_from.x - robot.x, seen_from.y - robot.y)
-
-    def _deviation(self, gradient: Vector) -> float:
-        return math.sqrt(max(0.0, float(gradient @ self._covariance @ gradient)))
-
-    def _innovate(self, gradient: Vector, innovation: float, variance: float, gate: float = GATE) -> bool:
-        """Correct the state by a measurement; says whether it was believed."""
-        assert self._state is not None
-        spread = self._covariance @ gradient
-        total = float(gradient @ spread) + variance
-        if innovation * innovation > gate * total:
-            return False
-        gain = spread / total
-        self._state = self._state + gain * innovation
-        self._covariance = self._covariance - np.outer(gain, spread)
-        return True
-
-
-class _View:
-    """The beacon as the receivers see it, and how that depends on the state."""
-
-    def __init__(self, receivers: Pose, lever_x: float, lever_y: float) -> None:
-        self._x, self._y = receivers.x, receivers.y
-        self._lever_x, self._lever_y = lever_x, lever_y
-        self.distance = max(math.hypot(receivers.x, receivers.y), 1e-3)
-        self.line_of_sight = math.atan2(-receivers.y, -receivers.x)
-        self.bearing = normalize_angle(self.line_of_sight - receivers.theta)
-
-    def of_distance(self) -> Vector:
-        """The gradient of the distance."""
-        return self._gradient(self._x / self.distance, self._y / self.distance)
-
-    def of_line_of_sight(self) -> Vector:
-        """The gradient of the direction to the beacon."""
-        return self._gradient(-self._y / self.distance**2, self._x / self.distance**2)
-
-    def of_bearing(self) -> Vector:
-        """The gradient of the bearing."""
-        gradient = self.of_line_of_sight()
-        gradient[THETA] -= 1.0
-        return gradient
-
-    def _gradient(self, x: float, y: float) -> Vector:
-        gradient = np.zeros(8)
-        gradient[:3] = x, y, y * self._lever_x - x * self._lever_y
-        return gradient
+        return state.view(self._then(stamp).relative_to(self._odometry))

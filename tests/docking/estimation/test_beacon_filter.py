@@ -62,7 +62,7 @@ def test_turning_to_and_fro_shows_that_odometry_measures_turns_too_large() -> No
         beacon_filter.update(observed(Pose(0.0, 0.0, 1.1 * pose.theta), now, seen))
         now += PERIOD
     assert beacon_filter._state is not None
-    assert beacon_filter._state[4] == pytest.approx(1.0 / 1.1, abs=0.03)
+    assert beacon_filter._state.turn_scale == pytest.approx(1.0 / 1.1, abs=0.03)
 
 
 @pytest.mark.parametrize("ghosts", [0.02, 0.1])
