@@ -81,6 +81,7 @@ class BeaconFilter:
         self._odometry: Pose | None = None
         self._state: BeaconState | None = None
         self._strange: deque[tuple[float, tuple[float, float, float]]] = deque(maxlen=REMEMBERED)
+        self._off = 0  # readings in a row whose distance is another one than expected
         self._clear_sights()
 
     # What is known.
@@ -194,15 +195,15 @@ class BeaconFilter:
         elif self._consider(ranges, stamp) or None in seen:
             return  # the beacon may be in sight or not
         self._see_light(state, any(seen), stamp)
+        if any(seen):
+            distances = [distance for distance, sees in zip(ranges, seen, strict=True) if sees]
+            self._correct_distance(state, math.fsum(distances) / len(distances), view)
         if not any(seen) or view.distance < NEAREST:
             self._sights = (Sight(), Sight(), Sight())  # a light that goes out or on is no edge of a receiver's view
             return
         changes = [
             None if sees is None else sight.update(sees, stamp) for sight, sees in zip(self._sights, seen, strict=True)
         ]
-        distances = [distance for distance, sees in zip(ranges, seen, strict=True) if sees]
-        mean, variance = math.fsum(distances) / len(distances), self.receivers.infrared_range_noise**2
-        state.correct(view.of_distance(), mean - view.distance, variance, gate=math.inf)
         for direction, change in zip(self.receivers.directions, changes, strict=True):
             if change is not None and change.gap < FRESH:
                 self._correct_edge(state, direction, change)
@@ -235,6 +236,12 @@ class BeaconFilter:
         change = self._light.update(lit, stamp)
         if change is not None:
             self.crossings.append(Crossing(change.seen, self._view(state, change.stamp).line_of_sight, change.stamp))
+
+    def _correct_distance(self, state: BeaconState, distance: float, view: View) -> None:
+        """Where it is another one than expected for some readings in a row, someone has pushed the robot."""
+        off = abs(distance - view.distance)
+        self._off = self._off + 1 if off > 2.0 * self.receivers.infrared_range_noise else 0
+        state.correct_distance(view, distance, pushed=off if self._off >= AGREEING else 0.0)
 
     def _correct_edge(self, state: BeaconState, direction: float, change: Change) -> None:
         """A receiver has begun or ceased to see the beacon: its bearing was that of an edge of the receiver's view."""

@@ -128,6 +128,18 @@ class BeaconState:
         self._covariance = self._covariance - np.outer(gain, spread)
         return True
 
+    def correct_distance(self, view: "View", distance: float, pushed: float = 0.0) -> None:
+        """Take over a distance to the beacon.
+
+        Args:
+            view: The beacon as it is seen now.
+            distance: To it, in m.
+            pushed: How far someone may have pushed the robot towards or away from it, in m.
+        """
+        gradient = view.of_distance()
+        self._covariance[:2, :2] += pushed**2 * np.outer(gradient[:2], gradient[:2])
+        self.correct(gradient, distance - view.distance, self._receivers.infrared_range_noise**2, gate=math.inf)
+
     def correct_axis(self, view: "View", side: int, line_of_sight: float, gate: float = GATE) -> bool:
         """Take over an edge of the light; says whether it was believed.
 

@@ -12,7 +12,7 @@ from docking.behaviors.sequence import Sequence
 from docking.behaviors.sidestep import Sidestep
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.wait_for_charge import WaitForCharge
-from docking.core.errors import DockingError, FailedToControl, InfraredLost, Stage
+from docking.core.errors import DockingError, FailedToControl, InfraredLost, PushedOff, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.beacon_filter import FRESH, BeaconFilter
@@ -52,6 +52,7 @@ class InfraredPlan(SightedPlan):
         self._side = 1
         self._has_axis = False
         self._light: Pose | None = None  # in odom, where the robot has had a good look at the beacon
+        self._waiting = False
         self._needed = False  # whether the stage needs the receivers
 
     @property
@@ -74,7 +75,8 @@ class InfraredPlan(SightedPlan):
         """Keep up with the beacon and the robot.
 
         Raises:
-            InfraredLost: The receivers have fallen silent.
+            InfraredLost: The receivers have fallen silent, or the beacon is somewhere else.
+            PushedOff: The same on the dock.
         """
         self.beacon.update(observation)
         if self._needed and observation.now - self.beacon.heard_at > self._detection_timeout:
@@ -84,10 +86,13 @@ class InfraredPlan(SightedPlan):
         had_axis, self._has_axis = self._has_axis, self.beacon.axis is not None
         if had_axis and not self._has_axis and self._needed:
             raise InfraredLost("the beacon is not where it was")
+        if had_axis and not self._has_axis and self._waiting:
+            raise PushedOff("the robot was moved on the dock: the beacon is not where it was")
         super().observe(observation)
 
     def controller(self, stage: Stage) -> Behavior:
         """A new one for a stage."""
+        self._waiting = stage is Stage.WAIT_FOR_CHARGE
         self._needed = stage in {Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING}
         if stage is Stage.INITIAL_PERCEPTION:
             return Sequence(self._return_to_light, self._search, self._scan, self._remember_light)
