@@ -25,6 +25,8 @@ export UV
 
 INTERFACES := backend/action_tutorials_interfaces
 INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
+TEST_INTERFACES := tests/interfaces
+TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
 .PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots format lock interfaces-wheel colcon-workspace clean
@@ -37,7 +39,7 @@ run: setup ## start the gateway and a simulated robot, then open http://127.0.0.
 
 setup: $(STAMPS)/project frontend/dist/index.html ## make the environment and build the dashboard
 
-test: setup ## lint, format, types, import rules, Python tests, frontend tests
+test: setup $(STAMPS)/test-interfaces ## lint, format, types, import rules, Python tests, frontend tests
 	@scripts/test $(PYTEST_ARGS)
 
 check: setup ## the fast part of `make test`: everything but the tests
@@ -46,7 +48,7 @@ check: setup ## the fast part of `make test`: everything but the tests
 mutation: setup ## change the safety-critical modules in small ways: do their unit tests notice? (AREAS='latch stop')
 	@$(BIN)/python scripts/mutation.py $(AREAS)
 
-chaos: setup ## kill, flood and starve the gateway for an hour; writes the figures to docs/reliability.md
+chaos: setup $(STAMPS)/test-interfaces ## kill, flood and starve the gateway for an hour; writes the figures to docs/reliability.md
 	@scripts/chaos $(PYTEST_ARGS)
 
 bench: setup $(BENCH)/installed ## measure (BENCH_ARGS='--short --cases ab'); see docs/performance.md
@@ -108,6 +110,14 @@ $(STAMPS)/interfaces: $(INTERFACE_SOURCES) build-requirements.lock scripts/build
 	@echo "Compiling the ROS interface package (about half a minute, once) …"
 	@rm -rf $(STAMPS)/wheel && scripts/build-interfaces $(BIN)/python $(STAMPS)/wheel
 	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/wheel/*.whl
+	@touch $@
+
+# For the tests only: what other docking servers speak.
+$(STAMPS)/test-interfaces: $(TEST_INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
+	@scripts/preflight $(BIN)/python
+	@echo "Compiling the ROS interface packages of the tests (about half a minute, once) …"
+	@rm -rf $(STAMPS)/test-wheel && scripts/build-interfaces $(BIN)/python $(STAMPS)/test-wheel $(TEST_INTERFACES)
+	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/test-wheel/*.whl
 	@touch $@
 
 $(STAMPS)/project: pyproject.toml backend/hatch_build.py $(shell find backend/action_tutorials_py -type f) $(STAMPS)/interfaces

@@ -19,7 +19,7 @@ from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import MAX_RULES, AutomaticDocking
 from dock_gateway.core.errors import GatewayError
-from dock_gateway.core.event import message_event
+from dock_gateway.core.event import message_event, system_event, utc_now
 from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
@@ -92,6 +92,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     actions = _closed_by(stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock))
     actions.on_end.append(last_goals.take)
     history.on_loss = lambda: store_unfinished(actions, history)
+    _follow_docking(actions, last_goals, hub)
     robots = _closed_by(stack, RobotRegistry(settings, bridge, hub, interlock, last_goals))
     stopper = _closed_by(stack, Stopper(robots, actions, interlock))
     simulators = _closed_by(stack, Simulators(settings, bridge, hub))
@@ -117,9 +118,8 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
         )
     )
     await robots.open(robots.default_namespace)
-    names = settings.docking_actions()
-    dock = await actions.open(names.dock, settings.dock_action_type, pinned=True)
-    undock = await actions.open(names.undock, settings.undock_action_type, pinned=True)
+    await actions.pin("dock")
+    await actions.pin("undock")
     labels = _closed_by(stack, Labels(history.labels, lambda: [robot.namespace for robot in robots.all()]))
     await labels.open()
     decisions = DecisionLog(hub, history.automation_decisions)
@@ -150,7 +150,6 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     automation = _closed_by(
         stack,
         AutomaticDocking(
-            settings,
             fleet,
             actions,
             history,
@@ -193,9 +192,17 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
         graph=graph,
         echoes=echoes,
         metrics=metrics,
-        dock=dock,
-        undock=undock,
     )
+
+
+def _follow_docking(actions: ActionRegistry, last_goals: LastGoals, hub: Hub) -> None:
+    """Note and publish which actions dock and undock a robot, whenever that changes."""
+
+    def changed(robot: str) -> None:
+        last_goals.watch(*actions.docking.of(robot))
+        hub.publish(system_event("docking", actions.servers_of(robot)._asdict(), utc_now(), robot=robot))
+
+    actions.docking.on_change.append(changed)
 
 
 class _Part(Protocol):

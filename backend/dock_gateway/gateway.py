@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
 from dock_gateway.access.tickets import Tickets
+from dock_gateway.actions.action import Action
 from dock_gateway.actions.cancellation import require_unfinished
-from dock_gateway.actions.liveness import ServerState
-from dock_gateway.actions.registry import Action, ActionRegistry
+from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.audit.log import AuditLog
 from dock_gateway.automation.docking import AutomaticDocking
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound, Unavailable
 from dock_gateway.core.filters import EventFilter
-from dock_gateway.core.goal import Goal
+from dock_gateway.core.goal import Goal, Verb
 from dock_gateway.core.hub import Hub
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.labels import Labels
@@ -25,7 +25,7 @@ from dock_gateway.observability.metrics import Metrics
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
-from dock_gateway.settings import DockingActions, Settings
+from dock_gateway.settings import Settings
 from dock_gateway.topics.graph_cache import GraphCache
 from dock_gateway.topics.registry import EchoRegistry
 
@@ -57,36 +57,15 @@ class Gateway:
     graph: GraphCache
     echoes: EchoRegistry
     metrics: Metrics
-    dock: Action
-    undock: Action
 
-    async def dock_of(self, robot: str | None) -> Action:
-        """Return the docking action of a robot; default: the configured one.
+    async def docking_action(self, verb: Verb, robot: str | None = None) -> Action:
+        """Return the action that docks or undocks a robot; default: the configured one.
 
         Raises:
-            NotFound: There is no such robot, or it has no docking action.
+            NotFound: There is no such robot, or it has no such action.
+            Unavailable: Its package is not installed (`interface_not_installed`).
         """
-        return self.dock if robot is None else await self.actions.find(self._names_of(robot).dock)
-
-    async def undock_of(self, robot: str | None) -> Action:
-        """Return the undocking action of a robot; default: the configured one.
-
-        Raises:
-            NotFound: There is no such robot, or it has no undocking action.
-        """
-        return self.undock if robot is None else await self.actions.find(self._names_of(robot).undock)
-
-    def _names_of(self, robot: str) -> DockingActions:
-        return self.settings.docking_actions(self.robots.get(robot).namespace)
-
-    def servers_of(self, namespace: str) -> tuple[ServerState, ServerState]:
-        """Return the states of a robot's docking and undocking servers, even if they have never been seen."""
-        names = self.settings.docking_actions(namespace)
-        return self._server(names.dock), self._server(names.undock)
-
-    def _server(self, action_name: str) -> ServerState:
-        action = self.actions.get(action_name)
-        return ServerState(action_name, available=False, answering=False) if action is None else action.watch.state
+        return await self.actions.find_docking(verb, self.robots.get(robot).namespace)
 
     async def goal(self, goal_id: str) -> Goal:
         """Return a goal of any action.
@@ -137,11 +116,12 @@ class Gateway:
         newest: list[Goal] = []
         with suppress(Unavailable):  # a stream works without the past
             # Docking and undocking goals are queried by name, so that a busier action does not crowd them out.
-            named = event_filter.action_name
-            dock, undock = (server.action_name for server in self.servers_of(event_filter.robot))
-            for name in dict.fromkeys((named, named or dock, named or undock)):
-                wanted = GoalFilter(frozenset() if name is None else frozenset({name}), event_filter.namespace)
-                newest += await self.history.page(wanted, limit=RECENT)
+            named, all_names = event_filter.action_name, self.actions.docking.all_names
+            queries: list[frozenset[str]] = [frozenset() if named is None else frozenset({named})]
+            if named is None:
+                queries += [all_names(event_filter.robot, "dock"), all_names(event_filter.robot, "undock")]
+            for names in queries:
+                newest += await self.history.page(GoalFilter(names, event_filter.namespace), limit=RECENT)
         known = [*newest, *self.actions.running()]
         goals = {goal.goal_id: goal for goal in known if event_filter.covers_goal(goal.goal_id, goal.action_name)}
         return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)

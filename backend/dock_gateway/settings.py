@@ -4,7 +4,7 @@ import os
 import re
 from ipaddress import ip_network
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple, Self
+from typing import Annotated, Literal, Self
 from urllib.parse import urlsplit
 
 import platformdirs
@@ -25,13 +25,6 @@ SIGNATURES = frozenset(
 ROLES = frozenset({"viewer", "operator", "supervisor", "admin"})
 
 Seconds = Annotated[float, Field(gt=0, le=3600)]
-
-
-class DockingActions(NamedTuple):
-    """Absolute names of the docking and the undocking action of a robot."""
-
-    dock: str
-    undock: str
 
 
 def scope() -> str:
@@ -167,16 +160,20 @@ class Settings(BaseSettings):
     node_name: str = Field("dock_gateway", description="Name of the gateway's ROS node.")
     namespace: str = Field("", description="ROS namespace of the robot, such as `/robot1`.")
     dock_action: str = Field(
-        "connect_to_charging_dock", description="The action behind `/dock`, relative to the namespace."
+        "",
+        description="The action behind `/dock`, relative to the namespace. Empty: picked for each robot by what is on "
+        "the ROS graph ([nav2.md](nav2.md)).",
     )
-    dock_action_type: str = Field(
-        "action_tutorials_interfaces/action/ConnectToChargingDock", description="The type of that action."
-    )
+    dock_action_type: str = Field("", description="The type of that action. Empty: as on the ROS graph.")
     undock_action: str = Field(
-        "disconnect_from_charging_dock", description="The action behind `/undock`, relative to the namespace."
+        "", description="The action behind `/undock`, relative to the namespace. Empty: as for `DOCK_ACTION`."
     )
-    undock_action_type: str = Field(
-        "action_tutorials_interfaces/action/DisconnectFromChargingDock", description="The type of that action."
+    undock_action_type: str = Field("", description="The type of that action. Empty: as on the ROS graph.")
+    default_dock: str = Field(
+        "",
+        max_length=200,
+        description="The dock that a `POST /dock` without `dock_id` means, for action servers that know docks by name "
+        "([nav2.md](nav2.md)).",
     )
     battery_topic: str = Field("battery_status", description="Topic of `sensor_msgs/BatteryState`.")
     cmd_vel_topic: str = Field(
@@ -445,7 +442,7 @@ class Settings(BaseSettings):
     @field_validator("dock_action_type", "undock_action_type")
     @classmethod
     def _check_action_type(cls, value: str) -> str:
-        if not ACTION_TYPE.fullmatch(value):
+        if value and not ACTION_TYPE.fullmatch(value):
             raise ValueError(f"{value[:100]!r} is not an action type such as some_package/action/Dock")
         return value
 
@@ -520,16 +517,6 @@ class Settings(BaseSettings):
         under = self.namespace if namespace is None else namespace
         return name if name.startswith("/") else f"/{under.strip('/')}/{name}".replace("//", "/")
 
-    def verb_of(self, action_name: str) -> Literal["dock", "undock"] | None:
-        """Which of a robot's two docking actions an action is, by its absolute name; None for any other."""
-        if _is_named(action_name, self.dock_action):
-            return "dock"
-        return "undock" if _is_named(action_name, self.undock_action) else None
-
-    def docking_actions(self, namespace: str | None = None) -> DockingActions:
-        """The docking and the undocking action of a robot, of the configured one where none is named."""
-        return DockingActions(self.resolve(self.dock_action, namespace), self.resolve(self.undock_action, namespace))
-
 
 def _split(value: object) -> object:
     """Return the parts of a setting that are separated by commas."""
@@ -549,7 +536,3 @@ def is_safe_address(value: str) -> bool:
         return False
     safe = address.scheme == "https" or (address.scheme == "http" and host in LOOPBACK_HOSTS)
     return bool(safe and host and value.isprintable() and not re.search(r"[ #@\\]", value))
-
-
-def _is_named(action_name: str, name: str) -> bool:
-    return action_name == name or action_name.endswith(f"/{name}")

@@ -1,7 +1,8 @@
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { GatewayEvent } from "../src/api/types";
-import { at, goal, robot, simulator, undockServer } from "./events";
+import { whyNotSend } from "../src/docking/reasons";
+import { at, goal, robot, server, simulator, undockServer } from "./events";
 import { fakeGateway, renderPage } from "./page";
 
 const button = (name: string) => screen.getByRole<HTMLButtonElement>("button", { name });
@@ -56,6 +57,27 @@ describe("a robot that is about to move", () => {
     act(() => store.onEvent({ type: "action_server", time: at(1), action_server: gone }));
     await within(question).findByText(/No server offers the action/);
     expect(within(question).getByRole<HTMLButtonElement>("button", { name: "Undock" }).disabled).toBe(true);
+  });
+});
+
+describe("a docking server that is not ours", () => {
+  const nav2 = { ...server, action_name: "/dock_robot", action_type: "nav2_msgs/action/DockRobot" };
+
+  it("is named, and is not asked for a battery state", async () => {
+    const gateway = fakeGateway();
+    const { store, user } = renderPage(gateway, { action_server: nav2 });
+    expect(screen.getByTestId("docking-family").textContent).toBe("nav2");
+    expect(screen.queryByText("Dock until the battery is")).toBeNull();
+    act(() => store.onEvent({ type: "simulator", time: at(1), robot: "/", simulator }));
+    await waitFor(() => expect(asks().checked).toBe(false));
+    await user.click(button("Dock"));
+    expect(gateway.dock).toHaveBeenCalledWith(null);
+  });
+
+  it("is what to start where it is gone", () => {
+    const idle = { live: true, stopped: false, running: null, sending: false };
+    const why = whyNotSend("dock", { ...idle, server: { ...nav2, available: false } });
+    expect(why).toBe("No server offers the action /dock_robot. Start nav2's docking_server.");
   });
 });
 

@@ -47,6 +47,7 @@ export const idlePublisher: Publisher = {
 
 export const server: ActionServer = {
   action_name: "/dock",
+  action_type: "action_tutorials_interfaces/action/ConnectToChargingDock",
   available: true,
   answering: true,
   duplicate: false,
@@ -54,6 +55,7 @@ export const server: ActionServer = {
 
 export const undockServer: ActionServer = {
   action_name: "/disconnect_from_charging_dock",
+  action_type: "action_tutorials_interfaces/action/DisconnectFromChargingDock",
   available: true,
   answering: true,
   duplicate: false,
@@ -90,6 +92,7 @@ export function undockGoal(id: string, change: Partial<Goal> = {}): Goal {
 export function robot(name: string, change: Partial<Robot> = {}): Robot {
   const action = (verb: string): ActionServer => ({
     action_name: `${name === "/" ? "" : name}/${verb}`,
+    action_type: (verb === "dock" ? server : undockServer).action_type,
     available: true,
     answering: true,
     duplicate: false,

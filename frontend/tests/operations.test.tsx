@@ -99,7 +99,7 @@ describe("the menu of a row", () => {
     const simulated = robot("/sim", { simulated: true });
     const { user, gatewayOf } = open([...robots, simulated]);
     await user.click((await openMenu(user, "/sim"))("Dock"));
-    expect(gatewayOf("/sim").dock).toHaveBeenCalledWith(1);
+    expect(gatewayOf("/sim").dock).toHaveBeenCalledWith(null);
     act(() => {
       localStorage.setItem("dock-gateway-ask-before-moving", "false");
       window.dispatchEvent(

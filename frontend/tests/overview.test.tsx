@@ -2,7 +2,7 @@ import { act, cleanup, screen, waitFor, within } from "@testing-library/react";
 import { beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Robot } from "../src/fleet/types";
 import { listed, readView, writeView } from "../src/overview/list";
-import { alert, at, battery, goal, latched, robot } from "./events";
+import { alert, at, battery, goal, latched, robot, server } from "./events";
 import { fakeGateway, loadRobotTable, renderPage } from "./page";
 
 beforeAll(loadRobotTable);
@@ -18,7 +18,7 @@ const two = robot("/robot2", {
 });
 const ten = robot("/robot10", {
   stop: latched("Ada"),
-  dock: { action_name: "/robot10/dock", available: true, answering: false, duplicate: false },
+  dock: { ...server, action_name: "/robot10/dock", answering: false },
   battery: {
     state: { ...battery, percentage: null },
     received_at: at(-60),
@@ -28,7 +28,7 @@ const ten = robot("/robot10", {
   },
 });
 const empty = robot("/", {
-  dock: { action_name: "/dock", available: false, answering: false, duplicate: false },
+  dock: { ...server, available: false, answering: false },
   undock: null,
   battery: { state: null, received_at: null, stale: false, stale_after_s: 2, low_below: 0.2 },
 });

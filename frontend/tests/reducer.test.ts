@@ -267,17 +267,35 @@ describe("the undocking action", () => {
   const name = "/disconnect_from_charging_dock";
 
   it("is the one that the snapshot names, and its goals are taken up", () => {
-    const undock_server = { action_name: "/leave", available: false, answering: false, duplicate: false };
+    const undock_server = { ...server, action_name: "/leave", available: false, answering: false };
     const state = stateAfter([snapshot({ undock_server }), status("u", { action_name: "/leave" })]);
     expect(state.undockServer).toEqual(undock_server);
     expect(state.goals.get("u")?.action_name).toBe("/leave");
   });
 
   it("comes and goes apart from the docking action", () => {
-    const action_server = { action_name: name, available: true, answering: true, duplicate: false };
+    const action_server = { ...server, action_name: name };
     const state = stateAfter([snapshot(), { type: "action_server", time: at(1), action_server }]);
     expect(state.undockServer).toEqual(action_server);
     expect(state.actionServer).toEqual(server);
+  });
+});
+
+describe("another docking action", () => {
+  const nav2 = { ...server, action_name: "/dock_robot", action_type: "nav2_msgs/action/DockRobot" };
+  const docking = { dock: nav2, undock: { ...nav2, action_name: "/undock_robot" } };
+  const switched: GatewayEvent = { type: "docking", time: at(2), robot: "/", docking };
+
+  it("takes the place of the one before, whose goals stay", () => {
+    const state = stateAfter([
+      snapshot({ goals: [goal("a")] }),
+      switched,
+      status("b", { action_name: "/dock_robot" }),
+      status("a", { status: "succeeded" }),
+    ]);
+    expect([state.actionServer, state.undockServer]).toEqual([docking.dock, docking.undock]);
+    expect(state.goals.get("b")?.action_name).toBe("/dock_robot");
+    expect(state.goals.get("a")?.status).toBe("succeeded");
   });
 });
 

@@ -111,27 +111,6 @@ def test_names_are_resolved_as_ros_does() -> None:
     assert Settings(namespace="/robot1").resolve("dock", "/") == "/dock"
 
 
-def test_the_docking_actions_of_a_robot() -> None:
-    names = Settings(namespace="/robot1", undock_action="/fleet/undock").docking_actions()
-    assert (names.dock, names.undock) == ("/robot1/connect_to_charging_dock", "/fleet/undock")
-    assert Settings().docking_actions("/robot2").undock == "/robot2/disconnect_from_charging_dock"
-
-
-@pytest.mark.parametrize(
-    ("action", "verb"),
-    [
-        ("/connect_to_charging_dock", "dock"),
-        ("/fleet/robot1/connect_to_charging_dock", "dock"),
-        ("/connect_to_charging_dock/status", None),
-        ("/re_connect_to_charging_dock", None),
-        ("/base/undock", "undock"),
-        ("/robot1/base/undock", None),
-    ],
-)
-def test_which_actions_are_for_docking(action: str, verb: str | None) -> None:
-    assert Settings(undock_action="/base/undock").verb_of(action) == verb
-
-
 def test_help_names_every_setting() -> None:
     text = CliRunner().invoke(main, ["serve", "--help"]).output
     assert all(option_name(name) in text for name in Settings.model_fields)

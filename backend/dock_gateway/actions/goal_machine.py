@@ -11,9 +11,12 @@ from datetime import datetime
 from enum import Enum, auto
 from functools import partial
 
+import orjson
+
 from dock_gateway.actions.adoption import Message, Newcomer, Newcomers
+from dock_gateway.core.dock_adapters.adapter import NO_REASON, DockAdapter
 from dock_gateway.core.event import Event, Now, feedback_event, moment, nanoseconds, status_event
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Origin, ResultAnswer, Verb
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Origin, ResultAnswer
 
 log = logging.getLogger(__name__)
 
@@ -91,7 +94,7 @@ class GoalMachine:
         action_type: Its type.
         stamp: Returns the stamp of the next event's id from that of its source. Stamps rise.
         started: When the gateway started.
-        verb: What its goals do, if it is one of the two for docking.
+        adapter: What its messages say about a goal, if it docks or undocks robots.
 
     Attributes:
         live: The running goals, and lost ones that may return.
@@ -106,14 +109,15 @@ class GoalMachine:
         action_type: str,
         stamp: Callable[[int], int],
         started: Now,
-        verb: Verb | None = None,
+        adapter: DockAdapter | None = None,
     ) -> None:
         self.live: dict[str, Goal] = {}
         self.taken_up: set[str] = set()
         self.newcomers = Newcomers()
         self.outputs: deque[Output] = deque()
         self._action = (action_name, action_type)
-        self._verb = verb
+        self._adapter = adapter
+        self._verb = None if adapter is None else adapter.verb
         self._stamp = stamp
         self._started = moment(started.ns)
         self._ended: OrderedDict[str, None] = OrderedDict()
@@ -155,7 +159,8 @@ class GoalMachine:
         if status is None:
             self.lose(now, goal, GoalError("action_server_lost", "the action server does not know the goal"))
         elif status.terminal:
-            self.end(now, goal, status, result=answer.result, error=answer.error, stamp_ns=stamp_ns)
+            status, error = self._judge(goal, status, answer)
+            self.end(now, goal, status, result=answer.result, error=error, stamp_ns=stamp_ns)
         else:
             log.warning(
                 "goal %s: ignored a result with the status %s, which does not end a goal",
@@ -163,6 +168,16 @@ class GoalMachine:
                 status.value,
                 extra=_about(goal),
             )
+
+    def _judge(self, goal: Goal, status: GoalStatus, answer: ResultAnswer) -> tuple[GoalStatus, GoalError | None]:
+        """Return how a goal ended and why, according to its result, and note what that says about its retries."""
+        if self._adapter is None or answer.result is None:
+            return status, answer.error
+        outcome = self._adapter.outcome(status, orjson.loads(answer.result))
+        if outcome.retries is not None and not goal.status.final:
+            goal.retries = outcome.retries
+        explained = answer.error is not None and answer.error.code != NO_REASON
+        return outcome.status, answer.error if explained else outcome.error or answer.error
 
     def _hear(self, now: Now, goal_id: str, take: Message, *, created_ns: int, running: bool) -> None:
         if (goal := self.live.get(goal_id)) is not None:
@@ -178,11 +193,22 @@ class GoalMachine:
             self.outputs.append(AwaitResult(goal))
 
     def _take_feedback(self, feedback: Json, stamp_ns: int, now: Now, goal: Goal) -> None:
+        progressed = self._note_progress(now, goal, feedback)
         if goal.status is GoalStatus.LOST or (goal.status is GoalStatus.PENDING and goal.origin == "external"):
             self.move(now, goal, GoalStatus.EXECUTING, stamp_ns)
+        elif progressed:
+            self._publish(status_event, goal, stamp_ns)
+            self.outputs.append(Store(goal))
         self._heard_at[goal.goal_id] = now.monotonic
         goal.hear(feedback, moment(now.ns))
         self._publish(feedback_event, goal, stamp_ns)
+
+    def _note_progress(self, now: Now, goal: Goal, feedback: Json) -> bool:
+        """Note the stage and the retries that feedback tells; return whether they changed."""
+        if self._adapter is None or not self._adapter.tells_stage:
+            return False
+        stage, retries = self._adapter.progress(orjson.loads(feedback))
+        return goal.progress(stage, retries, moment(now.ns))
 
     # ------------------------------------------------------------------ new goals
 

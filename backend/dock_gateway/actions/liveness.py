@@ -10,7 +10,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from dock_gateway.actions.duplicates import Duplicates
 from dock_gateway.actions.tracker import GoalTracker
@@ -32,6 +32,7 @@ class ServerState:
     """`available`: on the ROS graph. `answering`: it answered recently. `duplicate`: there is more than one."""
 
     action_name: str
+    action_type: str
     available: bool
     answering: bool
     duplicate: bool = False
@@ -64,7 +65,7 @@ class ServerWatch:
         self._told_of_half = False
         self._duplicates = Duplicates()
         self._next_probe: dict[str, float] = {}
-        self.state = ServerState(tracker.port.action_name, available=False, answering=False)
+        self.state = ServerState(tracker.port.action_name, tracker.port.action_type, available=False, answering=False)
 
     async def run(self) -> None:
         """Check the server periodically, until canceled."""
@@ -148,7 +149,7 @@ class ServerWatch:
         return self.state.duplicate and not self._settings.allow_duplicate_servers
 
     def _set(self, *, available: bool, answering: bool, duplicate: bool) -> None:
-        state = ServerState(self.state.action_name, available, answering, duplicate)
+        state = replace(self.state, available=available, answering=answering, duplicate=duplicate)
         if state != self.state:
             log.info("action server %s: available %s, answering %s", state.action_name, available, answering)
             self.state = state

@@ -6,90 +6,28 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
-from dock_gateway.actions.cancellation import Canceler
+from dock_gateway.actions.action import FORGET_AFTER, Action
+from dock_gateway.actions.docking import DockingActions
 from dock_gateway.actions.goal_machine import News
-from dock_gateway.actions.idempotency import Submitter
-from dock_gateway.actions.liveness import ServerState, ServerWatch
-from dock_gateway.actions.rejoining import Rejoiner
-from dock_gateway.actions.submission import Delivery
-from dock_gateway.actions.tracker import GoalTracker
+from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.discovery import Discovery
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import GatewayError, NotFound, Unavailable
-from dock_gateway.core.event import loss_event, status_event, system_event, utc_now
-from dock_gateway.core.filters import prefix_of
+from dock_gateway.core.event import status_event, utc_now
+from dock_gateway.core.filters import parent_of, prefix_of
 from dock_gateway.core.goal import LOST_FOR, Goal, GoalError, GoalStatus, Verb
 from dock_gateway.core.hub import Hub
-from dock_gateway.core.tasks import PendingFacts, Tasks
+from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import History
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.ros.action_port import ActionKind, ActionPort
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan
-from dock_gateway.ros.listener import Unread
 from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
-
-# Seconds after which an action that is off the graph is removed. A restart takes less.
-FORGET_AFTER = 10.0
-
-
-class Action:
-    """One action: its goals, the operations on them, and its server's state.
-
-    Attributes:
-        tracker: All goals on the action, regardless of their sender.
-        submitter: Submits goals.
-        delivery: The goals that are on their way to the action server.
-        canceler: Cancels goals.
-        watch: Monitors the action server.
-        feedback_dropped: Number of feedback messages not read since the gateway started.
-    """
-
-    def __init__(
-        self,
-        port: ActionPort,
-        settings: Settings,
-        hub: Hub,
-        history: History,
-        reasons: PendingFacts[GoalError],
-        *,
-        interlock: Interlock,
-        pinned: bool,
-    ) -> None:
-        self.port = port
-        self.name = port.action_name
-        self.type = port.action_type
-        self.verb = settings.verb_of(self.name)
-        self.pinned = pinned
-        self.last_seen = time.monotonic()
-        self.feedback_dropped = 0
-        self._hub = hub
-        self.tracker = GoalTracker(port, hub, history, reasons, self.verb)
-        self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=pinned)
-        self.canceler = Canceler(settings, self.tracker, interlock)
-        self.delivery = Delivery(
-            settings, history, self.tracker, self.watch, reasons, interlock=interlock, canceler=self.canceler
-        )
-        self.submitter = Submitter(settings, history, self.tracker, self.delivery)
-        self._tasks = Tasks(f"monitoring {self.name}")
-        self._tasks.spawn(self.watch.run())
-        self._tasks.spawn(Rejoiner(self.tracker, self.watch).run())
-
-    def _publish_server(self, state: ServerState) -> None:
-        self._hub.publish(system_event("action_server", state, utc_now(), action_name=self.name))
-
-    def on_loss(self, goal_id: str, why: Unread, count: int) -> None:
-        """Count feedback that was not read. It still is a sign of life."""
-        self.tracker.heard()
-        self.feedback_dropped += count
-        self._hub.publish(loss_event(goal_id, self.name, why, count, utc_now()))
-
-    async def close(self) -> None:
-        """Stop all background work."""
-        await self._tasks.close()
-        await self.tracker.close()
 
 
 @dataclass(frozen=True)
@@ -100,6 +38,13 @@ class Uninstalled:
     type: str
     verb: Verb | None
     hint: str
+
+
+class DockingServers(NamedTuple):
+    """The states of a robot's docking and undocking servers."""
+
+    dock: ServerState
+    undock: ServerState
 
 
 class ActionRegistry:
@@ -114,6 +59,7 @@ class ActionRegistry:
         interlock: The latched stops.
 
     Attributes:
+        docking: Which of the actions dock and undock each robot.
         on_sent: Called with a goal of any action when this gateway sends it.
         on_change: Called with a goal of any action after each of its events before its end.
         on_end: Called with a goal of any action when no further events of it are expected.
@@ -142,6 +88,10 @@ class ActionRegistry:
         interlock.on_latch.append(self._stop_under)
         self._history = history
         self._actions: dict[str, Action] = {}
+        self._configured_namespace = parent_of(settings.resolve("dock"))
+        self._catalog = DockingCatalog(settings)
+        self.docking = DockingActions(self._catalog, self._actions)
+        self._pinned: set[str] = set()
         self._types: dict[str, list[str]] = {}  # on the graph, by action
         self._discovery = Discovery("action", settings.max_actions, "max_actions")
         self._changed = asyncio.Event()
@@ -162,13 +112,26 @@ class ActionRegistry:
             else:
                 self._unfinished.setdefault(goal.action_name, {})[goal.goal_id] = goal
 
-    async def open(self, name: str, type_name: str, *, pinned: bool = False) -> Action:
+    async def pin(self, verb: Verb) -> None:
+        """Join the preferred docking or undocking action of the configured robot, and keep it even without a server.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+        preferred = self._catalog.preferred(verb)
+        name = self._catalog.names(verb)[0]
+        self._pinned.add(name)
+        try:
+            await self.open(name, preferred.likely_type)
+        except (ImportError, TypeError) as error:
+            log.warning("the settings name %s, which is probably %s: %s", name, preferred.likely_type, error)
+
+    async def open(self, name: str, type_name: str) -> Action:
         """Join an action.
 
         Args:
             name: Absolute name of the action.
             type_name: Its type, from the graph or from the settings, never from a client.
-            pinned: Kept even without a server.
 
         Raises:
             ImportError: The type's package is not installed.
@@ -177,7 +140,17 @@ class ActionRegistry:
         """
         kind = await asyncio.to_thread(ActionKind, type_name)
         port = await self._bridge.call(lambda: ActionPort(self._bridge, name, kind), undo=ActionPort.close)
-        action = Action(port, *self._parts, interlock=self._interlock, pinned=pinned)
+        found = self._catalog.find(name, [type_name])
+        adapter = None if found is None else found[0]
+        of_configured_robot = self._catalog.robot_of(name, [type_name]) == self._configured_namespace
+        action = Action(
+            port,
+            *self._parts,
+            interlock=self._interlock,
+            adapter=adapter,
+            pinned=name in self._pinned,
+            ping_idle=name in self._pinned or of_configured_robot,
+        )
         for news, listeners in (
             (News.SENT, self.on_sent),
             (News.CHANGED, self.on_change),
@@ -210,18 +183,19 @@ class ActionRegistry:
         for action in list(self._actions.values()):
             if types := scan.actions.get(action.name):
                 action.last_seen = time.monotonic()
-            unseen = time.monotonic() - action.last_seen > FORGET_AFTER
-            replaced = types is not None and action.type not in types
-            if (unseen or replaced) and not action.pinned and not action.tracker.live:
+            unseen = action.unseen_for > FORGET_AFTER and not action.pinned
+            replaced = types is not None and action.type not in types and not self._is_fixed(action)
+            if (unseen or replaced) and not action.tracker.live:
                 await self._forget(action)
         if self._unfinished and time.monotonic() - self._started > FORGET_AFTER:
             self._give_up()
         self._discovery.keep(scan.actions)
         new = [name for name in scan.actions if name not in self._actions]
-        new.sort(key=lambda name: self._docking_type(name) is None)
+        new.sort(key=lambda name: self._catalog.find(name, scan.actions[name]) is None)
         try:
             return await self._discovery.take_up(new, self._actions, self._take_up)
         finally:
+            self.docking.update()
             self._changed.set()
             self._changed.clear()
 
@@ -241,16 +215,15 @@ class ActionRegistry:
             log.warning("action %s has more than one type: %s; using %s", name, ", ".join(types), type_name)
         await self.open(name, type_name)
 
+    def _is_fixed(self, action: Action) -> bool:
+        """Return whether the settings say of which type an action is, whatever is on the graph."""
+        verb = action.verb
+        return verb is not None and action.pinned and self._catalog.preferred(verb).strict
+
     def _type_of(self, name: str) -> str:
         """Return the type of an action on the graph. If it has several, which is a mistake, prefer the expected one."""
-        types, expected = self._types[name], self._docking_type(name)
-        return expected if expected in types else types[0]
-
-    def _docking_type(self, name: str) -> str | None:
-        """Return the type of a docking or undocking action by its name, or None for other actions."""
-        settings = self._settings
-        types = {"dock": settings.dock_action_type, "undock": settings.undock_action_type, None: None}
-        return types[settings.verb_of(name)]
+        found = self._catalog.find(name, self._types[name])
+        return self._types[name][0] if found is None else found[1]
 
     async def _forget(self, action: Action) -> None:
         log.info("action %s left the ROS graph", action.name)
@@ -266,8 +239,11 @@ class ActionRegistry:
     def uninstalled(self) -> list[Uninstalled]:
         """Return the actions on the graph that cannot be used, sorted by name."""
         failed = sorted(self._discovery.failed.items())
-        verb_of = self._settings.verb_of
-        return [Uninstalled(name, self._type_of(name), verb_of(name), failure.why) for name, failure in failed]
+        return [Uninstalled(name, self._type_of(name), self._verb_of(name), failure.why) for name, failure in failed]
+
+    def _verb_of(self, name: str) -> Verb | None:
+        found = self._catalog.find(name, self._types[name])
+        return None if found is None else found[0].verb
 
     def get(self, name: str) -> Action | None:
         """Return an action by its absolute name, or None if it is unknown or cannot be used."""
@@ -295,10 +271,32 @@ class ActionRegistry:
                     await self._changed.wait()
         except TimeoutError:
             raise NotFound(f"there is no server for the action {name}", code="action_not_found") from None
+        self._require_installed(name)
+        return self._actions[name]
+
+    async def find_docking(self, verb: Verb, namespace: str) -> Action:
+        """Return the action that docks or undocks a robot, waiting for one to appear.
+
+        Raises:
+            NotFound: `action_not_found`: there is none.
+            Unavailable: `interface_not_installed`: it cannot be used; the detail says why.
+        """
+        try:
+            async with asyncio.timeout(self._settings.server_wait):
+                while (action := self._actions.get(self.docking.name(verb, namespace))) is None:
+                    for name in self._discovery.failed.keys() & self.docking.all_names(namespace, verb):
+                        if self._verb_of(name) == verb:
+                            self._require_installed(name)
+                    await self._changed.wait()
+        except TimeoutError:
+            name = self.docking.name(verb, namespace)
+            raise NotFound(f"there is no server for the action {name}", code="action_not_found") from None
+        return action
+
+    def _require_installed(self, name: str) -> None:
         if failure := self._discovery.failed.get(name):
             detail = f"{name} is of type {self._type_of(name)}: {failure.why}"
             raise Unavailable(detail, code="interface_not_installed")
-        return self._actions[name]
 
     def goal(self, goal_id: str) -> Goal | None:
         """Return a running or lost goal of any action."""
@@ -309,6 +307,17 @@ class ActionRegistry:
         for action in self._actions.values():
             if goal := action.tracker.live.get(goal_id):
                 action.tracker.on_progress(goal, stage, retries, stamp_ns)
+
+    def servers_of(self, namespace: str) -> DockingServers:
+        """Return the states of a robot's docking and undocking servers, even if they have never been seen."""
+        names = self.docking.of(namespace)
+        return DockingServers(self._server(names.dock), self._server(names.undock))
+
+    def _server(self, name: str) -> ServerState:
+        if action := self._actions.get(name):
+            return action.watch.state
+        found = self._catalog.find(name)
+        return ServerState(name, "" if found is None else found[1], available=False, answering=False)
 
     def running(self) -> list[Goal]:
         """Return the running goals of all actions."""

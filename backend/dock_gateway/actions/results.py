@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+from dock_gateway.core.dock_adapters.adapter import NO_REASON
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import NO_RESULT, Goal, GoalError, GoalStatus, ResultAnswer
 from dock_gateway.core.tasks import PendingFacts, Tasks
@@ -92,7 +93,7 @@ class Results:
         if answer.status is not None and answer.status.terminal:
             stamp_ns = await self._end_stamps.of(goal.goal_id)
         if answer.status is GoalStatus.ABORTED:
-            error = await self._reasons.of(goal.goal_id) or answer.error or GoalError("goal_aborted", SAID_NOTHING)
+            error = await self._reasons.of(goal.goal_id) or answer.error or GoalError(NO_REASON, SAID_NOTHING)
             answer = replace(answer, error=error)
         self._settle(goal, answer, stamp_ns)
 

@@ -13,9 +13,10 @@ from weakref import WeakValueDictionary
 
 from dock_gateway.actions.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
 from dock_gateway.actions.results import Results
+from dock_gateway.core.dock_adapters.adapter import DockAdapter
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, Now, result_event, status_event
-from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json, Verb
+from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Json
 from dock_gateway.core.hub import Hold, Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.history import History
@@ -50,7 +51,7 @@ class GoalTracker:
         hub: Receives events.
         history: Stores goals.
         reasons: Why goals were rejected or aborted.
-        verb: What the action's goals do, if it is one of the two for docking.
+        adapter: What the action's messages say about a goal, if it docks or undocks robots.
 
     Attributes:
         live: The running goals, and lost ones that may return.
@@ -66,9 +67,9 @@ class GoalTracker:
         hub: Hub,
         history: History,
         reasons: PendingFacts[GoalError],
-        verb: Verb | None = None,
+        adapter: DockAdapter | None = None,
     ) -> None:
-        self._machine = GoalMachine(port.action_name, port.action_type, hub.clock.stamp, Now.read(), verb)
+        self._machine = GoalMachine(port.action_name, port.action_type, hub.clock.stamp, Now.read(), adapter)
         self.new_goal = self._machine.new_goal
         self.live = self._machine.live
         self.taken_up = self._machine.taken_up

@@ -23,8 +23,6 @@ from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.robot_state import CHARGES, RobotState
 from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.history import History
-from dock_gateway.robots.battery import CHARGING
-from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
@@ -42,7 +40,6 @@ class AutomaticDocking:
     """Applies the rules to the robots, and sends the goals.
 
     Args:
-        settings: Names.
         fleet: The state of the robots.
         actions: The docking actions.
         history: Finds goals that were sent before a restart.
@@ -53,7 +50,6 @@ class AutomaticDocking:
 
     def __init__(
         self,
-        settings: Settings,
         fleet: Fleet,
         actions: ActionRegistry,
         history: History,
@@ -62,7 +58,6 @@ class AutomaticDocking:
         rules: SharedBook[Rule],
         decisions: DecisionLog,
     ) -> None:
-        self._settings = settings
         self._fleet = fleet
         self._actions = actions
         self._history = history
@@ -258,10 +253,10 @@ class AutomaticDocking:
                 detail=facts[decision.robot].stopped if held else None,
             )
         try:
-            action = self._actions.get(self._settings.docking_actions(decision.robot).dock)
+            action = self._actions.get(self._actions.docking.of(decision.robot).dock)
             if action is None:
                 raise Unavailable(f"{decision.robot} has no docking server")
-            message = action.port.goal_codec.parse(CHARGING)
+            message = action.parse_request(action.default_request)
             goal = await action.submitter.submit(message, _key(identity), origin="automation")
         except GatewayError as error:
             outcome = Outcome.HELD if error.code in STOPS else Outcome.REFUSED

@@ -46,8 +46,9 @@ def check_exposure(settings: Settings) -> None:
 def serve(**options: str | None) -> None:
     """Run only the gateway, for action servers that run already."""
     settings = read_settings(options)
-    check_installed("dock_action_type", settings.dock_action_type)
-    check_installed("undock_action_type", settings.undock_action_type)
+    for setting in ("dock_action_type", "undock_action_type"):
+        if action_type := getattr(settings, setting):
+            check_installed(setting, action_type)
     check_exposure(settings)
     from dock_gateway.web.edge.certificates import CertificateError  # noqa: PLC0415 - see above
     from dock_gateway.web.server import run  # noqa: PLC0415

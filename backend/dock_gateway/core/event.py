@@ -238,7 +238,7 @@ def scenes_event(scenes: dict[str, dict[str, Any]], now: datetime) -> Event:
 def system_event(
     kind: str, payload: object, now: datetime, *, robot: str | None = None, action_name: str | None = None
 ) -> Event:
-    """Return a system event: `battery_publisher`, `stop` or `simulator` of a robot, or `action_server` of an action."""
+    """Return a system event: `battery_publisher`, `docking`, `stop` or `simulator` of a robot, or `action_server`."""
     document = {"type": kind, "time": now, kind: payload} | ({} if robot is None else {"robot": robot})
     return Event(encode(document), "system", robot=robot, action_name=action_name)
 

@@ -56,6 +56,7 @@ class Departures:
                     log.info("robot %s left the ROS graph", robot.namespace)
                     self._seen.pop(robot.namespace, None)
                     self._robots.forget(robot.namespace)
+                    self._actions.docking.forget(robot.namespace)
             except GatewayError:  # the others would fail too
                 raise
             except Exception:

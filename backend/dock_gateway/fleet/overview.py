@@ -93,11 +93,12 @@ class Fleet:
 
     def _state(self, robot: Robot, running: list[Goal], lost: list[Goal]) -> RobotState:
         name = robot.namespace
-        names = self._settings.docking_actions(name)
+        names = self._actions.docking.of(name)
+        all_names = self._actions.docking.all_names(name)
         dock, undock = self._actions.get(names.dock), self._actions.get(names.undock)
         simulator = self._simulators.find(name)
-        ended = [goal for goal in lost if goal.action_name in names]
-        succeeded = self._last_goals.succeeded(*names)
+        ended = [goal for goal in lost if goal.action_name in all_names]
+        succeeded = self._last_goals.succeeded(*all_names)
         return RobotState(
             name=name,
             label=self._labels.of(name),
@@ -111,8 +112,8 @@ class Fleet:
             undock=None if undock is None else undock.watch.state,
             goals=running,
             lost=lost,
-            last_goal=latest([self._last_goals.last(*names), *ended]),
-            left_docked=None if succeeded is None else succeeded.action_name == names.dock,
+            last_goal=latest([self._last_goals.last(*all_names), *ended]),
+            left_docked=None if succeeded is None else succeeded.verb == "dock",
         )
 
     def _duplicates(self) -> dict[str, list[str]]:

@@ -7,7 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from dock_gateway.actions.registry import Action, ActionRegistry
+from dock_gateway.actions.action import Action
+from dock_gateway.actions.registry import ActionRegistry
 from dock_gateway.core.errors import GatewayError, Unavailable
 from dock_gateway.core.filters import lineage
 from dock_gateway.core.tasks import Tasks

@@ -34,7 +34,6 @@ class PowerSupply(IntEnum):
 
 
 # The goal of docking unless a client asks for another battery state.
-CHARGING = {"desired_battery_state": {"power_supply_status": PowerSupply.CHARGING}}
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 
 from dock_gateway.core.discovery import Discovery
+from dock_gateway.core.dock_adapters.catalog import ADAPTERS, DockingCatalog
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound
 from dock_gateway.core.filters import is_under, prefix_of
 from dock_gateway.core.hub import Hub
@@ -53,6 +54,7 @@ class RobotRegistry:
         self._hub = hub
         self._interlock = interlock
         self._last_goals = last_goals
+        self._catalog = DockingCatalog(settings)
         self._robots: dict[str, Robot] = {}
         self._forgotten: set[str] = set()
         self.velocities = VelocityTopics(bridge)
@@ -86,7 +88,7 @@ class RobotRegistry:
         self._robots[namespace] = robot
         self._forgotten.discard(namespace)
         self._interlock.join(namespace, latch)
-        self._last_goals.watch(*settings.docking_actions(namespace))
+        self._last_goals.watch(*(self._catalog.names(verb, namespace)[0] for verb in ADAPTERS))
         log.info("robot %s", namespace)
         return robot
 
@@ -98,11 +100,10 @@ class RobotRegistry:
         Raises:
             Unavailable: The ROS thread is down.
         """
-        settings = self._settings
-        suffixes = tuple(f"/{name}" for name in (settings.dock_action, settings.undock_action, settings.battery_topic))
-        names = (*scan.actions, *scan.topics)
-        found = (name.removesuffix(suffix) or "/" for name in names for suffix in suffixes if name.endswith(suffix))
-        new = [namespace for namespace in dict.fromkeys(found) if namespace not in self._robots]
+        suffix = f"/{self._settings.battery_topic}"
+        found = [self._catalog.robot_of(name, types) for name, types in scan.actions.items()]
+        found += [name.removesuffix(suffix) or "/" for name in scan.topics if name.endswith(suffix)]
+        new = [namespace for namespace in dict.fromkeys(found) if namespace and namespace not in self._robots]
 
         async def take_up(namespace: str) -> None:
             if namespace not in self._forgotten or await self.is_there(namespace, scan):

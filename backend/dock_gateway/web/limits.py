@@ -47,12 +47,12 @@ async def _robot(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, st
 
 async def _dock(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
     robot = _namespace(gateway, names)
-    return grant.covers_action(gateway.settings.docking_actions(robot).dock), _describe_robot(robot, names)
+    return grant.covers_action(gateway.actions.docking.of(robot).dock), _describe_robot(robot, names)
 
 
 async def _undock(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
     robot = _namespace(gateway, names)
-    return grant.covers_action(gateway.settings.docking_actions(robot).undock), _describe_robot(robot, names)
+    return grant.covers_action(gateway.actions.docking.of(robot).undock), _describe_robot(robot, names)
 
 
 async def _action(_: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:

@@ -148,12 +148,18 @@ def _plain(schema: dict[str, Any]) -> dict[str, Any]:
     return schema
 
 
-def battery_body(*, required: bool, wrapped: str | None = None) -> dict[str, Any]:
+BATTERY_INPUT: dict[str, Any] = {"$ref": "#/components/schemas/BatteryStateInput"}
+
+
+def battery_body(*, required: bool) -> dict[str, Any]:
     """Return the `openapi_extra` of a request whose body is read by the gateway, not by FastAPI."""
-    schema: dict[str, Any] = {"$ref": "#/components/schemas/BatteryStateInput"}
-    if wrapped:
-        schema = {"type": "object", "additionalProperties": False, "properties": {wrapped: schema}}
-    return body(schema, required=required)
+    return body(BATTERY_INPUT, required=required)
+
+
+def docking_body(*texts: str) -> dict[str, Any]:
+    """Return the `openapi_extra` of a request to dock or undock; `texts` are the names of its further fields."""
+    properties = {"desired_battery_state": BATTERY_INPUT, **{name: {"type": "string"} for name in texts}}
+    return body({"type": "object", "additionalProperties": True, "properties": properties}, required=False)
 
 
 def body(schema: dict[str, Any], *, required: bool) -> dict[str, Any]:

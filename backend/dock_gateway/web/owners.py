@@ -12,8 +12,8 @@ def owners(gateway: Gateway, action_names: Iterable[str]) -> Callable[[str], str
 
     A namespace with a label or with goals of a docking action is a robot, too, even if it is not on the graph now.
     """
-    docking = gateway.settings.docking_actions
-    gone = {namespace for name in action_names if name in docking(namespace := parent_of(name))}
+    docking = gateway.actions.docking
+    gone = {namespace for name in action_names if name in docking.all_names(namespace := parent_of(name))}
     robots = gone.union(gateway.labels.robots(), (robot.namespace for robot in gateway.robots.all()))
 
     def owner(action_name: str) -> str:

@@ -8,7 +8,8 @@ import type { BatteryStateInput, Fault, Goal, Publisher, Simulator, StopReport, 
  * that arrives late is worse than one that fails. Every failure is a CommandError.
  */
 export interface Gateway {
-  dock(desiredStatus: number): Promise<Goal>;
+  /** @param desiredStatus How its battery is to be; null where the docking server has no such goals. */
+  dock(desiredStatus: number | null): Promise<Goal>;
   undock(): Promise<Goal>;
   cancel(goalId: string): Promise<Goal>;
   /** Stops, and lets nobody go on until `release`; also several robots with one request. */
@@ -45,7 +46,9 @@ export function createGateway(http: Http, robot: string | null = null): Gateway 
     dock: (desiredStatus) =>
       settle(
         http.POST("/dock", {
-          body: { desired_battery_state: { power_supply_status: desiredStatus } },
+          ...(desiredStatus !== null && {
+            body: { desired_battery_state: { power_supply_status: desiredStatus } },
+          }),
           ...goalOptions(),
         }),
       ),

@@ -21,7 +21,7 @@ export interface paths {
          * Dock
          * @description Send the robot to its charging dock.
          *
-         *     An empty body asks for CHARGING. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
+         *     An empty body asks for CHARGING, at the default dock. `dock_id` names the dock, where the docking server knows docks by name. The robot's docking server decides which further fields there are: those of its goal message are taken, too. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
          */
         post: operations["dock"];
         delete?: never;
@@ -85,9 +85,9 @@ export interface paths {
         put?: never;
         /**
          * Undock
-         * @description Drive the robot off its charging dock. If it is not docked, the goal succeeds immediately.
+         * @description Drive the robot off its charging dock. If it is not docked, our own server's goal succeeds immediately.
          *
-         *     An empty body asks for a battery that is not charging, 2 or 3. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
+         *     An empty body asks for a battery that is not charging, 2 or 3. The robot's docking server decides which further fields there are: those of its goal message are taken, too. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
          */
         post: operations["undock"];
         delete?: never;
@@ -1565,14 +1565,14 @@ export interface components {
         ActionInfo: {
             /** Action Name */
             action_name: string;
+            /** Action Type */
+            action_type: string;
             /** Available */
             available: boolean;
             /** Answering */
             answering: boolean;
             /** Duplicate */
             duplicate: boolean;
-            /** Action Type */
-            action_type: string;
             /** Verb */
             verb: ("dock" | "undock") | null;
             /** Installed */
@@ -1649,6 +1649,8 @@ export interface components {
         ActionServer: {
             /** Action Name */
             action_name: string;
+            /** Action Type */
+            action_type: string;
             /** Available */
             available: boolean;
             /** Answering */
@@ -2323,6 +2325,33 @@ export interface components {
             final_battery_state: components["schemas"]["BatteryState"];
         };
         /**
+         * DockingEvent
+         * @description Another action is behind `/dock` or `/undock` of a robot.
+         */
+        DockingEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "docking";
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /** Robot */
+            robot: string;
+            docking: components["schemas"]["DockingServers"];
+        };
+        /**
+         * DockingServers
+         * @description The servers of a robot's docking and undocking actions.
+         */
+        DockingServers: {
+            dock: components["schemas"]["ActionServer"];
+            undock: components["schemas"]["ActionServer"];
+        };
+        /**
          * DroppedEvent
          * @description `count` feedback events were dropped because this reader is too slow.
          */
@@ -2369,7 +2398,7 @@ export interface components {
             count: number;
         };
         /** @description A message of an event stream. */
-        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
+        Event: components["schemas"]["SnapshotEvent"] | components["schemas"]["StatusEvent"] | components["schemas"]["FeedbackEvent"] | components["schemas"]["ResultEvent"] | components["schemas"]["BatteryEvent"] | components["schemas"]["CmdVelEvent"] | components["schemas"]["PublisherEvent"] | components["schemas"]["ActionServerEvent"] | components["schemas"]["DockingEvent"] | components["schemas"]["StopEvent"] | components["schemas"]["SimulatorEvent"] | components["schemas"]["RobotsEvent"] | components["schemas"]["AlertsEvent"] | components["schemas"]["AutomationEvent"] | components["schemas"]["SceneEvent"] | components["schemas"]["ScenesEvent"] | components["schemas"]["HeartbeatEvent"] | components["schemas"]["DroppedEvent"] | components["schemas"]["FeedbackDroppedEvent"] | components["schemas"]["ResumedEvent"] | components["schemas"]["GapEvent"] | components["schemas"]["ClosingEvent"];
         /**
          * EventType
          * @description What happened.
@@ -2487,7 +2516,10 @@ export interface components {
             goal_id: string;
             /** Action Name */
             action_name: string;
-            feedback: components["schemas"]["DockFeedback"];
+            /** Feedback */
+            feedback: components["schemas"]["DockFeedback"] | {
+                [key: string]: unknown;
+            };
         };
         /**
          * FieldProblem
@@ -2573,9 +2605,18 @@ export interface components {
             feedback_count: number;
             /** Last Event Id */
             last_event_id: string | null;
-            goal: components["schemas"]["DockGoal"] | null;
-            feedback: components["schemas"]["DockFeedback"] | null;
-            result: components["schemas"]["DockResult"] | null;
+            /** Goal */
+            goal: components["schemas"]["DockGoal"] | {
+                [key: string]: unknown;
+            } | null;
+            /** Feedback */
+            feedback: components["schemas"]["DockFeedback"] | {
+                [key: string]: unknown;
+            } | null;
+            /** Result */
+            result: components["schemas"]["DockResult"] | {
+                [key: string]: unknown;
+            } | null;
         };
         /**
          * GoalAck
@@ -3295,12 +3336,13 @@ export interface components {
         };
         /**
          * Readiness
-         * @description Whether the action server is available and answers, with the state of the history and of the stop.
+         * @description Whether the docking server is available and answers, with the state of the history and of the stop.
          */
         Readiness: {
             /** Ready */
             ready: boolean;
             action_server: components["schemas"]["ActionServer"];
+            undock_server: components["schemas"]["ActionServer"];
             history: components["schemas"]["HistoryState"];
             stop: components["schemas"]["StopState"];
         };
@@ -3356,7 +3398,10 @@ export interface components {
             /** Action Name */
             action_name: string;
             status: components["schemas"]["GoalStatus"];
-            result: components["schemas"]["DockResult"] | null;
+            /** Result */
+            result: components["schemas"]["DockResult"] | {
+                [key: string]: unknown;
+            } | null;
             error: components["schemas"]["GoalError"] | null;
         };
         /**
@@ -3816,7 +3861,10 @@ export interface components {
             feedback_count: number;
             /** Last Event Id */
             last_event_id: string | null;
-            goal: components["schemas"]["DockGoal"] | null;
+            /** Goal */
+            goal: components["schemas"]["DockGoal"] | {
+                [key: string]: unknown;
+            } | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -4463,6 +4511,9 @@ export interface operations {
             content: {
                 "application/json": {
                     desired_battery_state?: components["schemas"]["BatteryStateInput"];
+                    dock_id?: string;
+                } & {
+                    [key: string]: unknown;
                 };
             };
         };
@@ -4811,6 +4862,8 @@ export interface operations {
             content: {
                 "application/json": {
                     desired_battery_state?: components["schemas"]["BatteryStateInput"];
+                } & {
+                    [key: string]: unknown;
                 };
             };
         };

@@ -70,6 +70,11 @@ export function summarize(
   return parts.join(", ");
 }
 
+/** The battery state in a message of our own docking actions, `current_battery_state` and the like; null in any other. */
+export function batteryIn(message: object | null | undefined, field: string): BatteryState | null {
+  return (message as Record<string, BatteryState | undefined> | null | undefined)?.[field] ?? null;
+}
+
 /** Of each cell: `3.90, –, 4.00 V`, and `7 × 25.0 °C` where they are all alike. */
 export function formatCells(values: readonly (number | null)[], unit: string): string {
   const texts = values.map((value) => (value === null ? "–" : digits(value, unit)));

@@ -1,16 +1,27 @@
 import { Badge, Tooltip, VisuallyHidden } from "@mantine/core";
 import type { ActionServer } from "../api/types";
 import { useLive, useTopic } from "../store/context";
+import { foreignName, whatToStart } from "./families";
 
 /** Whether the docking server can be reached; that it answers, as it should, is said to screen readers alone. */
 export function ActionServerStatus() {
   const server = useTopic("actionServer");
   const live = useLive();
+  const foreign = server === null ? null : foreignName(server);
   const trouble = describe(live ? server : null);
   return (
     <div role="status" data-testid="action-server">
       {trouble === null ? (
-        <VisuallyHidden>action server answering</VisuallyHidden>
+        <>
+          {foreign !== null && (
+            <Tooltip label={`${server?.action_name} (${server?.action_type})`} multiline maw={320}>
+              <Badge color="gray" variant="light" data-testid="docking-family">
+                {foreign}
+              </Badge>
+            </Tooltip>
+          )}
+          <VisuallyHidden>action server answering</VisuallyHidden>
+        </>
       ) : (
         <Tooltip label={trouble.hint} multiline maw={280}>
           <Badge color={trouble.color}>{trouble.label}</Badge>
@@ -33,7 +44,7 @@ function describe(server: ActionServer | null): { label: string; color: string; 
     return {
       label: "action server not there",
       color: "red",
-      hint: `Nobody offers ${server.action_name}. Start connect_to_charging_dock_server.`,
+      hint: `Nobody offers ${server.action_name}. Start ${whatToStart("dock", server)}.`,
     };
   }
   if (server.duplicate) {

@@ -12,6 +12,7 @@ import { ReasonButton } from "../ui/ReasonButton";
 import { useCommand } from "../ui/useCommand";
 import { useAsking } from "./asking";
 import classes from "./docking.module.css";
+import { takesBatteryGoal } from "./families";
 import { MoveDialog } from "./MoveDialog";
 import { whyNotCancel, whyNotSend } from "./reasons";
 
@@ -20,6 +21,7 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
   const { gateway, store } = useServices();
   const live = useLive();
   const servers = { dock: useTopic("actionServer"), undock: useTopic("undockServer") };
+  const takesBattery = takesBatteryGoal(servers.dock);
   const stopped = useTopicPart("stop", ({ latched }) => latched);
   const alone = useStoppableAlone();
   const naming = useNaming();
@@ -29,7 +31,9 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
   const [target, setTarget] = useState(String(CHARGING));
   const targetId = useId();
 
-  const dock = useCommand(async () => store.addGoals([await gateway.dock(Number(target))]));
+  const dock = useCommand(async () =>
+    store.addGoals([await gateway.dock(takesBattery ? Number(target) : null)]),
+  );
   const undock = useCommand(async () => store.addGoals([await gateway.undock()]));
   const cancel = useCommand(async (goal: GoalCourse) => store.addGoals([await gateway.cancel(goal.goal_id)]));
   const send = (verb: Verb) => {
@@ -78,20 +82,22 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
         </ReasonButton>
         {alone !== null && <RobotStopButton robot={alone} />}
       </Group>
-      <Group gap="xs">
-        <Text size="sm" id={targetId}>
-          Dock until the battery is
-        </Text>
-        <SegmentedControl
-          aria-labelledby={targetId}
-          value={target}
-          onChange={setTarget}
-          data={[
-            { label: "Charging", value: String(CHARGING) },
-            { label: "Full", value: String(FULL) },
-          ]}
-        />
-      </Group>
+      {takesBattery && (
+        <Group gap="xs">
+          <Text size="sm" id={targetId}>
+            Dock until the battery is
+          </Text>
+          <SegmentedControl
+            aria-labelledby={targetId}
+            value={target}
+            onChange={setTarget}
+            data={[
+              { label: "Charging", value: String(CHARGING) },
+              { label: "Full", value: String(FULL) },
+            ]}
+          />
+        </Group>
+      )}
       <Switch
         label={asking.simulated ? "Confirm before moving (off in simulation)" : "Confirm before moving"}
         checked={asking.asks}

@@ -1,6 +1,6 @@
 import { Text } from "@mantine/core";
 import { useState } from "react";
-import { summarize } from "../battery/words";
+import { batteryIn, summarize } from "../battery/words";
 import { useTopic, useTopicPart } from "../store/context";
 import { Time } from "../ui/Time";
 import classes from "./docking.module.css";
@@ -32,10 +32,16 @@ function Messages({ goalId }: { goalId: string }) {
             <Time value={time} />
           </Text>{" "}
           <Text span size="sm" className="tabular">
-            {summarize(feedback.current_battery_state)}
+            {wordsOf(feedback)}
           </Text>
         </li>
       ))}
     </ol>
   );
+}
+
+/** A battery state in words; the fields of any other feedback as JSON. */
+function wordsOf(feedback: object): string {
+  const battery = batteryIn(feedback, "current_battery_state");
+  return battery === null ? JSON.stringify(feedback) : summarize(battery);
 }

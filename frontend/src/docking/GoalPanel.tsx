@@ -1,6 +1,6 @@
 import { Anchor, Badge, Group, Stack, Text } from "@mantine/core";
 import { Link } from "react-router";
-import { summarize } from "../battery/words";
+import { batteryIn, summarize } from "../battery/words";
 import { GoalDuration } from "../goal/GoalDuration";
 import { GoalExplanation } from "../goal/GoalExplanation";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
@@ -79,9 +79,12 @@ function FeedbackWords({ goal }: { goal: GoalCourse }) {
 const NONE: readonly number[] = [];
 
 function BatteryFact({ goalId }: { goalId: string }) {
-  const final = useTopicPart("goals", (goals) => goals.get(goalId)?.result?.final_battery_state);
-  const told = useTopicPart("goals", (goals) => goals.get(goalId)?.feedback != null);
-  if (final !== undefined) return <Fact name="Battery at the end">{summarize(final)}</Fact>;
+  const final = useTopicPart("goals", (goals) => batteryIn(goals.get(goalId)?.result, "final_battery_state"));
+  const told = useTopicPart(
+    "goals",
+    (goals) => batteryIn(goals.get(goalId)?.feedback, "current_battery_state") !== null,
+  );
+  if (final !== null) return <Fact name="Battery at the end">{summarize(final)}</Fact>;
   return (
     told && (
       <Fact name="Battery in feedback">
@@ -93,7 +96,7 @@ function BatteryFact({ goalId }: { goalId: string }) {
 
 function BatteryWords({ goalId }: { goalId: string }) {
   return useTopicPart("goals", (goals) => {
-    const feedback = goals.get(goalId)?.feedback;
-    return feedback == null ? "" : summarize(feedback.current_battery_state);
+    const battery = batteryIn(goals.get(goalId)?.feedback, "current_battery_state");
+    return battery === null ? "" : summarize(battery);
   });
 }

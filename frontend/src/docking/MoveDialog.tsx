@@ -18,7 +18,7 @@ interface MoveDialogProps {
 const NAMES: Record<Verb, string> = { dock: "Dock", undock: "Undock" };
 
 const WHAT_HAPPENS: Record<Verb, string> = {
-  dock: "It drives to its dock by itself, until its battery is as asked for. Check first that the area is clear.",
+  dock: "It drives to its dock by itself. Check first that the area is clear.",
   undock: "It backs out of its dock by itself. Check first that the area behind it is clear.",
 };
 

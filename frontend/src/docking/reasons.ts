@@ -1,11 +1,7 @@
 import { whyForbidden } from "../access/permissions";
 import type { ActionServer, Goal, Verb } from "../api/types";
 import { NOT_CONNECTED } from "../fleet/useWhyNot";
-
-const SERVERS: Record<Verb, string> = {
-  dock: "connect_to_charging_dock_server or docking_server",
-  undock: "docking_server",
-};
+import { whatToStart } from "./families";
 
 type Running = Pick<Goal, "status">;
 
@@ -32,7 +28,7 @@ export function whyNotSend(
   if (running !== null) return "A goal is running. Cancel it first.";
   if (server?.available === true) return null;
   const name = server === null ? "" : ` ${server.action_name}`;
-  return `No server offers the action${name}. Start ${SERVERS[verb]}.`;
+  return `No server offers the action${name}. Start ${whatToStart(verb, server)}.`;
 }
 
 /** Why nothing can be canceled now. */

@@ -26,6 +26,16 @@ export function stageLabel(stage: string | null): string | null {
 
 const DOCKING = ["INITIAL_PERCEPTION", "NAV_TO_STAGING_POSE", "CONTROLLING", "WAIT_FOR_CHARGE"];
 const UNDOCKING = ["UNDOCKING"];
+/** The ways of other servers' goals: nav2 knows where its docks are, and looks for the dock once it is in front of it. */
+const OTHER_WAYS: Record<string, readonly string[]> = {
+  "nav2_msgs/action/DockRobot": [
+    "NAV_TO_STAGING_POSE",
+    "INITIAL_PERCEPTION",
+    "CONTROLLING",
+    "WAIT_FOR_CHARGE",
+  ],
+  "irobot_create_msgs/action/Dock": ["INITIAL_PERCEPTION", "CONTROLLING"],
+};
 
 /**
  * The way of a goal, step by step, and how far it is; none where the action server tells no stages. A controller that
@@ -34,11 +44,12 @@ const UNDOCKING = ["UNDOCKING"];
  * @param seen The stages that the goal was seen in, in order.
  */
 export function stepsOf(goal: GoalCourse, seen: readonly string[]): Step[] {
-  const all = goal.verb === "undock" ? UNDOCKING : DOCKING;
+  const other = OTHER_WAYS[goal.action_type];
+  const all = other ?? (goal.verb === "undock" ? UNDOCKING : DOCKING);
   const known = seen.filter((stage) => all.includes(stage));
   const last = known.at(-1);
   if (last === undefined) return [];
-  const way = known.every((stage) => stage === "CONTROLLING") ? ["CONTROLLING"] : all;
+  const way = !other && known.every((stage) => stage === "CONTROLLING") ? ["CONTROLLING"] : all;
   const reached = way.indexOf(last);
   const retrying = seen.lastIndexOf("RETRY") > seen.lastIndexOf(last);
   return way.map((stage, index) => ({

@@ -79,6 +79,11 @@ const ADVICE: Record<string, string> = {
   action_server_timeout: "Look at the action server's log; it may be frozen.",
   battery_lost: "Check the battery driver, or publish a battery state from this page, then dock again.",
   blocked: "Look at the robot: something is in its way, a wheel is stuck, or its motors are off.",
+  dock_not_in_db:
+    "Name a dock of the docking server's database with dock_id, or set the gateway's default_dock to one.",
+  dock_not_valid:
+    "Check the docking server's dock plugins. To undock a robot that this server has not docked, send its dock_type.",
+  failed_to_dock: "Look at the robot: it may not see the dock, or not stand right on it. Then dock again.",
   dock_busy: "Wait for the running goal to end, or cancel it first.",
   failed_to_charge:
     "The robot touches the dock, but there is no current: look at the dock's power, and clean its contacts.",
@@ -94,6 +99,7 @@ const ADVICE: Record<string, string> = {
   preempted: "A newer goal replaced it: see the list of goals.",
   pushed_off: "Something moved the robot off its dock: dock again.",
   shutting_down: "Start the action server again, then dock again.",
+  unknown: "See the log of the docking server.",
   stop_latched: "Release the stop, then send the goal again.",
   stopped: "If the stop still holds, release it before you send the goal again.",
   timeout: "Check the robot's way to the dock, or raise the server's goal_timeout.",
@@ -113,6 +119,9 @@ const SHORT: Record<string, string> = {
   battery_lost: "Battery data stopped",
   blocked: "Robot was blocked",
   dock_busy: "Dock was busy",
+  dock_not_in_db: "Dock is not known",
+  dock_not_valid: "Type of the dock is not known",
+  failed_to_dock: "Did not get onto the dock",
   failed_to_charge: "No charge on the dock",
   failed_to_control: "Dock was not reached",
   failed_to_detect_dock: "Dock was not found",
@@ -128,6 +137,7 @@ const SHORT: Record<string, string> = {
   shutting_down: "Action server shut down",
   stop_latched: "A stop was latched",
   timeout: "Took too long",
+  unknown: "Unexpected error in the server",
 };
 
 /** What an error code means, in a few words. */

@@ -1,7 +1,6 @@
 import { createContext, type ReactNode, useCallback, useContext, useRef, useState } from "react";
 import { toCommandError } from "../api/errors";
 import { createGoalsApi } from "../api/goals";
-import { CHARGING } from "../battery/words";
 import { useAskingWanted } from "../docking/asking";
 import { MoveDialog } from "../docking/MoveDialog";
 import { useFleet, useFleetLive, useFleetPart } from "../fleet/context";
@@ -113,7 +112,7 @@ function useRun(): Operate {
       const results = { operation, count: names.length, sent, refused };
       const notice = new ResultsNotice(store.get("naming"), results);
       const send = async (name: string) => {
-        if (operation === "dock") return gatewayOf(name).dock(CHARGING);
+        if (operation === "dock") return gatewayOf(name).dock(null);
         if (operation === "undock") return gatewayOf(name).undock();
         const goals = store.get("robots").get(name);
         return Promise.all(

@@ -5,8 +5,8 @@ import { takeUp } from "./streamStore";
 
 /**
  * The state after an event. Pure; returns the same object where the event changes nothing, and keeps every part that it
- * does not touch. The page is about one docking action and the undocking action beside it, those that the snapshot names:
- * events of the other actions on the graph, whose messages have other fields, change nothing.
+ * does not touch. The page is about one docking action and the undocking action beside it, those that the snapshot or a later event
+ * names: events of the other actions on the graph, whose messages have other fields, change nothing.
  *
  * @param now This computer's time when the event came (ms).
  */
@@ -15,13 +15,9 @@ export function reduce(state: State, event: GatewayEvent, now: number): State {
 }
 
 function isOfAnotherAction(state: State, event: GatewayEvent): boolean {
-  const name =
-    "action_name" in event
-      ? event.action_name
-      : event.type === "action_server"
-        ? event.action_server.action_name
-        : null;
-  return name !== null && !actionsOf(state).includes(name);
+  if (event.type === "action_server") return !actionsOf(state).includes(event.action_server.action_name);
+  if (!("action_name" in event) || actionsOf(state).includes(event.action_name)) return false;
+  return "goal_id" in event && !state.goals.has(event.goal_id);
 }
 
 function actionsOf({ actionServer, undockServer }: Pick<State, "actionServer" | "undockServer">): string[] {
@@ -54,6 +50,8 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
       return event.action_server.action_name === state.undockServer?.action_name
         ? { ...state, undockServer: event.action_server }
         : { ...state, actionServer: event.action_server };
+    case "docking":
+      return { ...state, actionServer: event.docking.dock, undockServer: event.docking.undock };
     case "stop":
       return { ...state, stop: event.stop };
     case "simulator":

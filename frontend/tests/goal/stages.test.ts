@@ -63,6 +63,32 @@ describe("the stages of an undocking goal", () => {
   });
 });
 
+describe("the stages of other docking servers", () => {
+  const nav2 = goal("a", { action_type: "nav2_msgs/action/DockRobot" });
+  const create3 = goal("a", { action_type: "irobot_create_msgs/action/Dock" });
+
+  it("come in nav2's order, and come again with a retry", () => {
+    expect(stepsOf(nav2, [STAGING]).map((step) => step.stage)).toEqual([
+      STAGING,
+      PERCEPTION,
+      "CONTROLLING",
+      "WAIT_FOR_CHARGE",
+    ]);
+    expect(states(nav2, [STAGING, PERCEPTION])).toEqual(["done", "current", "waiting", "waiting"]);
+    const again = [STAGING, PERCEPTION, "CONTROLLING", PERCEPTION];
+    expect(states(nav2, again)).toEqual(["done", "current", "waiting", "waiting"]);
+    expect(states(nav2, ["CONTROLLING"])).toEqual(["done", "done", "current", "waiting"]);
+  });
+
+  it("are two of a Create 3", () => {
+    expect(states(create3, [PERCEPTION])).toEqual(["current", "waiting"]);
+    expect(states({ ...create3, status: "succeeded" }, [PERCEPTION, "CONTROLLING"])).toEqual([
+      "done",
+      "done",
+    ]);
+  });
+});
+
 describe("the way of a goal", () => {
   const visits = [
     { stage: PERCEPTION, since: START },

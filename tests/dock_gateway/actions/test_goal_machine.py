@@ -8,6 +8,7 @@ import pytest
 
 from dock_gateway.actions import goal_machine
 from dock_gateway.actions.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
+from dock_gateway.core.dock_adapters.adapter import DockAdapter
 from dock_gateway.core.event import Now, moment
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, ResultAnswer
 from tests.support.tracking import A, B, S
@@ -255,7 +256,7 @@ def test_an_unknown_goal_is_another_clients(bench: Bench) -> None:
 
 def test_every_goal_has_the_verb_of_the_action() -> None:
     """Also one that an older gateway stored without it."""
-    machine = GoalMachine("/dock", "pkg/action/Dock", lambda source_ns: source_ns, START, "dock")
+    machine = GoalMachine("/dock", "pkg/action/Dock", lambda source_ns: source_ns, START, DockAdapter("dock"))
     assert machine.new_goal(A, moment(2), "automation").verb == "dock"
     machine.feedback(NOW, A, b"1", 4_000_000_000)
     machine.adopt(NOW, A, None)

@@ -73,10 +73,10 @@ async def scene(monkeypatch: pytest.MonkeyPatch) -> Scene:
 
 async def test_a_goal_is_lost_when_its_server_has_left_and_is_silent(scene: Scene) -> None:
     await scene.watch.look()
-    assert scene.states[-1] == ServerState("/dock", available=True, answering=True)
+    assert scene.states[-1] == ServerState("/dock", "pkg/action/Dock", available=True, answering=True)
     scene.port.on_graph = False
     await scene.watch.look()
-    assert scene.states[-1] == ServerState("/dock", available=False, answering=False)
+    assert scene.states[-1] == ServerState("/dock", "pkg/action/Dock", available=False, answering=False)
     assert scene.goal.status is S.EXECUTING
     await scene.look_after(0.06)
     assert scene.goal.status is S.LOST
@@ -109,7 +109,7 @@ async def test_no_goal_is_sent_while_there_are_two_servers(scene: Scene) -> None
     await scene.watch.require()
     scene.port.servers, scene.port.answered_twice_at = {"a", "b"}, time.monotonic()
     await scene.watch.look()
-    assert scene.states[-1] == ServerState("/dock", available=True, answering=True, duplicate=True)
+    assert scene.states[-1] == ServerState("/dock", "pkg/action/Dock", available=True, answering=True, duplicate=True)
     assert not scene.watch.ready
     with pytest.raises(Conflict) as refused:
         await scene.watch.require()

@@ -40,10 +40,10 @@ def registry() -> ActionRegistry:
 
 
 async def test_an_action_whose_package_is_missing(registry: ActionRegistry) -> None:
-    await registry.update(Scan({"/navigate": ["nav2_msgs/action/NavigateToPose"]}))
+    await registry.update(Scan({"/navigate": ["slam_msgs/action/MakeMap"]}))
     (entry,) = registry.uninstalled()
-    assert (entry.name, entry.type) == ("/navigate", "nav2_msgs/action/NavigateToPose")
-    assert "ros-jazzy-nav2-msgs" in entry.hint
+    assert (entry.name, entry.type) == ("/navigate", "slam_msgs/action/MakeMap")
+    assert "ros-jazzy-slam-msgs" in entry.hint
     with pytest.raises(Unavailable) as refused:
         await registry.find("/navigate")
     assert refused.value.code == "interface_not_installed"

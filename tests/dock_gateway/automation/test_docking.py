@@ -17,6 +17,7 @@ from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import AutomaticDocking
 from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
+from dock_gateway.core.dock_adapters.catalog import DockingPair
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import EventFilter
@@ -29,7 +30,6 @@ from dock_gateway.history import History
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.robots.battery import Reading
 from dock_gateway.robots.registry import RobotRegistry
-from dock_gateway.settings import Settings
 from tests.dock_gateway.automation.examples import LOW_BATTERY
 from tests.support.entries import SharedStore
 from tests.support.waiting import until
@@ -56,7 +56,7 @@ class Robot:
                 label=NO_LABEL,
                 battery=battery,
                 on_dock=False,
-                dock=ServerState(f"{ROBOT}/dock", available=True, answering=True),
+                dock=ServerState(f"{ROBOT}/dock", "pkg/action/Dock", available=True, answering=True),
                 goals=[],
                 lost=[],
                 stop=self.stop,
@@ -72,9 +72,13 @@ class Robot:
         self.sent.append(key)
         return Goal("a", f"{ROBOT}/dock", "pkg/action/Dock", utc_now(), origin="automation")
 
-    def get(self, _: str) -> Any:
-        codec = SimpleNamespace(parse=lambda message: message)
-        return SimpleNamespace(port=SimpleNamespace(goal_codec=codec), submitter=self)
+    @property
+    def docking(self) -> Any:
+        return SimpleNamespace(of=lambda robot: DockingPair(f"{robot}/dock", f"{robot}/undock"))
+
+    def get(self, name: str) -> Any:
+        assert name == f"{ROBOT}/dock"
+        return SimpleNamespace(default_request={}, parse_request=lambda request: request, submitter=self)
 
 
 class Site:
@@ -94,7 +98,6 @@ class Site:
 
     def gateway(self) -> AutomaticDocking:
         gateway = AutomaticDocking(
-            Settings(database_url="memory:"),
             cast("Fleet", self.robot),
             cast("ActionRegistry", self.robot),
             cast("History", self.history),

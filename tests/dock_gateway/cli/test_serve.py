@@ -5,7 +5,7 @@ from click.testing import CliRunner
 
 from dock_gateway.cli import main
 from dock_gateway.cli.serve import check_installed
-from dock_gateway.settings import Settings
+from dock_gateway.core.dock_adapters.catalog import ADAPTERS
 
 
 @pytest.mark.parametrize("verb", ["dock", "undock"])
@@ -19,6 +19,6 @@ def test_an_action_that_is_not_installed(action_type: str, verb: str) -> None:
     assert "Traceback" not in result.output
 
 
-def test_the_defaults_are_installed() -> None:
-    check_installed("dock_action_type", Settings().dock_action_type)
-    check_installed("undock_action_type", Settings().undock_action_type)
+def test_our_own_types_are_installed() -> None:
+    for setting, adapters in ADAPTERS.items():
+        check_installed(setting, adapters[0].action_type)

@@ -7,7 +7,9 @@ from typing import Any
 import orjson
 import pytest
 
+from dock_gateway.actions.docking import DockingActions
 from dock_gateway.actions.liveness import ServerState
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.event import Event, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus, encode
@@ -64,8 +66,12 @@ class Parts:
     def get(self, name: str | None = None) -> Any:
         if name in self.robots:
             return self.robots[name]
-        watch = SimpleNamespace(state=ServerState(str(name), available=True, answering=True))
+        watch = SimpleNamespace(state=ServerState(str(name), "", available=True, answering=True))
         return SimpleNamespace(watch=watch) if str(name).startswith("/robot1/connect") else None
+
+    @property
+    def docking(self) -> DockingActions:
+        return DockingActions(DockingCatalog(Settings()), {})
 
     # the labels
     def of(self, name: str) -> RobotLabel:
@@ -105,6 +111,7 @@ class Parts:
 
 def goal(action: str, goal_id: str = "a", status: GoalStatus = GoalStatus.EXECUTING, minute: int = 0) -> Goal:
     goal = Goal(goal_id, action, "pkg/action/Dock", NOON.replace(minute=minute), goal=b"{}", feedback=b"{}")
+    goal.verb = "undock" if "disconnect" in action else "dock"
     goal.advance(status, goal.created_at)
     return goal
 
@@ -144,6 +151,7 @@ async def test_a_robot_at_a_glance() -> None:
             "available": True,
             "answering": True,
             "duplicate": False,
+            "action_type": "",
         },
         "undock": None,
         "goals": robot["goals"],

@@ -8,6 +8,8 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.access.logins import Logins
+from dock_gateway.actions.docking import DockingActions
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import NotAllowed, NotFound
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.gateway import Gateway
@@ -36,7 +38,9 @@ class Other:
         self.robots = SimpleNamespace(default_namespace="/robot2")
         self.alerts = SimpleNamespace(get=lambda _: SimpleNamespace(robot="/robot2"))
         self.goal = _goal
-        vars(self).update(audit_parts())
+        parts = audit_parts()
+        parts["actions"].docking = DockingActions(DockingCatalog(Settings()), {})
+        vars(self).update(parts)
 
     def __getattr__(self, name: str) -> Any:
         raise NotFound(f"there is no {name}")

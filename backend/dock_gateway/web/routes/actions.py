@@ -3,7 +3,7 @@
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
-from dock_gateway.actions.registry import Action
+from dock_gateway.actions.action import Action
 from dock_gateway.web.access import TheGrant
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems

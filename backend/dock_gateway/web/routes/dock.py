@@ -1,18 +1,17 @@
 """`/dock` and `/undock`: goals on a robot's docking and undocking actions."""
 
-from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Any
 
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
-from dock_gateway.actions.registry import Action
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.goal import Goal as GoalRecord
+from dock_gateway.core.goal import Verb
 from dock_gateway.gateway import Gateway
-from dock_gateway.robots.battery import CHARGING
-from dock_gateway.web.openapi import battery_body
+from dock_gateway.history import GoalFilter
+from dock_gateway.web.openapi import docking_body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
     CursorQuery,
@@ -27,73 +26,71 @@ from dock_gateway.web.requests import (
 from dock_gateway.web.routes import goals
 from dock_gateway.web.schemas.goals import Goal, GoalPage
 
-NOT_CHARGING: dict[str, Any] = {"desired_battery_state": {}}
-
 
 @dataclass(frozen=True)
-class Verb:
+class Operations:
     """The operations at `/dock` or `/undock`.
 
     Attributes:
-        name: `dock` or `undock`. Also the path.
+        verb: `dock` or `undock`. Also the path.
         description: What sending a goal does.
-        default: The goal that an empty body sends.
-        action_of: Returns the action of the named robot; None means the configured robot.
+        body: Schema of the simple request.
         prefix: Prefix of the names of the other operations.
     """
 
-    name: str
+    verb: Verb
     description: str
-    default: dict[str, Any]
-    action_of: Callable[[Gateway, str | None], Awaitable[Action]]
+    body: dict[str, Any]
     prefix: str = ""
 
     @property
     def path(self) -> str:
         """`/dock` or `/undock`."""
-        return f"/{self.name}"
+        return f"/{self.verb}"
 
 
 WAITING = "`Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent."
-DOCK = Verb(
+TYPES = "The robot's docking server decides which further fields there are: those of its goal message are taken, too."
+DOCK = Operations(
     "dock",
-    f"Send the robot to its charging dock.\n\nAn empty body asks for CHARGING. {WAITING}",
-    CHARGING,
-    Gateway.dock_of,
+    "Send the robot to its charging dock.\n\nAn empty body asks for CHARGING, at the default dock. `dock_id` names the "
+    f"dock, where the docking server knows docks by name. {TYPES} {WAITING}",
+    docking_body("dock_id"),
 )
-UNDOCK = Verb(
+UNDOCK = Operations(
     "undock",
-    "Drive the robot off its charging dock. If it is not docked, the goal succeeds immediately.\n\n"
-    f"An empty body asks for a battery that is not charging, 2 or 3. {WAITING}",
-    NOT_CHARGING,
-    Gateway.undock_of,
+    "Drive the robot off its charging dock. If it is not docked, our own server's goal succeeds immediately.\n\n"
+    f"An empty body asks for a battery that is not charging, 2 or 3. {TYPES} {WAITING}",
+    docking_body(),
     "undock_",
 )
 
 
-def goal_routes(verb: Verb) -> APIRouter:
+def goal_routes(operations: Operations) -> APIRouter:
     """Return the routes of a verb."""
-    router = APIRouter(tags=[verb.name.capitalize()], prefix=verb.path)
+    verb, path = operations.verb, operations.path
+    router = APIRouter(tags=[verb.capitalize()], prefix=path)
 
     @router.post(
         "",
-        name=verb.name,
-        description=verb.description,
+        name=verb,
+        description=operations.description,
         status_code=202,
         response_model=Goal,
         responses={
             200: {"model": Goal, "description": "It ended"},
             **problems(400, 404, 409, 413, 415, 422, 429, 503, 504),
         },
-        openapi_extra={**battery_body(required=False, wrapped="desired_battery_state"), "parameters": goals.HEADERS},
+        openapi_extra={**operations.body, "parameters": goals.HEADERS},
         dependencies=[Depends(known_query("robot"))],
     )
     async def send_goal(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
-        return await goals.send_goal(request, await verb.action_of(gateway, robot), verb.path, verb.default)
+        action = await gateway.docking_action(verb, robot)
+        return await goals.send_goal(request, action, path, pick=lambda: gateway.docking_action(verb, robot))
 
     @router.get(
         "",
-        name=f"list_{verb.prefix}goals",
+        name=f"list_{operations.prefix}goals",
         response_model=GoalPage,
         responses=problems(404, 422),
         dependencies=[Depends(known_query("robot", "status", "limit", "cursor"))],
@@ -106,23 +103,25 @@ def goal_routes(verb: Verb) -> APIRouter:
         cursor: CursorQuery = None,
     ) -> Response:
         """List goals, newest first."""
-        wanted = goals.on_action(await verb.action_of(gateway, robot), status)
+        await gateway.docking_action(verb, robot)
+        names = gateway.actions.docking.all_names(gateway.robots.get(robot).namespace, verb)
+        wanted = GoalFilter(names, statuses=frozenset(status or ()))
         return await goals.list_goals(gateway, wanted, limit, cursor)
 
     async def find_goal(gateway: Gateway, goal_id: str) -> GoalRecord:
         goal = await gateway.goal(goal_id)
-        if gateway.settings.verb_of(goal.action_name) != verb.name:
+        if goal.verb != verb:
             raise NotFound(f"goal {goal_id} is on {goal.action_name}: see /goals/{goal_id}", code="goal_not_found")
         return goal
 
-    @router.get("/{goal_id}", name=f"get_{verb.prefix}goal", response_model=Goal, responses=problems(404, 422))
+    @router.get("/{goal_id}", name=f"get_{operations.prefix}goal", response_model=Goal, responses=problems(404, 422))
     async def get_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
         """Return one goal, of any robot."""
-        return goal_response(await find_goal(gateway, goal_id), f"{verb.path}/{goal_id}")
+        return goal_response(await find_goal(gateway, goal_id), f"{path}/{goal_id}")
 
     @router.post(
         "/{goal_id}/cancel",
-        name=f"cancel_{verb.prefix}goal",
+        name=f"cancel_{operations.prefix}goal",
         status_code=202,
         response_model=Goal,
         responses=problems(404, 409, 422, 503, 504),
@@ -130,7 +129,7 @@ def goal_routes(verb: Verb) -> APIRouter:
     async def cancel_goal(goal_id: GoalId, gateway: TheGateway) -> Response:
         """Ask the action server to cancel a goal, whoever sent it."""
         await find_goal(gateway, goal_id)
-        return goal_response(await gateway.cancel(goal_id), f"{verb.path}/{goal_id}", 202)
+        return goal_response(await gateway.cancel(goal_id), f"{path}/{goal_id}", 202)
 
     return router
 

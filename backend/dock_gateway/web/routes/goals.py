@@ -1,6 +1,7 @@
 """`/goals`: the goals of every action; and sending, listing and finding goals for `/dock` and `/actions/…`."""
 
 import uuid
+from collections.abc import Awaitable, Callable
 from http import HTTPStatus
 from typing import Annotated, Any, Literal
 
@@ -8,8 +9,8 @@ import orjson
 from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
-from dock_gateway.actions.registry import Action
-from dock_gateway.core.errors import NotFound
+from dock_gateway.actions.action import Action
+from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.core.event import KINDS, STORED_KINDS
 from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal, GoalStatus
@@ -38,25 +39,46 @@ HEADERS = [
 ]
 
 
-async def send_goal(request: Request, action: Action, base: str, default: dict[str, Any] | None = None) -> Response:
-    """Send the goal in the body, or `default`. Wait for its end if the `Prefer` header asks for it.
+async def send_goal(
+    request: Request, action: Action, base: str, *, pick: Callable[[], Awaitable[Action]] | None = None
+) -> Response:
+    """Send the goal in the body. Wait for its end if the `Prefer` header asks for it.
 
     Args:
         request: The request.
         action: The action.
         base: Path of the goals. `Location` is this path followed by the goal id.
-        default: The goal's fields if the body is empty; None if it must not be empty. To use a message's defaults, a
-            client has to send `{}`: all zeros may be a pose to drive to.
+        pick: For requests to dock or undock: returns the robot's action as it is picked now. Their body may be empty.
+            The body of other goals must not: to use a message's defaults, a client has to send `{}`, as all zeros may
+            be a pose to drive to.
     """
     audited(request, action_name=action.name, robot=parent_of(action.name))
     wait, key = read_wait(request), read_key(request)
-    message = action.port.goal_codec.parse(await read_json(request, empty=default))
-    goal = await action.submitter.submit(message, key)
+    if pick is None:
+        message = action.port.goal_codec.parse(await read_json(request))
+        goal = await action.submitter.submit(message, key)
+    else:
+        action, goal = await _send_docking_goal(
+            action, pick, await read_json(request, empty=action.default_request), key
+        )
+        audited(request, action_name=action.name)
     trail = audited(request, goal_id=goal.goal_id)
     if wait:
         await trail.record(HTTPStatus.ACCEPTED)  # the gateway may be killed before the goal ends
         await action.tracker.wait_terminal(goal, wait)
     return goal_response(goal, f"{base}/{goal.goal_id}", 200 if wait and goal.status.terminal else 202)
+
+
+async def _send_docking_goal(
+    action: Action, pick: Callable[[], Awaitable[Action]], body: object, key: str | None
+) -> tuple[Action, Goal]:
+    """Send a goal to an action or, if it has no server and another one is picked meanwhile, to that one."""
+    try:
+        return action, await action.submitter.submit(action.parse_request(body), key)
+    except Unavailable:
+        if action.on_graph or (other := await pick()) is action:
+            raise
+    return other, await other.submitter.submit(other.parse_request(body), key)
 
 
 async def list_goals(gateway: Gateway, wanted: GoalFilter, limit: int, cursor: uuid.UUID | None) -> Response:

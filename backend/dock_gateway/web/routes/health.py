@@ -42,12 +42,13 @@ async def readyz(request: Request, gateway: TheGateway) -> Response:
     A failing history does not affect readiness: it holds up no goal. Nor does a latched stop: the gateway is ready to
     release it.
     """
-    state = gateway.dock.watch.state
-    ready = gateway.bridge.alive and gateway.dock.watch.ready
+    state, undock = gateway.actions.servers_of(gateway.robots.default_namespace)
+    dock = gateway.actions.get(state.action_name)
+    ready = gateway.bridge.alive and dock is not None and dock.watch.ready
     history, stop = gateway.history.stats(), gateway.stopper.state()
     if not await _sees_everything(request):
         history, stop = replace(history, last_error=None), {**stop, "by": None, "robots": []}
-    document = {"ready": ready, "action_server": state, "history": history, "stop": stop}
+    document = {"ready": ready, "action_server": state, "undock_server": undock, "history": history, "stop": stop}
     return json_response(document, 200 if ready else 503)
 
 

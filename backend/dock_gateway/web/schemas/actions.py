@@ -8,6 +8,7 @@ class ActionServer(Schema):
     """Whether an action server is on the graph and answers. `duplicate` is true if there is more than one."""
 
     action_name: str
+    action_type: str
     available: bool
     answering: bool
     duplicate: bool
@@ -16,7 +17,6 @@ class ActionServer(Schema):
 class ActionInfo(ActionServer):
     """An action on the graph; `hint` says what to install if its package is missing."""
 
-    action_type: str
     verb: Verb | None
     installed: bool
     hint: str | None

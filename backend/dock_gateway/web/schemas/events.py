@@ -12,8 +12,8 @@ from dock_gateway.web.schemas.common import Schema
 from dock_gateway.web.schemas.goals import (
     ActionGoal,
     BatteryState,
-    DockFeedback,
-    DockResult,
+    DockFeedbackMessage,
+    DockResultMessage,
     Goal,
     GoalError,
     GoalSummary,
@@ -70,7 +70,7 @@ class FeedbackEvent(Schema):
     time: datetime
     goal_id: str
     action_name: str
-    feedback: DockFeedback
+    feedback: DockFeedbackMessage
 
 
 class ResultEvent(Schema):
@@ -82,7 +82,7 @@ class ResultEvent(Schema):
     goal_id: str
     action_name: str
     status: GoalStatus
-    result: DockResult | None
+    result: DockResultMessage | None
     error: GoalError | None
 
 
@@ -121,6 +121,22 @@ class ActionServerEvent(Schema):
     type: Literal["action_server"]
     time: datetime
     action_server: ActionServer
+
+
+class DockingServers(Schema):
+    """The servers of a robot's docking and undocking actions."""
+
+    dock: ActionServer
+    undock: ActionServer
+
+
+class DockingEvent(Schema):
+    """Another action is behind `/dock` or `/undock` of a robot."""
+
+    type: Literal["docking"]
+    time: datetime
+    robot: str
+    docking: DockingServers
 
 
 class StopEvent(Schema):
@@ -244,6 +260,7 @@ EVENTS: tuple[type[BaseModel], ...] = (
     CmdVelEvent,
     PublisherEvent,
     ActionServerEvent,
+    DockingEvent,
     StopEvent,
     SimulatorEvent,
     RobotsEvent,

@@ -35,6 +35,12 @@ class DockResult(Schema):
     final_battery_state: BatteryState
 
 
+# Other types of docking actions have messages of their own.
+DockGoalMessage = DockGoal | dict[str, Any]
+DockFeedbackMessage = DockFeedback | dict[str, Any]
+DockResultMessage = DockResult | dict[str, Any]
+
+
 class GoalError(Schema):
     """Why a goal did not succeed."""
 
@@ -65,7 +71,7 @@ class GoalState(Schema):
 class GoalSummary(GoalState):
     """A goal of docking or undocking without its feedback and result."""
 
-    goal: DockGoal | None
+    goal: DockGoalMessage | None
 
 
 class ActionGoal(GoalState):
@@ -99,8 +105,8 @@ class ActionGoalPage(Schema):
 class Goal(GoalSummary):
     """A goal of docking or undocking."""
 
-    feedback: DockFeedback | None
-    result: DockResult | None
+    feedback: DockFeedbackMessage | None
+    result: DockResultMessage | None
 
 
 class GoalPage(Schema):

@@ -32,9 +32,10 @@ class HistoryState(Schema):
 
 
 class Readiness(Schema):
-    """Whether the action server is available and answers, with the state of the history and of the stop."""
+    """Whether the docking server is available and answers, with the state of the history and of the stop."""
 
     ready: bool
     action_server: ActionServer
+    undock_server: ActionServer
     history: HistoryState
     stop: StopState

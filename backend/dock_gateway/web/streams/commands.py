@@ -7,7 +7,6 @@ from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import fragment
 from dock_gateway.gateway import Gateway
-from dock_gateway.robots.battery import CHARGING
 from dock_gateway.web.requests import check_key, read_goal_id
 from dock_gateway.web.routes.battery import read_rate
 from dock_gateway.web.routes.stop import stop_robots
@@ -60,11 +59,12 @@ async def _send_goal(gateway: Gateway, fields: Fields) -> Fields:
     check_fields(fields, ("action", "robot", "idempotency_key"), ("goal",))
     name, robot, goal = fields.get("action"), fields.get("robot"), fields.get("goal")
     if name is None:
-        action, goal = await gateway.dock_of(robot), CHARGING if goal is None else goal
+        action = await gateway.docking_action("dock", robot)
+        message = action.parse_request(action.default_request if goal is None else goal, "goal")
     else:
         namespace = None if robot is None else gateway.robots.get(robot).namespace
         action = await gateway.actions.find(gateway.settings.resolve(name, namespace))
-    message = action.port.goal_codec.parse(goal, "goal")
+        message = action.port.goal_codec.parse(goal, "goal")
     key = fields.get("idempotency_key")
     return {"goal": (await action.submitter.submit(message, check_key(key, "idempotency_key"))).document()}
 

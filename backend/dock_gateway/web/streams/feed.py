@@ -18,7 +18,7 @@ async def snapshot(gateway: Gateway, event_filter: EventFilter) -> Event:
     """Return running and recent goals; the robot's battery, stop and servers; robots and alerts if asked for."""
     goals = await gateway.recent_goals(event_filter)
     robot = gateway.robots.get(event_filter.robot)
-    dock, undock = gateway.servers_of(event_filter.robot)
+    dock, undock = gateway.actions.servers_of(event_filter.robot)
     fleet = {}
     if "robots" in event_filter.topics:
         grant = event_filter.grant or UNLIMITED
@@ -45,9 +45,9 @@ def present(gateway: Gateway, event_filter: EventFilter) -> list[Event]:
         system_event("stop", gateway.stopper.state(name), now, robot=name),
         system_event("battery_publisher", publisher.document(), now, robot=name),
     ]
-    events += [
-        system_event("action_server", state, now, action_name=state.action_name) for state in gateway.servers_of(name)
-    ]
+    servers = gateway.actions.servers_of(name)
+    events.append(system_event("docking", servers._asdict(), now, robot=name))
+    events += [system_event("action_server", state, now, action_name=state.action_name) for state in servers]
     if (simulator := gateway.simulators.document(name)) is not None:
         events.append(system_event("simulator", simulator, now, robot=name))
     wanted = [event for event in events if event_filter.covers(event)]

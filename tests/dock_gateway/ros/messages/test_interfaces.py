@@ -44,7 +44,7 @@ def test_action_types_by_name() -> None:
         ("action_tutorials_interfaces/action/Nope", "have no action Nope"),
         ("sensor_msgs/action/BatteryState", "have no action BatteryState"),
         ("test_msgs/action/Fibonacci_GetResult_Request", "is not an action type"),
-        ("nav2_msgs/action/NavigateToPose", "install the Python package of the ROS interfaces nav2_msgs"),
+        ("slam_msgs/action/MakeMap", "install the Python package of the ROS interfaces slam_msgs"),
         ("antigravity/action/Nope", "is not installed"),
         ("os/action/Path", "is not installed"),
         ("dock_gateway/action/Nope", "is not installed"),
@@ -168,10 +168,10 @@ def test_every_field_of_our_actions_is_explained(client: TestClient, name: str) 
     ("path", "status", "code", "detail"),
     [
         (
-            "nav2_msgs/action/NavigateToPose",
+            "slam_msgs/action/MakeMap",
             404,
             "interface_not_found",
-            "ROS interfaces nav2_msgs (such as ros-",
+            "ROS interfaces slam_msgs (such as ros-",
         ),
         ("action_tutorials_interfaces/action/Nope", 404, "interface_not_found", "have no action Nope"),
         ("os/action/Path", 404, "interface_not_found", "is not installed"),

@@ -8,6 +8,8 @@ import pytest
 from starlette.testclient import TestClient
 
 from dock_gateway.access.logins import Logins
+from dock_gateway.actions.liveness import ServerState
+from dock_gateway.actions.registry import DockingServers
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.history import HistoryStats
 from dock_gateway.history.memory import MemoryHistory
@@ -17,7 +19,7 @@ from tests.support.audit import audit_parts
 from tests.support.shapes import check_answer
 
 STOP = {"latched": True, "since": "2026-11-21T03:32:40Z", "by": "ada", "robots": ["/robot1"], "persisted": True}
-SERVER = {"action_name": "/dock", "available": True, "answering": True, "duplicate": False}
+SERVER = ServerState("/dock", "pkg/action/Dock", available=True, answering=True)
 EVERYTHING = ("ada", ["/robot1"], "no route to db.example")
 NOBODY = (None, [], None)
 
@@ -26,12 +28,15 @@ def read(grant: Grant | None, *, authentication: bool = True) -> tuple[object, o
     settings = Settings(authentication=authentication, database_url="sqlite:////nowhere")
     logins = Logins(MemoryHistory(10))
     _, secret = asyncio.run(logins.create_token("one", grant or Grant(Role.VIEWER)))
+    parts = audit_parts()
+    parts["actions"].servers_of = lambda _: DockingServers(SERVER, SERVER)
+    parts["actions"].get = lambda _: SimpleNamespace(watch=SimpleNamespace(ready=True))
     gateway: Any = SimpleNamespace(
-        **audit_parts(),
+        **parts,
         settings=settings,
         logins=logins,
         bridge=SimpleNamespace(alive=True),
-        dock=SimpleNamespace(watch=SimpleNamespace(state=SERVER, ready=True)),
+        robots=SimpleNamespace(default_namespace="/"),
         history=SimpleNamespace(stats=lambda: HistoryStats(last_error=EVERYTHING[2])),
         stopper=SimpleNamespace(state=lambda: STOP),
     )

@@ -12,6 +12,8 @@ from zoneinfo import ZoneInfo
 import pytest
 from starlette.testclient import TestClient
 
+from dock_gateway.actions.docking import DockingActions
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.goal import GoalError, GoalStatus
 from dock_gateway.fleet.labels import Labels
 from dock_gateway.gateway import Gateway
@@ -41,6 +43,7 @@ class Client:
         robots = SimpleNamespace(all=lambda: [SimpleNamespace(namespace=name) for name in ("/", "/robot1")])
         self.labels = Labels(self.history.labels, lambda: ["/", "/robot1"])
         gateway = SimpleNamespace(settings=settings, history=self.history, robots=robots, labels=self.labels, page=page)
+        gateway.actions = SimpleNamespace(docking=DockingActions(DockingCatalog(settings), {}))
         self._http = TestClient(create_app(settings, cast("Gateway", gateway)), base_url="http://127.0.0.1:8000")
 
     def __enter__(self) -> Self:

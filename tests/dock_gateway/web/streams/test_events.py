@@ -14,6 +14,7 @@ from starlette.types import Message
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
 from dock_gateway.actions.liveness import ServerState
+from dock_gateway.actions.registry import DockingServers
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
@@ -149,6 +150,8 @@ class OneGoal:
         self.quotas, self.logins = Quotas(Settings()), Logins(MemoryHistory(1))
         self.stopper = SimpleNamespace(state=lambda _: None)
         self.simulators = SimpleNamespace(document=lambda _: None)
+        server = ServerState("/dock", "pkg/action/Dock", available=True, answering=True)
+        self.actions = SimpleNamespace(servers_of=lambda _: DockingServers(server, server))
 
     async def goal(self, _: str) -> Goal:
         self._looks += 1
@@ -160,10 +163,6 @@ class OneGoal:
 
     async def recent_goals(self, event_filter: EventFilter) -> list[Goal]:
         return [await self.goal(event_filter.goal_id or "")]
-
-    def servers_of(self, _: str) -> tuple[ServerState, ServerState]:
-        server = ServerState("/dock", available=True, answering=True)
-        return server, server
 
     def end(self) -> None:
         self._scene.tracker.end(self._goal, S.SUCCEEDED, result=b'{"n":1}')

@@ -1,0 +1,129 @@
+"""The types of docking actions in their order of preference, and the names under which they are looked for."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+from dock_gateway.core.dock_adapters import charging_dock, create3, nav2
+from dock_gateway.core.dock_adapters.adapter import DockAdapter
+from dock_gateway.core.goal import Verb
+from dock_gateway.settings import Settings
+
+# The preferred family first.
+ADAPTERS: dict[Verb, tuple[DockAdapter, ...]] = {
+    "dock": (charging_dock.DOCK, nav2.DOCK, create3.DOCK),
+    "undock": (charging_dock.UNDOCK, nav2.UNDOCK, create3.UNDOCK),
+}
+# Robots whose names are remembered.
+MAX_ROBOTS = 4096
+
+
+class DockingPair(NamedTuple):
+    """Absolute names of the docking and the undocking action of a robot."""
+
+    dock: str
+    undock: str
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An action that can be behind `/dock` or `/undock`.
+
+    Attributes:
+        name: Its name; relative to the robot's namespace, unless it begins with a slash.
+        likely_type: Its type, as far as is known from its name.
+        strict: Whether an action of another type is a different action.
+        configured: Whether the settings name it.
+    """
+
+    name: str
+    likely_type: str
+    strict: bool
+    configured: bool = False
+
+    def matches(self, action_name: str, types: Collection[str] | None) -> bool:
+        """Return whether an action on the graph is this one. `types` is None if its type is not known."""
+        named = action_name == self.name or action_name.endswith(f"/{self.name}")
+        return named and (not self.strict or types is None or self.likely_type in types)
+
+    def type_among(self, types: Collection[str] | None) -> str:
+        """Return its type: of the types on the graph, the likely one if it is there."""
+        return self.likely_type if not types or self.likely_type in types else next(iter(types))
+
+
+def adapter_for(verb: Verb, action_type: str) -> DockAdapter:
+    """Return the adapter for a type."""
+    return next((adapter for adapter in ADAPTERS[verb] if adapter.action_type == action_type), DockAdapter(verb))
+
+
+class DockingCatalog:
+    """Which actions dock and undock robots, by name and type: those in the settings, and those of `ADAPTERS`.
+
+    `dock`, `undock` and the like are names that other actions may have, too: there the type has to match. Every
+    action with one of our own names, and every configured one, is what its name says.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        configured: dict[Verb, tuple[str, str]] = {
+            "dock": (settings.dock_action, settings.dock_action_type),
+            "undock": (settings.undock_action, settings.undock_action_type),
+        }
+        self._candidates = {verb: _candidates(verb, *names) for verb, names in configured.items()}
+        self.names = lru_cache(MAX_ROBOTS)(self._names)
+
+    def find(self, action_name: str, types: Collection[str] | None = None) -> tuple[DockAdapter, str] | None:
+        """Return the adapter of an action and its type, or None if it neither docks nor undocks a robot.
+
+        Args:
+            action_name: Absolute name of the action.
+            types: Its types on the graph; more than one is a fault there. None if they are not known.
+        """
+        for verb, candidates in self._candidates.items():
+            for candidate in candidates:
+                if candidate.matches(action_name, types):
+                    action_type = candidate.type_among(types)
+                    return adapter_for(verb, action_type), action_type
+        return None
+
+    def robot_of(self, action_name: str, types: Collection[str]) -> str | None:
+        """Return the namespace of the robot that an action docks or undocks; None if of none, or of all of them."""
+        for candidate in (each for candidates in self._candidates.values() for each in candidates):
+            if candidate.matches(action_name, types) and not candidate.name.startswith("/"):
+                return action_name.removesuffix(f"/{candidate.name}") or "/"
+        return None
+
+    def preferred(self, verb: Verb) -> Candidate:
+        """Return the action that is used where there is none."""
+        return self._candidates[verb][0]
+
+    def is_configured(self, verb: Verb, action_name: str) -> bool:
+        """Return whether the settings name the action."""
+        return self.preferred(verb).configured and self.preferred(verb).matches(action_name, None)
+
+    def _names(self, verb: Verb, namespace: str | None = None) -> tuple[str, ...]:
+        """Return the absolute names that a robot's action may have, the preferred one first.
+
+        Args:
+            verb: What the action does.
+            namespace: The robot's namespace; None for the configured one.
+        """
+        names = (self._settings.resolve(candidate.name, namespace) for candidate in self._candidates[verb])
+        return tuple(dict.fromkeys(names))
+
+
+def _candidates(verb: Verb, name: str, action_type: str) -> tuple[Candidate, ...]:
+    ours = ADAPTERS[verb][0]
+    known = tuple(Candidate(each.action_name, each.action_type, strict=each is not ours) for each in ADAPTERS[verb])
+    if not name and not action_type:
+        return known
+    named_like = (each for each in ADAPTERS[verb] if each.action_name == name.rpartition("/")[2])
+    typed = (each for each in ADAPTERS[verb] if each.action_type == action_type)
+    default = Candidate(
+        name or next(typed, ours).action_name,
+        action_type or next(named_like, ours).action_type,
+        strict=bool(action_type),
+        configured=True,
+    )
+    return default, *known

@@ -1,0 +1,70 @@
+"""Which actions on the graph dock robots, and in which order of preference."""
+
+import pytest
+
+from dock_gateway.core.dock_adapters import charging_dock, create3, nav2
+from dock_gateway.core.dock_adapters.adapter import DockAdapter
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
+from dock_gateway.settings import Settings
+
+OURS, NAV2, CREATE3 = charging_dock.DOCK, nav2.DOCK, create3.DOCK
+OTHER = "some_package/action/Park"
+
+
+def catalog(**settings: str) -> DockingCatalog:
+    return DockingCatalog(Settings(**settings))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("name", "types", "adapter"),
+    [
+        ("/connect_to_charging_dock", [OURS.action_type], OURS),
+        ("/fleet/robot1/connect_to_charging_dock", [OURS.action_type], OURS),
+        ("/connect_to_charging_dock", [OTHER, OURS.action_type], OURS),
+        ("/connect_to_charging_dock", [OTHER], DockAdapter("dock")),
+        ("/re_connect_to_charging_dock", [OURS.action_type], None),
+        ("/connect_to_charging_dock/status", [OURS.action_type], None),
+        ("/robot1/dock_robot", [NAV2.action_type], NAV2),
+        ("/robot1/undock_robot", [nav2.UNDOCK.action_type], nav2.UNDOCK),
+        ("/dock_robot", [OTHER], None),
+        ("/dock", [CREATE3.action_type], CREATE3),
+        ("/dock", [OTHER], None),
+        ("/undock", [create3.UNDOCK.action_type], create3.UNDOCK),
+    ],
+)
+def test_known_actions(name: str, types: list[str], adapter: DockAdapter | None) -> None:
+    found = catalog().find(name, types)
+    assert (None if found is None else found[0]) == adapter
+
+
+def test_a_configured_action_comes_first_whatever_its_type() -> None:
+    named = catalog(dock_action="park")
+    assert named.find("/robot1/park", [OTHER]) == (DockAdapter("dock"), OTHER)
+    assert named.find("/park", [NAV2.action_type]) == (NAV2, NAV2.action_type)
+    assert named.names("dock", "/robot1") == (
+        "/robot1/park",
+        "/robot1/connect_to_charging_dock",
+        "/robot1/dock_robot",
+        "/robot1/dock",
+    )
+    typed = catalog(dock_action="park", dock_action_type=OTHER)
+    assert typed.find("/park", [NAV2.action_type]) is None
+    assert typed.preferred("dock").likely_type == OTHER
+
+
+def test_a_name_or_a_type_alone_says_the_other_as_far_as_it_is_known() -> None:
+    assert catalog(dock_action="dock_robot").preferred("dock").likely_type == NAV2.action_type
+    assert catalog(dock_action_type=NAV2.action_type).preferred("dock").name == "dock_robot"
+    assert catalog(dock_action_type=OTHER).preferred("dock").name == "connect_to_charging_dock"
+    assert catalog(dock_action="park").preferred("dock").likely_type == OURS.action_type
+
+
+def test_an_absolute_name_is_of_no_robot() -> None:
+    shared = catalog(undock_action="/fleet/undock", namespace="/robot1")
+    assert shared.names("undock")[0] == "/fleet/undock"
+    assert shared.names("dock")[0] == "/robot1/connect_to_charging_dock"
+    assert shared.robot_of("/fleet/undock", [OTHER]) is None
+    assert shared.robot_of("/robot2/dock_robot", [NAV2.action_type]) == "/robot2"
+    assert shared.robot_of("/dock", [CREATE3.action_type]) == "/"
+    assert shared.robot_of("/dock", [OTHER]) is None
+    assert catalog(dock_action="base/park").robot_of("/robot1/base/park", [OTHER]) == "/robot1"
