@@ -362,10 +362,12 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
     # The server ends.
 
     def destroy_node(self) -> None:
-        """Leave the ROS graph, with the action server, which rclpy would leave behind."""
+        """Leave the ROS graph, with the action server and the lifecycle services, which rclpy would leave behind."""
         self._drive.close()
         self._server.destroy()
+        state_machine = self._state_machine
         super().destroy_node()
+        state_machine.destroy_when_not_in_use()
 
     def close(self) -> None:
         """Let no more goals in, and abort the one that runs, which stops the robot.

@@ -21,8 +21,10 @@ from docking.core.observation import (
 )
 from docking.goal.dock import Docking
 from docking.goal.engine import Command, End, Goal, Outcome
-from docking.parameters import ControllerName
+from docking.goal.undock import Undocking
+from docking.parameters import ControllerName, UndockTimeouts
 from docking.plans.registry import make_plan
+from docking.plans.undock import UndockPlan
 from docking.simulation.marker import MarkerSettings
 from docking.simulation.simulation import Settings, Simulation
 
@@ -143,3 +145,31 @@ def nonsense(pose: Pose) -> list[Pose]:
     """The truth, most of the time, and what a detector may take for it."""
     wrong = [Pose(pose.x + 1.0, pose.y - 0.5, pose.theta), Pose(pose.x, pose.y, pose.theta + 1.0), Pose(math.nan)]
     return [pose] * 18 + wrong
+
+
+@pytest.mark.parametrize("objective", ["dock", "undock"])
+@given(st.lists(st.tuples(anything(), st.sampled_from([0, 1, 2, 3, 4, 77])), min_size=1, max_size=40))
+def test_whatever_the_battery_tells_there_is_one_outcome_and_no_motion_after_it(
+    objective: str, known: list[tuple[tuple[float, Observation], int]]
+) -> None:
+    docking = settings_of(ControllerName.DOCK_POSE)
+    goal = (
+        Goal(make_plan(docking), Docking(docking.timeouts), 0.0)
+        if objective == "dock"
+        else Goal(UndockPlan(0.7, docking.motion), Undocking(UndockTimeouts()), 0.0)
+    )
+    now, charged, ended = 0.0, False, None
+    for (pause, observation), status in known:
+        now += pause
+        told = at(now, observation, Pose())
+        assert told.battery is not None
+        charged |= status in {1, 4}
+        step = goal.step(replace(told, battery=replace(told.battery, status=status)))
+        if ended is not None:
+            assert step is ended
+        elif isinstance(step, Outcome):
+            ended = step
+            assert charged or step.end is End.ABORTED  # neither goal succeeds where nothing ever told of a charger
+        else:
+            assert abs(step.velocity.linear_x) <= docking.motion.v_linear_max
+            assert objective == "dock" or charged or step.velocity == STANDSTILL
