@@ -19,7 +19,6 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import serialize_message
 from rclpy.time import Time
 from sensor_msgs.msg import BatteryState, Range
-from std_msgs.msg import Bool
 from std_srvs.srv import SetBool, Trigger
 
 from docking.core.geometry import Pose
@@ -38,6 +37,7 @@ from docking.ros.simulator_messages import (
     RangeMessage,
     diagnostics_message,
 )
+from docking.ros.stop_listener import StopListener
 from docking.simulation.battery_yield import BatteryYield
 from docking.simulation.faults import Fault
 from docking.simulation.parameters import SimulatorSettings
@@ -83,7 +83,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         # A simulated clock that stands still must not stop these.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer = self.create_timer(PERIOD, self._tick, clock=steady)
-        self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._report, clock=steady)
+        self._diagnostics_timer = self.create_timer(DIAGNOSTICS_PERIOD, self._look_around, clock=steady)
 
     def _take_settings(self, settings: SimulatorSettings) -> None:
         self._settings = settings
@@ -126,15 +126,15 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         subscribe(Twist, "cmd_vel", self._drive, LATEST)
         subscribe(BatteryState, "battery_status", self._hear_battery, LATEST, raw=True)
         subscribe(PoseWithCovarianceStamped, "initialpose", self._place, 10)
-        subscribe(Bool, "stop_latched", self._latch, LATCHED)
+        self._stops = StopListener(self, self._obey_stop)
 
     # What is said to the robot.
 
     def _drive(self, message: Twist) -> None:
         self._simulation.robot.command(Velocity(message.linear.x, message.angular.z))
 
-    def _latch(self, message: Bool) -> None:
-        self._simulation.halted = message.data
+    def _obey_stop(self) -> None:
+        self._simulation.halted = self._stops.held
         self._report_change()
 
     def _place(self, message: PoseWithCovarianceStamped) -> None:
@@ -243,6 +243,10 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self.get_logger().info(
                 "Another node publishes battery_status: pausing" if others else "Publishing battery_status again"
             )
+        self._report()
+
+    def _look_around(self) -> None:
+        self._stops.look()
         self._report()
 
     def _report(self) -> None:

@@ -14,8 +14,6 @@ from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
-from rclpy.qos_overriding_options import QoSOverridingOptions
-from std_msgs.msg import Bool
 
 from docking.core.battery import Battery
 from docking.core.errors import ErrorCode, Stage
@@ -34,8 +32,8 @@ from docking.ros.diagnostics import Diagnostics
 from docking.ros.footprint import FootprintPublisher
 from docking.ros.parameters import declare_parameters
 from docking.ros.poses import PosePublishers
-from docking.ros.qos import LATCHED
 from docking.ros.sensors import Sensor, Sensors
+from docking.ros.stop_listener import StopListener
 from docking.ros.velocity import Drive
 
 Event = TypeVar("Event", Command, Outcome)
@@ -117,7 +115,6 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._active_goal = active_goal or ActiveGoal()
         self._running: Execution | None = None  # None also while a goal of another server runs
         self._closing = self._active = False
-        self._stop_latched = False
         self._report = Report()
         self._stage = Stage.IDLE
         self._fed_back_at = -math.inf
@@ -137,13 +134,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             handle_accepted_callback=self._accept,
             cancel_callback=self._cancel,
         )
-        self._latch = self.create_subscription(
-            Bool,
-            "stop_latched",
-            self._take_latch,
-            LATCHED,
-            qos_overriding_options=QoSOverridingOptions.with_default_policies(),
-        )
+        self._stops = StopListener(self, self._obey_stop)
         # A simulated clock that stands still must not stop these.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
         self._control_timer = self.create_timer(FEEDBACK_PERIOD, self.control, clock=steady)
@@ -208,7 +199,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             self._spec.purpose,
             active_goal_id=None if running is None else running.goal_id,
             policy=self._settings.goal_policy,
-            stop_latched=self._stop_latched,
+            stop_latched=self._stops.held,
             shutting_down=self._closing,
             active=self._active,
         )
@@ -259,10 +250,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._end(running.goal.cancel())
         return CancelResponse.ACCEPT
 
-    def _take_latch(self, message: Bool) -> None:
-        self._stop_latched = message.data
+    def _obey_stop(self) -> None:
         running = self._active_goal.running
-        if self._stop_latched and running is not None:
+        if self._stops.held and running is not None:
             running.end(running.goal.abort(ErrorCode.STOP_LATCHED, "a stop was latched"))
 
     # A goal runs, and ends.
@@ -347,6 +337,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
 
     def _look_around(self) -> None:
         self._drive.look_again()
+        self._stops.look()
         self._repeat_report()
 
     def _repeat_report(self) -> None:
