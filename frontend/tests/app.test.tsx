@@ -53,7 +53,7 @@ describe("connection", () => {
 
   it("lost: what developers do is disabled as well", async () => {
     const { store } = renderPage(fakeGateway(), { goals: [running] }, "/?tab=developer");
-    await screen.findByRole("button", { name: "Publish once" });
+    await screen.findByText("Publish once");
     act(() => store.onConnection({ kind: "closed" }));
     for (const name of ["Publish once", "Publish repeatedly", "Stop publishing"]) {
       expect(isDisabled(name), name).toBe(true);
