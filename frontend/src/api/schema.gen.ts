@@ -85,7 +85,7 @@ export interface paths {
         put?: never;
         /**
          * Undock
-         * @description Drive the robot off its charging dock. If it is not docked, our own server's goal succeeds immediately.
+         * @description Drive the robot off its charging dock. Our own server's goal succeeds immediately if the robot is known not to be docked, and is aborted (`DOCKED_UNKNOWN`) if nothing tells.
          *
          *     An empty body asks for a battery that is not charging, 2 or 3. The robot's docking server decides which further fields there are: those of its goal message are taken, too. `Prefer: wait=30` waits for the end. `Idempotency-Key` makes a retry return the first goal that was sent.
          */

@@ -59,7 +59,8 @@ DOCK = Operations(
 )
 UNDOCK = Operations(
     "undock",
-    "Drive the robot off its charging dock. If it is not docked, our own server's goal succeeds immediately.\n\n"
+    "Drive the robot off its charging dock. Our own server's goal succeeds immediately if the robot is known not to be "
+    "docked, and is aborted (`DOCKED_UNKNOWN`) if nothing tells.\n\n"
     f"An empty body asks for a battery that is not charging, 2 or 3. {TYPES} {WAITING}",
     docking_body(),
     "undock_",
