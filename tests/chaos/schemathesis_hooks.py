@@ -15,8 +15,8 @@ def filter_case(_: schemathesis.HookContext, case: schemathesis.Case) -> bool:
         return not _is_reversed(query)
     if case.operation.path == "/statistics":  # most patterns are no time zone, and most spans are more than 400 days
         return not _is_reversed(query) and "tz" not in query and query.get("by") in ("robot", "action")
-    if case.operation.path == "/stop":
-        return not _names_two_robots(query, case.body)
+    if case.operation.path in ("/dock", "/stop"):
+        return not _names_two_docks(case.body) and not _names_two_robots(query, case.body)
     if case.operation.path == "/tokens":
         return not _limits_an_admin(case.body)
     if case.operation.path == "/users/{user}" and isinstance(case.body, dict):  # a new user needs a password
@@ -37,8 +37,20 @@ def refused_without_token(
         return
     if case.method == "OPTIONS" and response.status_code == 204:
         return  # which methods there are is no secret: the document says it
-    allowed = (400, 401, 405, 415, 422, 429) if case.operation.path == "/session" else (401, 405)
+    if case.operation.path.startswith("/session/oidc"):  # without an identity provider
+        allowed: tuple[int, ...] = (401, 404, 405, 422)
+    elif case.operation.path == "/session":
+        allowed = (400, 401, 405, 415, 422, 429)
+    else:
+        allowed = (401, 405)
     assert response.status_code in allowed, f"{response.status_code}: {response.text}"
+
+
+def _names_two_docks(body: object) -> bool:
+    """A dock may be named by `dock_id` or by the desired battery state, but not another one by each."""
+    if not isinstance(body, dict) or not isinstance(state := body.get("desired_battery_state"), dict):
+        return False
+    return "dock_id" in body and bool(state.get("location")) and state["location"] != body["dock_id"]
 
 
 def _names_two_robots(query: dict[str, object], body: object) -> bool:

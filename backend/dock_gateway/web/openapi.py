@@ -158,7 +158,10 @@ def battery_body(*, required: bool) -> dict[str, Any]:
 
 def docking_body(*texts: str) -> dict[str, Any]:
     """Return the `openapi_extra` of a request to dock or undock; `texts` are the names of its further fields."""
-    properties = {"desired_battery_state": BATTERY_INPUT, **{name: {"type": "string"} for name in texts}}
+    properties = {
+        "desired_battery_state": BATTERY_INPUT,
+        **{name: {"type": "string", "pattern": "\\S"} for name in texts},
+    }
     return body({"type": "object", "additionalProperties": True, "properties": properties}, required=False)
 
 
