@@ -15,13 +15,13 @@ def filter_case(_: schemathesis.HookContext, case: schemathesis.Case) -> bool:
         return not _is_reversed(query)
     if case.operation.path == "/statistics":  # most patterns are no time zone, and most spans are more than 400 days
         return not _is_reversed(query) and "tz" not in query and query.get("by") in ("robot", "action")
-    if case.operation.path in ("/dock", "/stop"):
-        return not _names_two_docks(case.body) and not _names_two_robots(query, case.body)
+    if case.operation.path == "/stop":
+        return not _names_two_robots(query, case.body)
     if case.operation.path == "/tokens":
         return not _limits_an_admin(case.body)
     if case.operation.path == "/users/{user}" and isinstance(case.body, dict):  # a new user needs a password
         return "password" in case.body and not _limits_an_admin(case.body)
-    return not _is_uuid(query.get("cursor"))
+    return not _is_uuid(query.get("cursor")) and not _names_two_docks(case.body)
 
 
 # What needs no credentials.
