@@ -1,14 +1,12 @@
 """The parameters of the action servers. A new parameter is one more field here; see `core.parameter`."""
 
 import enum
-import re
 from dataclasses import dataclass, replace
 
 from docking.core.footprint import ROBOT_RADIUS, Footprint, read_footprint, round_footprint
 from docking.core.geometry import Pose
 from docking.core.parameter import NodeSettings, choice, group, number, string, switch
 
-TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 BACKWARDS = 0.6
 """The part of v_linear_max that the robot backs with: it does not see where it goes."""
 FINAL_DISTANCE = 0.06
@@ -28,28 +26,6 @@ class ControllerName(enum.StrEnum):
     ROTATE = "rotate"
     DOCK_POSE = "dock_pose"
     INFRARED = "infrared"
-
-
-class StampedCmdVel(enum.StrEnum):
-    """Whether velocities have a stamp."""
-
-    AUTO = "auto"
-    """As the subscribers of `cmd_vel` want it, without one while there are none."""
-    TRUE = "true"
-    FALSE = "false"
-
-
-def read_topics(text: str) -> tuple[str, ...]:
-    """Read names of topics, separated by commas.
-
-    Raises:
-        ValueError: One of them is no name; the error is a sentence's second half.
-    """
-    names = tuple(part.strip() for part in text.split(",") if part.strip())
-    for name in names:
-        if not TOPIC.fullmatch(name):
-            raise ValueError(f"has {name!r}, which is no name of a topic")
-    return names
 
 
 @dataclass(frozen=True)
@@ -302,18 +278,6 @@ class ServerSettings(NodeSettings):
         20.0, 5.0, 100.0, "Hz", "Rate at which velocities are computed and published; rotate publishes at 10 Hz."
     )
     motion: MotionLimits = group(MotionLimits)
-    enable_stamped_cmd_vel: StampedCmdVel = choice(
-        StampedCmdVel.AUTO,
-        "Whether cmd_vel is a TwistStamped: as its subscribers want it, or always, or never. `true` and `false` may be "
-        "booleans.",
-    )
-    stop_topics: str = string(
-        "",
-        "topic, topic, …",
-        "More topics like stop_latched (std_msgs/Bool), such as that of an emergency stop, separated by commas; true "
-        "on any of them stops the robot.",
-        read_topics,
-    )
 
     @property
     def control_period(self) -> float:

@@ -37,7 +37,6 @@ class Endpoint:
     node: str | None
     type: str
     qos: Quality
-    gid: bytes = b""
 
     def document(self) -> dict[str, Any]:
         """Return the document that the API shows."""

@@ -1,5 +1,6 @@
 """`cmd_vel`, in the type that its subscribers take: geometry_msgs/Twist, geometry_msgs/TwistStamped, or both."""
 
+import enum
 from collections.abc import Set as AbstractSet
 from typing import Any
 
@@ -13,11 +14,19 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 
 from docking.core.observation import Velocity
-from docking.parameters import StampedCmdVel
 
 TOPIC = "cmd_vel"
 TYPES: dict[str, type] = {"geometry_msgs/msg/Twist": Twist, "geometry_msgs/msg/TwistStamped": TwistStamped}
 PLAIN, STAMPED = TYPES
+
+
+class StampedCmdVel(enum.StrEnum):
+    """Whether velocities have a stamp: the parameter `enable_stamped_cmd_vel`."""
+
+    AUTO = "auto"
+    """As the subscribers of `cmd_vel` want it, without one while there are none."""
+    TRUE = "true"
+    FALSE = "false"
 
 
 def choose_types(mode: StampedCmdVel, subscribed: AbstractSet[str], published: AbstractSet[str]) -> frozenset[str]:

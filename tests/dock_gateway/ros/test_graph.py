@@ -36,11 +36,7 @@ class FakeNode:
 def endpoint(node: str) -> Any:
     namespace, _, name = node.rpartition("/")
     return SimpleNamespace(
-        node_name=name,
-        node_namespace=namespace or "/",
-        topic_type="std_msgs/msg/Bool",
-        qos_profile=QoSProfile(depth=1),
-        endpoint_gid=[1] * 16,
+        node_name=name, node_namespace=namespace or "/", topic_type="std_msgs/msg/Bool", qos_profile=QoSProfile(depth=1)
     )
 
 
@@ -53,8 +49,7 @@ def endpoint(node: str) -> Any:
         ({}, {VELOCITY: [DRIVER]}, True),
         ({}, {BATTERY: [DRIVER]}, False),  # whoever only listens is not the robot
         ({}, {STOP: [DRIVER]}, False),
-        ({STOP: ["/gateway3"], BATTERY: ["/gateway3"]}, {STOP: ["/gateway3"]}, False),
-        ({STOP: ["/e_stop"]}, {}, True),
+        ({STOP: ["/gateway3"], BATTERY: ["/gateway3"]}, {}, False),
         ({STOP: ["_NODE_NAMESPACE_UNKNOWN_/_NODE_NAME_UNKNOWN_"]}, {}, True),
     ],
 )
