@@ -20,6 +20,8 @@ NEAREST = 0.1
 AGREEING = 5
 """Readings out of the last `REMEMBERED` that must agree on a distance for the beacon to be where they say."""
 REMEMBERED = 8
+LATEST = 3
+"""The last ones of them, which say in which direction it is: the robot may turn."""
 SAME = 0.08
 """How much distances may differ that agree, in m."""
 
@@ -211,6 +213,9 @@ class BeaconFilter:
         sector = find_sector(settled, self.receivers)
         if sector is not None:
             self._correct_sector(state, sector, stamp)
+        if not state.plausible:  # it began with a wrong bearing
+            self._state = None
+            self.edges.clear()
 
     def _seen(self, state: BeaconState, ranges: tuple[float, float, float], view: View) -> list[bool | None]:
         """Which receivers see the beacon; None if they see something else, so that nothing is known of the beacon."""
@@ -269,7 +274,8 @@ class BeaconFilter:
         for distance in sorted(distance for distance in ranges if distance < math.inf):
             agreeing = [[abs(other - distance) <= SAME for other in seen] for seen in recent]
             if sum(map(any, agreeing)) >= AGREEING:
-                sector = find_sector(agreeing[-1], self.receivers)  # the robot may turn: only the last one is of now
+                seen = [2 * sum(column) > LATEST for column in zip(*agreeing[-LATEST:], strict=True)]
+                sector = find_sector(seen, self.receivers)
                 if sector is not None:
                     self._begin(distance, sector, stamp)
                     return True

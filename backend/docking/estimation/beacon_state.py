@@ -21,6 +21,8 @@ EDGE_NOISE = 0.012
 """Standard deviation of the direction of an edge of the light, in rad."""
 WAY_NOISE, DRIVING_NOISE, TURNING_NOISE = 0.01, 0.025, 0.01
 """Standard deviations of odometry's random errors: in m after 1 m, in rad after 1 m, and in rad after 1 rad."""
+WORST = 5.0
+"""How wrong odometry can be, in standard deviations."""
 UNKNOWN = 2.0
 """Standard deviation of an axis that is not known, in rad."""
 
@@ -71,6 +73,13 @@ class BeaconState:
     def turn_scale(self) -> float:
         """How much the robot turns for each rad of odometry."""
         return float(self._mean[TURN])
+
+    @property
+    def plausible(self) -> bool:
+        """Whether odometry is not worse than it can be."""
+        scale, curve = self._receivers.infrared_scale_error, self._receivers.infrared_curve_error
+        off = abs(self._mean[[WAY, TURN, CURVE]] - [1.0, 1.0, 0.0])
+        return bool((off <= [WORST * scale, WORST * scale, WORST * curve]).all())
 
     def view(self, since: Pose) -> "View":
         """The beacon as the receivers see it.
