@@ -65,6 +65,7 @@ def test_every_robot_is_listed(gateway: RunningGateway) -> None:
     assert first["docked"] is second["docked"] is False
     assert first["dock"] == {
         "action_name": f"{FIRST}/connect_to_charging_dock",
+        "action_type": "action_tutorials_interfaces/action/ConnectToChargingDock",
         "available": False,
         "answering": False,
         "duplicate": False,
