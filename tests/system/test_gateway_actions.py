@@ -89,12 +89,14 @@ def test_a_robot_is_a_namespace(gateway: RunningGateway, shared_domain: int) -> 
             assert snapshot["goals"] == []
             assert snapshot["action_server"] == {
                 "action_name": f"/robot1{ACTION}",
+                "action_type": "action_tutorials_interfaces/action/ConnectToChargingDock",
                 "available": True,
                 "answering": True,
                 "duplicate": False,
             }
             assert snapshot["undock_server"] == {
                 "action_name": "/robot1/disconnect_from_charging_dock",
+                "action_type": "action_tutorials_interfaces/action/DisconnectFromChargingDock",
                 "available": False,
                 "answering": False,
                 "duplicate": False,

@@ -69,14 +69,17 @@ def test_what_is_not_replayed_is_told_as_it_is_now(gateway: RunningGateway, runn
         missed = second.next()["count"]
         for _ in range(missed):
             assert "id" in second.next()
-        present = [second.next() for _ in range(5)]
+        present = [second.next() for _ in range(6)]
     gateway.http.delete("/stop").raise_for_status()
     gateway.publish(LOW)
-    assert [event["type"] for event in present] == ["stop", "battery_publisher", *["action_server"] * 2, "robots"]
-    stop, publisher, dock, undock, robots = present
+    types = ["stop", "battery_publisher", "docking", *["action_server"] * 2, "robots"]
+    assert [event["type"] for event in present] == types
+    stop, publisher, docking, dock, undock, robots = present
     assert (stop["robot"], stop["stop"]["latched"], stop["stop"]["by"]) == ("/", True, "Ada")
     assert publisher["battery_publisher"]["active"] is False
-    assert dock["action_server"] == {"action_name": ACTION, "available": True, "answering": True, "duplicate": False}
+    assert docking["docking"]["dock"]["action_name"] == ACTION
+    server = dock["action_server"]
+    assert (server["action_name"], server["available"], server["duplicate"]) == (ACTION, True, False)
     assert undock["action_server"]["available"] is False
     assert robots["robots"][0]["stop"]["by"] == "Ada"
     with gateway.stream(f"?after={last}") as third:  # who did not ask for it is not told
