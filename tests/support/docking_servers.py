@@ -12,18 +12,17 @@ Create 3: each goal to dock takes the next of `--outcomes`: `docked`, `missed` (
 
 import argparse
 import contextlib
-import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import AsyncIterator, Callable, Coroutine
 from typing import Any
 
 import rclpy
 from irobot_create_msgs.action import Dock, Undock
 from nav2_msgs.action import DockRobot, UndockRobot
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
-from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.task import Future
 
 PERIOD = 0.05
 # Seconds of the longest goal, which is to be canceled.
@@ -31,12 +30,34 @@ SLOW = 120.0
 
 
 class Server:
-    """Action servers of one node, which cancel whatever they are asked to."""
+    """Action servers of one node, which cancel whatever they are asked to. All goals run in the thread that spins."""
 
     def __init__(self, node: Node) -> None:
         self.node = node
+        self._ticks: list[Future] = []
+        node.create_timer(PERIOD, self._tick)
 
-    def serve(self, kind: Any, name: str, execute: Callable[[Any], Any], accept: Callable[[], bool]) -> None:
+    def _tick(self) -> None:
+        ticks, self._ticks = self._ticks, []
+        for tick in ticks:
+            tick.set_result(None)
+
+    async def tick(self) -> None:
+        """Wait a moment."""
+        tick = Future()
+        self._ticks.append(tick)
+        await tick
+
+    async def steps(self, seconds: float) -> AsyncIterator[None]:
+        """Yield now and then until the time is over."""
+        until = time.monotonic() + seconds
+        while time.monotonic() < until:
+            yield
+            await self.tick()
+
+    def serve(
+        self, kind: Any, name: str, execute: Callable[[Any], Coroutine[Any, Any, Any]], accept: Callable[[], bool]
+    ) -> None:
         def decide(_: Any) -> GoalResponse:
             return GoalResponse.ACCEPT if accept() else GoalResponse.REJECT
 
@@ -47,17 +68,8 @@ class Server:
             execute,
             goal_callback=decide,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
-            callback_group=ReentrantCallbackGroup(),
             result_timeout=60,
         )
-
-
-def steps(seconds: float) -> Iterator[None]:
-    """Yield now and then until the time is over."""
-    until = time.monotonic() + seconds
-    while time.monotonic() < until:
-        yield
-        time.sleep(PERIOD)
 
 
 class Nav2(Server):
@@ -69,18 +81,29 @@ class Nav2(Server):
         self._known_type = ""
         self._stage_time = stage_time
         self._newest: Any = None
-        self._lock = threading.Lock()
+        self._driving = False
         self.serve(DockRobot, "dock_robot", self.dock, lambda: active)
         self.serve(UndockRobot, "undock_robot", self.undock, lambda: active)
 
-    def dock(self, handle: Any) -> Any:
+    @contextlib.asynccontextmanager
+    async def _turn(self) -> AsyncIterator[None]:
+        """Wait until no other goal drives the robot."""
+        while self._driving:
+            await self.tick()
+        self._driving = True
+        try:
+            yield
+        finally:
+            self._driving = False
+
+    async def dock(self, handle: Any) -> Any:
         self._newest = handle
-        with self._lock:
+        async with self._turn():
             result, feedback = DockRobot.Result(success=False), DockRobot.Feedback()
-            self._dock(handle, result, feedback)
+            await self._dock(handle, result, feedback)
             return result
 
-    def _dock(self, handle: Any, result: Any, feedback: Any) -> None:
+    async def _dock(self, handle: Any, result: Any, feedback: Any) -> None:
         dock, kinds = handle.request.dock_id, DockRobot.Feedback
         if not handle.request.use_dock_id:
             dock = "home"
@@ -97,7 +120,7 @@ class Nav2(Server):
         for stage, retries in ((kinds.NAV_TO_STAGING_POSE, 0), *approach, (kinds.WAIT_FOR_CHARGE, approach[-1][1])):
             feedback.state, feedback.num_retries = stage, retries
             slow = dock == "slow" and stage == kinds.CONTROLLING
-            if not self._drive(handle, feedback, SLOW if slow else self._stage_time):
+            if not await self._drive(handle, feedback, SLOW if slow else self._stage_time):
                 return
         result.num_retries = feedback.num_retries
         if code:
@@ -108,9 +131,9 @@ class Nav2(Server):
         result.success = True
         handle.succeed()
 
-    def _drive(self, handle: Any, feedback: Any, seconds: float) -> bool:
+    async def _drive(self, handle: Any, feedback: Any, seconds: float) -> bool:
         """Return whether it came to its end, neither canceled nor replaced by a newer goal."""
-        for _ in steps(seconds):
+        async for _ in self.steps(seconds):
             handle.publish_feedback(feedback)
             if handle.is_cancel_requested:
                 handle.canceled()
@@ -120,8 +143,8 @@ class Nav2(Server):
                 return False
         return True
 
-    def undock(self, handle: Any) -> Any:
-        with self._lock:
+    async def undock(self, handle: Any) -> Any:
+        async with self._turn():
             kind = handle.request.dock_type or self._known_type
             if kind != "charger":
                 handle.abort()
@@ -129,7 +152,7 @@ class Nav2(Server):
             if not self._docked:
                 handle.abort()  # nav2 does not set the result
                 return UndockRobot.Result()
-            for _ in steps(self._stage_time):
+            async for _ in self.steps(self._stage_time):
                 if handle.is_cancel_requested:
                     handle.canceled()
                     return UndockRobot.Result(success=False)
@@ -149,10 +172,10 @@ class Create3(Server):
         self.serve(Dock, "dock", self.dock, lambda: not self._docked)
         self.serve(Undock, "undock", self.undock, lambda: True)
 
-    def dock(self, handle: Any) -> Any:
+    async def dock(self, handle: Any) -> Any:
         outcome = next(self._outcomes, "docked")
         for sees_dock in (False, True):
-            for _ in steps(SLOW if sees_dock and outcome == "slow" else self._stage_time):
+            async for _ in self.steps(SLOW if sees_dock and outcome == "slow" else self._stage_time):
                 handle.publish_feedback(Dock.Feedback(sees_dock=sees_dock))
                 if handle.is_cancel_requested:
                     handle.canceled()
@@ -164,8 +187,8 @@ class Create3(Server):
             handle.succeed()
         return Dock.Result(is_docked=self._docked)
 
-    def undock(self, handle: Any) -> Any:
-        for _ in steps(self._stage_time):
+    async def undock(self, handle: Any) -> Any:
+        async for _ in self.steps(self._stage_time):
             continue
         self._docked = False
         handle.succeed()
@@ -188,7 +211,7 @@ def main() -> None:
         Nav2(node, active=not arguments.inactive, docked=arguments.docked, stage_time=seconds)
     if "create3" in arguments.offer:
         Create3(node, arguments.outcomes, stage_time=seconds)
-    executor = MultiThreadedExecutor(8)
+    executor = SingleThreadedExecutor()
     executor.add_node(node)
     print("serving", flush=True)
     with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
