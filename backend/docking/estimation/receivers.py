@@ -9,6 +9,8 @@ from docking.parameters import Receivers
 
 CONFIRMED = 2
 """Readings in a row that must agree before a change of what is seen counts."""
+FARTHEST = 100.0
+"""In m; no beacon shines farther."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +68,12 @@ class Sight:
 
 def ranges_of(reading: InfraredReading) -> tuple[float, float, float]:
     """The distances of a reading, in m: infinite if nothing is seen, 0 if it is too near to tell (REP-117)."""
-    left, center, right = (max(distance, 0.0) for distance in (reading.left, reading.center, reading.right))
+    left, center, right = (_cleaned(distance) for distance in (reading.left, reading.center, reading.right))
     return left, center, right
+
+
+def _cleaned(distance: float) -> float:
+    return math.inf if distance > FARTHEST else max(distance, 0.0)
 
 
 def find_sector(seen: Sequence[bool | None], receivers: Receivers) -> tuple[float, float] | None:
