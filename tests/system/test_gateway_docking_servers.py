@@ -9,11 +9,18 @@ import pytest
 
 from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
 from tests.support.processes import ForkedProcess, Process, ros_environment
-from tests.support.waiting import PATIENCE
+from tests.support.waiting import PATIENCE, wait_until
 
 pytest.importorskip("nav2_msgs", reason="`make test` installs the interface packages of tests/interfaces")
 
 NAV2, CREATE3 = "/dock_robot", "/dock"
+
+
+@pytest.fixture
+def gateway(domain: int) -> Iterator[RunningGateway]:
+    """One for each test: a goal that follows upon the end of another server would be sent to that one."""
+    with running_gateway(domain) as gateway:
+        yield gateway
 
 
 @contextmanager
@@ -41,6 +48,11 @@ def wait_until_docked_by(gateway: RunningGateway, action: str, robot: str = "/")
         time.sleep(0.05)
 
 
+def servers(gateway: RunningGateway) -> tuple[str, str]:
+    state = gateway.http.get("/readyz").json()
+    return state["action_server"]["action_name"], state["undock_server"]["action_name"]
+
+
 def run(gateway: RunningGateway, path: str, body: dict[str, Any] | None = None) -> dict[str, Any]:
     """Send a goal, and wait for its end."""
     answer = gateway.http.post(path, json=body, headers={"Prefer": "wait=60"})
@@ -59,13 +71,12 @@ def stages(gateway: RunningGateway, goal: dict[str, Any]) -> list[str]:
     return [stage for index, stage in enumerate(told) if index == 0 or told[index - 1] != stage]
 
 
-def test_nav2(shared_domain: int, gateway: RunningGateway) -> None:
-    with running_servers(shared_domain, "--offer", "nav2", "--docked"):
+def test_nav2(domain: int, gateway: RunningGateway) -> None:
+    with running_servers(domain, "--offer", "nav2", "--docked"):
         wait_until_docked_by(gateway, NAV2)
         assert dock_server(gateway)["action_type"] == "nav2_msgs/action/DockRobot"
-        servers = gateway.http.get("/readyz").json()
-        assert (servers["action_server"]["action_name"], servers["ready"]) == (NAV2, True)
-        assert servers["undock_server"]["action_name"] == "/undock_robot"
+        gateway.wait_until_ready()
+        wait_until(lambda: servers(gateway) == (NAV2, "/undock_robot"), "both actions")
 
         undock = run(gateway, "/undock")
         assert summary(undock) == ("aborted", "dock_not_valid")
@@ -88,7 +99,7 @@ def test_nav2(shared_domain: int, gateway: RunningGateway) -> None:
         assert [goal["goal_id"] for goal in listed] == [wobbly["goal_id"], docked["goal_id"]]
 
 
-def test_nav2_fails(shared_domain: int, gateway: RunningGateway) -> None:
+def test_nav2_fails(domain: int, gateway: RunningGateway) -> None:
     codes = {
         "902": "dock_not_valid",
         "903": "failed_to_stage",
@@ -100,7 +111,7 @@ def test_nav2_fails(shared_domain: int, gateway: RunningGateway) -> None:
         "12345": "unknown",
         "nowhere": "dock_not_in_db",
     }
-    with running_servers(shared_domain, "--offer", "nav2", "--stage-time", "0.05"):
+    with running_servers(domain, "--offer", "nav2", "--stage-time", "0.05"):
         wait_until_docked_by(gateway, NAV2)
         ended = {dock: run(gateway, "/dock", {"dock_id": dock}) for dock in codes}
         assert {dock: goal["error"]["code"] for dock, goal in ended.items()} == codes
@@ -138,9 +149,9 @@ def test_nav2_fails(shared_domain: int, gateway: RunningGateway) -> None:
         assert summary(gateway.wait_for_goal(slow["goal_id"], "aborted")) == ("aborted", "goal_aborted")
 
 
-def test_create3(shared_domain: int, gateway: RunningGateway) -> None:
+def test_create3(domain: int, gateway: RunningGateway) -> None:
     outcomes = ("missed", "gave-up", "slow")
-    with running_servers(shared_domain, "--robot", "/robot3", "--offer", "create3", "--outcomes", *outcomes):
+    with running_servers(domain, "--robot", "/robot3", "--offer", "create3", "--outcomes", *outcomes):
         deadline = time.monotonic() + PATIENCE
         while not any(robot["name"] == "/robot3" for robot in gateway.http.get("/robots").json()["robots"]):
             assert time.monotonic() < deadline
