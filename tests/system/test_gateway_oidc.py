@@ -84,7 +84,7 @@ def test_people_of_a_provider(shared_domain: int, site: Site) -> None:
             evil = browser.get(f"{one.url}/session/oidc", params={"page": "//evil.example"})
             assert evil.json()["code"] == "invalid_field"
 
-            wait_until(lambda: other.http.get("/robots", headers=bearer(secret)).raise_for_status(), "the session")
+            wait_until(lambda: other.http.get("/robots", headers=bearer(secret)).is_success, "the session")
         with site.gateway(shared_domain, **settings) as one:
             with stream(one, "/ws/feedback", secret) as socket:
                 people = one.http.get("/people", headers=bearer(root)).json()["people"]
