@@ -19,6 +19,14 @@ BLIND = 0.15
 """How near to the docked pose, in m, the robot no longer needs to see the dock."""
 UNSURE = 0.5
 """How long the dock may be out of sight, in s, before the robot stands still, farther away than that."""
+MISSED = 2.5
+"""The same in usual periods between two detections, if that is longer."""
+SURE = 0.3
+"""How well the docked pose must be known before the last piece: standard deviations as a part of the tolerances."""
+LOOK = 0.3
+"""Where the robot stands still and looks until it is known so well, in m before the docked pose."""
+LONGEST_LOOK = 10.0
+"""For how long it does, in s, before it drives on."""
 COMMITTED = 0.06
 """Where it is judged whether the robot comes straight enough, in m before the docked pose."""
 LATERAL_ERROR = 0.02
@@ -66,6 +74,8 @@ class Approach:
         self._seen_at = aim.seen_at
         self._stalled = 0.0
         self._judged = False
+        self._looked = 0.0
+        self._sure = False
 
     def step(self, observation: Observation, dt: float) -> Step:
         """Drive on, unless something is wrong or there is contact."""
@@ -79,9 +89,23 @@ class Approach:
         failure = self._fault(off, left, dt)
         if failure is not None:
             return Failed(failure)
-        if self._unseen > UNSURE and left > BLIND:
+        if self._unseen > self._unsure and left > BLIND:
+            return STANDSTILL
+        if left < LOOK and not self._sure and not self._is_sure(dt):
             return STANDSTILL
         return self._drive(odometry.pose, docked, left)
+
+    @property
+    def _unsure(self) -> float:
+        return max(UNSURE, MISSED * self._aim.period)
+
+    def _is_sure(self, dt: float) -> bool:
+        """Whether the docked pose is known well enough, or will not be known better."""
+        spread = self._aim.spread
+        self._looked += dt
+        well = spread.lateral < SURE * LATERAL_ERROR and spread.heading < SURE * HEADING_ERROR
+        self._sure = well or self._looked > LONGEST_LOOK
+        return self._sure
 
     def _touches(self, left: float, odometry: Odometry, dt: float) -> bool:
         stopped = odometry.velocity.linear_x < 0.25 * self._motion.v_linear_min
@@ -91,9 +115,10 @@ class Approach:
     def _fault(self, off: Pose, left: float, dt: float) -> DockingError | None:
         self._unseen = self._unseen + dt if self._aim.seen_at == self._seen_at else 0.0
         self._seen_at = self._aim.seen_at
-        if self._unseen > self._lost_after and left > BLIND:
-            return self._lost(f"the dock was out of sight for {self._lost_after:g} s (external_detection_timeout)")
-        if left < COMMITTED and not self._judged:
+        lost_after = self._unsure + max(self._lost_after, MISSED * self._aim.period)
+        if self._unseen > lost_after and left > BLIND:
+            return self._lost(f"the dock was out of sight for {lost_after:.1f} s (external_detection_timeout)")
+        if left < COMMITTED:
             self._judged = True
             if abs(off.y) > LATERAL_ERROR or abs(off.theta) > HEADING_ERROR:
                 return FailedToControl(
@@ -109,4 +134,5 @@ class Approach:
         fast = max(0.0, left - max(SLOW, self._until))
         speed = min(motion.v_linear_max / steering.slowness, slowest + braked(fast, motion.a_linear_max))
         speed = max(slowest, speed)
-        return Velocity(speed, bounded(steering.curvature * speed, motion.v_angular_max))
+        curvature = steering.curvature - self._aim.yaw_bias
+        return Velocity(speed, bounded(curvature * speed, motion.v_angular_max))

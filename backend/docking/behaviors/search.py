@@ -4,13 +4,16 @@ import math
 from collections.abc import Callable
 
 from docking.behaviors.moves import turn
-from docking.core.geometry import normalize_angle
+from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Done
 from docking.parameters import MotionLimits
 
 FIRST = math.radians(100.0)
 """How far to turn to the left, before it is tried to the right, on and on."""
+
+CENTERED = math.radians(15.0)
+"""How far from straight ahead what is in view may stay, in rad."""
 
 
 class Search:
@@ -24,6 +27,7 @@ class Search:
         sees: Callable[[float], bool],
         knows: Callable[[], bool],
         towards: float | None = None,
+        bearing: Callable[[Pose], float | None] = lambda robot: None,
     ) -> None:
         """Begin where the robot is.
 
@@ -33,12 +37,14 @@ class Search:
             sees: Whether the dock is in view at a moment.
             knows: Whether it was seen well enough.
             towards: The direction in odom to look into first, in rad; None where nothing is known.
+            bearing: Where the dock in view is for a robot in odom, in rad to the left; None if it may stay there.
         """
         self._motion = motion
         self._speed = min(speed, motion.v_angular_max)
         self._sees = sees
         self._knows = knows
         self._towards = towards
+        self._bearing = bearing
         self._last: float | None = None
         self._turned = 0.0
         self._leftwards = True
@@ -48,8 +54,10 @@ class Search:
         if self._knows():
             return Done()
         odometry = observation.odometry
-        if odometry is None or self._sees(observation.now):
+        if odometry is None:
             return STANDSTILL
+        if self._sees(observation.now):
+            return self._look(odometry.pose)
         heading = odometry.pose.theta
         if self._towards is not None:
             error = normalize_angle(self._towards - heading)
@@ -62,3 +70,10 @@ class Search:
         if self._turned > FIRST:
             self._leftwards = False
         return Velocity(0.0, self._speed if self._leftwards else -self._speed)
+
+    def _look(self, robot: Pose) -> Velocity:
+        """Turn what is in view to the middle."""
+        bearing = self._bearing(robot)
+        if bearing is None or abs(normalize_angle(bearing)) < CENTERED:
+            return STANDSTILL
+        return turn(normalize_angle(bearing), self._motion)

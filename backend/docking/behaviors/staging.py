@@ -5,6 +5,7 @@ import math
 from docking.behaviors.moves import drive_to, turn
 from docking.core.geometry import normalize_angle
 from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.estimation.dock_estimate import Spread
 from docking.goal.behavior import Done
 from docking.goal.plan import DockTarget
 from docking.parameters import Dock, MotionLimits
@@ -17,6 +18,10 @@ AHEAD = 0.12
 """The same to the front and to the back."""
 STRAIGHT = math.radians(3.0)
 """How straight it must look at the dock, in rad."""
+SURE = Spread(0.01, math.radians(2.0))
+"""How well the docked pose must be known before the approach."""
+LONGEST_LOOK = 10.0
+"""For how long the robot stands still and looks until it is known so well, in s."""
 
 
 class ToStaging:
@@ -37,6 +42,7 @@ class ToStaging:
         self._dock = dock
         self._motion = motion
         self._driving = True
+        self._looked = 0.0
 
     def step(self, observation: Observation, dt: float) -> Velocity | Done:
         """Drive, then turn."""
@@ -53,5 +59,9 @@ class ToStaging:
             return turn(normalize_angle(-off.theta), self._motion)
         if abs(off.y) > ASIDE or abs(off.x) > AHEAD:
             self._driving = True
+            return STANDSTILL
+        spread = self._aim.spread
+        if (spread.lateral > SURE.lateral or spread.heading > SURE.heading) and self._looked < LONGEST_LOOK:
+            self._looked += dt
             return STANDSTILL
         return Done()

@@ -6,6 +6,7 @@ from typing import Protocol
 from docking.core.errors import DockingError, FailedToDetectDock, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
+from docking.estimation.dock_estimate import Spread
 from docking.goal.behavior import Behavior
 from docking.parameters import MotionLimits
 
@@ -31,6 +32,9 @@ class DockTarget(Protocol):
     Attributes:
         docked: Where base_link is when docked, in odom; None before the dock was seen.
         seen_at: When the dock was seen last.
+        period: Seconds between two detections, usually; 0 if that is not known.
+        spread: How well the docked pose is known.
+        yaw_bias: The curvature of the way, in rad/m, that odometry does not see.
     """
 
     @property
@@ -38,6 +42,15 @@ class DockTarget(Protocol):
 
     @property
     def seen_at(self) -> float: ...  # noqa: D102
+
+    @property
+    def period(self) -> float: ...  # noqa: D102
+
+    @property
+    def spread(self) -> Spread: ...  # noqa: D102
+
+    @property
+    def yaw_bias(self) -> float: ...  # noqa: D102
 
 
 class Plan(Protocol):

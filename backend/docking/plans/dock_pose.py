@@ -9,16 +9,20 @@ from docking.behaviors.wait_for_charge import WaitForCharge
 from docking.core.errors import LostMarker, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
-from docking.estimation.marker_filter import MarkerFilter
+from docking.estimation.dock_estimate import DockEstimate, Spread
 from docking.goal.behavior import Behavior
 from docking.goal.plan import KnownPoses
 from docking.parameters import Dock, MotionLimits
 from docking.plans.sighted import SightedPlan
 
-ENOUGH = 8
-"""Detections that must agree before the robot drives."""
+ENOUGH = Spread(0.05, math.radians(5.0))
+"""How well the docked pose must be known before the robot drives."""
 IN_VIEW = 0.4
 """How old the last detection may be, in s, for the marker to be in view."""
+MISSED = 4.0
+"""The same in usual periods between two detections, if that is longer."""
+RARE = 2.5
+"""The same in s, while it is not known how often the marker is detected."""
 MEMORY = 1.0
 """How old a detection may be, in s, to be used at all."""
 
@@ -38,7 +42,7 @@ class DockPosePlan(SightedPlan):
             detection_timeout: For how long the marker may be out of sight on the way to the dock, in s.
         """
         super().__init__(dock, motion, search_speed=search_speed, detection_timeout=detection_timeout)
-        self.marker = MarkerFilter(MEMORY)
+        self.marker = DockEstimate(MEMORY)
 
     @property
     def poses(self) -> KnownPoses:
@@ -70,6 +74,21 @@ class DockPosePlan(SightedPlan):
         return WaitForCharge(self)
 
     @property
+    def spread(self) -> Spread:
+        """How well the docked pose is known."""
+        return self.marker.spread(self.dock.docked(Pose()))
+
+    @property
+    def yaw_bias(self) -> float:
+        """The curvature of the way, in rad/m, that odometry does not see."""
+        return self.marker.yaw_bias
+
+    @property
+    def period(self) -> float:
+        """Seconds between two detections, usually."""
+        return self.marker.period
+
+    @property
     def seen_at(self) -> float:
         """When the marker was seen last."""
         return self.marker.seen_at
@@ -77,11 +96,20 @@ class DockPosePlan(SightedPlan):
     def _search(self) -> Search:
         marker, robot = self.marker.pose, self._robot
         towards = None if marker is None or robot is None else math.atan2(marker.y - robot.y, marker.x - robot.x)
-        self.marker.count = 0
+        self.marker.forget()
         return Search(
-            self.motion,
-            self._search_speed,
-            sees=lambda now: now - self.marker.seen_at <= IN_VIEW,
-            knows=lambda: self.marker.count >= ENOUGH,
-            towards=towards,
+            self.motion, self._search_speed, sees=self._sees, knows=self._knows, towards=towards, bearing=self._bearing
         )
+
+    def _sees(self, now: float) -> bool:
+        period = self.marker.period
+        return now - self.marker.noticed_at <= (max(IN_VIEW, MISSED * period) if period > 0.0 else RARE)
+
+    def _knows(self) -> bool:
+        spread = self.spread
+        return spread.lateral <= ENOUGH.lateral and spread.heading <= ENOUGH.heading
+
+    def _bearing(self, robot: Pose) -> float | None:
+        """Where to look for the marker that was noticed, in rad to the left."""
+        seen = self.marker.raw
+        return None if seen is None else math.atan2(seen.y - robot.y, seen.x - robot.x) - robot.theta

@@ -7,6 +7,7 @@ from docking.behaviors.moves import bounded
 from docking.core.errors import Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
+from docking.estimation.dock_estimate import Spread
 from docking.parameters import Dock, MotionLimits
 
 BLIND_WAY = 0.1
@@ -37,6 +38,21 @@ class SightedPlan:
     @abstractmethod
     def docked(self) -> Pose | None:
         """Where base_link is when docked, in odom."""
+
+    @property
+    def spread(self) -> Spread:
+        """How well the docked pose is known: well enough, unless a plan knows better."""
+        return Spread(0.0, 0.0)
+
+    @property
+    def period(self) -> float:
+        """Seconds between two detections, usually; 0 if that is not known."""
+        return 0.0
+
+    @property
+    def yaw_bias(self) -> float:
+        """The curvature of the way, in rad/m, that odometry does not see."""
+        return 0.0
 
     @property
     def staging(self) -> Pose | None:
