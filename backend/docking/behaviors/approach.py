@@ -3,20 +3,16 @@
 import math
 
 from docking.behaviors.moves import bounded, braked
-from docking.behaviors.smooth import Gains, steer
+from docking.behaviors.smooth import steer
 from docking.core.errors import DockingError, FailedToControl
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.goal.behavior import Done, Failed, Step
 from docking.goal.plan import DockTarget
-from docking.parameters import MotionLimits
+from docking.parameters import ApproachSettings, MotionLimits
 
 PROJECTION = 0.25
 """How far beyond the dock the way leads, in m, as with nav2: the law explodes where its target is."""
-SLOW = 0.06
-"""The last piece before the docked pose, in m, on which the robot drives at its slowest."""
-BLIND = 0.15
-"""How near to the docked pose, in m, the robot no longer needs to see the dock."""
 UNSURE = 0.5
 """How long the dock may be out of sight, in s, before the robot stands still, farther away than that."""
 MISSED = 2.5
@@ -25,18 +21,8 @@ SURE = 0.3
 """How well the docked pose must be known before the last piece: standard deviations as a part of the tolerances."""
 LOOK = 0.3
 """Where the robot stands still and looks until it is known so well, in m before the docked pose."""
-LONGEST_LOOK = 10.0
-"""For how long it does, in s, before it drives on."""
 COMMITTED = 0.06
 """Where it is judged whether the robot comes straight enough, in m before the docked pose."""
-LATERAL_ERROR = 0.02
-"""The largest lateral error there, in m."""
-HEADING_ERROR = math.radians(5.0)
-"""The largest heading error there, in rad."""
-BEYOND = 0.015
-"""How far beyond the docked pose to push, in m, before contact is taken for granted."""
-NEAR = 0.05
-"""How near to the docked pose, in m, a stop of the wheels means contact."""
 STALLED = 0.5
 """How long the wheels must have stopped, in s."""
 
@@ -51,6 +37,7 @@ class Approach:
         self,
         aim: DockTarget,
         motion: MotionLimits,
+        settings: ApproachSettings,
         lost: type[DockingError],
         lost_after: float,
         *,
@@ -61,19 +48,20 @@ class Approach:
         Args:
             aim: Where the dock is.
             motion: What the robot may do.
+            settings: How it drives.
             lost: What has happened when the dock is out of sight for too long.
             lost_after: How long that is, in s.
             until: How far before the docked pose to stop, in m; the default is at contact.
         """
         self._aim = aim
         self._motion = motion
+        self._settings = settings
         self._lost = lost
         self._lost_after = lost_after
         self._until = until
         self._unseen = 0.0
         self._seen_at = aim.seen_at
         self._stalled = 0.0
-        self._judged = False
         self._looked = 0.0
         self._sure = False
 
@@ -89,7 +77,7 @@ class Approach:
         failure = self._fault(off, left, dt)
         if failure is not None:
             return Failed(failure)
-        if self._unseen > self._unsure and left > BLIND:
+        if self._unseen > self._unsure and left > self._settings.blind_distance:
             return STANDSTILL
         if left < LOOK and not self._sure and not self._is_sure(dt):
             return STANDSTILL
@@ -101,26 +89,32 @@ class Approach:
 
     def _is_sure(self, dt: float) -> bool:
         """Whether the docked pose is known well enough, or will not be known better."""
-        spread = self._aim.spread
+        spread, settings = self._aim.spread, self._settings
         self._looked += dt
-        well = spread.lateral < SURE * LATERAL_ERROR and spread.heading < SURE * HEADING_ERROR
-        self._sure = well or self._looked > LONGEST_LOOK
+        well = (
+            spread.lateral < SURE * settings.docking_lateral_tolerance
+            and spread.heading < SURE * settings.docking_heading_tolerance
+        )
+        self._sure = well or self._looked > settings.look_timeout
         return self._sure
 
     def _touches(self, left: float, odometry: Odometry, dt: float) -> bool:
         stopped = odometry.velocity.linear_x < 0.25 * self._motion.v_linear_min
-        self._stalled = self._stalled + dt if stopped and left < NEAR else 0.0
-        return left < -BEYOND or self._stalled > STALLED
+        self._stalled = self._stalled + dt if stopped and left < self._settings.docking_threshold else 0.0
+        return left < -self._settings.docking_overshoot or self._stalled > STALLED
 
     def _fault(self, off: Pose, left: float, dt: float) -> DockingError | None:
         self._unseen = self._unseen + dt if self._aim.seen_at == self._seen_at else 0.0
         self._seen_at = self._aim.seen_at
         lost_after = self._unsure + max(self._lost_after, MISSED * self._aim.period)
-        if self._unseen > lost_after and left > BLIND:
+        if self._unseen > lost_after and left > self._settings.blind_distance:
             return self._lost(f"the dock was out of sight for {lost_after:.1f} s (external_detection_timeout)")
         if left < COMMITTED:
             self._judged = True
-            if abs(off.y) > LATERAL_ERROR or abs(off.theta) > HEADING_ERROR:
+            if (
+                abs(off.y) > self._settings.docking_lateral_tolerance
+                or abs(off.theta) > self._settings.docking_heading_tolerance
+            ):
                 return FailedToControl(
                     f"the robot is misaligned: lateral error {1000 * off.y:.0f} mm,"
                     f" heading error {math.degrees(off.theta):.1f} degrees"
@@ -129,9 +123,9 @@ class Approach:
 
     def _drive(self, robot: Pose, docked: Pose, left: float) -> Velocity:
         motion = self._motion
-        steering = steer(robot, docked.compose(Pose(PROJECTION)), Gains())
+        steering = steer(robot, docked.compose(Pose(PROJECTION)), self._settings.gains)
         slowest = motion.v_linear_min
-        fast = max(0.0, left - max(SLOW, self._until))
+        fast = max(0.0, left - max(self._settings.slowdown_radius, self._until))
         speed = min(motion.v_linear_max / steering.slowness, slowest + braked(fast, motion.a_linear_max))
         speed = max(slowest, speed)
         curvature = steering.curvature - self._aim.yaw_bias

@@ -2,16 +2,16 @@
 
 import math
 
-from docking.behaviors.smooth import Gains, steer
+from docking.behaviors.smooth import steer
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import Velocity
-from docking.parameters import MotionLimits
+from docking.parameters import Gains, MotionLimits
 
 RESERVE = 0.6
 """The part of the highest deceleration that is planned with."""
 RESPONSE = 2.5
 """The most that is corrected at once, in 1/s."""
-STRAIGHT = Gains(k1=1.0, k2=1.0)
+STRAIGHT = Gains(k_phi=1.0, k_delta=1.0)
 """For a way that is straight but for small errors."""
 TURN_FIRST = math.radians(30.0)
 """The heading error that is corrected on the spot, before the robot drives."""

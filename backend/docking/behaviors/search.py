@@ -9,8 +9,11 @@ from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Done
 from docking.parameters import MotionLimits
 
-FIRST = math.radians(100.0)
-"""How far to turn to the left, before it is tried to the right, on and on."""
+LEFT, RIGHT = math.radians(100.0), math.radians(-150.0)
+"""How far to turn to the left, and then to the right, before turning to the left on and on.
+
+The dock is more often ahead than behind, and where detections are rare it may have been missed.
+"""
 
 CENTERED = math.radians(15.0)
 """How far from straight ahead what is in view may stay, in rad."""
@@ -48,6 +51,7 @@ class Search:
         self._last: float | None = None
         self._turned = 0.0
         self._leftwards = True
+        self._been_right = False
 
     def step(self, observation: Observation, dt: float) -> Velocity | Done:
         """Turn, or stand still and look."""
@@ -67,8 +71,10 @@ class Search:
         if self._last is not None:
             self._turned += normalize_angle(heading - self._last)
         self._last = heading
-        if self._turned > FIRST:
+        if self._turned > LEFT and not self._been_right:
             self._leftwards = False
+        elif self._turned < RIGHT:
+            self._leftwards = self._been_right = True
         return Velocity(0.0, self._speed if self._leftwards else -self._speed)
 
     def _look(self, robot: Pose) -> Velocity:

@@ -9,24 +9,7 @@ import math
 from dataclasses import dataclass
 
 from docking.core.geometry import Pose, normalize_angle
-
-
-@dataclass(frozen=True, slots=True)
-class Gains:
-    """The constants of the law, in the paper's words.
-
-    Attributes:
-        k1: How hard it steers towards the line of sight that leads to the target straight, as a ratio of rates; nav2's
-            k_phi.
-        k2: How much faster the heading converges than the rest; nav2's k_delta.
-        beta: How much it slows down in curves.
-        lambda_: How sharply it slows down in curves.
-    """
-
-    k1: float = 3.0
-    k2: float = 2.0
-    beta: float = 0.4
-    lambda_: float = 2.0
+from docking.parameters import Gains
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +31,7 @@ def steer(robot: Pose, target: Pose, gains: Gains) -> Steering:
     Args:
         robot: Where the robot is.
         target: Where it is to be, in the same frame; a robot that is there already goes straight on.
-        gains: The constants.
+        gains: The constants; the paper's k1 and k2 are nav2's k_phi and k_delta.
     """
     distance = robot.distance_to(target)
     if distance < 1e-3:
@@ -56,7 +39,7 @@ def steer(robot: Pose, target: Pose, gains: Gains) -> Steering:
     line_of_sight = math.atan2(target.y - robot.y, target.x - robot.x)
     theta = normalize_angle(target.theta - line_of_sight)
     delta = normalize_angle(robot.theta - line_of_sight)
-    heading_error = delta - math.atan(-gains.k1 * theta)
-    change = 1.0 + gains.k1 / (1.0 + (gains.k1 * theta) ** 2)
-    curvature = -(gains.k2 * heading_error + change * math.sin(delta)) / distance
+    heading_error = delta - math.atan(-gains.k_phi * theta)
+    change = 1.0 + gains.k_phi / (1.0 + (gains.k_phi * theta) ** 2)
+    curvature = -(gains.k_delta * heading_error + change * math.sin(delta)) / distance
     return Steering(curvature, 1.0 + gains.beta * abs(curvature) ** gains.lambda_)

@@ -4,7 +4,7 @@ ROS descriptors and the tables in docs/docking.md are derived from these fields.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import Field, dataclass, field, fields, replace
 from enum import StrEnum
 from typing import Any, TypeVar
 
@@ -88,6 +88,11 @@ def group(kind: type[T], prefix: str = "") -> T:
     return field(default_factory=kind, metadata={GROUP: kind, PREFIX: prefix})
 
 
+def _name(part: Field[Any]) -> str:
+    """A name that is a word of Python has an underscore as a field."""
+    return part.name.rstrip("_")
+
+
 def _parameter(default: T, parameter: Parameter) -> T:
     return field(default=default, metadata={PARAMETER: parameter})
 
@@ -98,7 +103,7 @@ def parameters_of(kind: type[Any], prefix: str = "") -> Iterator[Parameter]:
         if GROUP in part.metadata:
             yield from parameters_of(part.metadata[GROUP], prefix + part.metadata[PREFIX])
         elif PARAMETER in part.metadata:
-            yield replace(part.metadata[PARAMETER], name=prefix + part.name)
+            yield replace(part.metadata[PARAMETER], name=prefix + _name(part))
 
 
 def from_values(kind: type[T], values: Mapping[str, object], prefix: str = "") -> T:
@@ -114,6 +119,6 @@ def from_values(kind: type[T], values: Mapping[str, object], prefix: str = "") -
         if GROUP in part.metadata:
             arguments[part.name] = from_values(part.metadata[GROUP], values, prefix + part.metadata[PREFIX])
         elif PARAMETER in part.metadata:
-            value = values[prefix + part.name]
+            value = values[prefix + _name(part)]
             arguments[part.name] = type(part.default)(str(value)) if isinstance(part.default, StrEnum) else value
     return kind(**arguments)

@@ -102,7 +102,7 @@ class DockEstimate:
         self._periods: deque[float] = deque(maxlen=7)
         self._position_noise: deque[float] = deque(maxlen=MEASURED)
         self._angle_noise: deque[float] = deque(maxlen=MEASURED)
-        self._scales = (1.0, 1.0)
+        self._scales = self._assumed = (1.0, 1.0)  # measured variances, in assumed ones; largest since the beginning
 
     @property
     def pose(self) -> Pose | None:
@@ -235,6 +235,7 @@ class DockEstimate:
         self._covariance = [
             [value if row == column else 0.0 for column in range(5)] for row, value in enumerate(variances)
         ]
+        self._assumed = self._scales
         self._recent.clear()
         self.count = agreed
         self.seen_at = stamp
@@ -284,6 +285,16 @@ class DockEstimate:
             for measured in (self._position_noise, self._angle_noise)
         )
         self._scales = (position, angle)
+        self._doubt()
+
+    def _doubt(self) -> None:
+        """Be less certain where detections are noisier than was assumed: so are the earlier ones."""
+        growth = [max(1.0, now / assumed) for now, assumed in zip(self._scales, self._assumed, strict=True)]
+        self._assumed = (self._assumed[0] * growth[0], self._assumed[1] * growth[1])
+        if self._state is not None and max(growth) > 1.0:
+            factors = (math.sqrt(growth[0]), math.sqrt(growth[0]), math.sqrt(growth[1]), 1.0, 1.0)
+            for factor, row in zip(factors, self._covariance, strict=True):
+                row[:] = [factor * other * value for other, value in zip(factors, row, strict=True)]
 
 
 def _take(state: list[float], p: Matrix, axis: int, measured: float, noise: float) -> None:

@@ -12,7 +12,7 @@ from docking.core.observation import Observation
 from docking.estimation.dock_estimate import DockEstimate, Spread
 from docking.goal.behavior import Behavior
 from docking.goal.plan import KnownPoses
-from docking.parameters import Dock, MotionLimits
+from docking.parameters import ApproachSettings, Dock, MotionLimits
 from docking.plans.sighted import SightedPlan
 
 ENOUGH = Spread(0.05, math.radians(5.0))
@@ -32,16 +32,25 @@ class DockPosePlan(SightedPlan):
 
     lost = LostMarker
 
-    def __init__(self, dock: Dock, motion: MotionLimits, *, search_speed: float, detection_timeout: float) -> None:
+    def __init__(
+        self,
+        dock: Dock,
+        motion: MotionLimits,
+        approach: ApproachSettings,
+        *,
+        search_speed: float,
+        detection_timeout: float,
+    ) -> None:
         """Begin without knowing where the dock is.
 
         Args:
             dock: Where the robot stands when docked, and where it waits in front.
             motion: What the robot may do.
+            approach: How it drives onto the dock.
             search_speed: How fast to turn while the marker is looked for, in rad/s.
             detection_timeout: For how long the marker may be out of sight on the way to the dock, in s.
         """
-        super().__init__(dock, motion, search_speed=search_speed, detection_timeout=detection_timeout)
+        super().__init__(dock, motion, approach, search_speed=search_speed, detection_timeout=detection_timeout)
         self.marker = DockEstimate(MEMORY)
 
     @property
@@ -68,7 +77,7 @@ class DockPosePlan(SightedPlan):
         if stage is Stage.NAV_TO_STAGING_POSE:
             return ToStaging(self, self.dock, self.motion)
         if stage is Stage.CONTROLLING:
-            return Approach(self, self.motion, self.lost, self._detection_timeout)
+            return Approach(self, self.motion, self.approach, self.lost, self._detection_timeout)
         if stage is Stage.RETRY:
             return self.back_off()
         return WaitForCharge(self)

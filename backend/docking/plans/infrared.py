@@ -18,7 +18,7 @@ from docking.core.observation import Observation
 from docking.estimation.beacon_filter import FRESH, BeaconFilter
 from docking.goal.behavior import Behavior, Failed
 from docking.goal.plan import KnownPoses
-from docking.parameters import Dock, MotionLimits, Receivers
+from docking.parameters import ApproachSettings, Dock, MotionLimits, Receivers
 from docking.plans.sighted import SightedPlan
 
 ENOUGH = 3
@@ -36,18 +36,26 @@ class InfraredPlan(SightedPlan):
     lost = InfraredLost
 
     def __init__(
-        self, dock: Dock, motion: MotionLimits, receivers: Receivers, *, search_speed: float, detection_timeout: float
+        self,
+        dock: Dock,
+        motion: MotionLimits,
+        approach: ApproachSettings,
+        receivers: Receivers,
+        *,
+        search_speed: float,
+        detection_timeout: float,
     ) -> None:
         """Begin without knowing where the dock is.
 
         Args:
             dock: Where the robot stands when docked, as seen from the beacon, and where it waits in front.
             motion: What the robot may do.
+            approach: How it drives onto the dock.
             receivers: How they are mounted.
             search_speed: How fast to turn while the beacon is looked for, in rad/s.
             detection_timeout: For how long the beacon may be out of sight on the way to the dock, in s.
         """
-        super().__init__(dock, motion, search_speed=search_speed, detection_timeout=detection_timeout)
+        super().__init__(dock, motion, approach, search_speed=search_speed, detection_timeout=detection_timeout)
         self.beacon = BeaconFilter(receivers)
         self._side = 1
         self._has_axis = False
@@ -161,7 +169,7 @@ class InfraredPlan(SightedPlan):
         return self._approach(self.beacon.receivers.infrared_last_scan)
 
     def _approach(self, until: float = -math.inf) -> Approach:
-        return Approach(self, self.motion, self.lost, self._detection_timeout, until=until)
+        return Approach(self, self.motion, self.approach, self.lost, self._detection_timeout, until=until)
 
 
 class _Failure:

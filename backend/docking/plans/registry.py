@@ -13,6 +13,7 @@ def make_plan(settings: DockSettings) -> Plan:
         return DockPosePlan(
             settings.dock,
             settings.motion,
+            settings.approach,
             search_speed=settings.search_speed,
             detection_timeout=settings.external_detection_timeout,
         )
@@ -20,6 +21,7 @@ def make_plan(settings: DockSettings) -> Plan:
         return InfraredPlan(
             settings.dock,
             settings.motion,
+            settings.approach,
             settings.receivers,
             search_speed=settings.search_speed,
             detection_timeout=settings.external_detection_timeout,

@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 
 from docking.core.geometry import Pose, normalize_angle
+from docking.core.parameter import number
 from docking.simulation.obstacle import Obstruction
 
 DOCKED = Pose(-0.2, 0.0, 0.0)
@@ -21,7 +22,6 @@ class DockSettings:
         width: Of the box, in m.
         contact_distance: From the docked pose, within which robot and dock are in contact, in m.
         contact_angle: The same for the angle, in rad.
-        bounce: Seconds after the first contact for which the current is on and off by chance.
     """
 
     front: float = -0.04
@@ -29,7 +29,9 @@ class DockSettings:
     width: float = 0.3
     contact_distance: float = 0.02
     contact_angle: float = math.radians(5.0)
-    bounce: float = 0.0
+    bounce: float = number(
+        0.0, 0.0, 60.0, "s", "Time after the first contact for which the charging current is on and off by chance."
+    )
 
 
 class Dock:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from random import Random
 
 from docking.core.geometry import Pose, normalize_angle
-from docking.core.parameter import number
+from docking.core.parameter import number, switch
 from docking.simulation.obstacle import Obstacle
 
 CAMERA_X = 0.15
@@ -26,35 +26,36 @@ class MarkerSettings:
     """How well the marker is seen.
 
     Attributes:
-        rate: Pictures a second.
         view_angle: The most that the marker may be seen from the side, from its normal, in rad.
-        noise_per_metre: What is added to `noise` for each m between camera and marker, in m.
-        noise_per_radian: What is added to `angle_noise` for each rad that the marker is seen from the side, in rad.
-        outliers: The part of the detections that are somewhere else, 0…1.
-        ghosts: The part of the detections that are of a reflection, always at the same place, 0…1.
-        hidden_every: Seconds between the moments at which something begins to hide the marker; 0 is never.
-        hidden_for: For how long it does, in s.
         mount_error: Where the camera is in truth, as seen from where the robot's software takes it to be.
-        delay: Seconds from a picture to the arrival of its detection.
-        honest_stamps: Whether the detection's stamp is the moment of the picture; else that of its arrival.
     """
 
-    rate: float = 15.0
+    rate: float = number(15.0, 0.1, 50.0, "Hz", "Images per second.")
     range: float = number(4.0, 0.0, 50.0, "m", "Maximum range at which the camera detects the marker.")
     field_of_view: float = number(math.radians(70.0), 0.0, 6.28, "rad", "Field of view of the camera, edge to edge.")
     view_angle: float = math.radians(75.0)
     noise: float = number(0.01, 0.0, 1.0, "m", "Standard deviation of the marker's position, for each coordinate.")
     angle_noise: float = number(math.radians(1.0), 0.0, 1.0, "rad", "Standard deviation of the marker's heading.")
     drop_outs: float = number(0.1, 0.0, 1.0, "", "Fraction of the camera images in which the marker is missed.")
-    noise_per_metre: float = 0.0
-    noise_per_radian: float = 0.0
-    outliers: float = 0.0
-    ghosts: float = 0.0
-    hidden_every: float = 0.0
-    hidden_for: float = 0.0
+    noise_per_metre: float = number(
+        0.0, 0.0, 1.0, "m", "What marker_noise grows by for each m between the camera and the marker."
+    )
+    noise_per_radian: float = number(
+        0.0, 0.0, 1.0, "rad", "What marker_angle_noise grows by for each rad that the marker is seen from the side."
+    )
+    outliers: float = number(0.0, 0.0, 1.0, "", "Fraction of the detections that are somewhere else, and turned.")
+    ghosts: float = number(
+        0.0, 0.0, 1.0, "", "Fraction of the detections that are of a reflection, always at the same place."
+    )
+    hidden_every: float = number(
+        0.0, 0.0, 3600.0, "s", "Time between the moments at which something begins to hide the marker; 0: never."
+    )
+    hidden_for: float = number(0.0, 0.0, 3600.0, "s", "Time for which it does.")
     mount_error: Pose = EXACT
-    delay: float = 0.0
-    honest_stamps: bool = True
+    delay: float = number(0.0, 0.0, 2.0, "s", "Time from an image to the arrival of its detection.")
+    honest_stamps: bool = switch(
+        True, "Whether the stamp of a detection is the moment of the image; else it is that of its arrival."
+    )
 
 
 class MarkerCamera:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from random import Random
 
 from docking.core.geometry import Pose, normalize_angle
-from docking.core.parameter import number
+from docking.core.parameter import number, switch
 
 
 @dataclass(frozen=True, slots=True)
@@ -14,11 +14,6 @@ class OdometrySettings:
 
     The error of a radius is drawn once, so that the error of the pose grows with the way (Borenstein and Feng, UMBmark,
     1996: unequal wheels).
-
-    Attributes:
-        delay: Seconds from a measurement to its arrival.
-        honest_stamps: Whether its stamp is the moment of the measurement; else that of its arrival.
-        twist: Whether it has a velocity; else that is 0, as with drivers that leave it empty.
     """
 
     drift: float = number(
@@ -28,9 +23,11 @@ class OdometrySettings:
         "",
         "Standard deviation of the error of each wheel's radius, as a fraction of the radius.",
     )
-    delay: float = 0.0
-    honest_stamps: bool = True
-    twist: bool = True
+    delay: float = number(0.0, 0.0, 2.0, "s", "Time from a measurement of odometry to its arrival.")
+    honest_stamps: bool = switch(
+        True, "Whether the stamp of odometry is the moment of its measurement; else it is that of its arrival."
+    )
+    twist: bool = switch(True, "Whether odometry has a velocity; else `twist` is empty.")
 
 
 class DriftingOdometry:

@@ -20,11 +20,6 @@ class RobotSettings:
     Attributes:
         radius: Of its round body, whose centre is base_link, in m.
         wheel_separation: Between the two wheels, in m.
-        linear_dead_zone: A commanded linear velocity that is smaller does not move the robot, in m/s.
-        angular_dead_zone: The same for turning, in rad/s.
-        left_wheel_error: How much larger the left wheel's radius is than the robot's software takes it for, as a
-            fraction of it; commands and odometry are both wrong by that.
-        right_wheel_error: The same for the right one.
         slip_noise: Grows with the root of the way.
         stall_time: Seconds that a motor bears a wheel that is stuck, until both motors are switched off. They
             come back with the next command to stand still.
@@ -41,10 +36,19 @@ class RobotSettings:
     )
     slip: float = number(0.01, 0.0, 0.9, "", "Wheel slip, as a fraction of the wheel's rotation.")
     slip_noise: float = number(0.003, 0.0, 0.1, "m", "Standard deviation of a wheel's travel over 1 m.")
-    linear_dead_zone: float = 0.0
-    angular_dead_zone: float = 0.0
-    left_wheel_error: float = 0.0
-    right_wheel_error: float = 0.0
+    linear_dead_zone: float = number(
+        0.0, 0.0, 1.0, "m/s", "A commanded linear velocity that is smaller does not move the robot."
+    )
+    angular_dead_zone: float = number(0.0, 0.0, 2.0, "rad/s", "The same for the angular velocity.")
+    left_wheel_error: float = number(
+        0.0,
+        -0.5,
+        0.5,
+        "",
+        "How much larger the left wheel's radius is than the robot knows, as a fraction of it: commands and odometry "
+        "are both wrong by that.",
+    )
+    right_wheel_error: float = number(0.0, -0.5, 0.5, "", "The same for the right wheel.")
     stall_time: float = 0.5
 
 

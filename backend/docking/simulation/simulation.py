@@ -7,7 +7,7 @@ while not simulation.charging:
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from random import Random
 
 from docking.core.battery import BatteryReading, PowerSupplyStatus
@@ -61,7 +61,6 @@ class Settings:
         electronics_power: What the robot needs while it stands still, in W.
         driving_power: What its motors need beyond that at 1 m/s, in W.
         stall_power: What they need beyond that while a wheel is kept from turning, in W.
-        command_delay: Seconds from a command to its arrival at the wheels.
         obstacles: What stands around.
         robot: The robot.
         odometry: Its reckoning.
@@ -80,9 +79,9 @@ class Settings:
     marker: MarkerSettings = group(MarkerSettings, "marker_")
     infrared: InfraredSettings = group(InfraredSettings, "infrared_")
     battery: BatterySettings = group(BatterySettings)
-    command_delay: float = 0.0
+    command_delay: float = number(0.0, 0.0, 2.0, "s", "Time from a command to its arrival at the wheels.")
     obstacles: tuple[Obstacle, ...] = ()
-    dock: DockSettings = field(default_factory=DockSettings)
+    dock: DockSettings = group(DockSettings, "contact_")
 
 
 @dataclass(frozen=True, slots=True)

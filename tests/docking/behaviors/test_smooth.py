@@ -4,8 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from docking.behaviors.smooth import Gains, steer
+from docking.behaviors.smooth import steer
 from docking.core.geometry import Pose, normalize_angle
+from docking.parameters import Gains
 
 ANGLES = st.floats(-math.pi, math.pi)
 POSES = st.builds(Pose, st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), ANGLES)
@@ -24,7 +25,7 @@ def test_it_turns_to_the_side_of_the_target() -> None:
 
 def test_it_is_the_papers_equation() -> None:
     # r = 2, theta = pi/4, delta = pi/6, with k1 = 1 and k2 = 3
-    steering = steer(Pose(0.0, 0.0, math.pi / 6), Pose(2.0, 0.0, math.pi / 4), Gains(k1=1.0, k2=3.0))
+    steering = steer(Pose(0.0, 0.0, math.pi / 6), Pose(2.0, 0.0, math.pi / 4), Gains(k_phi=1.0, k_delta=3.0))
     theta, delta = math.pi / 4, math.pi / 6
     law = 3.0 * (delta + math.atan(theta)) + (1.0 + 1.0 / (1.0 + theta**2)) * math.sin(delta)
     assert steering.curvature == pytest.approx(-law / 2.0)
