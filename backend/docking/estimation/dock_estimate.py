@@ -19,7 +19,7 @@ NOISE_LIMITS = (0.5, 8.0)
 """How many times these the measured noise may be."""
 TRUST = 5
 """How many measurements of the noise the assumption counts as."""
-MEASURED = 25
+MEASURED = 60
 """Detections from which the noise is measured: their median, since a third may be wrong."""
 MEDIAN_2, MEDIAN_1 = 1.386, 0.455
 """Median of the sum of two squared standard normal variables, and of one."""
