@@ -168,4 +168,5 @@ class GatewayWithTokens(Gateway):
         create = (str(self._prefix / "bin/dock-gateway"), "token", "create", "benchmark", "--role", "admin")
         secret = subprocess.run(create, env=environment, check=True, capture_output=True, text=True).stdout.strip()
         self._headers = {"Authorization": f"Bearer {secret}"}
-        return {"DOCK_GATEWAY_AUTHENTICATION": "true"}
+        limits = {"DOCK_GATEWAY_MAX_STREAMS_PER_USER": "2000", "DOCK_GATEWAY_MAX_GOALS_PER_MINUTE": "10000"}
+        return {"DOCK_GATEWAY_AUTHENTICATION": "true", **limits}
