@@ -130,6 +130,24 @@ def test_a_callback_that_hangs_cannot_keep_the_process(domain: int, observer: Ob
         wait_until(lambda: wheels.zeros >= ZEROS, "zero velocity, several times")
 
 
+HANGING_MIDDLEWARE = """
+import sys, time
+from docking.nodes import dock_server
+from docking.ros import node, process, server_process
+server_process.EXIT_TIMEOUT = 2.0
+node.ActionNode.destroy_node = lambda self: time.sleep(600)
+process.StopSignals.wait = lambda self: 1
+sys.exit(dock_server.main())
+"""
+
+
+def test_a_middleware_that_hangs_cannot_keep_the_process(domain: int) -> None:
+    with Process(sys.executable, "-c", HANGING_MIDDLEWARE, env=ros_environment(domain)) as server:
+        assert server.wait() == 1
+        assert "Timeout (0:00:02)!" in server.output
+        assert "in <lambda>" in server.output
+
+
 def test_names_namespaces_and_parameters_come_from_the_command_line(domain: int, observer: Observer) -> None:
     arguments = (
         *("-r", "__ns:=/robot1"),

@@ -1,5 +1,6 @@
 """A process of servers that drive one robot, with the battery subscriber they need."""
 
+import faulthandler
 import time
 from collections.abc import Callable, Sequence
 from concurrent import futures
@@ -17,6 +18,8 @@ CLOSE_TIMEOUT = 0.8
 HOLD_TIME = 0.5
 """Seconds for which zero velocity is repeated, and in which results go out."""
 HOLD_PERIOD = 0.05
+EXIT_TIMEOUT = 15.0
+"""Seconds after the signal in which the process must be gone; then it ends itself and says what it waited for."""
 
 
 def serve(make_servers: Callable[[Battery, Context], Sequence[ActionNode[Any]]], args: Sequence[str] | None) -> int:
@@ -47,6 +50,7 @@ def serve(make_servers: Callable[[Battery, Context], Sequence[ActionNode[Any]]],
             try:
                 signals.wait()
             finally:
+                faulthandler.dump_traceback_later(EXIT_TIMEOUT, exit=True)  # needs neither the lock of Python nor DDS
                 _close(servers, spinner)
         return 0 if spinner.failure is None else 1
 
