@@ -29,6 +29,7 @@ from docking.ros.active_goal import ActiveGoal, Execution
 from docking.ros.battery_subscriber import BATTERY_TOPIC, battery_message
 from docking.ros.clock import ClockWatch, control_time
 from docking.ros.diagnostics import Diagnostics
+from docking.ros.dock_calibrator import DockCalibrator
 from docking.ros.footprint import FootprintPublisher
 from docking.ros.parameters import declare_parameters
 from docking.ros.poses import PosePublishers
@@ -122,6 +123,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._sensors = Sensors(self, self._repeat_report)
         self._poses = PosePublishers(self)
         self._footprint = FootprintPublisher(self)
+        self._calibrator = DockCalibrator(self, battery, lambda: self._active_goal.running is not None)
         declare_parameters(self, spec.settings, self._take_over)
         self._drive = Drive(self)
         self._diagnostics = Diagnostics(self, spec.action_name)
@@ -188,7 +190,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         if self._spec.outline is not None:
             self._footprint.publish(self._spec.outline(self._settings))
         if self._running is None:
-            self._poses.switch(on=Sensor.MARKER in self._spec.needs(self._settings))
+            by_marker = Sensor.MARKER in self._spec.needs(self._settings)
+            self._poses.switch(on=by_marker)
+            self._calibrator.switch(on=by_marker)
 
     # A goal comes: it is decided on, accepted, executed.
 
@@ -366,6 +370,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         The node must be spun for another moment, for the goal's result to go out.
         """
         self._closing = True
+        self._calibrator.close()
         running = self._running
         if running is not None:
             self._end(running.goal.abort(ErrorCode.SHUTTING_DOWN, "the action server is shutting down"))

@@ -1,0 +1,141 @@
+"""Where a docked robot stands as seen from the marker, measured while it stands on its dock."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from statistics import fmean, median, stdev
+
+from docking.core.geometry import Pose, normalize_angle
+from docking.core.observation import Observation
+
+SHORTEST, LONGEST = 3.0, 10.0
+"""Seconds that a measurement takes: until it is good, but no longer."""
+FEWEST = 10
+"""Detections that there must be."""
+GOOD, TOLERABLE = (0.001, math.radians(0.2)), (0.005, math.radians(1.0))
+"""Standard error of the mean, in m and rad, that ends the measurement; and that is still accepted at its end."""
+MOVED = (0.005, math.radians(1.0))
+"""How far, in m and rad, the robot may be moved meanwhile: odometry of some bases drifts at a standstill."""
+SILENT = 2.0
+"""For how long, in s, nothing may tell that the robot stands still."""
+OUTLIER = 4.0
+"""Detections farther from the median than this, in standard deviations, are left out."""
+MAD = 1.4826
+"""A standard deviation as a multiple of the median absolute deviation, for normal noise."""
+AGREEING = 0.6
+"""The part of the detections that must agree."""
+
+
+class CalibrationError(Exception):
+    """There is no result; the text says why, as a sentence."""
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """The result.
+
+    Attributes:
+        docked: base_link in the marker's frame.
+        count: Detections that it is the mean of.
+        seconds: How long it took.
+        distance_noise: Standard deviation of one detection, for each coordinate, in m.
+        angle_noise: The same of its angle, in rad.
+    """
+
+    docked: Pose
+    count: int
+    seconds: float
+    distance_noise: float
+    angle_noise: float
+
+
+class DockCalibration:
+    """A measurement, step by step, of a robot that stands on its dock."""
+
+    def __init__(self, started_at: float) -> None:
+        """Begin.
+
+        Args:
+            started_at: Seconds of the clock that observations have.
+        """
+        self._started_at = self._taken_at = started_at
+        self._start: Pose | None = None
+        self._seen: list[Pose] = []  # base_link in the marker's frame
+
+    def step(self, observation: Observation) -> Calibration | None:
+        """Take notice.
+
+        Args:
+            observation: What is known now.
+
+        Returns:
+            The result; None while the measurement goes on.
+
+        Raises:
+            CalibrationError: There is none.
+        """
+        lapse = observation.now - self._started_at
+        self._check_standstill(observation)
+        marker = observation.marker
+        if self._start is not None and marker is not None and marker.stamp > self._taken_at:
+            self._taken_at = marker.stamp
+            self._seen.append(self._start.relative_to(marker.pose))
+        if lapse < SHORTEST or (len(self._seen) < FEWEST and lapse < LONGEST):
+            return None
+        return self._conclude(lapse)
+
+    def _check_standstill(self, observation: Observation) -> None:
+        """Raise CalibrationError where the robot does not stand still for sure."""
+        odometry = observation.odometry
+        if observation.now - (self._started_at if odometry is None else odometry.stamp) > SILENT:
+            raise CalibrationError("there is no odometry, so nothing tells that the robot stands still")
+        if odometry is None:
+            return
+        if self._start is None:
+            self._start = odometry.pose
+        moved = odometry.pose.relative_to(self._start)
+        if math.hypot(moved.x, moved.y) > MOVED[0] or abs(moved.theta) > MOVED[1]:
+            raise CalibrationError("the robot moved: it must stand still on its dock")
+
+    def _conclude(self, lapse: float) -> Calibration | None:
+        if len(self._seen) < FEWEST:
+            seen = f"only {len(self._seen)} times" if self._seen else "not"
+            raise CalibrationError(
+                f"the marker was {seen} detected within {lapse:.0f} s; {FEWEST} detections are needed"
+            )
+        agreeing = _without_outliers(self._seen)
+        count, first = len(agreeing), agreeing[0].theta
+        xs, ys = [one.x for one in agreeing], [one.y for one in agreeing]
+        turns = [normalize_angle(one.theta - first) for one in agreeing]
+        distance_noise, angle_noise = max(stdev(xs), stdev(ys)), stdev(turns)
+        errors = (distance_noise / math.sqrt(count), angle_noise / math.sqrt(count))
+        agreed = count >= AGREEING * len(self._seen)
+        if lapse < LONGEST and not (agreed and errors[0] <= GOOD[0] and errors[1] <= GOOD[1]):
+            return None
+        if not agreed or errors[0] > TOLERABLE[0] or errors[1] > TOLERABLE[1]:
+            raise CalibrationError(
+                f"the detections spread too much: by {1000.0 * distance_noise:.0f} mm and"
+                f" {math.degrees(angle_noise):.1f}° (standard deviation), and {len(self._seen) - count} of"
+                f" {len(self._seen)} were left out"
+            )
+        docked = Pose(fmean(xs), fmean(ys), normalize_angle(first + fmean(turns)))
+        return Calibration(docked, count, lapse, distance_noise, angle_noise)
+
+
+def _without_outliers(poses: Sequence[Pose]) -> list[Pose]:
+    first = poses[0].theta
+    columns = [[pose.x for pose in poses], [pose.y for pose in poses], [_turn(pose, first) for pose in poses]]
+    middles = [median(column) for column in columns]
+    limits = [
+        OUTLIER * MAD * median(abs(value - middle) for value in column) + 1e-9
+        for column, middle in zip(columns, middles, strict=True)
+    ]
+    return [
+        pose
+        for pose, *values in zip(poses, *columns, strict=True)
+        if all(abs(value - middle) <= limit for value, middle, limit in zip(values, middles, limits, strict=True))
+    ]
+
+
+def _turn(pose: Pose, first: float) -> float:
+    return normalize_angle(pose.theta - first)

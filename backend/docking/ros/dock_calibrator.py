@@ -1,0 +1,140 @@
+"""The service `calibrate_dock`: measures where the docked robot stands, as seen from the marker."""
+
+import math
+from collections.abc import Callable
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from rclpy.service import Service
+from rclpy.task import Future
+from std_srvs.srv import Trigger
+
+from docking.core.battery import Battery
+from docking.core.geometry import Pose
+from docking.core.observation import Observation
+from docking.estimation.calibration import Calibration, CalibrationError, DockCalibration
+from docking.ros.clock import control_time
+from docking.ros.sensors import Sensor, Sensors
+
+SERVICE = "calibrate_dock"
+PARAMETERS = (
+    "external_detection_translation_x",
+    "external_detection_translation_y",
+    "external_detection_rotation_yaw",
+)
+"""What is measured: x, y and theta of the docked robot in the marker's frame."""
+DIGITS = 4
+PERIOD = 0.05
+NEEDED = frozenset({Sensor.ODOMETRY, Sensor.MARKER})
+
+
+class DockCalibrator:
+    """Measures for some seconds, sets the parameters, and answers with them as YAML.
+
+    Nothing moves the robot meanwhile: a goal that arrives ends the measurement. All calls must come from the thread
+    that spins the node.
+    """
+
+    def __init__(self, node: Node, battery: Battery, is_driven: Callable[[], bool]) -> None:
+        """Start without the service.
+
+        Args:
+            node: The node that has the parameters.
+            battery: Where the battery subscriber puts its readings.
+            is_driven: Whether a goal of any server drives the robot.
+        """
+        self._node = node
+        self._battery = battery
+        self._is_driven = is_driven
+        self._service: Service | None = None
+        self._sensors = Sensors(node, lambda: None)
+        self._measurement: DockCalibration | None = None
+        self._ended = Future()
+        self._timer = node.create_timer(PERIOD, self._step, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._timer.cancel()
+        self._group = ReentrantCallbackGroup()  # a second request is refused while the first one waits
+
+    def switch(self, *, on: bool) -> None:
+        """Offer the service or not."""
+        if on and self._service is None:
+            self._service = self._node.create_service(Trigger, SERVICE, self._calibrate, callback_group=self._group)
+        elif not on and self._service is not None:
+            self.close()
+            self._node.destroy_service(self._service)
+            self._service = None
+
+    def close(self) -> None:
+        """End a measurement that goes on."""
+        self._refuse("the server no longer calibrates")
+
+    async def _calibrate(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        if self._is_driven():
+            response.message = "a goal is running: calibrate while the robot stands on its dock"
+        elif self._measurement is not None:
+            response.message = "a calibration is running"
+        else:
+            self._measurement = DockCalibration(control_time(self._node))
+            self._ended = Future()
+            self._sensors.listen_to(NEEDED)
+            self._timer.reset()
+            response.success, response.message = await self._ended
+        if response.success:
+            self._node.get_logger().info(f"The dock is calibrated:\n{response.message}")
+        else:
+            self._node.get_logger().warning(f"The dock is not calibrated: {response.message}")
+        return response
+
+    def _step(self) -> None:
+        if self._measurement is None:
+            return
+        if self._is_driven():
+            self._refuse("a goal has arrived")
+            return
+        observation = self._sensors.observe(self._battery.latest)
+        try:
+            result = self._measurement.step(observation)
+        except CalibrationError as error:
+            self._refuse("; ".join([str(error), *self._sensors.faults.values()]))
+        else:
+            if result is not None:
+                self._take(result, observation)
+
+    def _take(self, result: Calibration, observation: Observation) -> None:
+        docked = result.docked
+        before = Pose(*(self._node.get_parameter(name).value for name in PARAMETERS))
+        values = [round(value, DIGITS) for value in (docked.x, docked.y, docked.theta)]
+        answer = self._node.set_parameters_atomically(
+            [Parameter(name, value=value) for name, value in zip(PARAMETERS, values, strict=True)]
+        )
+        if not answer.successful:
+            self._refuse(f"the measured values {values} cannot be set: {answer.reason}")
+            return
+        noise = f"{1000.0 * result.distance_noise:.0f} mm and {math.degrees(result.angle_noise):.1f}°"
+        remarks = [f"{result.count} detections in {result.seconds:.0f} s; standard deviation {noise}."]
+        if observation.battery is None or not observation.battery.connected:
+            remarks.append("The battery does not charge: check that the robot is on its dock.")
+        remarks.append("The values are in use until the node ends. To keep them, write them into its parameter file.")
+        self._end(True, _yaml(self._node.get_fully_qualified_name(), remarks, values, before))
+
+    def _refuse(self, reason: str) -> None:
+        self._end(False, reason)
+
+    def _end(self, success: bool, message: str) -> None:
+        if self._measurement is None:
+            return
+        self._measurement = None
+        self._timer.cancel()
+        self._sensors.listen_to(frozenset())
+        self._ended.set_result((success, message))
+
+
+def _yaml(node: str, remarks: list[str], values: list[float], before: Pose) -> str:
+    """A parameter file of the values; its comments say how they were before."""
+    lines = [f"# {remark}" for remark in remarks]
+    lines += [f"{node}:", "  ros__parameters:"]
+    for name, value, old in zip(PARAMETERS, values, (before.x, before.y, before.theta), strict=True):
+        lines.append(f"    {name}: {value!r}  # before: {old!r}")
+    return "\n".join(lines)

@@ -1,0 +1,93 @@
+"""The service `calibrate_dock`, over DDS: a server that does not know where its marker is learns it on the dock."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import yaml
+from geometry_msgs.msg import Twist
+from rcl_interfaces.srv import GetParameters
+from std_srvs.srv import Trigger
+
+from docking.core.geometry import Pose
+from docking.simulation.dock import DOCKED
+from tests.support.docking import ABORTED, SUCCEEDED, docking_servers, send_dock_goal
+from tests.support.observer import Observer
+from tests.support.simulator import dock_simulator
+from tests.support.waiting import wait_until
+from tests.system.test_docking_with_simulator import NEAR, Site, assert_docked, look_at
+
+pytestmark = pytest.mark.ros
+
+SERVER = "/connect_to_charging_dock_action_server"
+NAMES = [f"external_detection_{name}" for name in ("translation_x", "translation_y", "rotation_yaw")]
+WRONG = (-0.26, 0.07, 0.1)
+"""Where the docked robot is not."""
+CALIBRATION_TIME = 60.0
+"""Seconds to wait for an answer: it takes 3 s, and the machine may be busy."""
+
+
+@pytest.fixture
+def here(domain: int, observer: Observer) -> Iterator[Site]:
+    wrong = [f"{name}:={value}" for name, value in zip(NAMES, WRONG, strict=True)]
+    with (
+        dock_simulator(domain, f"start_x:={NEAR.x}", f"start_y:={NEAR.y}", f"start_theta:={NEAR.theta}"),
+        docking_servers(domain, "controller:=dock_pose", "max_retries:=0", "wait_charge_timeout:=1.0", *wrong),
+    ):
+        yield look_at(observer)
+
+
+def ask(observer: Observer, kind: Any, name: str, request: Any) -> Any:
+    """Call a service; the future of its answer."""
+    client = observer.call(lambda: observer.node.create_client(kind, name))
+    wait_until(client.service_is_ready, f"the service {name}")
+    return observer.call(lambda: client.call_async(request))
+
+
+def calibrate(observer: Observer) -> Trigger.Response:
+    return observer.result_of(
+        ask(observer, Trigger, "calibrate_dock", Trigger.Request()), "the calibration", CALIBRATION_TIME
+    )
+
+
+def parameters(observer: Observer) -> list[float]:
+    asked = ask(observer, GetParameters, f"{SERVER}/get_parameters", GetParameters.Request(names=NAMES))
+    return [value.double_value for value in observer.result_of(asked, "the parameters").values]
+
+
+@pytest.mark.timeout(240)
+def test_a_server_with_wrong_offsets_docks_after_calibration(here: Site, observer: Observer) -> None:
+    goal = send_dock_goal(observer)
+    while_driving = calibrate(observer)
+    assert (while_driving.success, while_driving.message.partition(":")[0]) == (False, "a goal is running")
+    assert goal.result(60.0).status == ABORTED
+    assert here.controls.status["docked"] == "false"
+
+    here.place(DOCKED)
+    driven = len(here.wheels.messages)
+    first = ask(observer, Trigger, "calibrate_dock", Trigger.Request())
+    assert calibrate(observer).message == "a calibration is running"
+    answer = observer.result_of(first, "the calibration", CALIBRATION_TIME)
+    assert answer.success, answer.message
+    assert all(message == Twist() for message in here.wheels.messages[driven:])
+    values = yaml.safe_load(answer.message)[SERVER]["ros__parameters"]
+    measured = Pose(*(values[name] for name in NAMES)).relative_to(DOCKED)
+    assert measured.distance_to(Pose()) < 0.01
+    assert abs(measured.theta) < 0.02
+    assert parameters(observer) == pytest.approx([values[name] for name in NAMES])
+    for old in WRONG:
+        assert f"# before: {old}" in answer.message
+    assert "write them into its parameter file" in answer.message
+
+    here.place(NEAR)
+    assert send_dock_goal(observer).result(75.0).status == SUCCEEDED
+    assert_docked(here.pose)
+
+
+def test_a_goal_ends_a_calibration(here: Site, observer: Observer) -> None:
+    asked = ask(observer, Trigger, "calibrate_dock", Trigger.Request())
+    goal = send_dock_goal(observer)
+    assert observer.result_of(asked, "the calibration").message == "a goal has arrived"
+    assert goal.accepted
+    assert goal.cancel()
+    assert parameters(observer) == pytest.approx(list(WRONG))
