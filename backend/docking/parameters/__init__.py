@@ -1,0 +1,28 @@
+"""The parameters of the action servers. A new parameter is one more field here; see `core.parameter`."""
+
+from docking.parameters.approach import ApproachSettings, Gains
+from docking.parameters.dock import Dock, Staging
+from docking.parameters.dock_server import ControllerName, DockSettings
+from docking.parameters.limits import BACKWARDS, MotionLimits
+from docking.parameters.receivers import Receivers
+from docking.parameters.server import GoalPolicy, ServerSettings
+from docking.parameters.timeouts import DockTimeouts, Timeouts, UndockTimeouts
+from docking.parameters.undock_server import UndockSettings
+
+__all__ = [
+    "BACKWARDS",
+    "ApproachSettings",
+    "ControllerName",
+    "Dock",
+    "DockSettings",
+    "DockTimeouts",
+    "Gains",
+    "GoalPolicy",
+    "MotionLimits",
+    "Receivers",
+    "ServerSettings",
+    "Staging",
+    "Timeouts",
+    "UndockSettings",
+    "UndockTimeouts",
+]

@@ -1,0 +1,56 @@
+"""Where the docked pose and the staging pose are."""
+
+from dataclasses import dataclass
+
+from docking.core.geometry import Pose
+from docking.core.parameter import number
+
+
+@dataclass(frozen=True, slots=True)
+class Staging:
+    """Where the staging pose is."""
+
+    staging_x_offset: float = number(
+        -0.7,
+        -3.0,
+        -0.3,
+        "m",
+        "Distance from the docked pose to the staging pose along the robot's x axis; negative is in front of the dock.",
+    )
+
+    @property
+    def distance(self) -> float:
+        """Between the docked pose and the staging pose, in m."""
+        return -self.staging_x_offset
+
+    def staging(self, docked: Pose) -> Pose:
+        """Where base_link waits in front of the dock, turned towards it."""
+        return docked.compose(Pose(self.staging_x_offset))
+
+
+@dataclass(frozen=True, slots=True)
+class Dock(Staging):
+    """Where base_link stands when docked, and where it waits in front. The names are nav2's."""
+
+    external_detection_translation_x: float = number(
+        -0.2,
+        -2.0,
+        0.0,
+        "m",
+        "Position of the docked robot relative to the marker or the beacon, along the marker's x axis, "
+        "which points into the dock.",
+    )
+    external_detection_translation_y: float = number(0.0, -1.0, 1.0, "m", "The same, along the marker's y axis.")
+    external_detection_rotation_yaw: float = number(
+        0.0, -3.1416, 3.1416, "rad", "Heading of the docked robot relative to the marker's x axis."
+    )
+
+    def docked(self, marker: Pose) -> Pose:
+        """Where base_link is when docked, in the frame that the marker's pose is given in."""
+        return marker.compose(
+            Pose(
+                self.external_detection_translation_x,
+                self.external_detection_translation_y,
+                self.external_detection_rotation_yaw,
+            )
+        )

@@ -1,0 +1,104 @@
+"""The parameters of the docking action server."""
+
+import enum
+from dataclasses import dataclass, replace
+
+from docking.core.footprint import ROBOT_RADIUS, Footprint, read_footprint, round_footprint
+from docking.core.parameter import choice, group, number, string
+from docking.parameters.approach import ApproachSettings
+from docking.parameters.dock import Dock
+from docking.parameters.receivers import Receivers
+from docking.parameters.server import ServerSettings, find_disorder, find_shortage
+from docking.parameters.timeouts import DockTimeouts
+
+
+class ControllerName(enum.StrEnum):
+    """What drives the robot to its dock."""
+
+    ROTATE = "rotate"
+    DOCK_POSE = "dock_pose"
+    INFRARED = "infrared"
+
+
+@dataclass(frozen=True)
+class DockSettings(ServerSettings):
+    """The parameters of the docking action server."""
+
+    timeouts: DockTimeouts = group(DockTimeouts)
+    controller: ControllerName = choice(
+        ControllerName.ROTATE,
+        "How the robot is driven: turning on the spot as in the tutorial, by the pose of a marker on the "
+        "dock, or by three infrared receivers. Of the parameters about motion, rotate uses rotate_speed alone.",
+    )
+    rotate_speed: float = number(
+        0.15,
+        -2.0,
+        2.0,
+        "rad/s",
+        "Angular velocity of the controller rotate (angular.z); counter-clockwise is positive.",
+    )
+    search_speed: float = number(
+        0.6, 0.05, 4.0, "rad/s", "Angular velocity while the robot searches for the dock. Not below v_angular_min."
+    )
+    external_detection_timeout: float = number(
+        2.0,
+        0.1,
+        60.0,
+        "s",
+        "Time without a detection of the marker or the beacon, during the approach, after which the dock is lost.",
+    )
+    dock: Dock = group(Dock)
+    approach: ApproachSettings = group(ApproachSettings)
+    receivers: Receivers = group(Receivers)
+    robot_radius: float = number(
+        ROBOT_RADIUS, 0.01, 5.0, "m", "Radius of a round robot, around base_link; for maps only."
+    )
+    footprint: str = string(
+        "",
+        "[[x, y], …]",
+        "Outline of a robot that is not round: 3 to 100 points in base_link, in m, in their order around the robot. "
+        "If it is empty, robot_radius counts.",
+        read_footprint,
+    )
+
+    @property
+    def goal_timeouts(self) -> DockTimeouts:
+        """The time limits of a goal with this controller."""
+        if self.controller is ControllerName.ROTATE:
+            return replace(self.timeouts, charge_stable_for=0.0)
+        return self.timeouts
+
+    @property
+    def outline(self) -> Footprint:
+        """The robot from above, in base_link."""
+        return read_footprint(self.footprint) or round_footprint(self.robot_radius)
+
+    def find_conflict(self) -> str | None:
+        """Why these values cannot work together."""
+        receivers, motion = self.receivers, self.motion
+        conflict = super().find_conflict() or find_disorder(
+            "infrared_field_of_view",
+            receivers.infrared_field_of_view,
+            "infrared_receiver_angle",
+            receivers.infrared_receiver_angle,
+        )
+        if conflict is None and receivers.infrared_distance_max < receivers.infrared_distance_min + 0.1:
+            conflict = (
+                f"infrared_distance_max ({receivers.infrared_distance_max:g} m) must be at least 0.1 m above"
+                f" infrared_distance_min ({receivers.infrared_distance_min:g} m)"
+            )
+        if conflict is not None or self.controller is ControllerName.ROTATE:
+            return conflict
+        distance, timeouts = self.dock.distance, self.timeouts
+        slow = min(distance, self.approach.slowdown_radius)
+        fast = distance - slow
+        where = (
+            f"{fast:.3g} m at {motion.v_linear_max:g} m/s (v_linear_max)"
+            f" and {slow:g} m at {motion.v_linear_min:g} m/s (v_linear_min)"
+        )
+        approach = fast / motion.v_linear_max + slow / motion.v_linear_min
+        return (
+            find_disorder("search_speed", self.search_speed, "v_angular_min", motion.v_angular_min)
+            or find_shortage("dock_approach_timeout", timeouts.dock_approach_timeout, approach, where)
+            or self.find_backing_shortage("retry_timeout", timeouts.retry_timeout, distance)
+        )

@@ -1,0 +1,37 @@
+"""How fast the robot may move."""
+
+from dataclasses import dataclass
+
+from docking.core.parameter import number
+
+BACKWARDS = 0.6
+"""The part of v_linear_max that the robot backs with: it does not see where it goes."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotionLimits:
+    """What the robot may do. It stands still or moves between the minimum and the maximum velocities."""
+
+    v_linear_max: float = number(
+        0.26, 0.01, 2.0, "m/s", "Maximum linear velocity, forwards and backwards (linear.x). Not below v_linear_min."
+    )
+    v_linear_min: float = number(
+        0.04,
+        0.005,
+        0.5,
+        "m/s",
+        "Minimum linear velocity: slower commands may not move the base. Also used for the last part before contact.",
+    )
+    v_angular_max: float = number(
+        1.0, 0.05, 4.0, "rad/s", "Maximum angular velocity, in both directions (angular.z). Not below v_angular_min."
+    )
+    v_angular_min: float = number(
+        0.0, 0.0, 1.0, "rad/s", "Minimum angular velocity of a turn on the spot: slower commands may not move the base."
+    )
+    a_linear_max: float = number(0.5, 0.05, 5.0, "m/s²", "Maximum linear acceleration; does not apply to a stop.")
+    a_angular_max: float = number(2.0, 0.1, 20.0, "rad/s²", "Maximum angular acceleration; does not apply to a stop.")
+
+    @property
+    def v_linear_back(self) -> float:
+        """Linear velocity while the robot backs out, in m/s."""
+        return max(self.v_linear_min, BACKWARDS * self.v_linear_max)

@@ -1,0 +1,68 @@
+"""What both action servers have."""
+
+import enum
+from dataclasses import dataclass
+
+from docking.core.parameter import NodeSettings, choice, group, number, switch
+from docking.parameters.limits import BACKWARDS, MotionLimits
+from docking.parameters.timeouts import Timeouts
+
+
+class GoalPolicy(enum.StrEnum):
+    """What happens to a goal that arrives while another one runs."""
+
+    REJECT = "reject"
+    PREEMPT = "preempt"
+
+
+@dataclass(frozen=True)
+class ServerSettings(NodeSettings):
+    """The parameters of both action servers."""
+
+    goal_policy: GoalPolicy = choice(
+        GoalPolicy.REJECT,
+        "What happens to a goal that arrives while another one runs: it is rejected, or it preempts the "
+        "other one, which is aborted.",
+    )
+    autostart: bool = switch(
+        True,
+        "Whether the node configures and activates itself at its start; if not, `ros2 lifecycle set` or a manager "
+        "does.",
+    )
+    timeouts: Timeouts = group(Timeouts)
+    controller_frequency: float = number(
+        20.0, 5.0, 100.0, "Hz", "Rate at which velocities are computed and published; rotate publishes at 10 Hz."
+    )
+    motion: MotionLimits = group(MotionLimits)
+
+    @property
+    def control_period(self) -> float:
+        """Seconds between two velocities."""
+        return 1.0 / self.controller_frequency
+
+    def find_conflict(self) -> str | None:
+        """Why these values cannot work together."""
+        timeouts, motion = self.timeouts, self.motion
+        return (
+            find_disorder(
+                "battery_lost_after", timeouts.battery_lost_after, "battery_stale_after", timeouts.battery_stale_after
+            )
+            or find_disorder("v_linear_max", motion.v_linear_max, "v_linear_min", motion.v_linear_min)
+            or find_disorder("v_angular_max", motion.v_angular_max, "v_angular_min", motion.v_angular_min)
+        )
+
+    def find_backing_shortage(self, name: str, timeout: float, distance: float) -> str | None:
+        """Why a time limit is too short to back out over a distance in m; None where it is not."""
+        speed = self.motion.v_linear_back
+        where = f"{distance:g} m (staging_x_offset) backwards at {speed:.3g} m/s ({BACKWARDS:g} of v_linear_max)"
+        return find_shortage(name, timeout, distance / speed, where)
+
+
+def find_disorder(greater: str, high: float, smaller: str, low: float) -> str | None:
+    """Why two values are in the wrong order; None where they are not."""
+    return None if high >= low else f"{greater} ({high:g}) must not be below {smaller} ({low:g})"
+
+
+def find_shortage(name: str, timeout: float, needed: float, where: str) -> str | None:
+    """Why a time limit is too short for what needs some seconds; None where it is not."""
+    return None if needed <= timeout else f"{name} ({timeout:g} s) is too short: {where} takes {needed:.1f} s"

@@ -1,0 +1,27 @@
+"""The parameters of the undocking action server."""
+
+from dataclasses import dataclass
+
+from docking.core.parameter import group, switch
+from docking.parameters.dock import Staging
+from docking.parameters.server import ServerSettings
+from docking.parameters.timeouts import UndockTimeouts
+
+
+@dataclass(frozen=True)
+class UndockSettings(ServerSettings):
+    """The parameters of the undocking action server."""
+
+    timeouts: UndockTimeouts = group(UndockTimeouts)
+    assume_docked: bool = switch(
+        False,
+        "Whether a robot backs out although nothing tells that it is docked: for bases whose battery never tells that "
+        "it charges. If it is false, the goal is aborted (DOCKED_UNKNOWN).",
+    )
+    staging: Staging = group(Staging)
+
+    def find_conflict(self) -> str | None:
+        """Why these values cannot work together."""
+        return super().find_conflict() or self.find_backing_shortage(
+            "undocking_timeout", self.timeouts.undocking_timeout, self.staging.distance
+        )
