@@ -22,6 +22,7 @@ from dock_gateway.fleet.stop import Stopper
 from dock_gateway.history import GoalFilter, History
 from dock_gateway.notifications.notifier import Notifier
 from dock_gateway.observability.metrics import Metrics
+from dock_gateway.robots.calibration import Calibrations
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
@@ -45,6 +46,7 @@ class Gateway:
     robots: RobotRegistry
     stopper: Stopper
     simulators: Simulators
+    calibrations: Calibrations
     fleet: Fleet
     labels: Labels
     alerts: AlertBoard

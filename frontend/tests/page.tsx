@@ -39,6 +39,11 @@ export function fakeGateway(change: Partial<Gateway> = {}) {
     resetSimulator: vi.fn<Gateway["resetSimulator"]>(async () => {}),
     placeRobot: vi.fn<Gateway["placeRobot"]>(async () => {}),
     switchFault: vi.fn<Gateway["switchFault"]>(async () => {}),
+    calibrationService: vi.fn<Gateway["calibrationService"]>(async () => ({
+      available: false,
+      service: "/calibrate_dock",
+    })),
+    calibrate: vi.fn<Gateway["calibrate"]>(async () => ({ parameters: [], yaml: "" })),
     ...change,
   };
 }

@@ -16,6 +16,7 @@ export const NEEDED = {
   "PUT /simulator/faults/{fault}": "operator",
   "DELETE /stop": "supervisor",
   "POST /battery": "supervisor",
+  "POST /calibration": "supervisor",
   "PUT /robots/label": "supervisor",
   "PUT /automation/rules/{rule_id}": "supervisor",
   "GET /webhooks": "supervisor",

@@ -1,7 +1,20 @@
 import type { Pose } from "../scene/geometry";
 import { CommandError } from "./errors";
 import { deadline, type Http, settle } from "./http";
-import type { BatteryStateInput, Fault, Goal, Publisher, Simulator, StopReport, StopState } from "./types";
+import type {
+  BatteryStateInput,
+  Calibration,
+  CalibrationService,
+  Fault,
+  Goal,
+  Publisher,
+  Simulator,
+  StopReport,
+  StopState,
+} from "./types";
+
+/** The gateway waits up to 18 s for the docking server. */
+const CALIBRATION_TIMEOUT_MS = 25_000;
 
 /**
  * What can be asked of a robot. Each call is one HTTP request: nothing is sent again by itself, because a command
@@ -23,6 +36,9 @@ export interface Gateway {
   resetSimulator(): Promise<void>;
   placeRobot(pose: Pose): Promise<void>;
   switchFault(fault: Fault, active: boolean): Promise<void>;
+  calibrationService(): Promise<CalibrationService>;
+  /** Measures where the docked robot stands, which takes seconds. */
+  calibrate(): Promise<Calibration>;
 }
 
 /**
@@ -90,5 +106,8 @@ export function createGateway(http: Http, robot: string | null = null): Gateway 
         }),
       );
     },
+    calibrationService: () => settle(http.GET("/calibration", options())),
+    calibrate: () =>
+      settle(http.POST("/calibration", { params: { query }, signal: deadline(CALIBRATION_TIMEOUT_MS) })),
   };
 }

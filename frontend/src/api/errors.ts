@@ -45,6 +45,18 @@ const WORDS: Record<string, Words> = {
     advice: "What it was about has ended meanwhile; the list shows what is left.",
   },
   body_too_large: { title: "The request is too large", advice: null },
+  calibration_refused: {
+    title: "The docking server did not calibrate the dock",
+    advice: "Nothing was changed.",
+  },
+  calibration_timeout: {
+    title: "The docking server did not answer",
+    advice: "It may have calibrated the dock: look at its log or its parameters.",
+  },
+  calibration_unavailable: {
+    title: "The docking server does not calibrate",
+    advice: "Start docking_server with the controller dock_pose.",
+  },
   cancel_rejected: {
     title: "The action server refused to cancel",
     advice: "Press Stop: it also publishes zero velocity.",
@@ -181,7 +193,7 @@ export function unreachable(cause: unknown): CommandError {
   const timedOut = cause instanceof DOMException && cause.name === "TimeoutError";
   const code = timedOut ? "gateway_timeout" : "gateway_unreachable";
   const detail = timedOut
-    ? "There was no answer within 12 seconds."
+    ? "There was no answer in time."
     : "The request was NOT delivered, as far as this page knows.";
   return new CommandError(code, WORDS[code]?.title ?? code, detail);
 }

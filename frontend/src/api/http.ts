@@ -22,8 +22,8 @@ async function send(request: Request): Promise<Response> {
 }
 
 /** The signal that ends a request without an answer. */
-export function deadline(): AbortSignal {
-  return AbortSignal.timeout(COMMAND_TIMEOUT_MS);
+export function deadline(timeoutMs = COMMAND_TIMEOUT_MS): AbortSignal {
+  return AbortSignal.timeout(timeoutMs);
 }
 
 interface Answer<Data> {

@@ -33,6 +33,7 @@ export const WHAT_WORDS: Readonly<Record<string, string>> = {
   start_publisher: "Publish battery states",
   stop_publisher: "Stop publishing battery states",
   stop_publishing: "Stop publishing battery states",
+  calibrate_dock: "Calibrate a dock",
   reset_simulator: "Reset the simulator",
   place_robot: "Place the simulated robot",
   switch_fault: "Switch a simulated fault",

@@ -1,4 +1,4 @@
-"""The JSON shapes of robots: battery, stop, alerts, simulator."""
+"""The JSON shapes of robots: battery, stop, alerts, calibration, simulator."""
 
 from datetime import datetime
 from typing import Literal
@@ -188,6 +188,32 @@ class Simulator(Schema):
     docked: bool | None
     battery_publisher: str | None
     real_time_factor: float | None
+
+
+class CalibrationService(Schema):
+    """Whether a robot's docking server offers the service `calibrate_dock`, and the service's full name."""
+
+    available: bool
+    service: str
+
+
+class CalibratedParameter(Schema):
+    """A parameter of the docking server that a calibration has set."""
+
+    name: str
+    value: float
+    before: float
+
+
+class Calibration(Schema):
+    """What a calibration has measured and set.
+
+    `yaml` is a parameter file with these values. The docking server forgets them when it ends, unless they are written
+    into its own parameter file.
+    """
+
+    parameters: list[CalibratedParameter]
+    yaml: str
 
 
 class Measured(Schema):
