@@ -182,6 +182,11 @@ class Settings(BaseSettings):
         "`/stop` publishes zero velocity on it.",
     )
     stop_topic: str = Field("stop_latched", description="Topic of `std_msgs/Bool`: whether a stop is latched.")
+    stop_topics: Annotated[tuple[str, ...], NoDecode] = Field(
+        (),
+        description="More topics of `std_msgs/Bool`, separated by commas, such as that of an emergency stop: `true` on "
+        "one of them stops the robot.",
+    )
     diagnostics_topic: str = Field(
         "/diagnostics",
         description="Topic of `diagnostic_msgs/DiagnosticArray`, on which action servers report why a goal ended.",
@@ -358,7 +363,7 @@ class Settings(BaseSettings):
     )
     heartbeat_interval: Seconds = Field(5.0, description="Seconds between heartbeats on a stream.")
 
-    @field_validator("allowed_hosts", "allowed_origins", "trusted_proxies", mode="before")
+    @field_validator("allowed_hosts", "allowed_origins", "trusted_proxies", "stop_topics", mode="before")
     @classmethod
     def _split_lower(cls, value: object) -> object:
         parts = _split(value)

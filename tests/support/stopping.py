@@ -48,6 +48,12 @@ class FakeTopic:
     async def withdraw(self) -> None:
         self.said.append(None)
 
+    def held_by(self) -> str | None:
+        return None
+
+    def let_go(self) -> None:
+        pass
+
 
 class FakeGoals:
     """The goals of an action; its server answers once `answers` is set, or fails with `error`."""

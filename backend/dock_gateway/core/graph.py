@@ -37,6 +37,7 @@ class Endpoint:
     node: str | None
     type: str
     qos: Quality
+    gid: bytes = b""
 
     def document(self) -> dict[str, Any]:
         """Return the document that the API shows."""

@@ -39,6 +39,12 @@ class LatchTopic(Protocol):
     async def withdraw(self) -> None:
         """Withdraw our last message, so that late subscribers get none from us."""
 
+    def held_by(self) -> str | None:
+        """Return the node, not a gateway, that wants the robot to stand and is there."""
+
+    def let_go(self) -> None:
+        """Forget those who wanted the robot to stand and have left."""
+
 
 class Interlock:
     """Tracks which robots are held by a stop, and publishes it.
@@ -69,6 +75,7 @@ class Interlock:
         self._shown: dict[str, dict[str, Any]] = {}
         self._showing: asyncio.Handle | None = None
         self._echoes: dict[str, asyncio.Task[None]] = {}  # topics that may not show the state
+        self._held_by_others: set[str] = set()  # robots that only others hold, such as an emergency stop
         self._closing = False
         if self._latches.held:
             log.warning(
@@ -136,6 +143,7 @@ class Interlock:
 
     def latch(self, namespace: str, by: str | None = None) -> None:
         """Refuse goals for a robot and those below it from now on. `publish` makes it known."""
+        self._held_by_others.difference_update(self._below(namespace))
         latch = Latch(utc_now(), by)
         new = [name for name in self._below(namespace) if self._latches.latch(name, latch)]
         if new:
@@ -147,11 +155,16 @@ class Interlock:
         """Release the stop of a robot and those below it.
 
         Raises:
-            Conflict: `stop_latched`: a stop of a namespace above holds for it.
+            Conflict: `stop_latched`: a stop of a namespace above, or another node, holds it.
         """
+        for name in self._topics.keys() & self._below(namespace):
+            if (by := self._topics[name].held_by()) is not None:
+                raise Conflict(f"{by} holds {name} stopped: release it there", code="stop_latched")
         over = self._latches.over(namespace)
         if over is not None and not is_under(over, namespace):
             raise Conflict(f"the stop of {over} holds for {namespace}, too: release that", code="stop_latched")
+        for name in self._topics.keys() & self._below(namespace):
+            self._topics[name].let_go()
         held = [name for name in self._below(namespace) if self._let_go(name)]
         if held:
             log.warning("the stop of %s is released", namespace)
@@ -207,7 +220,11 @@ class Interlock:
             received: When the message arrived, on the monotonic clock. A release that arrived before our stop was
                 published cannot refer to it.
         """
+        if latched:
+            self._held_by_others.discard(namespace)
         if self._closing or latched == (namespace in self._latches.held):
+            return
+        if not latched and namespace in self._topics and self._topics[namespace].held_by() is not None:
             return
         if not latched and received <= self._stop_published_at.get(namespace, -math.inf):
             return
@@ -219,7 +236,30 @@ class Interlock:
         self._changed()
         self._echo(namespace)
 
+    def held_by_another(self, namespace: str, by: str | None) -> None:
+        """Hold a robot while another node, such as an emergency stop, wants it.
+
+        That node is heard by the robot itself, so nothing is published. A stop from here holds on after it.
+
+        Args:
+            namespace: The robot.
+            by: The node; None when none wants it any longer.
+        """
+        if self._closing:
+            return
+        if by is not None and self._latches.latch(namespace, Latch(utc_now(), by)):
+            log.warning("%s holds %s stopped", by, namespace)
+            self._held_by_others.add(namespace)
+            for notify in self.on_latch:
+                notify(namespace)
+            self._changed()
+        elif by is None and namespace in self._held_by_others:
+            log.warning("%s is no longer held stopped", namespace)
+            self._let_go(namespace)
+            self._changed()
+
     def _let_go(self, namespace: str) -> bool:
+        self._held_by_others.discard(namespace)
         self._stop_published_at.pop(namespace, None)
         released = self._latches.release(namespace)
         if released:

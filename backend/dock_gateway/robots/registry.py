@@ -15,7 +15,8 @@ from dock_gateway.robots.battery import Battery, BatteryPublisher
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, find_presence
-from dock_gateway.ros.robot_ports import BatteryPort, LatchPort
+from dock_gateway.ros.latch_port import LatchPort
+from dock_gateway.ros.robot_ports import BatteryPort
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
 from dock_gateway.settings import Settings
 
@@ -69,6 +70,9 @@ class RobotRegistry:
         def hear_latch(latched: bool, received: float) -> None:
             self._interlock.heard(namespace, latched=latched, received=received)
 
+        def hear_hold(by: str | None) -> None:
+            self._interlock.held_by_another(namespace, by)
+
         def make() -> Ports:
             battery_topic = settings.resolve(settings.battery_topic, namespace)
             velocity_topic = settings.resolve(settings.cmd_vel_topic, namespace)
@@ -78,7 +82,9 @@ class RobotRegistry:
                 undo.callback(battery_port.close)
                 velocity_port = VelocityPort(self.velocities, velocity_topic)
                 undo.callback(velocity_port.close)
-                ports = battery_port, velocity_port, LatchPort(self._bridge, stop_topic, hear_latch)
+                others = [settings.resolve(name, namespace) for name in settings.stop_topics]
+                latch_port = LatchPort(self._bridge, stop_topic, others, on_latch=hear_latch, on_hold=hear_hold)
+                ports = battery_port, velocity_port, latch_port
                 undo.pop_all()
             return ports
 

@@ -125,7 +125,7 @@ def read_topic(node: Node, name: str) -> Topic:
 
 def _endpoint(info: TopicEndpointInfo) -> Endpoint:
     node = None if info.node_name == UNKNOWN_NODE else _full_name(info.node_name, info.node_namespace)
-    return Endpoint(node, info.topic_type, _quality(info.qos_profile))
+    return Endpoint(node, info.topic_type, _quality(info.qos_profile), bytes(info.endpoint_gid))
 
 
 def _full_name(name: str, namespace: str) -> str:
@@ -167,8 +167,8 @@ class Presence:
 def find_presence(node: Node, topics: Iterable[str], *, stop_topic: str, velocity_topic: str) -> Presence:
     """Find the nodes that may belong to a robot; call it on the ROS thread.
 
-    Every publisher on the robot's stop topic is a gateway: all others only subscribe to it. A DDS program that is not a
-    ROS node counts as present.
+    Who publishes on the robot's stop topic and keeps what it said (transient local) is a gateway. A DDS program that is
+    not a ROS node counts as present.
 
     Args:
         node: Our own node.
@@ -176,7 +176,11 @@ def find_presence(node: Node, topics: Iterable[str], *, stop_topic: str, velocit
         stop_topic: The topic on which gateways publish whether a stop is latched.
         velocity_topic: The topic whose subscribers may move.
     """
-    telling = (endpoint.node for endpoint in read_topic(node, stop_topic).publishers)
+    telling = (
+        endpoint.node
+        for endpoint in read_topic(node, stop_topic).publishers
+        if endpoint.qos.durability == "transient_local"
+    )
     gateways = {node.get_fully_qualified_name(), *(name for name in telling if name is not None)}
     nodes = {f"{namespace.rstrip('/')}/{name}" for name, namespace in node.get_node_names_and_namespaces()}
     talking = (endpoint for topic in topics for endpoint in read_topic(node, topic).publishers)

@@ -182,6 +182,8 @@ class MessageListener(Listener[Subscription]):
         return list(wait_set.get_ready_entities("subscription"))
 
     def _take(self, entity: Subscription) -> bool:
+        if take := getattr(entity.callback, "take", None):
+            return bool(take(entity))
         taken = entity.handle.take_message(entity.msg_type, True)
         if taken is None:
             return False

@@ -1,30 +1,20 @@
-"""The topics around an action: battery state in and out, the stop latch, diagnostics in.
+"""The topics around an action: battery state in and out, diagnostics in.
 
-Ports are created and closed on the ROS thread; their other methods are called on the loop. The latch is published from
-the loop itself, because a stop must not wait for the ROS thread (docs/decisions.md).
+Ports are created and closed on the ROS thread; their other methods are called on the loop.
 """
 
-import time
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from sensor_msgs.msg import BatteryState
-from std_msgs.msg import Bool
 
 from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.ros.bridge import Bridge, guard
 from dock_gateway.ros.messages.codec import codec
-from dock_gateway.ros.qos import LATCHED, LISTEN, TALK
-
-# Nanoseconds after the start of a publish call within which a message's stamp may be our own.
-OWN_WITHIN = 1_000_000_000
-# Nanoseconds that our own message may arrive late, on a busy machine. Mistaken for another gateway's, it might release
-# a stop.
-OWN_REMEMBERED = 20_000_000_000
+from dock_gateway.ros.qos import LISTEN, TALK
 
 # The maximum number of facts about goals and simulators taken from one message.
 MAX_FACTS = 100
@@ -77,66 +67,6 @@ class BatteryPort:
             return self.codec.encode(message)
 
         return await self._bridge.call(publish)
-
-
-class LatchPort:
-    """`std_msgs/Bool` on `stop_latched`: whether a stop is latched for the robot; the last message counts.
-
-    Args:
-        bridge: The bridge to the ROS thread.
-        topic: Absolute name.
-        on_latch: Called on the loop with the value from others, and when it arrived, on the monotonic clock.
-    """
-
-    def __init__(self, bridge: Bridge, topic: str, on_latch: Callable[[bool, float], None]) -> None:
-        self._bridge = bridge
-        self._topic = topic
-        self._own: tuple[tuple[int, int], ...] = ()  # our publish calls; read on the listener's thread
-        self._publisher = self._make_publisher()
-        inbox = bridge.inbox()
-
-        def hear(message: Bool, info: dict[str, Any]) -> None:
-            stamp = info["source_timestamp"]
-            if not any(first <= stamp <= last for first, last in reversed(self._own)):
-                inbox.put(on_latch, message.data, time.monotonic())
-
-        self._subscription = bridge.node.create_subscription(Bool, topic, guard(hear), LATCHED)
-
-    def _make_publisher(self) -> Publisher:
-        return self._bridge.node.create_publisher(Bool, self._topic, LATCHED)
-
-    def close(self) -> None:
-        """Leave the topic."""
-        self._bridge.node.destroy_subscription(self._subscription)
-        self._bridge.node.destroy_publisher(self._publisher)
-
-    def publish(self, *, latched: bool) -> None:
-        """Publish the latch immediately; late subscribers get the last message.
-
-        Raises:
-            Exception: ROS does not take the message.
-        """
-        first = time.time_ns()
-        before = tuple(own for own in self._own if own[1] > first - OWN_REMEMBERED)
-        self._own = (*before, (first, first + OWN_WITHIN))  # it may arrive before the end is known
-        try:
-            self._publisher.publish(Bool(data=latched))
-        finally:
-            self._own = (*before, (first, time.time_ns()))
-
-    async def withdraw(self) -> None:
-        """Replace the publisher, so that late subscribers no longer get our last message.
-
-        Raises:
-            Unavailable: The ROS thread is down.
-        """
-
-        def withdraw() -> None:
-            # Create the new publisher first: the loop may publish at any time.
-            old, self._publisher = self._publisher, self._make_publisher()
-            self._bridge.node.destroy_publisher(old)
-
-        await self._bridge.call(withdraw, even_late=True)
 
 
 class DiagnosticsPort:

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
@@ -24,6 +24,7 @@ from std_srvs.srv import SetBool, Trigger
 from docking.core.geometry import Pose
 from docking.core.observation import Velocity
 from docking.goal.report import Level
+from docking.parameters import read_topics
 from docking.ros.geometry import pose_from, stamped_pose
 from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
@@ -123,10 +124,14 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             overriding = QoSOverridingOptions.with_default_policies()
             self.create_subscription(message_type, topic, callback, qos, qos_overriding_options=overriding, **more)
 
-        subscribe(Twist, "cmd_vel", self._drive, LATEST)
+        if self._settings.enable_stamped_cmd_vel:
+            subscribe(TwistStamped, "cmd_vel", lambda message: self._drive(message.twist), LATEST)
+        else:
+            subscribe(Twist, "cmd_vel", self._drive, LATEST)
         subscribe(BatteryState, "battery_status", self._hear_battery, LATEST, raw=True)
         subscribe(PoseWithCovarianceStamped, "initialpose", self._place, 10)
         self._stops = StopListener(self, self._obey_stop)
+        self._stops.listen_to(read_topics(self._settings.stop_topics))
 
     # What is said to the robot.
 

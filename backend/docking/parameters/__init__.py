@@ -5,7 +5,7 @@ from docking.parameters.dock import Dock, Staging
 from docking.parameters.dock_server import ControllerName, DockSettings
 from docking.parameters.limits import BACKWARDS, MotionLimits
 from docking.parameters.receivers import Receivers
-from docking.parameters.server import GoalPolicy, ServerSettings
+from docking.parameters.server import GoalPolicy, ServerSettings, StampedCmdVel, read_topics
 from docking.parameters.timeouts import DockTimeouts, Timeouts, UndockTimeouts
 from docking.parameters.undock_server import UndockSettings
 
@@ -22,7 +22,9 @@ __all__ = [
     "Receivers",
     "ServerSettings",
     "Staging",
+    "StampedCmdVel",
     "Timeouts",
     "UndockSettings",
     "UndockTimeouts",
+    "read_topics",
 ]

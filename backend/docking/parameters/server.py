@@ -1,11 +1,14 @@
 """What both action servers have."""
 
 import enum
+import re
 from dataclasses import dataclass
 
-from docking.core.parameter import NodeSettings, choice, group, number, switch
+from docking.core.parameter import NodeSettings, choice, group, number, string, switch
 from docking.parameters.limits import BACKWARDS, MotionLimits
 from docking.parameters.timeouts import Timeouts
+
+TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
 
 
 class GoalPolicy(enum.StrEnum):
@@ -13,6 +16,28 @@ class GoalPolicy(enum.StrEnum):
 
     REJECT = "reject"
     PREEMPT = "preempt"
+
+
+class StampedCmdVel(enum.StrEnum):
+    """Whether velocities have a stamp."""
+
+    AUTO = "auto"
+    """As the subscribers of `cmd_vel` want it, without one while there are none."""
+    TRUE = "true"
+    FALSE = "false"
+
+
+def read_topics(text: str) -> tuple[str, ...]:
+    """Read names of topics, separated by commas.
+
+    Raises:
+        ValueError: One of them is no name; the error is a sentence's second half.
+    """
+    names = tuple(part.strip() for part in text.split(",") if part.strip())
+    for name in names:
+        if not TOPIC.fullmatch(name):
+            raise ValueError(f"has {name!r}, which is no name of a topic")
+    return names
 
 
 @dataclass(frozen=True)
@@ -34,6 +59,18 @@ class ServerSettings(NodeSettings):
         20.0, 5.0, 100.0, "Hz", "Rate at which velocities are computed and published; rotate publishes at 10 Hz."
     )
     motion: MotionLimits = group(MotionLimits)
+    enable_stamped_cmd_vel: StampedCmdVel = choice(
+        StampedCmdVel.AUTO,
+        "Whether cmd_vel is a TwistStamped: as its subscribers want it, or always, or never. `true` and `false` may be "
+        "booleans.",
+    )
+    stop_topics: str = string(
+        "",
+        "topic, topic, …",
+        "More topics like stop_latched (std_msgs/Bool), such as that of an emergency stop, separated by commas; true "
+        "on any of them stops the robot.",
+        read_topics,
+    )
 
     @property
     def control_period(self) -> float:

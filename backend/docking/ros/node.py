@@ -23,7 +23,7 @@ from docking.goal.admission import Purpose, admit
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Command, End, Goal, Outcome
 from docking.goal.report import Report, report_on
-from docking.parameters import ServerSettings
+from docking.parameters import ServerSettings, read_topics
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
 from docking.ros.active_goal import ActiveGoal, Execution
 from docking.ros.battery_subscriber import BATTERY_TOPIC, battery_message
@@ -186,7 +186,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             self.executor.create_task(self._show)
 
     def _show(self) -> None:
-        """Publish what follows from the parameters alone."""
+        """Carry out what follows from the parameters alone, also while a goal runs."""
+        self._stops.listen_to(read_topics(self._settings.stop_topics))
+        self._drive.publisher.mode = self._settings.enable_stamped_cmd_vel
         if self._spec.outline is not None:
             self._footprint.publish(self._spec.outline(self._settings))
         if self._running is None:

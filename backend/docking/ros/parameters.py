@@ -12,6 +12,10 @@ from docking.core.parameter import NodeSettings, Parameter, from_values, paramet
 S = TypeVar("S", bound=NodeSettings)
 
 
+TRUTH = {"true", "false"}
+"""A choice with these two takes booleans, too, as a command line and a YAML file take the words for such."""
+
+
 def _descriptor(parameter: Parameter) -> ParameterDescriptor:
     constraints = f"in {parameter.unit}" if parameter.unit else parameter.form
     if parameter.choices:
@@ -20,6 +24,8 @@ def _descriptor(parameter: Parameter) -> ParameterDescriptor:
     limits = {"from_value": parameter.minimum, "to_value": parameter.maximum}
     if isinstance(parameter.default, float):
         descriptor.floating_point_range = [FloatingPointRange(**limits)]
+    elif set(parameter.choices) >= TRUTH:
+        descriptor.dynamic_typing = True
     elif parameter.minimum is not None:
         descriptor.integer_range = [IntegerRange(**limits, step=1)]
     return descriptor
@@ -43,7 +49,9 @@ def declare_parameters(node: Node, kind: type[S], on_change: Callable[[S], None]
     declared = False
 
     def known(changes: list[RosParameter]) -> dict[str, object]:
-        return {change.name: change.value for change in changes if change.name in parameters}
+        found = {change.name: change.value for change in changes if change.name in parameters}
+        truths = {name for name, value in found.items() if isinstance(value, bool) and parameters[name].choices}
+        return found | {name: str(found[name]).lower() for name in truths}
 
     def find_fault(changed: dict[str, object]) -> str | None:
         for name, value in changed.items():

@@ -12,6 +12,7 @@ from rclpy.waitable import NumberOfEntities, Waitable
 from std_msgs.msg import Bool
 
 from docking.core.stop_votes import StopVotes
+from docking.ros.endpoint import node_name
 from docking.ros.taking import take_bool
 
 TOPIC = "stop_latched"
@@ -134,8 +135,8 @@ class StopListener:
         publishers = self._node.get_publishers_info_by_topic(topic)
         listeners = self._node.get_subscriptions_info_by_topic(topic)
         self._votes[topic].look(
-            {bytes(info.endpoint_gid): _node_name(info) for info in publishers},
-            {_node_name(info) for info in listeners},
+            {bytes(info.endpoint_gid): node_name(info) for info in publishers},
+            {node_name(info) for info in listeners},
         )
 
     def _update(self) -> None:
@@ -147,10 +148,3 @@ class StopListener:
 
 def _ignore(_: Bool) -> None:
     """Take nothing: `_Ear` does."""
-
-
-def _node_name(info: Any) -> str:
-    """The full name of an endpoint's node; empty until ROS knows it."""
-    if info.node_name.startswith("_NODE_NAME_UNKNOWN_"):
-        return ""
-    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"

@@ -1,6 +1,5 @@
 """`cmd_vel`, in the type that its subscribers take: geometry_msgs/Twist, geometry_msgs/TwistStamped, or both."""
 
-import enum
 from collections.abc import Set as AbstractSet
 from typing import Any
 
@@ -14,19 +13,12 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.signals import SignalHandlerOptions
 
 from docking.core.observation import Velocity
+from docking.parameters import StampedCmdVel
+from docking.ros.endpoint import node_name
 
 TOPIC = "cmd_vel"
 TYPES: dict[str, type] = {"geometry_msgs/msg/Twist": Twist, "geometry_msgs/msg/TwistStamped": TwistStamped}
 PLAIN, STAMPED = TYPES
-
-
-class StampedCmdVel(enum.StrEnum):
-    """Whether velocities have a stamp: the parameter `enable_stamped_cmd_vel`."""
-
-    AUTO = "auto"
-    """As the subscribers of `cmd_vel` want it, without one while there are none."""
-    TRUE = "true"
-    FALSE = "false"
 
 
 def choose_types(mode: StampedCmdVel, subscribed: AbstractSet[str], published: AbstractSet[str]) -> frozenset[str]:
@@ -90,8 +82,7 @@ class VelocityPublisher:
     def _wanted(self) -> frozenset[str]:
         subscribed: dict[str, set[str]] = {}
         for subscriber in self._node.get_subscriptions_info_by_topic(TOPIC):
-            name = f"{subscriber.node_namespace.rstrip('/')}/{subscriber.node_name}"
-            subscribed.setdefault(subscriber.topic_type, set()).add(name)
+            subscribed.setdefault(subscriber.topic_type, set()).add(node_name(subscriber) or "a node")
         wanted = choose_types(self.mode, subscribed.keys(), self._publishers.keys())
         self._deaf = {name: nodes for name, nodes in subscribed.items() if name not in wanted}
         return wanted

@@ -1,8 +1,9 @@
-"""The parameters of the node `dock_simulator`: those of the model, and three of the node."""
+"""The parameters of the node `dock_simulator`: those of the model, and those of the node."""
 
 from dataclasses import dataclass
 
-from docking.core.parameter import NodeSettings, group, number
+from docking.core.parameter import NodeSettings, group, number, string, switch
+from docking.parameters import read_topics
 from docking.simulation.simulation import Settings
 
 
@@ -25,4 +26,13 @@ class SimulatorSettings(NodeSettings):
         "Time without messages of other nodes on battery_status after which the simulated battery is published again.",
     )
     seed: int = number(0, 0, 2**31 - 1, "", "Seed of the random number generator.")
+    enable_stamped_cmd_vel: bool = switch(
+        False, "Whether the base subscribes to cmd_vel as TwistStamped; applies at the next start."
+    )
+    stop_topics: str = string(
+        "",
+        "topic, topic, …",
+        "More topics like stop_latched, separated by commas, which the base obeys; applies at the next start.",
+        read_topics,
+    )
     settings: Settings = group(Settings)

@@ -30,6 +30,7 @@ class FakeTopic:
 
     def __init__(self) -> None:
         self.said: list[bool | None] = []
+        self.holder: str | None = None
         self.others: list[Interlock] = []
         self.failures = 0
 
@@ -43,6 +44,12 @@ class FakeTopic:
 
     async def withdraw(self) -> None:
         self.said.append(None)
+
+    def held_by(self) -> str | None:
+        return self.holder
+
+    def let_go(self) -> None:
+        pass
 
 
 class Gateway:
@@ -359,3 +366,42 @@ async def test_a_stop_that_comes_while_a_release_is_withdrawn_is_said(
     hear(interlock, latched=False)
     await settle()
     assert topic.said == [True, None, True]
+
+
+async def test_an_emergency_stop_holds_the_robot_until_it_is_released_there(pair: tuple[Gateway, Gateway]) -> None:
+    gateway, _ = pair
+    gateway.topic.holder = "/e_stop"
+    gateway.interlock.held_by_another("/", "/e_stop")
+    assert gateway.interlock.holds("/robot")
+    assert gateway.interlock.requested_by("/") == "/e_stop"
+    with pytest.raises(Conflict, match="/e_stop holds / stopped"):
+        await gateway.interlock.release("/")
+    gateway.topic.holder = None
+    gateway.interlock.held_by_another("/", None)
+    assert not gateway.interlock.holds("/")
+    await settle()
+    assert gateway.topic.said == []  # the robot hears the emergency stop itself
+
+
+async def test_a_stop_outlasts_that_of_another_node(pair: tuple[Gateway, Gateway]) -> None:
+    gateway, _ = pair
+    gateway.interlock.held_by_another("/", "/e_stop")
+    gateway.interlock.latch("/", "Ada")
+    gateway.interlock.held_by_another("/", None)
+    assert gateway.interlock.holds("/")
+    await gateway.interlock.release("/")
+    assert not gateway.interlock.holds("/")
+
+
+async def test_a_release_at_another_gateway_does_not_overrule_an_emergency_stop(pair: tuple[Gateway, Gateway]) -> None:
+    gateway, _ = pair
+    gateway.topic.holder = "/e_stop"
+    gateway.interlock.held_by_another("/", "/e_stop")
+    hear(gateway.interlock, latched=True)
+    hear(gateway.interlock, latched=False)
+    assert gateway.interlock.holds("/")
+    gateway.topic.holder = None
+    gateway.interlock.held_by_another("/", None)
+    assert gateway.interlock.holds("/")  # until a gateway releases its own
+    await gateway.interlock.release("/")
+    assert not gateway.interlock.holds("/")

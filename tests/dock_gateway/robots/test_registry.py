@@ -71,7 +71,7 @@ class Scene:
         self.joined: set[str] = set()
         self.robots = RobotRegistry(Settings(), parts, parts, parts, parts)
 
-    def _port(self, _: object, topic: str, *__: object) -> Any:
+    def _port(self, _: object, topic: str, *__: object, **___: object) -> Any:
         self.opened.append(topic)
         return SimpleNamespace(close=lambda: self.closed.append(topic))
 

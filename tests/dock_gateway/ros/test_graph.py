@@ -4,7 +4,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from rclpy.qos import QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from dock_gateway.ros.graph import find_presence
 
@@ -27,16 +27,21 @@ class FakeNode:
         return [(name.rpartition("/")[2], name.rpartition("/")[0] or "/") for name in self.nodes]
 
     def get_publishers_info_by_topic(self, name: str) -> list[Any]:
-        return [endpoint(node) for node in self.publishers[name]]
+        return [endpoint(node, latched="gateway" in node) for node in self.publishers[name]]
 
     def get_subscriptions_info_by_topic(self, name: str) -> list[Any]:
         return [endpoint(node) for node in self.subscribers[name]]
 
 
-def endpoint(node: str) -> Any:
+def endpoint(node: str, *, latched: bool = False) -> Any:
     namespace, _, name = node.rpartition("/")
+    durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
     return SimpleNamespace(
-        node_name=name, node_namespace=namespace or "/", topic_type="std_msgs/msg/Bool", qos_profile=QoSProfile(depth=1)
+        node_name=name,
+        node_namespace=namespace or "/",
+        topic_type="std_msgs/msg/Bool",
+        qos_profile=QoSProfile(depth=1, durability=durability),
+        endpoint_gid=[1] * 16,
     )
 
 
@@ -50,6 +55,7 @@ def endpoint(node: str) -> Any:
         ({}, {BATTERY: [DRIVER]}, False),  # whoever only listens is not the robot
         ({}, {STOP: [DRIVER]}, False),
         ({STOP: ["/gateway3"], BATTERY: ["/gateway3"]}, {}, False),
+        ({STOP: ["/e_stop"]}, {}, True),
         ({STOP: ["_NODE_NAMESPACE_UNKNOWN_/_NODE_NAME_UNKNOWN_"]}, {}, True),
     ],
 )

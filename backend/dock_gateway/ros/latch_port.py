@@ -1,0 +1,174 @@
+"""The stop latch of a robot, `stop_latched`, and those who may stop it, such as emergency stops.
+
+Ports are created and closed on the ROS thread; their other methods are called on the loop. The latch is published from
+the loop itself, because a stop must not wait for the ROS thread (docs/decisions.md).
+"""
+
+import threading
+import time
+from collections.abc import Callable, Iterable
+
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+from std_msgs.msg import Bool
+
+from dock_gateway.core.graph import Endpoint
+from dock_gateway.ros.bridge import Bridge, guard
+from dock_gateway.ros.graph import read_topic
+from dock_gateway.ros.qos import LATCHED, LISTEN
+from dock_gateway.ros.taking import Taken, take_bool
+
+# Nanoseconds after the start of a publish call within which a message's stamp may be our own.
+OWN_WITHIN = 1_000_000_000
+# Nanoseconds that our own message may arrive late, on a busy machine. Mistaken for another gateway's, it might release
+# a stop.
+OWN_REMEMBERED = 20_000_000_000
+
+# A publisher: its topic and the id of the endpoint.
+Voice = tuple[str, bytes]
+
+
+class LatchPort:
+    """`std_msgs/Bool` on `stop_latched`: whether a stop is latched for the robot.
+
+    Gateways keep what they said for late subscribers (transient local), and agree on what the last of them said.
+    Whoever publishes on it without keeping, and everyone on the other topics, such as an emergency stop, holds the
+    robot until it says otherwise, each for itself.
+
+    Args:
+        bridge: The bridge to the ROS thread.
+        topic: Absolute name.
+        others: Absolute names of topics on which only others speak.
+        on_latch: Called on the loop with the value from other gateways, and when it arrived, on the monotonic clock.
+        on_hold: Called on the loop with the node that holds the robot, or None when none does any longer.
+    """
+
+    def __init__(
+        self,
+        bridge: Bridge,
+        topic: str,
+        others: Iterable[str],
+        *,
+        on_latch: Callable[[bool, float], None],
+        on_hold: Callable[[str | None], None],
+    ) -> None:
+        self._bridge = bridge
+        self._on_latch = on_latch
+        self._on_hold = on_hold
+        self._inbox = bridge.inbox()
+        self._lock = threading.Lock()  # guards what follows, which is written on the listener's and the ROS thread
+        self._numbers: dict[Voice, int] = {}  # of the last message of each publisher that is no gateway
+        self._nodes: dict[Voice, str] = {}  # where that is known
+        self._holding: frozenset[Voice] = frozenset()  # those that say true
+        self._gateways: set[bytes] = set()
+        self._topic = topic
+        self._own: tuple[tuple[int, int], ...] = ()  # our publish calls; read on the listener's thread
+        self._publisher = self._make_publisher()
+        self._subscriptions = [
+            self._listen(name, quality) for name in (topic, *others) for quality in (LATCHED, LISTEN)
+        ]
+
+    def _listen(self, topic: str, quality: QoSProfile) -> Subscription:
+        latched = topic == self._topic and quality is LATCHED
+
+        def take(subscription: Subscription) -> bool:
+            taken = take_bool(subscription)
+            if taken is not None:
+                hear(taken, None)
+            return taken is not None
+
+        hear = guard(lambda taken, _: self._hear_gateway(taken) if latched else self._hear_other(topic, taken))
+        hear.take = take  # type: ignore[attr-defined]
+        return self._bridge.node.create_subscription(Bool, topic, hear, quality)
+
+    def _hear_gateway(self, taken: Taken) -> None:
+        self._gateways.add(taken.publisher)
+        if not self._is_own(taken):
+            self._inbox.put(self._on_latch, taken.data, time.monotonic())
+        self._hold((self._topic, taken.publisher), latched=False)  # it was not known for a gateway before
+
+    def _hear_other(self, topic: str, taken: Taken) -> None:
+        publisher = topic, taken.publisher
+        if topic == self._topic and (taken.publisher in self._gateways or self._is_own(taken)):
+            return  # heard by the other subscription
+        if publisher not in self._nodes:
+            endpoint = self._endpoint(publisher)
+            if endpoint is not None and topic == self._topic and endpoint.qos.durability == "transient_local":
+                return
+            if endpoint is not None and endpoint.node is not None:
+                self._nodes[publisher] = endpoint.node
+        if taken.number > self._numbers.get(publisher, -1):
+            self._numbers[publisher] = taken.number
+            self._hold(publisher, latched=taken.data)
+
+    def _is_own(self, taken: Taken) -> bool:
+        return any(first <= taken.stamp_ns <= last for first, last in reversed(self._own))
+
+    def _hold(self, publisher: Voice, *, latched: bool) -> None:
+        """Note what a publisher says, which also replaces what one of the same node said that has left."""
+        node = self._nodes.get(publisher)
+        with self._lock:
+            before = self._holding
+            gone = {
+                other
+                for other in before - {publisher}
+                if node is not None and self._nodes.get(other) == node and self._endpoint(other) is None
+            }
+            self._holding = (before - gone - {publisher}) | ({publisher} if latched else frozenset())
+            if bool(before) != bool(self._holding):
+                self._inbox.put(self._on_hold, self._name(publisher) if latched else None)
+
+    def _endpoint(self, publisher: Voice) -> Endpoint | None:
+        """Return a publisher as the graph has it; None if it has left."""
+        topic, gid = publisher
+        return next((there for there in read_topic(self._bridge.node, topic).publishers if there.gid == gid), None)
+
+    def _name(self, publisher: Voice) -> str:
+        return self._nodes.get(publisher, f"a node on {publisher[0]}")
+
+    def held_by(self) -> str | None:
+        """Return a node that holds the robot and is there, if one does."""
+        return next((self._name(publisher) for publisher in self._holding if self._endpoint(publisher)), None)
+
+    def let_go(self) -> None:
+        """Forget those who held the robot and have left."""
+        with self._lock:
+            self._holding = frozenset(publisher for publisher in self._holding if self._endpoint(publisher))
+
+    def _make_publisher(self) -> Publisher:
+        return self._bridge.node.create_publisher(Bool, self._topic, LATCHED)
+
+    def close(self) -> None:
+        """Leave the topic."""
+        for subscription in self._subscriptions:
+            self._bridge.node.destroy_subscription(subscription)
+        self._bridge.node.destroy_publisher(self._publisher)
+
+    def publish(self, *, latched: bool) -> None:
+        """Publish the latch immediately; late subscribers get the last message.
+
+        Raises:
+            Exception: ROS does not take the message.
+        """
+        first = time.time_ns()
+        before = tuple(own for own in self._own if own[1] > first - OWN_REMEMBERED)
+        self._own = (*before, (first, first + OWN_WITHIN))  # it may arrive before the end is known
+        try:
+            self._publisher.publish(Bool(data=latched))
+        finally:
+            self._own = (*before, (first, time.time_ns()))
+
+    async def withdraw(self) -> None:
+        """Replace the publisher, so that late subscribers no longer get our last message.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+
+        def withdraw() -> None:
+            # Create the new publisher first: the loop may publish at any time.
+            old, self._publisher = self._publisher, self._make_publisher()
+            self._bridge.node.destroy_publisher(old)
+
+        await self._bridge.call(withdraw, even_late=True)

@@ -1,0 +1,93 @@
+"""Docking a robot whose topics are not those of the tutorial."""
+
+import pytest
+from geometry_msgs.msg import TwistStamped
+from std_msgs.msg import Bool
+
+from tests.support.docking import (
+    ABORTED,
+    CANCELED,
+    SUCCEEDED,
+    Reports,
+    docking_servers,
+    send_dock_goal,
+    send_undock_goal,
+)
+from tests.support.gateway import running_gateway
+from tests.support.observer import Observer, ros_observer
+from tests.support.simulator import SimulatorControls, dock_simulator
+from tests.support.waiting import wait_until
+
+pytestmark = pytest.mark.ros
+
+NEAR = "start_x:=-1.2", "start_y:=0.0", "start_theta:=0.0"
+DRIVE = "controller:=dock_pose"
+STOP, GO = Bool(data=True), Bool(data=False)
+
+
+def test_a_base_that_takes_stamped_velocities_docks_and_is_stopped(domain: int, observer: Observer) -> None:
+    stamped = observer.record(TwistStamped, "cmd_vel")
+    base = dock_simulator(domain, *NEAR, "enable_stamped_cmd_vel:=true")
+    with base as simulator, docking_servers(domain, DRIVE) as (dock, _):
+        wait_until(lambda: "TwistStamped" in str(dock._drive.publisher._publishers), "stamped velocities")
+        assert send_dock_goal(observer).result().status == SUCCEEDED
+        stamped.wait_for(lambda message: message.twist.linear.x > 0 and message.header.frame_id == "base_link")
+        wait_until(lambda: simulator._simulation.robot.velocity.linear_x == 0.0, "a standstill")
+
+        with running_gateway(domain) as gateway:
+            gateway.wait_until_ready()
+            undocking = send_undock_goal(observer)
+            stamped.wait_for(lambda message: message.twist.linear.x < 0)
+            with gateway.stream("?include=cmd_vel") as stream:
+                stream.until(lambda e: e["type"] == "cmd_vel" and e["cmd_vel"]["linear"]["x"] < 0)
+                gateway.http.post("/stop").raise_for_status()
+                stream.until(lambda e: e["type"] == "cmd_vel" and e["cmd_vel"]["linear"]["x"] == 0)
+            undocking.result()
+            # The gateway's own zero, not only the servers'.
+            stamped.wait_for(lambda message: message.header.frame_id == "")
+
+
+def test_a_base_that_hears_nothing_is_a_warning(domain: int, observer: Observer) -> None:
+    observer.record(TwistStamped, "cmd_vel")
+    with docking_servers(domain, "enable_stamped_cmd_vel:=false"):
+        reports = Reports(observer)
+
+        def warned() -> bool:
+            return any("/observer as geometry_msgs/msg/TwistStamped" in report["message"] for report in reports.all)
+
+        wait_until(warned, "a warning")
+
+
+def test_emergency_stops_of_others_hold_the_robot(domain: int, observer: Observer) -> None:
+    parameters = (DRIVE, "stop_topics:=e_stop")
+    with (
+        dock_simulator(domain, *NEAR, "stop_topics:=e_stop") as simulator,
+        docking_servers(domain, *parameters),
+        running_gateway(domain, stop_topics="e_stop") as gateway,
+        ros_observer(domain, "scanner") as scanner,
+        scanner.publishing(GO, "stop_latched"),
+    ):
+        gateway.wait_until_ready()
+        with observer.publishing(STOP, "e_stop"):
+            wait_until(lambda: simulator._simulation.halted, "the base to obey")
+            wait_until(lambda: gateway.http.get("/stop").json()["by"] == "/observer", "the gateway to obey")
+            assert not send_dock_goal(observer).accepted
+            refused = gateway.http.delete("/stop")
+            assert (refused.status_code, refused.json()["code"]) == (409, "stop_latched")
+            assert "/observer" in refused.json()["detail"]
+        with observer.publishing(GO, "e_stop"):
+            wait_until(lambda: not simulator._simulation.halted, "the base to go on")
+            wait_until(lambda: not gateway.http.get("/stop").json()["latched"], "the gateway to go on")
+            goal = send_dock_goal(observer)
+            assert goal.accepted
+            observer.publish(STOP, "stop_latched")  # volatile, and only once
+            # By its server, or by the gateway if that is quicker.
+            assert goal.result().status in {ABORTED, CANCELED}
+            wait_until(lambda: simulator._simulation.halted, "the base to obey")
+            wait_until(lambda: gateway.http.get("/stop").json()["latched"], "the gateway to obey")
+
+
+def test_the_status_is_told_before_and_after(domain: int, observer: Observer) -> None:
+    controls = SimulatorControls(observer)
+    with dock_simulator(domain), observer.publishing(STOP, "stop_latched"):
+        controls.wait_for_status(halted="true")
