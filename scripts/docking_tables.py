@@ -1,8 +1,10 @@
 """Writes the tables of parameters in docs/docking.md anew, from the dataclasses that declare the parameters."""
 
+from collections.abc import Iterator
+from itertools import chain
 from pathlib import Path
 
-from docking.core.parameter import NodeSettings, Parameter, parameters_of
+from docking.core.parameter import NodeSettings, Parameter, named_parameters_of, parameters_of
 from docking.parameters import DockSettings, UndockSettings
 from docking.simulation.parameters import SimulatorSettings
 from docking.tutorial.fibonacci import FibonacciSettings
@@ -27,12 +29,22 @@ def row(parameter: Parameter) -> str:
         limits = ", ".join(f"`{choice}`" for choice in parameter.choices)
     if isinstance(default, bool):
         shown = f"`{str(default).lower()}`"
-    elif isinstance(default, str):
+    elif isinstance(default, (str, tuple)):
         shown = f"`{default}`" if default else "empty"
     else:
         shown = f"{default:g}"
-    cells = (f"`{parameter.name}`", TYPES.get(type(default), "string"), parameter.unit, limits, shown, parameter.text)
+    kind = TYPES.get(type(default), "string")
+    if parameter.elements is not None:
+        kind = f"{TYPES.get(parameter.elements, 'string')} array"
+    cells = (f"`{parameter.name}`", kind, parameter.unit, limits, shown, parameter.text)
     return f"| {' | '.join(cells)} |\n".replace("|  |", "| |")
+
+
+def rows(settings: type[NodeSettings]) -> Iterator[str]:
+    """The lines about all parameters of a node; those of each dock have `<dock>` as its name."""
+    parameters = list(parameters_of(settings))
+    values = {parameter.name: parameter.default for parameter in parameters} | {"docks": ("<dock>",)}
+    yield from map(row, chain(parameters, named_parameters_of(settings, values)))
 
 
 def written(page: str) -> str:
@@ -43,7 +55,7 @@ def written(page: str) -> str:
         lines = rest.splitlines(keepends=True)
         while lines and lines[0].startswith("|"):
             del lines[0]
-        page = "".join([before, heading, between, HEAD, *map(row, parameters_of(settings)), *lines])
+        page = "".join([before, heading, between, HEAD, *rows(settings), *lines])
     return page
 
 

@@ -53,9 +53,11 @@ def send_undock_goal(observer: Observer, status: int = 0, action: str = UNDOCK_A
     return observer.send_goal(DisconnectFromChargingDock, action, goal)
 
 
-def send_dock_goal(observer: Observer, status: int = 1, action: str = ACTION) -> GoalOfTest:
-    """Send the tutorial's goal and wait until it is accepted or rejected."""
-    return observer.send_goal(ConnectToChargingDock, action, dock_goal(status))
+def send_dock_goal(observer: Observer, status: int = 1, action: str = ACTION, *, dock: str = "") -> GoalOfTest:
+    """Send the tutorial's goal, to a dock by name, and wait until it is accepted or rejected."""
+    goal = dock_goal(status)
+    goal.desired_battery_state.location = dock
+    return observer.send_goal(ConnectToChargingDock, action, goal)
 
 
 def _with_plan(make_plan: Callable[[DockSettings], Plan]) -> ActionSpec[DockSettings]:

@@ -42,6 +42,8 @@ class ErrorCode(enum.StrEnum):
     """Rejected: another goal is running and goal_policy is `reject`."""
     INVALID_GOAL = "INVALID_GOAL"
     """Rejected: the desired power_supply_status is not one that docking can bring about."""
+    DOCK_NOT_IN_DB = "DOCK_NOT_IN_DB"
+    """Rejected: the goal names a dock that is not one of `docks`."""
     SHUTTING_DOWN = "SHUTTING_DOWN"
     """Rejected or aborted: the action server is ending."""
     STOP_LATCHED = "STOP_LATCHED"
@@ -89,6 +91,7 @@ class ErrorCode(enum.StrEnum):
 
 NUMBERS = {
     ErrorCode.NONE: 0,
+    ErrorCode.DOCK_NOT_IN_DB: 901,
     ErrorCode.FAILED_TO_STAGE: 903,
     ErrorCode.FAILED_TO_DETECT_DOCK: 904,
     ErrorCode.FAILED_TO_CONTROL: 905,
@@ -117,6 +120,7 @@ class DockingError(Exception):
     """Something went wrong on the way to the dock or away from it.
 
     DockingError
+    ├── DockNotInDb
     ├── FailedToStage
     ├── FailedToDetectDock
     ├── FailedToControl
@@ -136,6 +140,13 @@ class DockingError(Exception):
 
     error_code: ClassVar[ErrorCode]
     worth_a_retry: ClassVar[bool] = True
+
+
+class DockNotInDb(DockingError):
+    """The goal names a dock that is not known."""
+
+    error_code = ErrorCode.DOCK_NOT_IN_DB
+    worth_a_retry = False
 
 
 class FailedToStage(DockingError):

@@ -3,7 +3,8 @@
 ROS descriptors and the tables in docs/docking.md are derived from these fields.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, dataclass, field, fields, replace
 from enum import StrEnum
 from typing import Any, TypeVar
@@ -12,7 +13,16 @@ Number = TypeVar("Number", int, float)
 Choice = TypeVar("Choice", bound=StrEnum)
 T = TypeVar("T")
 
-PARAMETER, GROUP, PREFIX = "parameter", "group", "prefix"  # keys of a field's metadata
+NAME = re.compile(r"[A-Za-z0-9_-]+")
+
+PARAMETER, GROUP, PREFIX, NAMES, INHERITED = "parameter", "group", "prefix", "names", "inherited"
+"""Keys of a field's metadata."""
+
+Value = bool | int | float | str | tuple[str, ...] | tuple[float, ...]
+
+
+def _accept(_value: object) -> None:
+    """Find nothing wrong."""
 
 
 @dataclass(frozen=True)
@@ -26,18 +36,24 @@ class Parameter:
         unit: Of a number; empty where it only counts.
         minimum: The least value of a number.
         maximum: The greatest value of a number.
-        form: How a string is written, where it has a form.
-        read: Reads such a string; raises ValueError with a sentence's second half.
+        form: How a string or an array is written, where it has a form.
+        read: Reads a string or an array; raises ValueError with a sentence's second half.
+        elements: The type of an array's elements; None where it is not an array.
+        read_only: Whether it cannot be changed while the node runs.
+        opens: Reads the file that a string names: the defaults of parameters that come later, by their names.
     """
 
     name: str
-    default: bool | int | float | str
+    default: Value
     text: str
     unit: str = ""
     minimum: float | None = None
     maximum: float | None = None
     form: str = ""
-    read: Callable[[str], object] = str
+    read: Callable[[Any], object] = _accept
+    elements: type[str] | type[float] | None = None
+    read_only: bool = False
+    opens: Callable[[str], Mapping[str, Value]] | None = None
 
     @property
     def choices(self) -> tuple[str, ...]:
@@ -49,7 +65,7 @@ class Parameter:
         if self.choices and value not in self.choices:
             return f"{self.name} is {value!r}, but must be one of: {', '.join(self.choices)}"
         try:
-            self.read(str(value))
+            self.read(value)
         except ValueError as error:
             return f"{self.name} {error}"
         return None
@@ -78,14 +94,50 @@ def choice(default: Choice, text: str) -> Choice:
     return _parameter(default, Parameter("", default, text))
 
 
-def string(default: str, form: str, text: str, read: Callable[[str], object] = str) -> str:
+def string(
+    default: str, form: str, text: str, read: Callable[[str], object] = _accept, *, read_only: bool = False
+) -> str:
     """A field that is a parameter: a string of a form that `read` checks."""
-    return _parameter(default, Parameter("", default, text, form=form, read=read))
+    return _parameter(default, Parameter("", default, text, form=form, read=read, read_only=read_only))
+
+
+def file(form: str, text: str, opens: Callable[[str], Mapping[str, Value]]) -> str:
+    """A field that is a parameter: the path of a file which has defaults of later parameters; empty for none."""
+    return _parameter("", Parameter("", "", text, form=form, read_only=True, opens=opens))
+
+
+def names(form: str, text: str) -> tuple[str, ...]:
+    """A field that is a parameter: names of which none comes twice, for `named_groups`."""
+    return _parameter((), Parameter("", (), text, form=form, read=_read_names, elements=str, read_only=True))
+
+
+def numbers(form: str, text: str, read: Callable[[Sequence[float]], object]) -> tuple[float, ...]:
+    """A field that is a parameter: an array of doubles, empty unless it is set."""
+    return _parameter((), Parameter("", (), text, form=form, read=read, elements=float, read_only=True))
 
 
 def group(kind: type[T], prefix: str = "") -> T:
     """A field that is a dataclass of parameters, whose names get a prefix."""
     return field(default_factory=kind, metadata={GROUP: kind, PREFIX: prefix})
+
+
+def named_groups(kind: type[T], names: str, *, inherited: bool = False) -> Mapping[str, T]:
+    """A field that is a dataclass of parameters for each of some names, which come with a dot before its parameters.
+
+    Args:
+        kind: The dataclass.
+        names: The ROS name of the parameter with the names.
+        inherited: Whether the defaults are the values of the parameters that have these names without the prefix.
+    """
+    return field(default_factory=dict, metadata={GROUP: kind, NAMES: names, INHERITED: inherited})
+
+
+def _read_names(value: Sequence[str]) -> None:
+    for name in value:
+        if not NAME.fullmatch(name):
+            raise ValueError(f"has the name {name!r}, but a name consists of letters, digits, - and _")
+        if list(value).count(name) > 1:
+            raise ValueError(f"has the name {name!r} twice")
 
 
 def _name(part: Field[Any]) -> str:
@@ -98,15 +150,36 @@ def _parameter(default: T, parameter: Parameter) -> T:
 
 
 def parameters_of(kind: type[Any], prefix: str = "") -> Iterator[Parameter]:
-    """All parameters of a dataclass and of its groups, in the order of the fields."""
+    """All parameters of a dataclass and of its groups, in the order of the fields; without those of named groups."""
     for part in fields(kind):
+        if NAMES in part.metadata:
+            continue
         if GROUP in part.metadata:
             yield from parameters_of(part.metadata[GROUP], prefix + part.metadata[PREFIX])
         elif PARAMETER in part.metadata:
             yield replace(part.metadata[PARAMETER], name=prefix + _name(part))
 
 
-def from_values(kind: type[T], values: Mapping[str, object], prefix: str = "") -> T:
+def named_parameters_of(kind: type[Any], values: Mapping[str, Any]) -> Iterator[Parameter]:
+    """The parameters of the named groups of a dataclass.
+
+    Args:
+        kind: The dataclass.
+        values: The values of its other parameters, by ROS name.
+    """
+    for part in fields(kind):
+        if NAMES in part.metadata:
+            for name in values[part.metadata[NAMES]]:
+                for parameter in parameters_of(part.metadata[GROUP]):
+                    default = parameter.default
+                    if part.metadata[INHERITED]:
+                        default = type(default)(values[parameter.name])
+                    yield replace(parameter, name=f"{name}.{parameter.name}", default=default)
+        elif GROUP in part.metadata:
+            yield from named_parameters_of(part.metadata[GROUP], values)
+
+
+def from_values(kind: type[T], values: Mapping[str, Any], prefix: str = "") -> T:
     """The dataclass with the values of its parameters; what is no parameter keeps its default.
 
     Args:
@@ -116,7 +189,11 @@ def from_values(kind: type[T], values: Mapping[str, object], prefix: str = "") -
     """
     arguments: dict[str, Any] = {}
     for part in fields(kind):  # type: ignore[arg-type] # a type of a dataclass cannot be written down
-        if GROUP in part.metadata:
+        if NAMES in part.metadata:
+            arguments[part.name] = {
+                name: from_values(part.metadata[GROUP], values, f"{name}.") for name in values[part.metadata[NAMES]]
+            }
+        elif GROUP in part.metadata:
             arguments[part.name] = from_values(part.metadata[GROUP], values, prefix + part.metadata[PREFIX])
         elif PARAMETER in part.metadata:
             value = values[prefix + _name(part)]

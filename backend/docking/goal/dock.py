@@ -24,16 +24,18 @@ class Docking:
 
     docks = True
 
-    def __init__(self, timeouts: DockTimeouts, memory: DockMemory | None = None) -> None:
+    def __init__(self, timeouts: DockTimeouts, memory: DockMemory | None = None, *, dock_type: str = "") -> None:
         """Begin with a battery that does not charge.
 
         Args:
             timeouts: The time limits.
             memory: Where it is noted that the robot is docked.
+            dock_type: The type of its dock.
         """
         self.timeouts = timeouts
         self.max_retries = timeouts.max_retries
         self.memory = memory or DockMemory()
+        self._dock_type = dock_type
         self._connected_since: float | None = None
         self._deadlines = {
             Stage.INITIAL_PERCEPTION: Deadline(
@@ -66,7 +68,10 @@ class Docking:
             return False
         if self._connected_since is None:
             self._connected_since = observation.now
-        return observation.now - self._connected_since >= self.timeouts.charge_stable_for
+        if observation.now - self._connected_since < self.timeouts.charge_stable_for:
+            return False
+        self.memory.dock_type = self._dock_type
+        return True
 
     def holds(self, stage: Stage) -> bool:
         """Whether the battery charges and the robot is not pressing on."""

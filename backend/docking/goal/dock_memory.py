@@ -17,10 +17,12 @@ class DockMemory:
     Attributes:
         docked: Whether the robot was docked at the end of the last goal that tells; None where nothing is known.
         at: Where it stood then, in odom; None where that is not known.
+        dock_type: Of the dock that the last goal has docked it to; empty where there is none.
     """
 
     docked: bool | None = None
     at: Pose | None = None
+    dock_type: str = ""
 
     def note(self, docked: bool, at: Pose | None) -> None:
         """Remember how a goal has ended, and where."""

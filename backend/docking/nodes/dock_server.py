@@ -29,7 +29,7 @@ def _control_period(settings: DockSettings) -> float:
 
 
 def _make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
-    return Goal(make_plan(settings), Docking(settings.goal_timeouts, memory), started_at)
+    return Goal(make_plan(settings), Docking(settings.goal_timeouts, memory, dock_type=settings.dock_type), started_at)
 
 
 DOCK = ActionSpec(
@@ -45,6 +45,8 @@ DOCK = ActionSpec(
     success=("CHARGING...", "Successfully connected to the charging dock!"),
     ends_with_charge=True,
     outline=lambda settings: settings.outline,
+    at_dock=DockSettings.at_dock,
+    dock_types=lambda settings: settings.database.dock_plugins,
 )
 
 

@@ -2,6 +2,7 @@
 
 from docking.parameters.approach import ApproachSettings, Gains
 from docking.parameters.dock import Dock, Staging
+from docking.parameters.dock_database import DockDatabase, DockEntry
 from docking.parameters.dock_server import ControllerName, DockSettings
 from docking.parameters.limits import BACKWARDS, MotionLimits
 from docking.parameters.receivers import Receivers
@@ -14,6 +15,8 @@ __all__ = [
     "ApproachSettings",
     "ControllerName",
     "Dock",
+    "DockDatabase",
+    "DockEntry",
     "DockSettings",
     "DockTimeouts",
     "Gains",

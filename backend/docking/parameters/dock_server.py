@@ -7,6 +7,7 @@ from docking.core.footprint import ROBOT_RADIUS, Footprint, read_footprint, roun
 from docking.core.parameter import choice, group, number, string
 from docking.parameters.approach import ApproachSettings
 from docking.parameters.dock import Dock
+from docking.parameters.dock_database import DockDatabase
 from docking.parameters.receivers import Receivers
 from docking.parameters.server import ServerSettings, find_disorder, find_shortage
 from docking.parameters.timeouts import DockTimeouts
@@ -48,6 +49,7 @@ class DockSettings(ServerSettings):
         "Time without a detection of the marker or the beacon, during the approach, after which the dock is lost.",
     )
     dock: Dock = group(Dock)
+    database: DockDatabase = group(DockDatabase)
     approach: ApproachSettings = group(ApproachSettings)
     receivers: Receivers = group(Receivers)
     robot_radius: float = number(
@@ -61,12 +63,26 @@ class DockSettings(ServerSettings):
         read_footprint,
     )
 
+    dock_type: str = ""  # no parameter: that of the dock that a goal names, see at_dock
+
     @property
     def goal_timeouts(self) -> DockTimeouts:
         """The time limits of a goal with this controller."""
         if self.controller is ControllerName.ROTATE:
             return replace(self.timeouts, charge_stable_for=0.0)
         return self.timeouts
+
+    def at_dock(self, name: str) -> "DockSettings":
+        """The settings for a goal.
+
+        Args:
+            name: The dock that the goal names; may be empty.
+
+        Raises:
+            DockNotInDb: There is no such dock.
+        """
+        kind = self.database.type_of(name)
+        return replace(self, dock=self.database.types.get(kind, self.dock), dock_type=kind)
 
     @property
     def outline(self) -> Footprint:
@@ -87,9 +103,15 @@ class DockSettings(ServerSettings):
                 f"infrared_distance_max ({receivers.infrared_distance_max:g} m) must be at least 0.1 m above"
                 f" infrared_distance_min ({receivers.infrared_distance_min:g} m)"
             )
+        conflict = conflict or self.database.find_fault()
         if conflict is not None or self.controller is ControllerName.ROTATE:
             return conflict
-        distance, timeouts = self.dock.distance, self.timeouts
+        for dock in (self.dock, *self.database.types.values()):
+            conflict = conflict or self._find_shortage(dock.distance)
+        return conflict or find_disorder("search_speed", self.search_speed, "v_angular_min", motion.v_angular_min)
+
+    def _find_shortage(self, distance: float) -> str | None:
+        motion, timeouts = self.motion, self.timeouts
         slow = min(distance, self.approach.slowdown_radius)
         fast = distance - slow
         where = (
@@ -97,8 +119,6 @@ class DockSettings(ServerSettings):
             f" and {slow:g} m at {motion.v_linear_min:g} m/s (v_linear_min)"
         )
         approach = fast / motion.v_linear_max + slow / motion.v_linear_min
-        return (
-            find_disorder("search_speed", self.search_speed, "v_angular_min", motion.v_angular_min)
-            or find_shortage("dock_approach_timeout", timeouts.dock_approach_timeout, approach, where)
-            or self.find_backing_shortage("retry_timeout", timeouts.retry_timeout, distance)
-        )
+        return find_shortage(
+            "dock_approach_timeout", timeouts.dock_approach_timeout, approach, where
+        ) or self.find_backing_shortage("retry_timeout", timeouts.retry_timeout, distance)

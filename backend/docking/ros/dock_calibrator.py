@@ -1,7 +1,7 @@
 """The service `calibrate_dock`: measures where the docked robot stands, as seen from the marker."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock
@@ -38,17 +38,22 @@ class DockCalibrator:
     that spins the node.
     """
 
-    def __init__(self, node: Node, battery: Battery, is_driven: Callable[[], bool]) -> None:
+    def __init__(
+        self, node: Node, battery: Battery, is_driven: Callable[[], bool], find_type: Callable[[], str | None]
+    ) -> None:
         """Start without the service.
 
         Args:
             node: The node that has the parameters.
             battery: Where the battery subscriber puts its readings.
             is_driven: Whether a goal of any server drives the robot.
+            find_type: The type of the dock that the robot is on; empty where there are no types, None if unknown.
         """
         self._node = node
         self._battery = battery
         self._is_driven = is_driven
+        self._find_type = find_type
+        self._names: tuple[str, ...] = PARAMETERS
         self._service: Service | None = None
         self._sensors = Sensors(node, lambda: None)
         self._measurement: DockCalibration | None = None
@@ -75,7 +80,10 @@ class DockCalibrator:
             response.message = "a goal is running: calibrate while the robot stands on its dock"
         elif self._measurement is not None:
             response.message = "a calibration is running"
+        elif (dock_type := self._find_type()) is None:
+            response.message = "there are several types of docks: let a goal dock the robot, to tell which one it is on"
         else:
+            self._names = tuple(f"{dock_type}.{name}" if dock_type else name for name in PARAMETERS)
             self._measurement = DockCalibration(control_time(self._node))
             self._ended = Future()
             self._sensors.listen_to(NEEDED)
@@ -104,10 +112,10 @@ class DockCalibrator:
 
     def _take(self, result: Calibration, observation: Observation) -> None:
         docked = result.docked
-        before = Pose(*(self._node.get_parameter(name).value for name in PARAMETERS))
+        before = Pose(*(self._node.get_parameter(name).value for name in self._names))
         values = [round(value, DIGITS) for value in (docked.x, docked.y, docked.theta)]
         answer = self._node.set_parameters_atomically(
-            [Parameter(name, value=value) for name, value in zip(PARAMETERS, values, strict=True)]
+            [Parameter(name, value=value) for name, value in zip(self._names, values, strict=True)]
         )
         if not answer.successful:
             self._refuse(f"the measured values {values} cannot be set: {answer.reason}")
@@ -117,7 +125,7 @@ class DockCalibrator:
         if observation.battery is None or not observation.battery.connected:
             remarks.append("The battery does not charge: check that the robot is on its dock.")
         remarks.append("The values are in use until the node ends. To keep them, write them into its parameter file.")
-        self._end(True, _yaml(self._node.get_fully_qualified_name(), remarks, values, before))
+        self._end(True, _yaml(self._node.get_fully_qualified_name(), remarks, self._names, values, before))
 
     def _refuse(self, reason: str) -> None:
         self._end(False, reason)
@@ -131,10 +139,10 @@ class DockCalibrator:
         self._ended.set_result((success, message))
 
 
-def _yaml(node: str, remarks: list[str], values: list[float], before: Pose) -> str:
+def _yaml(node: str, remarks: list[str], names: Sequence[str], values: list[float], before: Pose) -> str:
     """A parameter file of the values; its comments say how they were before."""
     lines = [f"# {remark}" for remark in remarks]
     lines += [f"{node}:", "  ros__parameters:"]
-    for name, value, old in zip(PARAMETERS, values, (before.x, before.y, before.theta), strict=True):
+    for name, value, old in zip(names, values, (before.x, before.y, before.theta), strict=True):
         lines.append(f"    {name}: {value!r}  # before: {old!r}")
     return "\n".join(lines)

@@ -16,10 +16,10 @@ from rclpy.context import Context
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 
 from docking.core.battery import Battery
-from docking.core.errors import ErrorCode, Stage
+from docking.core.errors import DockNotInDb, ErrorCode, Stage
 from docking.core.footprint import Footprint
 from docking.core.observation import STANDSTILL
-from docking.goal.admission import Purpose, admit
+from docking.goal.admission import Purpose, Rejection, admit
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Command, End, Goal, Outcome
 from docking.goal.report import Report, report_on
@@ -65,6 +65,8 @@ class ActionSpec(Generic[S]):
         success: What is logged at the end.
         ends_with_charge: Whether a message of a charging battery is looked at as soon as it comes.
         outline: The robot's footprint, by the parameters; None where it is not published.
+        at_dock: The parameters for a goal at a dock, by the dock's name; raises DockNotInDb.
+        dock_types: Types of docks that have parameters of their own.
     """
 
     node_name: str
@@ -79,6 +81,8 @@ class ActionSpec(Generic[S]):
     success: Sequence[str]
     ends_with_charge: bool = False
     outline: Callable[[S], Footprint] | None = None
+    at_dock: Callable[[S, str], S] = lambda settings, _: settings
+    dock_types: Callable[[S], Sequence[str]] = lambda _: ()
 
 
 class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has no types
@@ -123,7 +127,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._sensors = Sensors(self, self._repeat_report)
         self._poses = PosePublishers(self)
         self._footprint = FootprintPublisher(self)
-        self._calibrator = DockCalibrator(self, battery, lambda: self._active_goal.running is not None)
+        self._calibrator = DockCalibrator(
+            self, battery, lambda: self._active_goal.running is not None, self._find_dock_type
+        )
         declare_parameters(self, spec.settings, self._take_over)
         self._drive = Drive(self)
         self._diagnostics = Diagnostics(self, spec.action_name)
@@ -196,6 +202,14 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             self._poses.switch(on=by_marker)
             self._calibrator.switch(on=by_marker)
 
+    def _find_dock_type(self) -> str | None:
+        """The type of the dock that the robot is on; empty where there are no types, None if it is not known."""
+        types = self._spec.dock_types(self._settings)
+        last = self._active_goal.memory.dock_type
+        if last in types:
+            return last
+        return None if len(types) > 1 else "".join(types)
+
     # A goal comes: it is decided on, accepted, executed.
 
     def _decide(self, request: Any) -> GoalResponse:
@@ -210,7 +224,12 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             active=self._active,
         )
         if rejection is None:
-            return GoalResponse.ACCEPT
+            try:
+                self._spec.at_dock(self._settings, request.desired_battery_state.location)
+            except DockNotInDb as error:
+                rejection = Rejection(error.error_code, str(error))
+            else:
+                return GoalResponse.ACCEPT
         goal_id = self._server.deciding_on
         self.get_logger().warning(f"Goal {goal_id} rejected: {rejection.error_msg} [{rejection.error_code.value}]")
         report = report_on(rejection, goal_id)
@@ -226,7 +245,8 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
         self._sensors.listen_to(self._spec.needs(self._settings))
         self._control_timer.timer_period_ns = round(self._spec.control_period(self._settings) * 1e9)
-        goal = self._spec.make_goal(self._settings, self._active_goal.memory, control_time(self))
+        settings = self._spec.at_dock(self._settings, handle.request.desired_battery_state.location)
+        goal = self._spec.make_goal(settings, self._active_goal.memory, control_time(self))
         execution = Execution(handle, goal_id, goal, self._end)
         self._running = self._active_goal.running = execution
         self._stage = Stage.IDLE
