@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
 
+import numpy as np
+import numpy.typing as npt
+
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import Observation
 
@@ -49,7 +52,8 @@ LONGEST_PERIOD = 3.0
 """In s; a longer pause between two detections says nothing of the camera."""
 
 X, Y, THETA, YAW, SCALE = range(5)
-Matrix = list[list[float]]
+POSITION, POSE = (X, Y), (X, Y, THETA)
+Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,8 +98,8 @@ class DockEstimate:
         self._memory = memory
         self._robot: Pose | None = None
         self._now = 0.0
-        self._state: list[float] | None = None
-        self._covariance: Matrix = []
+        self._state: Array | None = None
+        self._covariance: Array = np.zeros((5, 5))
         self._errors: tuple[float, float] = (0.0, 0.0)  # YAW and SCALE, which outlast a new beginning
         self._beginning: deque[tuple[float, Pose]] = deque(maxlen=BEGINNING)
         self._recent: deque[Pose] = deque(maxlen=RECENT)  # in odom: what they were off by
@@ -109,12 +113,13 @@ class DockEstimate:
         """Of the marker in odom; None before it is known."""
         if self._state is None or self._robot is None:
             return None
-        return self._robot.compose(Pose(self._state[X], self._state[Y], normalize_angle(self._state[THETA])))
+        x, y, theta = self._state[:3].tolist()
+        return self._robot.compose(Pose(x, y, normalize_angle(theta)))
 
     @property
     def yaw_bias(self) -> float:
         """The curvature of the way, in rad/m, that odometry does not see."""
-        return self._errors[0] if self._state is None else self._state[YAW]
+        return self._errors[0] if self._state is None else float(self._state[YAW])
 
     def spread(self, docked: Pose) -> Spread:
         """How well the docked pose is known.
@@ -124,11 +129,9 @@ class DockEstimate:
         """
         if self._state is None:
             return Spread()
-        p, heading = self._covariance, self._state[THETA]
-        sin, cos, lever = math.sin(heading), math.cos(heading), docked.x
-        across = sin * sin * p[X][X] - 2.0 * sin * cos * p[X][Y] + cos * cos * p[Y][Y]
-        lateral = across + 2.0 * lever * (cos * p[Y][THETA] - sin * p[X][THETA]) + lever * lever * p[THETA][THETA]
-        return Spread(math.sqrt(max(0.0, lateral)), math.sqrt(p[THETA][THETA]))
+        p, heading = self._covariance[:3, :3], float(self._state[THETA])
+        across = np.array((-math.sin(heading), math.cos(heading), docked.x))
+        return Spread(math.sqrt(max(0.0, float(across @ p @ across))), math.sqrt(p[THETA, THETA]))
 
     def update(self, observation: Observation) -> None:
         """Take over what is new: the way since the last time, and a detection."""
@@ -159,7 +162,7 @@ class DockEstimate:
     def forget(self) -> None:
         """Begin again with the next detections; what was learned of odometry and noise is kept."""
         if self._state is not None:
-            self._errors = (self._state[YAW], self._state[SCALE])
+            self._errors = (float(self._state[YAW]), float(self._state[SCALE]))
         self._state = None
         self.count = 0
         self._beginning.clear()
@@ -172,32 +175,21 @@ class DockEstimate:
         state = self._state
         if last is None or state is None:
             return
-        p = self._covariance
         moved = robot.relative_to(last)
         way = math.hypot(moved.x, moved.y)
         if way > 0.0 or moved.theta != 0.0:
             turn = (1.0 + state[SCALE]) * moved.theta + state[YAW] * moved.x
             cos, sin = math.cos(turn), math.sin(turn)
-            x, y = state[X] - moved.x, state[Y] - moved.y
-            state[X], state[Y], state[THETA] = cos * x + sin * y, cos * y - sin * x, state[THETA] - turn
-            by_turn = (state[Y], -state[X], -1.0)  # what a turn that odometry did not see does
-            change = [
-                [cos, sin, 0.0, by_turn[X] * moved.x, by_turn[X] * moved.theta],
-                [-sin, cos, 0.0, by_turn[Y] * moved.x, by_turn[Y] * moved.theta],
-                [0.0, 0.0, 1.0, -moved.x, -moved.theta],
-                [0.0, 0.0, 0.0, 1.0, 0.0],
-                [0.0, 0.0, 0.0, 0.0, 1.0],
-            ]
-            p = _times(_times(change, p), [list(column) for column in zip(*change, strict=True)])
-            turned = TURN_DRIFT**2 * (way + 0.5 * abs(moved.theta))
-            for row in (X, Y, THETA):
-                for column in (X, Y, THETA):
-                    p[row][column] += by_turn[row] * by_turn[column] * turned
-            p[X][X] += DRIFT**2 * way
-            p[Y][Y] += DRIFT**2 * way
-            self._covariance = p
-        for axis in (X, Y, THETA):
-            p[axis][axis] += CREEP**2 * dt
+            change = np.eye(5)
+            change[:2, :2] = (cos, sin), (-sin, cos)
+            state[:2] = change[:2, :2] @ (state[X] - moved.x, state[Y] - moved.y)
+            state[THETA] -= turn
+            by_turn = np.array((state[Y], -state[X], -1.0))  # what a turn that odometry did not see does
+            change[:3, YAW], change[:3, SCALE] = by_turn * moved.x, by_turn * moved.theta
+            p = self._covariance = change @ self._covariance @ change.T
+            p[:3, :3] += np.outer(by_turn, by_turn) * TURN_DRIFT**2 * (way + 0.5 * abs(moved.theta))
+            p[POSITION, POSITION] += DRIFT**2 * way
+        self._covariance[POSE, POSE] += CREEP**2 * dt
 
     # The marker is seen.
 
@@ -228,38 +220,38 @@ class DockEstimate:
     def _restart(self, marker: Pose, robot: Pose, agreed: int, stamp: float) -> None:
         seen = marker.relative_to(robot)
         if self._state is not None:
-            self._errors = (self._state[YAW], self._state[SCALE])
-        self._state = [seen.x, seen.y, seen.theta, *self._errors]
+            self._errors = (float(self._state[YAW]), float(self._state[SCALE]))
+        self._state = np.array((seen.x, seen.y, seen.theta, *self._errors))
         position, angle = (1.6 * noise / agreed for noise in self._noise(robot.distance_to(marker)))
-        variances = (position, position, angle, YAW_BIAS**2, TURN_SCALE**2)
-        self._covariance = [
-            [value if row == column else 0.0 for column in range(5)] for row, value in enumerate(variances)
-        ]
+        self._covariance = np.diag((position, position, angle, YAW_BIAS**2, TURN_SCALE**2))
         self._assumed = self._scales
         self._recent.clear()
         self.count = agreed
         self.seen_at = stamp
 
-    def _correct(self, state: list[float], marker: Pose, robot: Pose, stamp: float) -> None:
+    def _correct(self, state: Array, marker: Pose, robot: Pose, stamp: float) -> None:
         seen, p = marker.relative_to(robot), self._covariance
         distance = math.hypot(seen.x, seen.y)
-        off = (seen.x - state[X], seen.y - state[Y], normalize_angle(seen.theta - state[THETA]))
+        off = _off(seen, Pose(*state[:3].tolist()))
+        innovation = np.array((off.x, off.y, off.theta))
         position, angle = self._noise(distance)
-        spread = (p[X][X] + position, p[Y][Y] + position, p[THETA][THETA] + angle)
-        known = (position / spread[X], position / spread[Y], angle / spread[THETA])
-        self._learn_noise(Pose(*(one * math.sqrt(part) for one, part in zip(off, known, strict=True))), distance)
-        turned = Pose(0.0, 0.0, robot.theta).compose(Pose(off[X], off[Y]))
-        self._recent.append(Pose(turned.x, turned.y, off[THETA]))
-        error = self._moved((position, angle), (max(spread[:2]), spread[THETA]))
+        noise = np.array((position, position, angle))
+        spread = p.diagonal()[:3] + noise
+        share = np.sqrt(noise / spread)  # of what it is off by that is noise, not doubt of the estimate
+        self._learn_noise(Pose(*(share * innovation).tolist()), distance)
+        turned = Pose(0.0, 0.0, robot.theta).compose(Pose(off.x, off.y))
+        self._recent.append(Pose(turned.x, turned.y, off.theta))
+        error = self._moved((position, angle), (float(max(spread[:2])), float(spread[THETA])))
         here = self.pose
         if error is not None and here is not None:
             moved = Pose(here.x + error.x, here.y + error.y, normalize_angle(here.theta + error.theta))
             self._restart(moved, robot, AGREEING, stamp)
             return
-        if sum(one * one / variance for one, variance in zip(off, spread, strict=True)) > GATE:
+        if float(innovation**2 @ (1.0 / spread)) > GATE:
             return
-        for axis, noise in ((X, position), (Y, position), (THETA, angle)):
-            _take(state, p, axis, (seen.x, seen.y, seen.theta)[axis], noise)
+        gain = np.linalg.solve(p[:3, :3] + np.diag(noise), p[:3]).T
+        state += gain @ innovation
+        self._covariance = p - gain @ p[:3]
         self.count += 1
         self.seen_at = stamp
 
@@ -292,28 +284,8 @@ class DockEstimate:
         growth = [max(1.0, now / assumed) for now, assumed in zip(self._scales, self._assumed, strict=True)]
         self._assumed = (self._assumed[0] * growth[0], self._assumed[1] * growth[1])
         if self._state is not None and max(growth) > 1.0:
-            factors = (math.sqrt(growth[0]), math.sqrt(growth[0]), math.sqrt(growth[1]), 1.0, 1.0)
-            for factor, row in zip(factors, self._covariance, strict=True):
-                row[:] = [factor * other * value for other, value in zip(factors, row, strict=True)]
-
-
-def _take(state: list[float], p: Matrix, axis: int, measured: float, noise: float) -> None:
-    """Take over one measured coordinate."""
-    error = measured - state[axis]
-    if axis == THETA:
-        error = normalize_angle(error)
-    spread = p[axis][axis] + noise
-    gains, row = [line[axis] / spread for line in p], list(p[axis])
-    for index, gain in enumerate(gains):
-        state[index] += gain * error
-        line = p[index]
-        for column in range(5):
-            line[column] -= gain * row[column]
-
-
-def _times(left: Matrix, right: Matrix) -> Matrix:
-    columns = list(zip(*right, strict=True))
-    return [[sum(a * b for a, b in zip(row, column, strict=True)) for column in columns] for row in left]
+            factors = np.sqrt((growth[0], growth[0], growth[1], 1.0, 1.0))
+            self._covariance *= np.outer(factors, factors)
 
 
 def _off(one: Pose, other: Pose) -> Pose:
