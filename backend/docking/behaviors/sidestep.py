@@ -18,7 +18,7 @@ TOUCHING = 0.05
 """From the receivers to the beacon, in m: nearer than that it says nothing more of how fast the bearing changes."""
 BEYOND = math.radians(2.0)
 """How far to drive into the dark, and back into the light, to be certain of either, in rad around the dock."""
-AGREEMENT = math.radians(4.0)
+AGREEMENT = math.radians(2.5)
 """How much the places may differ, in rad around the dock, at which an edge was crossed to and fro."""
 CROSSINGS = 3
 """How often an edge is crossed before it is believed: out of the light, back into it, and out again."""
@@ -77,7 +77,9 @@ class Sidestep:
         """Keep it where it agrees with those before; they are dark, lit, dark."""
         if crossing.lit is self._outwards:
             self._crossings.clear()
-        elif self._crossings and abs(self._beyond(crossing.line_of_sight)) > AGREEMENT:
+        elif any(
+            abs(normalize_angle(crossing.line_of_sight - one.line_of_sight)) > AGREEMENT for one in self._crossings
+        ):
             self._crossings = [] if crossing.lit else [crossing]
         elif self._crossings or not crossing.lit:
             self._crossings.append(crossing)

@@ -42,7 +42,7 @@ class Sight:
     """Whether the beacon is in sight. A change counts once `CONFIRMED` readings in a row agree on it.
 
     Attributes:
-        seen: None before the first reading.
+        seen: None before the first `CONFIRMED` readings in a row that agree.
     """
 
     def __init__(self) -> None:
@@ -50,11 +50,18 @@ class Sight:
         self._same_at = -math.inf  # when it was last as it is
         self._other_at = -math.inf  # when the readings began to say otherwise
         self._others = 0
+        self._first: bool | None = None  # before `seen` is known
 
     def update(self, seen: bool, stamp: float) -> Change | None:
         """Take over a reading; says when there was a change that counts now."""
-        if self.seen is None or seen is self.seen:
-            self.seen, self._same_at, self._others = seen, stamp, 0
+        if self.seen is None:
+            self._others = self._others + 1 if seen is self._first else 1
+            self._first, self._same_at = seen, stamp
+            if self._others >= CONFIRMED:
+                self.seen, self._others = seen, 0
+            return None
+        if seen is self.seen:
+            self._same_at, self._others = stamp, 0
             return None
         self._others += 1
         if self._others == 1:

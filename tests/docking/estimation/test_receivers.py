@@ -43,6 +43,14 @@ def test_too_near_to_tell_is_0_and_unseen_is_infinite() -> None:
     assert ranges_of(InfraredReading(math.inf, -math.inf, 0.3, 0.0)) == (math.inf, 0.0, 0.3)
 
 
+def test_nothing_is_in_sight_before_two_readings_agree() -> None:
+    sight = Sight()
+    assert [sight.update(seen, number / 15) for number, seen in enumerate([True, False, True])] == [None] * 3
+    assert sight.seen is None
+    assert sight.update(True, 0.2) is None
+    assert sight.seen is True
+
+
 def test_a_single_reading_changes_nothing() -> None:
     sight = Sight()
     seen = [True, True, False, True, True, False, True]
