@@ -39,7 +39,7 @@ describe("the calibration of a dock", () => {
     press("Calibrate");
     const table = await screen.findByRole("table", { name: "Measured pose" });
     const cells = within(table).getAllByRole("cell");
-    expect(cells.map(({ textContent }) => textContent)).toEqual([
+    expect(cells.map(({ textContent }) => textContent?.replace("\u00a0", " "))).toEqual([
       "translation_x",
       "-0.2003 m",
       "-0.2600 m",

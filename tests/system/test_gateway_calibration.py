@@ -36,7 +36,7 @@ def test_a_robot_whose_server_does_not_calibrate(gateway: RunningGateway) -> Non
 @pytest.mark.parametrize(
     ("success", "text", "parameters"),
     [
-        (True, "/a/b:\n  ros__parameters:\n    x_y: -0.25  # before: 1e-05", [("x_y", -0.25, 1e-05)]),
+        (True, "/a/b:\n  ros__parameters:\n    wall.x_y: -0.25  # before: 1e-05", [("wall.x_y", -0.25, 1e-05)]),
         (True, "done", []),
         (False, "the robot moved", None),
     ],

@@ -11,7 +11,9 @@ from dock_gateway.settings import Settings
 
 SERVICE = "calibrate_dock"
 # A parameter in the server's YAML, with its previous value in the comment.
-PARAMETER = re.compile(r"^ +(\w+): (-?\d+(?:\.\d+)?(?:e-?\d+)?) +# before: (-?\d+(?:\.\d+)?(?:e-?\d+)?)$", re.MULTILINE)
+PARAMETER = re.compile(
+    r"^ +([\w.-]+): (-?\d+(?:\.\d+)?(?:e-?\d+)?) +# before: (-?\d+(?:\.\d+)?(?:e-?\d+)?)$", re.MULTILINE
+)
 
 
 class Calibrations:

@@ -25,6 +25,8 @@ class Stage(enum.StrEnum):
     """The robot backs off, to try again."""
     UNDOCKING = "UNDOCKING"
     """The robot backs out of the dock."""
+    WAIT_FOR_CLEARANCE = "WAIT_FOR_CLEARANCE"
+    """An obstacle is in the way, or there is no scan, so the wheels stand still; the goal goes on."""
     WAIT_FOR_BATTERY = "WAIT_FOR_BATTERY"
     """The battery is silent, so the wheels stand still; the goal goes on."""
     SUCCEEDED = "SUCCEEDED"
@@ -76,6 +78,10 @@ class ErrorCode(enum.StrEnum):
     """Aborted: the robot was on the dock, and was moved away from it."""
     ODOMETRY_LOST = "ODOMETRY_LOST"
     """Aborted: no odometry for odometry_timeout."""
+    SCAN_LOST = "SCAN_LOST"
+    """Waiting: no scan for scan_timeout. Aborted: for obstacle_timeout."""
+    OBSTRUCTED = "OBSTRUCTED"
+    """Waiting: an obstacle is in the way. Aborted: for obstacle_timeout."""
     FAILED_TO_UNDOCK = "FAILED_TO_UNDOCK"
     """Aborted: the robot did not get away from the dock in time, or its battery is charging still."""
     DOCKED_UNKNOWN = "DOCKED_UNKNOWN"
@@ -109,10 +115,12 @@ NUMBERS = {
     ErrorCode.LOST_MARKER: 962,
     ErrorCode.INFRARED_LOST: 963,
     ErrorCode.ODOMETRY_LOST: 964,
+    ErrorCode.SCAN_LOST: 965,
     ErrorCode.BLOCKED: 970,
     ErrorCode.PUSHED_OFF: 971,
     ErrorCode.FAILED_TO_UNDOCK: 972,
     ErrorCode.DOCKED_UNKNOWN: 973,
+    ErrorCode.OBSTRUCTED: 974,
 }
 
 
@@ -128,6 +136,8 @@ class DockingError(Exception):
     ├── LostMarker
     ├── InfraredLost
     ├── OdometryLost
+    ├── ScanLost
+    ├── Obstructed
     ├── Blocked
     ├── PushedOff
     ├── FailedToUndock
@@ -191,6 +201,20 @@ class OdometryLost(DockingError):
     """No odometry comes, without which the robot can neither back off nor try again."""
 
     error_code = ErrorCode.ODOMETRY_LOST
+    worth_a_retry = False
+
+
+class ScanLost(DockingError):
+    """There was no scan for too long, without which the robot does not drive."""
+
+    error_code = ErrorCode.SCAN_LOST
+    worth_a_retry = False
+
+
+class Obstructed(DockingError):
+    """An obstacle was in the way for too long."""
+
+    error_code = ErrorCode.OBSTRUCTED
     worth_a_retry = False
 
 

@@ -7,6 +7,9 @@ All moments are seconds of the monotonic clock.
 import math
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
 from docking.core.battery import BatteryReading
 from docking.core.geometry import Pose
 
@@ -77,6 +80,19 @@ class InfraredReading:
     stamp: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Scan:
+    """What a laser scanner sees (sensor_msgs/LaserScan).
+
+    Attributes:
+        points: In odom, in m; shape (n, 2).
+        stamp: When it was measured.
+    """
+
+    points: npt.NDArray[np.float64]
+    stamp: float
+
+
 @dataclass(frozen=True, slots=True)
 class Observation:
     """All that is known now; None for what has never come.
@@ -87,6 +103,7 @@ class Observation:
         odometry: The latest.
         marker: The latest detection, however old.
         infrared: The latest reading.
+        scan: The latest.
     """
 
     now: float
@@ -94,3 +111,4 @@ class Observation:
     odometry: Odometry | None = None
     marker: MarkerDetection | None = None
     infrared: InfraredReading | None = None
+    scan: Scan | None = None

@@ -12,7 +12,7 @@ SHORTEST, LONGEST = 3.0, 10.0
 """Seconds that a measurement takes: until it is good, but no longer."""
 FEWEST = 10
 """Detections that there must be."""
-GOOD, TOLERABLE = (0.001, math.radians(0.2)), (0.005, math.radians(1.0))
+GOOD, TOLERABLE = (0.002, math.radians(0.3)), (0.005, math.radians(1.0))
 """Standard error of the mean, in m and rad, that ends the measurement; and that is still accepted at its end."""
 MOVED = (0.005, math.radians(1.0))
 """How far, in m and rad, the robot may be moved meanwhile: odometry of some bases drifts at a standstill."""

@@ -1,17 +1,30 @@
 """A goal from its acceptance to its end: a state machine that is given the time and what is known then."""
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from docking.core.battery import BatteryReading
-from docking.core.errors import DockingError, ErrorCode, FailedToControl, FailedToDetectDock, OdometryLost, Stage
+from docking.core.errors import (
+    DockingError,
+    ErrorCode,
+    FailedToControl,
+    FailedToDetectDock,
+    Obstructed,
+    OdometryLost,
+    ScanLost,
+    Stage,
+)
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Behavior, Done, Failed
 from docking.goal.limiter import Limiter
 from docking.goal.motion_watch import MotionWatch
 from docking.goal.objective import Objective
+from docking.goal.obstacle_watch import ObstacleWatch
 from docking.goal.plan import Plan
+
+BEYOND_RETRY = (OdometryLost, ScanLost, Obstructed)
+"""What ends a goal for its own reason, also while the robot backs off for another one."""
 
 
 @dataclass(frozen=True)
@@ -81,18 +94,22 @@ class Goal:
         retries: Number of retries.
     """
 
-    def __init__(self, plan: Plan, objective: Objective, started_at: float) -> None:
+    def __init__(
+        self, plan: Plan, objective: Objective, started_at: float, obstacles: ObstacleWatch | None = None
+    ) -> None:
         """Start the goal.
 
         Args:
             plan: The stages and what moves the robot at each.
             objective: What the goal is for.
             started_at: Seconds of the clock that observations have.
+            obstacles: What keeps the robot away from obstacles; None where nothing does.
         """
         self.outcome: Outcome | None = None
         self.retries = 0
         self._plan = plan
         self._objective = objective
+        self._obstacles = obstacles if plan.motion is not None else None
         self._timeouts = objective.timeouts
         self._started_at = self._stepped_at = started_at
         self._limiter: Limiter | None = None
@@ -172,6 +189,13 @@ class Goal:
             if self._watch is not None and not self._watch.sees(observation):
                 return self._command(self._rest())
             self._plan.observe(observation)
+            if self._obstacles is not None and not self._is_clear(self._obstacles, observation, dt):
+                self._stage_time -= dt  # the time limits of stages are for driving
+                if not self._obstacles.waits_for:
+                    return self._command(self._rest())
+                code = ErrorCode.SCAN_LOST if self._obstacles.lost else ErrorCode.OBSTRUCTED
+                waiting = self._command(self._rest(), Stage.WAIT_FOR_CLEARANCE)
+                return replace(waiting, error_code=code, error_msg=self._obstacles.waits_for)
             self._check_deadline()
             velocity = self._move(observation, dt)
         except DockingError as failure:
@@ -181,6 +205,10 @@ class Goal:
         if velocity != STANDSTILL:
             self._objective.memory.moves()
         return self._command(velocity)
+
+    def _is_clear(self, obstacles: ObstacleWatch, observation: Observation, dt: float) -> bool:
+        seen = observation if self._watch is None else self._watch.ahead(observation)
+        return obstacles.look(seen, self._plan.poses.filtered_dock, dt)
 
     def _move(self, observation: Observation, dt: float) -> Velocity:
         """Let the controller say what to do.
@@ -200,7 +228,10 @@ class Goal:
             raise FailedToControl(f"the controller gave {step}")
         if self._limiter is None or self._watch is None:
             return step
-        return self._limiter.limit(step, dt, self._watch.model.dead_zone)
+        if self._obstacles is None:
+            return self._limiter.limit(step, dt, self._watch.model.dead_zone)
+        velocity = self._limiter.limit(self._obstacles.slow_down(step), dt, self._watch.model.dead_zone)
+        return self._rest() if self._obstacles.stops(velocity) else velocity
 
     def _check_deadline(self) -> None:
         """See whether the stage has taken too long.
@@ -218,7 +249,7 @@ class Goal:
             self._enter(self._plan.stages[-1])
             return self._command(self._rest())
         reason = self._failure
-        if reason is not None and self._stage is Stage.RETRY and not isinstance(failure, OdometryLost):
+        if reason is not None and self._stage is Stage.RETRY and not isinstance(failure, BEYOND_RETRY):
             return self.abort(reason.error_code, f"{reason}; then, while backing off: {failure}")
         if isinstance(failure, FailedToDetectDock) and self.retries:
             return self.abort(self._plan.lost.error_code, f"{failure}, although it was seen before")

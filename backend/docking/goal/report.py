@@ -24,6 +24,7 @@ LEVELS = {
     Stage.WAIT_FOR_CHARGE: Level.OK,
     Stage.RETRY: Level.WARN,
     Stage.UNDOCKING: Level.OK,
+    Stage.WAIT_FOR_CLEARANCE: Level.WARN,
     Stage.WAIT_FOR_BATTERY: Level.WARN,
     Stage.SUCCEEDED: Level.OK,
     Stage.CANCELED: Level.OK,

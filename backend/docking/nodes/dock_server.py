@@ -9,6 +9,7 @@ from docking.goal.admission import DOCKING
 from docking.goal.dock import Docking
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
+from docking.goal.obstacle_watch import watch_obstacles
 from docking.parameters import ControllerName, DockSettings
 from docking.plans.registry import make_plan
 from docking.ros.node import FEEDBACK_PERIOD, ActionNode, ActionSpec
@@ -23,13 +24,20 @@ NEEDS: dict[ControllerName, frozenset[Sensor]] = {
 }
 
 
+def _needs(settings: DockSettings) -> frozenset[Sensor]:
+    needs = NEEDS[settings.controller]
+    watched = settings.collision.use_collision_detection and Sensor.ODOMETRY in needs
+    return needs | {Sensor.SCAN} if watched else needs
+
+
 def _control_period(settings: DockSettings) -> float:
     # `rotate` gives ten velocities a second, as the tutorial does.
     return FEEDBACK_PERIOD if settings.controller is ControllerName.ROTATE else settings.control_period
 
 
 def _make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
-    return Goal(make_plan(settings), Docking(settings.goal_timeouts, memory, dock_type=settings.dock_type), started_at)
+    objective = Docking(settings.goal_timeouts, memory, dock_type=settings.dock_type)
+    return Goal(make_plan(settings), objective, started_at, watch_obstacles(settings))
 
 
 DOCK = ActionSpec(
@@ -38,13 +46,13 @@ DOCK = ActionSpec(
     action_type=ConnectToChargingDock,
     purpose=DOCKING,
     settings=DockSettings,
-    needs=lambda settings: NEEDS[settings.controller],
+    needs=_needs,
     control_period=_control_period,
     make_goal=_make_goal,
     progress={Stage.CONTROLLING: "NOT CHARGING..."},
     success=("CHARGING...", "Successfully connected to the charging dock!"),
     ends_with_charge=True,
-    outline=lambda settings: settings.outline,
+    outline=lambda settings: settings.outline.points,
     at_dock=DockSettings.at_dock,
     dock_types=lambda settings: settings.database.dock_plugins,
 )

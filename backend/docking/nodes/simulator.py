@@ -18,7 +18,7 @@ from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import serialize_message
 from rclpy.time import Time
-from sensor_msgs.msg import BatteryState, Range
+from sensor_msgs.msg import BatteryState, LaserScan, Range
 from std_srvs.srv import SetBool, Trigger
 
 from docking.core.geometry import Pose
@@ -36,6 +36,7 @@ from docking.ros.simulator_messages import (
     BatteryMessage,
     OdometryMessage,
     RangeMessage,
+    ScanMessage,
     diagnostics_message,
 )
 from docking.ros.stop_listener import StopListener
@@ -104,6 +105,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._truth = publisher(Odometry, "ground_truth")
         self._marker = publisher(PoseStamped, "detected_dock_pose")
         self._ranges = [publisher(Range, f"infrared/{receiver}") for receiver in RECEIVERS]
+        self._scan = publisher(LaserScan, "scan")
         self._battery = publisher(BatteryState, "battery_status")
         self._dock = publisher(PoseStamped, "true_dock_pose", LATCHED)
         # Absolute, as REP-107 has it: one topic for all robots, told apart by the name of the status.
@@ -116,8 +118,9 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._odometry_message = OdometryMessage(ODOM)
         self._truth_message = OdometryMessage(WORLD)
         self._range_messages = [RangeMessage(receiver, infrared) for receiver in RECEIVERS]
+        self._scan_message = ScanMessage(self._simulation.settings.laser)
         self._battery_message = BatteryMessage()
-        self._odometry_told = self._marker_told = self._ranges_told = -1.0
+        self._odometry_told = self._marker_told = self._ranges_told = self._scan_told = -1.0
 
     def _make_subscriptions(self) -> None:
         def subscribe(message_type: type, topic: str, callback: Any, qos: QoSProfile | int, **more: Any) -> None:
@@ -183,6 +186,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         now = time.monotonic()
         lapse = min(LONGEST_LAPSE, now - self._ticked_at)
         self._ticked_at = now
+        self._simulation.scanning = self._scan.get_subscription_count() > 0
         self._simulation.run(lapse * self._settings.real_time_factor)
         self._publish()
         if self._ticks % TICKS_PER_BATTERY_MESSAGE == 0:
@@ -207,6 +211,11 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             distances = (ranges.left, ranges.center, ranges.right)
             for publisher, message, distance in zip(self._ranges, self._range_messages, distances, strict=True):
                 publisher.publish(message.fill(distance, stamp))
+
+        scan = simulation.scan
+        if scan is not None and scan.stamp > self._scan_told:
+            self._scan_told = scan.stamp
+            self._scan.publish(self._scan_message.fill(scan.distances, self._stamp(scan.stamp)))
 
     def _publish_battery(self, now: float) -> None:
         """Publish the state of the battery, unless someone else does or it is silent."""

@@ -5,6 +5,7 @@ from docking.core.errors import Stage
 from docking.goal.admission import UNDOCKING
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
+from docking.goal.obstacle_watch import watch_obstacles
 from docking.goal.undock import Undocking
 from docking.parameters import UndockSettings
 from docking.plans.undock import UndockPlan
@@ -12,9 +13,15 @@ from docking.ros.node import ActionSpec
 from docking.ros.sensors import Sensor
 
 
+def _needs(settings: UndockSettings) -> frozenset[Sensor]:
+    watched = settings.collision.use_collision_detection
+    return frozenset({Sensor.ODOMETRY, Sensor.SCAN} if watched else {Sensor.ODOMETRY})
+
+
 def _make_goal(settings: UndockSettings, memory: DockMemory, started_at: float) -> Goal:
     objective = Undocking(settings.timeouts, memory, assume_docked=settings.assume_docked)
-    return Goal(UndockPlan(settings.staging.distance, settings.motion), objective, started_at)
+    plan = UndockPlan(settings.staging.distance, settings.motion)
+    return Goal(plan, objective, started_at, watch_obstacles(settings))
 
 
 UNDOCK = ActionSpec(
@@ -23,7 +30,7 @@ UNDOCK = ActionSpec(
     action_type=DisconnectFromChargingDock,
     purpose=UNDOCKING,
     settings=UndockSettings,
-    needs=lambda settings: frozenset({Sensor.ODOMETRY}),
+    needs=_needs,
     control_period=lambda settings: settings.control_period,
     make_goal=_make_goal,
     progress={Stage.UNDOCKING: "BACKING OUT..."},

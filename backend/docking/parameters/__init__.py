@@ -1,6 +1,7 @@
 """The parameters of the action servers. A new parameter is one more field here; see `core.parameter`."""
 
 from docking.parameters.approach import ApproachSettings, Gains
+from docking.parameters.collision import CollisionSettings, Outline
 from docking.parameters.dock import Dock, Staging
 from docking.parameters.dock_database import DockDatabase, DockEntry
 from docking.parameters.dock_server import ControllerName, DockSettings
@@ -13,6 +14,7 @@ from docking.parameters.undock_server import UndockSettings
 __all__ = [
     "BACKWARDS",
     "ApproachSettings",
+    "CollisionSettings",
     "ControllerName",
     "Dock",
     "DockDatabase",
@@ -22,6 +24,7 @@ __all__ = [
     "Gains",
     "GoalPolicy",
     "MotionLimits",
+    "Outline",
     "Receivers",
     "ServerSettings",
     "Staging",

@@ -3,8 +3,7 @@
 import enum
 from dataclasses import dataclass, replace
 
-from docking.core.footprint import ROBOT_RADIUS, Footprint, read_footprint, round_footprint
-from docking.core.parameter import choice, group, number, string
+from docking.core.parameter import choice, group, number
 from docking.parameters.approach import ApproachSettings
 from docking.parameters.dock import Dock
 from docking.parameters.dock_database import DockDatabase
@@ -52,16 +51,6 @@ class DockSettings(ServerSettings):
     database: DockDatabase = group(DockDatabase)
     approach: ApproachSettings = group(ApproachSettings)
     receivers: Receivers = group(Receivers)
-    robot_radius: float = number(
-        ROBOT_RADIUS, 0.01, 5.0, "m", "Radius of a round robot, around base_link; for maps only."
-    )
-    footprint: str = string(
-        "",
-        "[[x, y], …]",
-        "Outline of a robot that is not round: 3 to 100 points in base_link, in m, in their order around the robot. "
-        "If it is empty, robot_radius counts.",
-        read_footprint,
-    )
 
     dock_type: str = ""  # no parameter: that of the dock that a goal names, see at_dock
 
@@ -83,11 +72,6 @@ class DockSettings(ServerSettings):
         """
         kind = self.database.type_of(name)
         return replace(self, dock=self.database.types.get(kind, self.dock), dock_type=kind)
-
-    @property
-    def outline(self) -> Footprint:
-        """The robot from above, in base_link."""
-        return read_footprint(self.footprint) or round_footprint(self.robot_radius)
 
     def find_conflict(self) -> str | None:
         """Why these values cannot work together."""

@@ -5,6 +5,7 @@ import re
 from dataclasses import dataclass
 
 from docking.core.parameter import NodeSettings, choice, group, number, string, switch
+from docking.parameters.collision import CollisionSettings, Outline
 from docking.parameters.limits import BACKWARDS, MotionLimits
 from docking.parameters.timeouts import Timeouts
 
@@ -71,6 +72,8 @@ class ServerSettings(NodeSettings):
         "on any of them stops the robot.",
         read_topics,
     )
+    outline: Outline = group(Outline)
+    collision: CollisionSettings = group(CollisionSettings)
 
     @property
     def control_period(self) -> float:

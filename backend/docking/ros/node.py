@@ -43,7 +43,13 @@ S = TypeVar("S", bound=ServerSettings)
 FEEDBACK_PERIOD = 0.1
 DIAGNOSTICS_PERIOD = 1.0
 SENSED = frozenset(
-    {ErrorCode.FAILED_TO_DETECT_DOCK, ErrorCode.LOST_MARKER, ErrorCode.INFRARED_LOST, ErrorCode.ODOMETRY_LOST}
+    {
+        ErrorCode.FAILED_TO_DETECT_DOCK,
+        ErrorCode.LOST_MARKER,
+        ErrorCode.INFRARED_LOST,
+        ErrorCode.ODOMETRY_LOST,
+        ErrorCode.SCAN_LOST,
+    }
 )
 """What a sensor's fault may be the cause of."""
 
@@ -243,6 +249,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         running = self._active_goal.running
         if running is not None:
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
+        self._sensors.scanner = self._settings.collision.mount
         self._sensors.listen_to(self._spec.needs(self._settings))
         self._control_timer.timer_period_ns = round(self._spec.control_period(self._settings) * 1e9)
         settings = self._spec.at_dock(self._settings, handle.request.desired_battery_state.location)

@@ -13,10 +13,12 @@ from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
-from sensor_msgs.msg import Range
+from sensor_msgs.msg import LaserScan, Range
 
 from docking.core.battery import BatteryReading, received_at
-from docking.core.observation import InfraredReading, MarkerDetection, Observation, Odometry, Velocity
+from docking.core.geometry import Pose
+from docking.core.observation import InfraredReading, MarkerDetection, Observation, Odometry, Scan, Velocity
+from docking.estimation.scan import place, points_of
 from docking.estimation.track import Track
 from docking.ros.clock import control_time
 from docking.ros.geometry import pose_from
@@ -33,6 +35,7 @@ class Sensor(enum.Enum):
     ODOMETRY = "odometry"
     MARKER = "marker"
     INFRARED = "infrared"
+    SCAN = "scan"
 
 
 class Sensors:
@@ -40,6 +43,7 @@ class Sensors:
 
     Attributes:
         odometry_frame: The frame that odometry is given in; empty before the first message.
+        scanner: Where the laser scanner is, in base_link.
         faults: What is wrong with the last message on each topic that has one, as sentences.
     """
 
@@ -51,6 +55,7 @@ class Sensors:
             on_change: Called when `faults` have changed.
         """
         self.odometry_frame = ""
+        self.scanner = Pose()
         self.faults: dict[str, str] = {}
         self._node = node
         self._on_change = on_change
@@ -59,6 +64,7 @@ class Sensors:
         self._track = Track()
         self._marker: MarkerDetection | None = None
         self._unrelated_since: float | None = None  # markers come, and no odometry
+        self._scan: Scan | None = None
         self._ranges: dict[str, tuple[float, float]] = {}  # in m, and when it was received
 
     def listen_to(self, sensors: frozenset[Sensor]) -> None:
@@ -76,6 +82,8 @@ class Sensors:
             return [self._subscription(OdometryMessage, "odom", self._take_odometry)]
         if sensor is Sensor.MARKER:
             return [self._subscription(PoseStamped, "detected_dock_pose", self._take_marker)]
+        if sensor is Sensor.SCAN:
+            return [self._subscription(LaserScan, "scan", self._take_scan)]
         return [self._subscription(Range, f"infrared/{name}", partial(self._take_range, name)) for name in RECEIVERS]
 
     def _subscription(self, message_type: type, topic: str, take: Callable[[Any, float], None]) -> Subscription:
@@ -104,6 +112,8 @@ class Sensors:
             self._unrelated_since = None
         elif sensor is Sensor.MARKER:
             self._marker = None
+        elif sensor is Sensor.SCAN:
+            self._scan = None
         else:
             self._ranges.clear()
 
@@ -150,6 +160,23 @@ class Sensors:
             )
         self._marker = MarkerDetection(seen, min(odometry.stamp, received))
 
+    def _take_scan(self, message: LaserScan, received: float) -> None:
+        points = points_of(
+            message.ranges,
+            angle_min=message.angle_min,
+            angle_increment=message.angle_increment,
+            range_min=message.range_min,
+            range_max=message.range_max,
+        )
+        if self._track.latest is None:
+            return  # the robot waits for odometry anyway
+        try:
+            odometry = self._track.at(_seconds(message.header.stamp))
+        except LookupError as error:
+            raise ValueError(f"is stamped {error}: do the clocks of their publishers agree?") from None
+        scanner = Pose() if _frame(message.header.frame_id) == self._base_frame else self.scanner
+        self._scan = Scan(place(points, odometry.pose.compose(scanner)), min(odometry.stamp, received))
+
     def _take_range(self, receiver: str, message: Range, received: float) -> None:
         measured = message.range
         if math.isnan(measured):
@@ -166,7 +193,9 @@ class Sensors:
         Args:
             battery: The battery's latest reading, which comes another way.
         """
-        return Observation(control_time(self._node), battery, self._track.latest, self._marker, self._infrared())
+        return Observation(
+            control_time(self._node), battery, self._track.latest, self._marker, self._infrared(), self._scan
+        )
 
     def _infrared(self) -> InfraredReading | None:
         if len(self._ranges) < len(RECEIVERS):

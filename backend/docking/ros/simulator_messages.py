@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
-from sensor_msgs.msg import BatteryState, Range
+from sensor_msgs.msg import BatteryState, LaserScan, Range
 
 from docking.core.geometry import Pose, quaternion_of
 from docking.core.observation import Velocity
@@ -13,10 +13,12 @@ from docking.goal.report import Level
 from docking.ros.diagnostics import status_message
 from docking.simulation.battery import BatteryMeasurement
 from docking.simulation.infrared import InfraredSettings
+from docking.simulation.laser import ANGLE_MIN, Distances, LaserSettings
 
 WORLD = "world"
 ODOM = "odom"
 BASE = "base_link"
+LASER = "laser"
 
 
 class OdometryMessage:
@@ -66,6 +68,32 @@ class RangeMessage:
         """The message, until it is filled again; infinite is nothing seen (REP-117)."""
         self._message.header.stamp = stamp
         self._message.range = distance
+        return self._message
+
+
+class ScanMessage:
+    """The sensor_msgs/LaserScan of the laser scanner."""
+
+    def __init__(self, settings: LaserSettings) -> None:
+        """Make the message.
+
+        Args:
+            settings: Of the scanner.
+        """
+        self._message = LaserScan(
+            angle_min=ANGLE_MIN,
+            angle_max=ANGLE_MIN + (settings.rays - 1) * settings.angle_increment,
+            angle_increment=settings.angle_increment,
+            scan_time=1.0 / settings.rate,
+            range_min=settings.minimum,
+            range_max=settings.range,
+        )
+        self._message.header.frame_id = LASER
+
+    def fill(self, distances: Distances, stamp: Time) -> LaserScan:
+        """The message, until it is filled again; infinite is nothing seen (REP-117)."""
+        self._message.header.stamp = stamp
+        self._message.ranges = distances.tolist()
         return self._message
 
 

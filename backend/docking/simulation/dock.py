@@ -45,6 +45,11 @@ class Dock:
         self._back = settings.front + settings.depth
         self._side = 0.5 * settings.width
 
+    @property
+    def corners(self) -> tuple[float, float, float, float]:
+        """Of the box in world: the least x and y, and the greatest ones, in m."""
+        return self._front, -self._side, self._back, self._side
+
     def in_contact(self, x: float, y: float, theta: float) -> bool:
         """Whether a robot at this pose in world touches the contacts."""
         settings = self.settings

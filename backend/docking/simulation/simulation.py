@@ -12,14 +12,24 @@ from random import Random
 
 from docking.core.battery import BatteryReading, PowerSupplyStatus
 from docking.core.geometry import Pose
-from docking.core.observation import STANDSTILL, InfraredReading, MarkerDetection, Observation, Odometry, Velocity
+from docking.core.observation import (
+    STANDSTILL,
+    InfraredReading,
+    MarkerDetection,
+    Observation,
+    Odometry,
+    Scan,
+    Velocity,
+)
 from docking.core.parameter import group, number
+from docking.estimation.scan import place, points_of
 from docking.estimation.track import Track
 from docking.simulation.battery import BatteryMeasurement, BatteryPack, BatterySettings
 from docking.simulation.delay import Delay
 from docking.simulation.dock import Dock, DockSettings
 from docking.simulation.faults import Fault
 from docking.simulation.infrared import InfraredReceivers, InfraredSettings
+from docking.simulation.laser import ANGLE_MIN, Distances, LaserScanner, LaserSettings
 from docking.simulation.marker import MarkerCamera, MarkerSettings
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import DriftingOdometry, OdometrySettings
@@ -66,6 +76,7 @@ class Settings:
         odometry: Its reckoning.
         marker: Its camera and the dock's marker.
         infrared: Its receivers and the dock's beacon.
+        laser: Its laser scanner.
         battery: Its battery and the dock's charger.
         dock: The dock.
     """
@@ -78,6 +89,7 @@ class Settings:
     odometry: OdometrySettings = group(OdometrySettings, "odometry_")
     marker: MarkerSettings = group(MarkerSettings, "marker_")
     infrared: InfraredSettings = group(InfraredSettings, "infrared_")
+    laser: LaserSettings = group(LaserSettings, "laser_")
     battery: BatterySettings = group(BatterySettings)
     command_delay: float = number(0.0, 0.0, 2.0, "s", "Time from a command to its arrival at the wheels.")
     obstacles: tuple[Obstacle, ...] = ()
@@ -118,6 +130,21 @@ class Ranges:
     stamp: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class LaserScan:
+    """What the laser scanner measured.
+
+    Attributes:
+        distances: By ray, in m; infinite where nothing is seen.
+        odometry: base_link in odom at that moment.
+        stamp: Simulated seconds.
+    """
+
+    distances: Distances
+    odometry: Pose
+    stamp: float
+
+
 class Simulation:
     """One robot and its dock. The same seed and the same calls give the same again.
 
@@ -135,6 +162,8 @@ class Simulation:
         reckoned_at: The stamp of the last odometry that arrived, in simulated seconds.
         sighting: The last detection of the marker that arrived.
         ranges: The last infrared measurement.
+        scanning: Whether the laser scanner runs; it costs time.
+        scan: The last one.
         measurement: The last of the battery, with the moment.
     """
 
@@ -150,10 +179,11 @@ class Simulation:
         self._seed = seed
         self.faults: frozenset[Fault] = frozenset()
         self.halted = False
+        self.scanning = False
         self.reset()
 
     def reset(self) -> None:
-        """Begin again: everything as at the start, the same noise, no faults. `halted` stays as it is."""
+        """Begin again: as at the start, with the same noise and no faults. `halted` and `scanning` stay."""
         settings = self.settings
         self.time = 0.0
         self.faults = frozenset()
@@ -163,7 +193,8 @@ class Simulation:
         self.battery = BatteryPack(settings.battery, self._random("battery"))
         self._camera = MarkerCamera(settings.marker, self._random("marker"), self._random("outliers"))
         self._receivers = InfraredReceivers(settings.infrared, self._random("infrared"), self._random("ghosts"))
-        self._picture_due = self._ranges_due = self._measurement_due = 0.0
+        self._scanner = LaserScanner(settings.laser, self._random("laser").getrandbits(32))
+        self._picture_due = self._scan_due = self._ranges_due = self._measurement_due = 0.0
         self._bouncing = self._random("bounce")
         self._touched_at: float | None = None
         self._commands: Delay[Velocity] = Delay()
@@ -173,6 +204,7 @@ class Simulation:
         self.reckoned_at = 0.0
         self.sighting: Sighting | None = None
         self.ranges: Ranges | None = None
+        self.scan: LaserScan | None = None
         self.measurement: tuple[BatteryMeasurement, float] | None = None
         self.contact = False
         self.bumps = 0
@@ -283,10 +315,24 @@ class Simulation:
             marker=None
             if sighting is None
             else MarkerDetection(sighting.odometry.compose(sighting.marker), sighting.at + offset),
+            scan=self._observe_scan(offset),
             infrared=None
             if ranges is None
             else InfraredReading(ranges.left, ranges.center, ranges.right, ranges.stamp + offset),
         )
+
+    def _observe_scan(self, offset: float) -> Scan | None:
+        if self.scan is None:
+            return None
+        laser = self.settings.laser
+        points = points_of(
+            self.scan.distances,
+            angle_min=ANGLE_MIN,
+            angle_increment=laser.angle_increment,
+            range_min=laser.minimum,
+            range_max=laser.range,
+        )
+        return Scan(place(points, self.scan.odometry.compose(laser.mount)), self.scan.stamp + offset)
 
     # How it goes on.
 
@@ -338,6 +384,10 @@ class Simulation:
         if now >= self._ranges_due:
             self._ranges_due += 1.0 / self.settings.infrared.rate
             self._measure_ranges()
+        if self.scanning and now >= self._scan_due:
+            self._scan_due = self.time + 1.0 / self.settings.laser.rate
+            distances = self._scanner.scan(self.robot.pose, self.dock, self.obstacles)
+            self.scan = LaserScan(distances, self.odometry.pose, self.time)
         if now >= self._measurement_due:
             self._measurement_due += 1.0 / BATTERY_RATE
             self._measure_battery()

@@ -132,5 +132,5 @@ function Result({ calibration: { parameters, yaml } }: { calibration: Calibratio
 }
 
 function numberWords(name: string, value: number): string {
-  return `${value.toFixed(4)} ${name.includes("rotation") ? "rad" : "m"}`;
+  return `${value.toFixed(4)}\u00a0${name.includes("rotation") ? "rad" : "m"}`;
 }

@@ -17,7 +17,11 @@ const LABELS: Record<string, string> = {
   UNDOCKING: "Backing out",
 };
 
-const SHORT: Record<string, string> = { RETRY: "Backing off", WAIT_FOR_BATTERY: "Waiting for the battery" };
+const SHORT: Record<string, string> = {
+  RETRY: "Backing off",
+  WAIT_FOR_BATTERY: "Waiting for the battery",
+  WAIT_FOR_CLEARANCE: "Waiting for a clear way",
+};
 
 /** A stage in a word or two; null where it is none of the way. */
 export function stageLabel(stage: string | null): string | null {
@@ -80,6 +84,7 @@ const WORDS: Record<string, string> = {
   WAIT_FOR_CHARGE: "On the dock, waiting for the battery to charge.",
   RETRY: "Backing off to try again.",
   UNDOCKING: "Backing out of the dock.",
+  WAIT_FOR_CLEARANCE: "An obstacle is in the way, or there is no laser scan: the robot stands still.",
   WAIT_FOR_BATTERY: "No battery data: the robot stands still until a battery state arrives.",
 };
 

@@ -42,7 +42,8 @@ export const FAULTS: readonly FaultWords[] = [
   {
     fault: "obstacle",
     name: "Obstacle",
-    effect: "A pillar in front of the dock: it hides the marker, and stops the robot.",
+    effect:
+      "A pillar in front of the dock: it hides the marker, and stops the robot; with collision detection, the robot waits.",
   },
   {
     fault: "hidden_beacon",

@@ -10,6 +10,7 @@ from docking.parameters import (
     DockSettings,
     DockTimeouts,
     MotionLimits,
+    Outline,
     Receivers,
     ServerSettings,
     Staging,
@@ -100,10 +101,10 @@ def test_rotate_does_not_care_about_the_time_limits_of_the_others() -> None:
 
 
 def test_a_footprint_counts_more_than_a_radius() -> None:
-    assert DockSettings().outline == round_footprint(0.15)
-    assert DockSettings(robot_radius=0.3).outline == round_footprint(0.3)
-    settings = DockSettings(robot_radius=0.3, footprint="[[0.2, 0.1], [0.2, -0.1], [-0.2, 0]]")
-    assert settings.outline == ((0.2, 0.1), (0.2, -0.1), (-0.2, 0.0))
+    assert DockSettings().outline.points == round_footprint(0.15)
+    assert Outline(robot_radius=0.3).points == round_footprint(0.3)
+    settings = Outline(robot_radius=0.3, footprint="[[0.2, 0.1], [0.2, -0.1], [-0.2, 0]]")
+    assert settings.points == ((0.2, 0.1), (0.2, -0.1), (-0.2, 0.0))
 
 
 def test_a_footprint_that_is_none_is_a_fault() -> None:

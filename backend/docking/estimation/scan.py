@@ -1,0 +1,41 @@
+"""Points that a laser scanner sees."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from docking.core.geometry import Pose
+
+Points = npt.NDArray[np.float64]
+"""Shape (n, 2): x and y in m."""
+
+NOWHERE: Points = np.empty((0, 2))
+
+
+def points_of(
+    ranges: npt.ArrayLike,
+    *,
+    angle_min: float,
+    angle_increment: float,
+    range_min: float,
+    range_max: float,
+) -> Points:
+    """The points of a sensor_msgs/LaserScan in the scanner's frame; what is not within the range limits is no point.
+
+    Raises:
+        ValueError: The scan makes no sense; the error is a sentence's second half.
+    """
+    if not (math.isfinite(angle_min) and math.isfinite(angle_increment) and 0.0 <= range_min < range_max):
+        raise ValueError("has angles or range limits that are not valid")
+    distances = np.asarray(ranges, dtype=np.float64)
+    angles = angle_min + angle_increment * np.arange(len(distances))
+    seen = np.isfinite(distances) & (distances >= range_min) & (distances <= range_max)
+    distances, angles = distances[seen], angles[seen]
+    return np.column_stack((distances * np.cos(angles), distances * np.sin(angles)))
+
+
+def place(points: Points, frame: Pose) -> Points:
+    """Points of a frame, in the frame that the frame's pose is given in."""
+    cos, sin = math.cos(frame.theta), math.sin(frame.theta)
+    return np.asarray(points @ np.array(((cos, sin), (-sin, cos))) + (frame.x, frame.y))

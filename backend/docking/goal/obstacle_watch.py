@@ -1,0 +1,143 @@
+"""Slows the robot down and stops it before obstacles, and waits until the way is clear."""
+
+import math
+
+from docking.core.errors import Obstructed, ScanLost
+from docking.core.footprint import Footprint
+from docking.core.geometry import Pose
+from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.estimation.clearance import Clearance
+from docking.estimation.scan import NOWHERE, Points, place
+from docking.parameters import CollisionSettings, ServerSettings
+
+STARTING = 1.0
+"""Seconds in which the first scan may come: ROS finds its publisher first."""
+CLEAR_FOR = 0.5
+"""Seconds for which the way must be clear before the robot goes on."""
+RESTED = 2.0
+"""Seconds without waiting after which a new obstacle gets its own time."""
+DOCK_TOLERANCE = 0.05
+"""How far the dock may reach into where the docked robot is taken to stand, in m: its pose is known to that."""
+
+
+class ObstacleWatch:
+    """Looks at the way of each velocity before it is commanded.
+
+    Attributes:
+        waits_for: Why the robot waits, as a sentence; empty while it need not.
+        lost: Whether it waits for a scan, not for an obstacle.
+    """
+
+    def __init__(self, settings: CollisionSettings, outline: Footprint) -> None:
+        """Begin with a clear way.
+
+        Args:
+            settings: When to slow down, to wait and to give up.
+            outline: Of the robot, in base_link.
+        """
+        self.waits_for = ""
+        self.lost = False
+        self._settings = settings
+        self._front = max(x for x, _ in outline)
+        self._side = max(abs(y) for _, y in outline)
+        self._clearance = Clearance(outline, settings.obstacle_margin)
+        self._points: Points = NOWHERE
+        self._hides_dock = False
+        self._blocked: Velocity | None = None  # what could not be commanded
+        self._clear = 0.0
+        self._waited = 0.0
+        self._free = 0.0
+
+    def look(self, observation: Observation, docked: Pose | None, dt: float) -> bool:
+        """Take over the scan.
+
+        Args:
+            observation: What is known, with the robot where it will be when a command takes effect.
+            docked: Where base_link stands when docked, in odom; None where that is not known.
+            dt: Seconds since the last look.
+
+        Returns:
+            Whether the robot may move; `waits_for` says why not, except for a moment at the beginning.
+
+        Raises:
+            Obstructed: It has waited for too long.
+            ScanLost: The same for a scan.
+        """
+        scan, odometry = observation.scan, observation.odometry
+        self.lost = scan is None or observation.now - scan.stamp > self._settings.scan_timeout
+        if scan is not None and odometry is not None:
+            self._see(scan.points, odometry.pose, docked)
+        self.waits_for = ""
+        if self.lost and (scan is not None or self._waited > STARTING):
+            self.waits_for = f"no scan for over {self._settings.scan_timeout:g} s (scan_timeout): the robot waits"
+        elif not self.lost and not self._is_clear(dt):
+            self.waits_for = "an obstacle is in the way: the robot waits"
+        waits = self.lost or bool(self.waits_for)
+        self._count(waits, dt)
+        return not waits
+
+    def slow_down(self, velocity: Velocity) -> Velocity:
+        """The velocity on the same arc at which there is time enough to stop."""
+        time = self._clearance.contact(self._points, velocity, self._settings.projection_time)
+        share = min(1.0, time / self._settings.projection_time)
+        return Velocity(share * velocity.linear_x, share * velocity.angular_z)
+
+    def stops(self, velocity: Velocity) -> bool:
+        """Whether this velocity must not be commanded; the robot then waits until it may be.
+
+        A robot that stands still anyway waits for what is between it and the dock: it may hide the dock.
+        """
+        if not self._hits(velocity):
+            return False
+        self._blocked, self._clear = velocity, 0.0
+        return True
+
+    def _hits(self, velocity: Velocity) -> bool:
+        if velocity == STANDSTILL:
+            return self._hides_dock
+        return self._clearance.contact(self._points, velocity, 0.5 * self._settings.projection_time) < math.inf
+
+    def _is_clear(self, dt: float) -> bool:
+        if self._blocked is None:
+            return True
+        self._clear = 0.0 if self._hits(self._blocked) else self._clear + dt
+        if self._clear < CLEAR_FOR:
+            return False
+        self._blocked = None
+        return True
+
+    def _count(self, waits: bool, dt: float) -> None:
+        if not waits:
+            self._free += dt
+            if self._free > RESTED:
+                self._waited = 0.0
+            return
+        self._waited, self._free = self._waited + dt, 0.0
+        if self._waited > self._settings.obstacle_timeout:
+            limit = f"for {self._settings.obstacle_timeout:g} s (obstacle_timeout)"
+            if self.lost:
+                raise ScanLost(f"there was no scan {limit}")
+            raise Obstructed(f"an obstacle was in the way {limit}")
+
+    def _see(self, points: Points, robot: Pose, docked: Pose | None) -> None:
+        """Take over the points that are not at the dock."""
+        self._hides_dock = False
+        if docked is None or not len(points):
+            self._points = place(points, robot.inverse())
+            return
+        at_dock = place(points, docked.inverse())
+        is_dock = at_dock[:, 0] > self._front - DOCK_TOLERANCE
+        distance = robot.distance_to(docked)
+        if distance < self._settings.dock_collision_threshold:
+            is_dock |= abs(at_dock[:, 1]) > self._side
+        self._points = place(points[~is_dock], robot.inverse())
+        bearing = math.atan2(docked.y - robot.y, docked.x - robot.x)
+        ahead = place(points[~is_dock], Pose(robot.x, robot.y, bearing).inverse())
+        between = (ahead[:, 0] > 0.0) & (ahead[:, 0] < distance) & (abs(ahead[:, 1]) < self._side)
+        self._hides_dock = bool(between.any())
+
+
+def watch_obstacles(settings: ServerSettings) -> ObstacleWatch | None:
+    """The watch of a new goal; None where the parameters want none."""
+    collision = settings.collision
+    return ObstacleWatch(collision, settings.outline.points) if collision.use_collision_detection else None

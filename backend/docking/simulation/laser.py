@@ -1,0 +1,101 @@
+"""The laser scanner: sees the dock and obstacles all around."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from docking.core.geometry import Pose
+from docking.core.parameter import number
+from docking.simulation.dock import Dock
+from docking.simulation.obstacle import Obstacle
+
+Distances = npt.NDArray[np.float64]
+
+ANGLE_MIN = -math.pi
+"""Of the first ray, in rad to the left of the scanner's x axis."""
+
+
+@dataclass(frozen=True, slots=True)
+class LaserSettings:
+    """What the scanner is like and how it is mounted.
+
+    Attributes:
+        rays: Of a scan, all around.
+        minimum: What is nearer, in m, is not seen.
+    """
+
+    rate: float = number(10.0, 0.1, 50.0, "Hz", "Scans per second; none are made while nothing subscribes to them.")
+    range: float = number(8.0, 0.1, 50.0, "m", "Maximum range of the laser scanner.")
+    noise: float = number(0.005, 0.0, 1.0, "m", "Standard deviation of a measured distance.")
+    x: float = number(0.0, -1.0, 1.0, "m", "Position of the laser scanner: x in base_link.")
+    y: float = number(0.0, -1.0, 1.0, "m", "The same, y.")
+    yaw: float = number(0.0, -3.15, 3.15, "rad", "Direction of its x axis.")
+    rays: int = 360
+    minimum: float = 0.05
+
+    @property
+    def mount(self) -> Pose:
+        """The scanner in base_link."""
+        return Pose(self.x, self.y, self.yaw)
+
+    @property
+    def angle_increment(self) -> float:
+        """From one ray to the next, in rad."""
+        return math.tau / self.rays
+
+
+class LaserScanner:
+    """Measures distances."""
+
+    __slots__ = ("_angles", "_noise", "settings")
+
+    def __init__(self, settings: LaserSettings, seed: int) -> None:
+        """Mount the scanner.
+
+        Args:
+            settings: What it is like.
+            seed: Of its noise.
+        """
+        self.settings = settings
+        self._angles = ANGLE_MIN + settings.angle_increment * np.arange(settings.rays)
+        self._noise = np.random.default_rng(seed)
+
+    def scan(self, robot: Pose, dock: Dock, obstacles: Sequence[Obstacle]) -> Distances:
+        """One scan: a distance for each ray, in m; infinite where nothing is seen (REP-117).
+
+        Args:
+            robot: base_link in world.
+            dock: The dock.
+            obstacles: What else there is.
+        """
+        settings, scanner = self.settings, robot.compose(self.settings.mount)
+        angles = self._angles + scanner.theta
+        cos, sin = np.cos(angles), np.sin(angles)
+        distances = _to_box(scanner, cos, sin, dock.corners)
+        for obstacle in obstacles:
+            distances = np.minimum(distances, _to_circle(scanner, cos, sin, obstacle))
+        distances = distances + self._noise.normal(0.0, settings.noise, len(distances))
+        seen = (distances >= settings.minimum) & (distances <= settings.range)
+        return np.where(seen, distances, math.inf)
+
+
+def _to_circle(scanner: Pose, cos: Distances, sin: Distances, circle: Obstacle) -> Distances:
+    x, y = circle.x - scanner.x, circle.y - scanner.y
+    along = x * cos + y * sin
+    within = circle.radius**2 - (x * sin - y * cos) ** 2
+    near = along - np.sqrt(np.maximum(within, 0.0))
+    return np.where((within > 0.0) & (near > 0.0), near, math.inf)
+
+
+def _to_box(scanner: Pose, cos: Distances, sin: Distances, corners: tuple[float, float, float, float]) -> Distances:
+    """Enters where the ray is between both pairs of sides."""
+    x_min, y_min, x_max, y_max = corners
+    with np.errstate(divide="ignore"):
+        by_x = np.array(((x_min - scanner.x) / cos, (x_max - scanner.x) / cos))
+        by_y = np.array(((y_min - scanner.y) / sin, (y_max - scanner.y) / sin))
+    enters = np.maximum(by_x.min(axis=0), by_y.min(axis=0))
+    leaves = np.minimum(by_x.max(axis=0), by_y.max(axis=0))
+    return np.where((enters <= leaves) & (enters > 0.0), enters, math.inf)

@@ -1,0 +1,191 @@
+"""Obstacles on the way to the dock and away from it, in simulation: the robot waits and never touches one."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import pytest
+
+from docking.core.errors import ErrorCode, Stage
+from docking.core.geometry import Pose
+from docking.core.observation import STANDSTILL, Observation
+from docking.goal.dock import Docking
+from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.obstacle_watch import ObstacleWatch, watch_obstacles
+from docking.goal.undock import Undocking
+from docking.parameters import CollisionSettings, ControllerName, DockSettings, UndockSettings
+from docking.plans.registry import make_plan
+from docking.plans.undock import UndockPlan
+from docking.simulation.dock import DOCKED
+from docking.simulation.faults import Fault
+from docking.simulation.laser import LaserSettings
+from docking.simulation.obstacle import Obstacle
+from docking.simulation.robot import RobotSettings
+from docking.simulation.simulation import IN_THE_WAY, Settings, Simulation
+
+PERIOD = 0.05
+COLLISION = CollisionSettings(use_collision_detection=True, obstacle_timeout=5.0)
+
+
+@dataclass
+class Drive:
+    """A simulated robot with a goal and a laser scanner."""
+
+    collision: CollisionSettings = COLLISION
+    settings: Settings = field(default_factory=lambda: Settings(start=Pose(-1.3, 0.0, 0.0)))
+    undocks: bool = False
+    blind: Callable[[Observation], Observation] = lambda observation: observation
+    happen: Callable[["Drive"], None] = lambda drive: None
+    stages: list[Stage] = field(default_factory=list)
+    last: Command | None = None
+    fastest: float = 0.0
+    """While within 0.3 m of an obstacle."""
+
+    def __post_init__(self) -> None:
+        self.simulation = Simulation(self.settings, seed=5)
+        self.simulation.scanning = True
+        if self.undocks:
+            undock = UndockSettings(collision=self.collision)
+            plan = UndockPlan(undock.staging.distance, undock.motion)
+            self.goal = Goal(plan, Undocking(undock.timeouts), 0.0, watch_obstacles(undock))
+        else:
+            dock = DockSettings(controller=ControllerName.DOCK_POSE, collision=self.collision)
+            self.goal = Goal(make_plan(dock), Docking(dock.timeouts), 0.0, watch_obstacles(dock))
+
+    @property
+    def gap(self) -> float:
+        """From the robot to the nearest obstacle, in m."""
+        robot = self.simulation.robot
+        return min(
+            (math.hypot(robot.x - one.x, robot.y - one.y) - one.radius - robot.radius)
+            for one in (*self.simulation.obstacles, Obstacle(100.0, 0.0, 0.1))
+        )
+
+    def run(self, longest: float = 100.0) -> Outcome:
+        simulation = self.simulation
+        while simulation.time < longest:
+            self.happen(self)
+            step = self.goal.step(self.blind(simulation.observe()))
+            assert self.gap > 0.0
+            if isinstance(step, Outcome):
+                simulation.run(1.0, STANDSTILL)
+                assert self.gap > 0.0
+                return step
+            self.last = step
+            if not self.stages or self.stages[-1] is not step.stage:
+                self.stages.append(step.stage)
+            if step.stage is Stage.WAIT_FOR_CLEARANCE:
+                assert step.velocity == STANDSTILL
+            if self.gap < 0.3:
+                self.fastest = max(self.fastest, abs(step.velocity.linear_x))
+            simulation.run(PERIOD, step.velocity)
+        raise AssertionError(f"still in {self.stages} at {simulation.robot.pose}")
+
+
+def appear(until: float = math.inf) -> Callable[[Drive], None]:
+    """A pillar in front of the dock as soon as the robot drives towards it, for some seconds."""
+    since: list[float] = []
+
+    def happen(drive: Drive) -> None:
+        if not since and drive.last is not None and drive.last.stage is Stage.NAV_TO_STAGING_POSE:
+            since.append(drive.simulation.time)
+        if since:
+            drive.simulation.set_fault(Fault.OBSTACLE, drive.simulation.time < since[0] + until)
+
+    return happen
+
+
+def test_a_clear_way_is_driven_as_fast_as_without_the_scanner() -> None:
+    times = []
+    for collision in (COLLISION, CollisionSettings()):
+        drive = Drive(collision)
+        assert drive.run() == Outcome(End.SUCCEEDED)
+        assert drive.simulation.contact
+        assert Stage.WAIT_FOR_CLEARANCE not in drive.stages
+        times.append(drive.simulation.time)
+    assert times[0] == pytest.approx(times[1], abs=0.5)
+
+
+def test_the_robot_waits_for_an_obstacle_and_goes_on() -> None:
+    drive = Drive(settings=Settings(start=Pose(-1.3, 0.0, 0.0), obstacles=()), happen=appear(until=4.0))
+    assert drive.run() == Outcome(End.SUCCEEDED)
+    assert Stage.WAIT_FOR_CLEARANCE in drive.stages
+    assert drive.simulation.contact
+    assert drive.simulation.bumps == 0
+
+
+def test_it_is_aborted_where_the_obstacle_stays() -> None:
+    drive = Drive(happen=appear())
+    outcome = drive.run()
+    assert (outcome.end, outcome.error_code, outcome.retries) == (End.ABORTED, ErrorCode.OBSTRUCTED, 0)
+    assert outcome.error_msg == "an obstacle was in the way for 5 s (obstacle_timeout)"
+    assert drive.last is not None
+    assert (drive.last.stage, drive.last.error_code) == (Stage.WAIT_FOR_CLEARANCE, ErrorCode.OBSTRUCTED)
+    assert 0.02 < drive.gap < 0.25
+    assert drive.simulation.bumps == 0
+
+
+@pytest.mark.parametrize(
+    "unkind",
+    [
+        {"command_delay": 0.3},
+        {"robot": RobotSettings(linear_acceleration=0.2)},
+        {"laser": LaserSettings(rate=5.0, noise=0.02)},
+    ],
+    ids=str,
+)
+def test_it_is_not_touched_by_a_robot_that_is_late_weak_or_sees_badly(unkind: dict[str, object]) -> None:
+    drive = Drive(settings=replace(Settings(start=Pose(-1.3, 0.0, 0.0)), **unkind), happen=appear())
+    assert drive.run().error_code is ErrorCode.OBSTRUCTED
+
+
+def test_the_robot_slows_down_for_what_it_sees_from_afar() -> None:
+    """A narrow pillar that does not hide the marker stands beside the way of the approach."""
+    pillar = Obstacle(-0.45, -0.16, 0.03)
+    drive = Drive(settings=Settings(start=Pose(-1.5, 0.0, 0.0), obstacles=(pillar,)))
+    assert drive.run().error_code is ErrorCode.OBSTRUCTED
+    assert drive.fastest < 0.16
+
+
+def test_backing_out_is_watched_as_well() -> None:
+    behind = Obstacle(-0.75, 0.0, 0.1)
+    drive = Drive(settings=Settings(start=DOCKED, obstacles=(behind,)), undocks=True)
+    outcome = drive.run()
+    assert outcome.error_code is ErrorCode.OBSTRUCTED
+    assert not drive.simulation.contact
+    free = Drive(settings=Settings(start=DOCKED), undocks=True)
+    assert free.run() == Outcome(End.SUCCEEDED)
+
+
+def test_guide_rails_are_no_obstacles_in_front_of_the_dock() -> None:
+    rails = tuple(Obstacle(-0.05 - 0.05 * number, side * 0.19, 0.015) for number in range(5) for side in (-1, 1))
+    drive = Drive(settings=Settings(start=Pose(-1.3, 0.0, 0.0), obstacles=rails))
+    assert drive.run() == Outcome(End.SUCCEEDED)
+
+
+def test_without_a_scan_the_robot_does_not_move() -> None:
+    drive = Drive(blind=lambda observation: replace(observation, scan=None))
+    outcome = drive.run()
+    assert (outcome.error_code, drive.stages[-1]) == (ErrorCode.SCAN_LOST, Stage.WAIT_FOR_CLEARANCE)
+    assert drive.simulation.robot.pose == Pose(-1.3, 0.0, 0.0)
+
+
+def test_a_scanner_that_falls_silent_stops_the_robot() -> None:
+    frozen: list[Observation] = []
+
+    def blind(observation: Observation) -> Observation:
+        if observation.now < 3.0:
+            frozen[:] = [observation]
+        return replace(observation, scan=frozen[0].scan)
+
+    drive = Drive(blind=blind)
+    outcome = drive.run()
+    assert outcome.error_code is ErrorCode.SCAN_LOST
+    assert outcome.error_msg == "there was no scan for 5 s (obstacle_timeout)"
+    assert drive.simulation.time < 3.0 + 0.5 + 5.0 + 1.5
+
+
+def test_it_is_off_unless_it_is_wanted() -> None:
+    assert watch_obstacles(DockSettings()) is None
+    assert isinstance(watch_obstacles(DockSettings(collision=COLLISION)), ObstacleWatch)
+    assert IN_THE_WAY.radius > 0.0
