@@ -19,9 +19,13 @@ TOUCHING = 0.05
 BEYOND = math.radians(2.0)
 """How far to drive into the dark, and back into the light, to be certain of either, in rad around the dock."""
 AGREEMENT = math.radians(2.5)
-"""How much the places may differ, in rad around the dock, at which an edge was crossed to and fro."""
+"""How much the places may differ, in rad around the dock, at which an edge was crossed the same way."""
+HYSTERESIS = math.radians(5.0)
+"""The same to and fro: late readings, or late odometry, move these apart."""
 CROSSINGS = 3
 """How often an edge is crossed before it is believed: out of the light, back into it, and out again."""
+TOO_NEAR = 0.6
+"""The part of infrared_distance_min at which a robot that drives towards the dock stops, wherever the edge is."""
 SILENT = 0.5
 """How old the last reading may be, in s, for the robot to drive on."""
 
@@ -70,16 +74,19 @@ class Sidestep:
                 return Failed(InfraredLost(f"the beacon was out of sight for {self._lost_after:g} s inside its light"))
             return STANDSTILL
         self._choose_way()
-        robot = odometry.pose
-        return self._drive(beacon.bearing(robot), beacon.distance(robot))
+        bearing, distance = beacon.bearing(odometry.pose), beacon.distance(odometry.pose)
+        velocity = self._drive(bearing, distance)
+        if velocity.linear_x > 0.0 and distance < TOO_NEAR * beacon.receivers.infrared_distance_min:
+            return Failed(
+                InfraredLost("the robot came close to the dock without finding the edge of the beacon's light")
+            )
+        return velocity
 
     def _take(self, crossing: Crossing) -> None:
         """Keep it where it agrees with those before; they are dark, lit, dark."""
         if crossing.lit is self._outwards:
             self._crossings.clear()
-        elif any(
-            abs(normalize_angle(crossing.line_of_sight - one.line_of_sight)) > AGREEMENT for one in self._crossings
-        ):
+        elif not all(_agree(crossing, one) for one in self._crossings):
             self._crossings = [] if crossing.lit else [crossing]
         elif self._crossings or not crossing.lit:
             self._crossings.append(crossing)
@@ -98,14 +105,14 @@ class Sidestep:
             return False
         if not self._crossings:
             return True
-        return not self._outwards and self._beyond(self._beacon.angle) < -(AGREEMENT + BEYOND)
+        return not self._outwards and self._beyond(self._beacon.angle) < -(HYSTERESIS + BEYOND)
 
     def _choose_way(self) -> None:
         if not self._crossings:
             self._outwards = True
             return
         beyond = self._beyond(self._beacon.angle)
-        if self._beacon.lit and beyond > AGREEMENT:
+        if self._beacon.lit and beyond > HYSTERESIS:
             self._crossings.clear()
             self._outwards = True
         elif self._outwards and not self._beacon.lit and beyond > BEYOND:
@@ -130,3 +137,9 @@ class Sidestep:
         speed = self._motion.v_linear_max * (1.0 if self._forwards is self._outwards else -1.0)
         keeping = speed * math.sin(bearing) / max(distance, TOUCHING)  # as the beacon goes by
         return Velocity(speed, bounded(STEERING * error + keeping, self._motion.v_angular_max))
+
+
+def _agree(one: Crossing, other: Crossing) -> bool:
+    """Whether two crossings may be of the same edge."""
+    apart = abs(normalize_angle(one.line_of_sight - other.line_of_sight))
+    return apart <= (AGREEMENT if one.lit is other.lit else HYSTERESIS)
