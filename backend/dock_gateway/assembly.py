@@ -42,6 +42,7 @@ from dock_gateway.observability.metrics import Metrics
 from dock_gateway.observability.parts import Parts
 from dock_gateway.observability.traces import open_traces
 from dock_gateway.robots.calibration import Calibrations
+from dock_gateway.robots.docks import Docks
 from dock_gateway.robots.last_goals import LastGoals
 from dock_gateway.robots.on_demand import OnDemand
 from dock_gateway.robots.registry import RobotRegistry, normalize_namespace
@@ -182,6 +183,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
         stopper=stopper,
         simulators=simulators,
         calibrations=Calibrations(settings, bridge),
+        docks=_closed_by(stack, Docks(settings, bridge)),
         fleet=fleet,
         labels=labels,
         alerts=alerts,

@@ -23,6 +23,7 @@ from dock_gateway.history import GoalFilter, History
 from dock_gateway.notifications.notifier import Notifier
 from dock_gateway.observability.metrics import Metrics
 from dock_gateway.robots.calibration import Calibrations
+from dock_gateway.robots.docks import Docks
 from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.robots.simulator import Simulators
 from dock_gateway.ros.bridge import Bridge
@@ -47,6 +48,7 @@ class Gateway:
     stopper: Stopper
     simulators: Simulators
     calibrations: Calibrations
+    docks: Docks
     fleet: Fleet
     labels: Labels
     alerts: AlertBoard

@@ -109,7 +109,7 @@ describe("docking", () => {
     expect(isDisabled("Cancel")).toBe(true);
     await user.click(screen.getByText("Full", { selector: "label *" }));
     await move(user, "Dock");
-    expect(gateway.dock).toHaveBeenCalledWith(4);
+    expect(gateway.dock).toHaveBeenCalledWith(4, undefined);
     expect((await screen.findByTestId("goal-status")).textContent).toBe("accepted");
   });
 

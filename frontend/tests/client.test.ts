@@ -36,6 +36,8 @@ describe("commands", () => {
     expect(request?.method).toBe("POST");
     expect(request?.url).toBe("http://gateway:8000/dock");
     expect(await request?.json()).toEqual({ desired_battery_state: { power_supply_status: 4 } });
+    await gateway.dock(null, "lab");
+    expect(await fetch.mock.calls[1]?.[0].json()).toEqual({ dock_id: "lab" });
   });
 
   it("stop with the name of who stops, and release", async () => {

@@ -60,6 +60,46 @@ describe("a robot that is about to move", () => {
   });
 });
 
+describe("a robot with several docks", () => {
+  const dock = (dock_id: string) => ({ dock_id, type: null, frame: "map", pose: null, id: null });
+  const docks = (names: string[], standard: string | null = null) =>
+    fakeGateway({
+      docks: vi.fn(async () => ({
+        node: "/d",
+        dock_database: null,
+        default: standard,
+        docks: names.map(dock),
+      })),
+    });
+
+  it("drives to the default dock unless another one is chosen, and the question names it", async () => {
+    const gateway = docks(["home", "lab"], "lab");
+    const { user } = renderPage(gateway);
+    const choice = await screen.findByRole<HTMLSelectElement>("combobox", { name: "Dock to" });
+    expect([...choice.options].map(({ text }) => text)).toEqual(["lab (default)", "home"]);
+    expect(choice.value).toBe("lab");
+    await user.selectOptions(choice, "home");
+    await user.click(button("Dock"));
+    const question = await screen.findByRole("dialog");
+    expect(within(question).getByText(/drives to the dock home/)).toBeDefined();
+    await user.click(within(question).getByRole("button", { name: "Dock" }));
+    expect(gateway.dock).toHaveBeenCalledWith(1, "home");
+  });
+
+  it.each([
+    ["there is only one", docks(["home"])],
+    [
+      "they cannot be read",
+      fakeGateway({ docks: vi.fn(async () => Promise.reject(new Error("no answer"))) }),
+    ],
+  ])("is not asked which one where %s", async (_, gateway) => {
+    renderPage(gateway);
+    await waitFor(() => expect(gateway.docks).toHaveBeenCalled());
+    await screen.findByRole("button", { name: "Dock" });
+    expect(screen.queryByRole("combobox", { name: "Dock to" })).toBeNull();
+  });
+});
+
 describe("a docking server that is not ours", () => {
   const nav2 = { ...server, action_name: "/dock_robot", action_type: "nav2_msgs/action/DockRobot" };
 
@@ -71,7 +111,7 @@ describe("a docking server that is not ours", () => {
     act(() => store.onEvent({ type: "simulator", time: at(1), robot: "/", simulator }));
     await waitFor(() => expect(asks().checked).toBe(false));
     await user.click(button("Dock"));
-    expect(gateway.dock).toHaveBeenCalledWith(null);
+    expect(gateway.dock).toHaveBeenCalledWith(null, undefined);
   });
 
   it("is what to start where it is gone", () => {

@@ -28,6 +28,12 @@ import { goal, idlePublisher, latched, released, robot, snapshot, stopReport, un
 export function fakeGateway(change: Partial<Gateway> = {}) {
   return {
     dock: vi.fn<Gateway["dock"]>(async () => goal("docked", { status: "accepted" })),
+    docks: vi.fn<Gateway["docks"]>(async () => ({
+      node: "/docking_server",
+      dock_database: null,
+      default: null,
+      docks: [],
+    })),
     undock: vi.fn<Gateway["undock"]>(async () => undockGoal("undocked", { status: "accepted" })),
     cancel: vi.fn<Gateway["cancel"]>(async (id) => goal(id, { status: "canceling" })),
     stop: vi.fn<Gateway["stop"]>(async (by) => stopReport({ canceling: ["a"], stop: latched(by) })),

@@ -22,6 +22,7 @@ from nav2_msgs.action import DockRobot, UndockRobot
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.task import Future
 
 PERIOD = 0.05
@@ -161,6 +162,17 @@ class Nav2(Server):
             return UndockRobot.Result(success=True)
 
 
+def declare_docks(node: Node, docks: list[str]) -> None:
+    """The parameters of nav2's database: what is not set has a type and no value."""
+    node.declare_parameter("dock_database", Parameter.Type.STRING)
+    node.declare_parameter("docks", docks or Parameter.Type.STRING_ARRAY)
+    for dock in docks:
+        node.declare_parameter(f"{dock}.type", "charger")
+        node.declare_parameter(f"{dock}.frame", "map")
+        node.declare_parameter(f"{dock}.pose", [1.0, 2.5, 0.5])
+        node.declare_parameter(f"{dock}.id", Parameter.Type.STRING)
+
+
 class Create3(Server):
     """One robot in front of its dock."""
 
@@ -201,6 +213,7 @@ def main() -> None:
     parser.add_argument("--robot", default="/")
     parser.add_argument("--inactive", action="store_true")
     parser.add_argument("--docked", action="store_true", help="nav2: the robot was docked before the server started")
+    parser.add_argument("--docks", nargs="*", default=[], help="nav2: the docks in its parameters")
     parser.add_argument("--outcomes", nargs="*", default=[])
     parser.add_argument("--stage-time", type=float, default=0.3)
     arguments = parser.parse_args()
@@ -208,6 +221,7 @@ def main() -> None:
     node = rclpy.create_node("docking_server", namespace=arguments.robot)
     seconds = arguments.stage_time
     if "nav2" in arguments.offer:
+        declare_docks(node, arguments.docks)
         Nav2(node, active=not arguments.inactive, docked=arguments.docked, stage_time=seconds)
     if "create3" in arguments.offer:
         Create3(node, arguments.outcomes, stage_time=seconds)

@@ -156,6 +156,7 @@ SCOPES: dict[str, Scope] = {
     "get_publisher": Scope.ROBOT,
     "start_publisher": Scope.ROBOT,
     "stop_publisher": Scope.ROBOT,
+    "list_docks": Scope.DOCK,
     "get_calibration": Scope.ROBOT,
     "calibrate_dock": Scope.ROBOT,
     "get_simulator": Scope.ROBOT,

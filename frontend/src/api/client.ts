@@ -5,6 +5,7 @@ import type {
   BatteryStateInput,
   Calibration,
   CalibrationService,
+  DockList,
   Fault,
   Goal,
   Publisher,
@@ -21,8 +22,13 @@ const CALIBRATION_TIMEOUT_MS = 25_000;
  * that arrives late is worse than one that fails. Every failure is a CommandError.
  */
 export interface Gateway {
-  /** @param desiredStatus How its battery is to be; null where the docking server has no such goals. */
-  dock(desiredStatus: number | null): Promise<Goal>;
+  /**
+   * @param desiredStatus How its battery is to be; null where the docking server has no such goals.
+   * @param dockId The name of the dock; the default one without it.
+   */
+  dock(desiredStatus: number | null, dockId?: string): Promise<Goal>;
+  /** The docks that the docking server knows by name. */
+  docks(): Promise<DockList>;
   undock(): Promise<Goal>;
   cancel(goalId: string): Promise<Goal>;
   /** Stops, and lets nobody go on until `release`; also several robots with one request. */
@@ -59,15 +65,14 @@ export function createGateway(http: Http, robot: string | null = null): Gateway 
   });
 
   return {
-    dock: (desiredStatus) =>
-      settle(
-        http.POST("/dock", {
-          ...(desiredStatus !== null && {
-            body: { desired_battery_state: { power_supply_status: desiredStatus } },
-          }),
-          ...goalOptions(),
-        }),
-      ),
+    dock: (desiredStatus, dockId) => {
+      const body = {
+        ...(desiredStatus !== null && { desired_battery_state: { power_supply_status: desiredStatus } }),
+        ...(dockId !== undefined && { dock_id: dockId }),
+      };
+      return settle(http.POST("/dock", { ...(Object.keys(body).length > 0 && { body }), ...goalOptions() }));
+    },
+    docks: () => settle(http.GET("/docks", options())),
     undock: () => settle(http.POST("/undock", goalOptions())),
     cancel: async (goalId) =>
       (await settle(

@@ -57,6 +57,10 @@ const WORDS: Record<string, Words> = {
     title: "The docking server does not calibrate",
     advice: "Start docking_server with the controller dock_pose.",
   },
+  docks_unavailable: {
+    title: "The docking server's docks cannot be read",
+    advice: "Its node does not answer: look at its log and restart it.",
+  },
   cancel_rejected: {
     title: "The action server refused to cancel",
     advice: "Press Stop: it also publishes zero velocity.",

@@ -983,6 +983,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/docks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Docks
+         * @description List the docks of the robot's docking server, in its order. There are none if it knows no docks by name.
+         */
+        get: operations["list_docks"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/calibration": {
         parameters: {
             query?: never;
@@ -2365,6 +2385,21 @@ export interface components {
          */
         DeliveryState: "pending" | "delivered" | "failed";
         /**
+         * Dock
+         * @description A dock of a docking server's database. What the server does not say is null.
+         */
+        Dock: {
+            /** Dock Id */
+            dock_id: string;
+            /** Type */
+            type: string | null;
+            /** Frame */
+            frame: string | null;
+            pose: components["schemas"]["Pose"] | null;
+            /** Id */
+            id: string | null;
+        };
+        /**
          * DockFeedback
          * @description Feedback of ConnectToChargingDock and DisconnectFromChargingDock.
          */
@@ -2377,6 +2412,26 @@ export interface components {
          */
         DockGoal: {
             desired_battery_state: components["schemas"]["BatteryState"];
+        };
+        /**
+         * DockList
+         * @description The docks of a docking server.
+         *
+         *     Attributes:
+         *         node: Full name of the server's node.
+         *         dock_database: The file that its docks are from; null if it has none.
+         *         default: The dock that a request without `dock_id` means; null if the server decides.
+         *         docks: In the order of the server.
+         */
+        DockList: {
+            /** Node */
+            node: string;
+            /** Dock Database */
+            dock_database: string | null;
+            /** Default */
+            default: string | null;
+            /** Docks */
+            docks: components["schemas"]["Dock"][];
         };
         /**
          * DockResult
@@ -8866,6 +8921,74 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["DeliveryList"];
+                };
+            };
+            /** @description Unauthorized */
+            401: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Forbidden */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_docks: {
+        parameters: {
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["DockList"];
                 };
             };
             /** @description Unauthorized */

@@ -30,6 +30,7 @@ export type Footprint = Schemas["Footprint"];
 export type Infrared = Schemas["Infrared"];
 export type Simulator = Schemas["Simulator"];
 export type Calibration = Schemas["Calibration"];
+export type DockList = Schemas["DockList"];
 export type CalibrationService = Schemas["CalibrationService"];
 export type Fault = paths["/simulator/faults/{fault}"]["put"]["parameters"]["path"]["fault"];
 export type BatteryHistory = Schemas["BatteryHistory"];

@@ -1,4 +1,4 @@
-import { Group, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
+import { Group, NativeSelect, SegmentedControl, Stack, Switch, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useId, useState } from "react";
 import type { Verb } from "../api/types";
@@ -15,6 +15,7 @@ import classes from "./docking.module.css";
 import { takesBatteryGoal } from "./families";
 import { MoveDialog } from "./MoveDialog";
 import { whyNotCancel, whyNotSend } from "./reasons";
+import { useDocks } from "./useDocks";
 
 /** Dock, Undock, Cancel, and a Stop of this robot alone where there are others; each says why where it cannot be used. */
 export function DockingControls({ running }: { running: GoalCourse | null }) {
@@ -30,9 +31,10 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
   const [open, question] = useDisclosure(false);
   const [target, setTarget] = useState(String(CHARGING));
   const targetId = useId();
+  const docks = useDocks(servers.dock);
 
   const dock = useCommand(async () =>
-    store.addGoals([await gateway.dock(takesBattery ? Number(target) : null)]),
+    store.addGoals([await gateway.dock(takesBattery ? Number(target) : null, docks.chosen)]),
   );
   const undock = useCommand(async () => store.addGoals([await gateway.undock()]));
   const cancel = useCommand(async (goal: GoalCourse) => store.addGoals([await gateway.cancel(goal.goal_id)]));
@@ -82,6 +84,18 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
         </ReasonButton>
         {alone !== null && <RobotStopButton robot={alone} />}
       </Group>
+      {docks.all.length > 1 && (
+        <NativeSelect
+          label="Dock to"
+          className={classes.dock}
+          value={docks.chosen}
+          onChange={(event) => docks.choose(event.currentTarget.value)}
+          data={docks.all.map((name, index) => ({
+            value: name,
+            label: index === 0 ? `${name} (default)` : name,
+          }))}
+        />
+      )}
       {takesBattery && (
         <Group gap="xs">
           <Text size="sm" id={targetId}>
@@ -118,6 +132,7 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
         opened={open}
         verb={asked}
         robot={alone === null ? null : naming.fullNameOf(alone)}
+        dock={docks.all.length > 1 ? docks.chosen : undefined}
         reason={whyNot(asked)}
         onMove={() => send(asked)}
         onClose={question.close}

@@ -9,6 +9,8 @@ interface MoveDialogProps {
   verb: Verb;
   /** The robot's name, where there is more than one. */
   robot: string | null;
+  /** The name of the dock that it drives to, where there are several. */
+  dock?: string | undefined;
   /** Why it cannot be done any more; null where it can. */
   reason: string | null;
   onMove: () => void;
@@ -17,18 +19,18 @@ interface MoveDialogProps {
 
 const NAMES: Record<Verb, string> = { dock: "Dock", undock: "Undock" };
 
-const WHAT_HAPPENS: Record<Verb, string> = {
-  dock: "It drives to its dock by itself. Check first that the area is clear.",
-  undock: "It backs out of its dock by itself. Check first that the area behind it is clear.",
+const WHAT_HAPPENS: Record<Verb, (dock: string) => string> = {
+  dock: (dock) => `It drives to ${dock} by itself. Check first that the area is clear.`,
+  undock: () => "It leaves its dock by itself. Check first that the area in front of the dock is clear.",
 };
 
 /** Asks before the robot moves. Stop stays within reach, and so does the choice to leave the robot where it is. */
-export function MoveDialog({ opened, verb, robot, reason, onMove, onClose }: MoveDialogProps) {
+export function MoveDialog({ opened, verb, robot, dock, reason, onMove, onClose }: MoveDialogProps) {
   const reasonId = useId();
   return (
     <Dialog opened={opened} onClose={onClose} title={`${NAMES[verb]} ${robot ?? "the robot"}?`}>
       <Stack gap="md">
-        <Text size="sm">{WHAT_HAPPENS[verb]}</Text>
+        <Text size="sm">{WHAT_HAPPENS[verb](dock === undefined ? "its dock" : `the dock ${dock}`)}</Text>
         <Text size="sm" c="dimmed" id={reasonId} role="status">
           {reason}
         </Text>

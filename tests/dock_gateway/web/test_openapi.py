@@ -66,6 +66,7 @@ def test_every_path_of_the_contract_is_there(document: dict[str, Any]) -> None:
         ("post", "/stop"),
         ("get", "/stop"),
         ("delete", "/stop"),
+        ("get", "/docks"),
         ("get", "/calibration"),
         ("post", "/calibration"),
         ("get", "/simulator"),

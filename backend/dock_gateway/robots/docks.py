@@ -1,0 +1,109 @@
+"""The docks that a robot's docking server knows by name: nav2's parameters, which our own server has, too."""
+
+import asyncio
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from dock_gateway.core.dock_adapters.charging_dock import FAMILY
+from dock_gateway.core.errors import Unavailable
+from dock_gateway.core.scene import Pose
+from dock_gateway.core.tasks import cancel
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.parameter_reader import ParameterReader, find_server_node
+from dock_gateway.settings import Settings
+
+# Seconds for which an answer of a server is used again.
+FRESH = 5.0
+# Seconds to read everything.
+WITHIN = 6.0
+KEYS = ("type", "frame", "pose", "id")
+
+
+@dataclass(frozen=True)
+class _Reading:
+    task: "asyncio.Task[dict[str, Any]]"
+    began: float
+
+
+class Docks:
+    """Reads the docks of docking servers on demand, once for all simultaneous requests.
+
+    Args:
+        settings: The default dock.
+        bridge: Runs calls on the ROS thread.
+    """
+
+    def __init__(self, settings: Settings, bridge: Bridge) -> None:
+        self._default = settings.default_dock
+        self._bridge = bridge
+        self._readings: dict[str, _Reading] = {}
+
+    async def document(self, action: str, family: str) -> dict[str, Any]:
+        """Return the docks of the server of an action, as `GET /docks` shows them.
+
+        Args:
+            action: Name of the docking action.
+            family: Who defines its type.
+
+        Raises:
+            Unavailable: It has no server (`action_server_unavailable`), which does not answer (`docks_unavailable`), or
+                `ros_unavailable`.
+        """
+        now = time.monotonic()
+        self._readings = {name: each for name, each in self._readings.items() if _is_fresh(each, now)}
+        if action not in self._readings:
+            task = asyncio.create_task(self._read(action, family))
+            task.add_done_callback(lambda done: done.cancelled() or done.exception())  # even if nobody waits any longer
+            self._readings[action] = _Reading(task, now)
+        return await asyncio.shield(self._readings[action].task)  # shared with other requests
+
+    async def close(self) -> None:
+        """Stop reading."""
+        for reading in self._readings.values():
+            await cancel(reading.task)
+
+    async def _read(self, action: str, family: str) -> dict[str, Any]:
+        node = await find_server_node(self._bridge, action)
+        if node is None:
+            raise Unavailable(f"there is no server for {action}")
+        reader = ParameterReader(self._bridge, node)
+        try:
+            async with asyncio.timeout(WITHIN):
+                docks, file = await _read_docks(reader)
+        except TimeoutError:
+            raise Unavailable(
+                f"the docking server's node {node} does not answer requests for its parameters",
+                code="docks_unavailable",
+            ) from None
+        finally:
+            reader.close()
+        first = docks[0]["dock_id"] if docks and family == FAMILY else None
+        return {"node": node, "dock_database": file, "default": self._default or first, "docks": docks}
+
+
+def _is_fresh(reading: _Reading, now: float) -> bool:
+    task = reading.task
+    return not task.done() or (now - reading.began < FRESH and not task.cancelled() and task.exception() is None)
+
+
+async def _read_docks(reader: ParameterReader) -> tuple[list[dict[str, Any]], str | None]:
+    known = await reader.names()
+    head = await reader.values(name for name in ("docks", "dock_database") if name in known)
+    names = [name for name in head.get("docks", ()) if isinstance(name, str)]
+    values = await reader.values(parameter for name in names for key in KEYS if (parameter := f"{name}.{key}") in known)
+    return [_document(name, values) for name in names], head.get("dock_database") or None
+
+
+def _document(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    pose = _pose(values.get(f"{name}.pose", ()))
+    texts = {key: str(values.get(f"{name}.{key}", "")) or None for key in ("type", "frame", "id")}
+    return {"dock_id": name, **texts, "pose": None if pose is None else pose._asdict()}
+
+
+def _pose(numbers: Sequence[float]) -> Pose | None:
+    if len(numbers) != len(Pose._fields) or not all(map(math.isfinite, numbers)):
+        return None
+    return Pose(*map(float, numbers))

@@ -1,0 +1,81 @@
+"""Reads the parameters of a ROS node, by the services that every node has."""
+
+import asyncio
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rcl_interfaces.srv import GetParameters, ListParameters
+from rclpy.parameter import parameter_value_to_python
+
+from dock_gateway.core.graph import ACTION_PART, STATUS
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.graph import read_topic
+from dock_gateway.ros.service_client import ServiceClient
+
+# Seconds to wait for each answer.
+ANSWER_WITHIN = 1.5
+# Requests for single parameters at the same time, where a node does not answer for all of them at once.
+AT_ONCE = 20
+
+
+class ParameterReader:
+    """The parameters of one node. `close` it after use.
+
+    Args:
+        bridge: The bridge to the ROS thread.
+        node: Full name of the node.
+    """
+
+    def __init__(self, bridge: Bridge, node: str) -> None:
+        self._lister = ServiceClient(bridge, ListParameters, f"{node}/list_parameters")
+        self._getter = ServiceClient(bridge, GetParameters, f"{node}/get_parameters")
+
+    async def names(self) -> frozenset[str]:
+        """Return the names of all parameters.
+
+        Raises:
+            TimeoutError: The node does not answer.
+            Unavailable: It is gone, or the ROS thread is down.
+        """
+        answer = await self._lister.call(ListParameters.Request(), ANSWER_WITHIN)
+        return frozenset(answer.result.names)
+
+    async def values(self, names: Iterable[str]) -> Mapping[str, Any]:
+        """Return the values of parameters, by name; without those that are not set.
+
+        Raises:
+            TimeoutError: The node does not answer.
+            Unavailable: It is gone, or the ROS thread is down.
+        """
+        wanted = list(names)
+        values = await self._get(wanted)
+        if len(values) != len(wanted):  # a parameter that is not set fails the whole request
+            limit = asyncio.Semaphore(AT_ONCE)
+
+            async def get(name: str) -> Any:
+                async with limit:
+                    return next(iter(await self._get([name])), None)
+
+            values = await asyncio.gather(*map(get, wanted))
+        return {name: value for name, value in zip(wanted, values, strict=True) if value is not None}
+
+    async def _get(self, names: list[str]) -> list[Any]:
+        if not names:
+            return []
+        answer = await self._getter.call(GetParameters.Request(names=names), ANSWER_WITHIN)
+        return [parameter_value_to_python(value) for value in answer.values]
+
+    def close(self) -> None:
+        """Leave the graph."""
+        self._lister.close()
+        self._getter.close()
+
+
+async def find_server_node(bridge: Bridge, action: str) -> str | None:
+    """Return the full name of the node that serves an action; None if there is none.
+
+    Raises:
+        Unavailable: The ROS thread is down.
+    """
+    topic = await bridge.call(lambda: read_topic(bridge.node, f"{action}{ACTION_PART}{STATUS}"))
+    return next((publisher.node for publisher in topic.publishers if publisher.node is not None), None)
