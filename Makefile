@@ -25,6 +25,8 @@ export UV
 
 INTERFACES := backend/action_tutorials_interfaces
 INTERFACE_SOURCES := $(shell find $(INTERFACES) -type f)
+TF := backend/tf2_msgs
+TF_SOURCES := $(shell find $(TF) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
 TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
@@ -112,6 +114,13 @@ $(STAMPS)/interfaces: $(INTERFACE_SOURCES) build-requirements.lock scripts/build
 	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/wheel/*.whl
 	@touch $@
 
+$(STAMPS)/tf2-msgs: $(TF_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
+	@scripts/preflight $(BIN)/python
+	@echo "Compiling the ROS message of /tf (about half a minute, once) …"
+	@rm -rf $(STAMPS)/tf-wheel && scripts/build-interfaces $(BIN)/python $(STAMPS)/tf-wheel $(TF)
+	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/tf-wheel/*.whl
+	@touch $@
+
 # For the tests only: what other docking servers speak.
 $(STAMPS)/test-interfaces: $(TEST_INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
 	@scripts/preflight $(BIN)/python
@@ -120,7 +129,7 @@ $(STAMPS)/test-interfaces: $(TEST_INTERFACE_SOURCES) build-requirements.lock scr
 	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/test-wheel/*.whl
 	@touch $@
 
-$(STAMPS)/project: pyproject.toml backend/hatch_build.py $(shell find backend/action_tutorials_py -type f) $(STAMPS)/interfaces
+$(STAMPS)/project: pyproject.toml backend/hatch_build.py $(shell find backend/action_tutorials_py -type f) $(STAMPS)/interfaces $(STAMPS)/tf2-msgs
 	@$(UV) pip install --quiet --python $(BIN)/python --no-deps \
 	    --build-constraints build-requirements.lock --editable .
 	@touch $@

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, TransformStamped
 from nav_msgs.msg import Odometry
 from rcl_interfaces.msg import Log
 from rclpy.parameter import Parameter
@@ -13,12 +13,17 @@ from rclpy.parameter import Parameter
 from docking.core.errors import FailedToDetectDock
 from docking.core.geometry import Pose
 from docking.core.observation import Observation, Velocity
+from docking.core.transform import Transform, spatial, tilt
 from docking.goal.behavior import Failed
 from docking.goal.plan import KnownPoses, SingleStage
+from docking.ros import transforms
+from docking.ros.geometry import pose_in_space, transform_message
+from docking.ros.qos import LATCHED
 from tests.support.docking import ABORTED, LOW, Reports, dock_server, send_dock_goal
 from tests.support.observer import Observer
-from tests.support.sensors import detection, infrared, odometry
+from tests.support.sensors import detection, infrared, odometry, stamp
 from tests.support.waiting import wait_until
+from tf2_msgs.msg import TFMessage
 
 pytestmark = pytest.mark.ros
 
@@ -26,10 +31,11 @@ NODE = "connect_to_charging_dock_action_server"
 ODOM, MARKER = "odom", "detected_dock_pose"
 SENSORS = {
     "rotate": set(),
-    "dock_pose": {"/odom", "/detected_dock_pose"},
+    "dock_pose": {"/odom", "/detected_dock_pose", "/tf"},
     "infrared": {"/odom", "/infrared/left", "/infrared/center", "/infrared/right"},
 }
 POSES = {"/dock_pose", "/filtered_dock_pose", "/staging_pose"}
+ONE_METRE = Transform((1.0, 0.0, 0.0))
 AT = 1000.0  # the clock that stamps the sensors' messages need not be any other's
 
 
@@ -45,15 +51,29 @@ class Witness:
 
 
 @contextmanager
-def witness(domain: int, observer: Observer, controller: str) -> Iterator[Witness]:
+def witness(domain: int, observer: Observer, controller: str, *parameters: str) -> Iterator[Witness]:
     """A witness of what the server hears while a goal runs."""
     controllers = Witness()
     with (
-        dock_server(domain, f"controller:={controller}", make_plan=lambda _settings: SingleStage(controllers)),
+        dock_server(
+            domain, f"controller:={controller}", *parameters, make_plan=lambda _settings: SingleStage(controllers)
+        ),
         observer.publishing(LOW, "battery_status"),
     ):
         assert send_dock_goal(observer).accepted
         yield controllers
+
+
+def link(parent: str, child: str, transform: Transform = ONE_METRE, at: float = AT) -> TransformStamped:
+    message = TransformStamped(child_frame_id=child, transform=transform_message(transform))
+    message.header.frame_id = parent
+    message.header.stamp = stamp(at)
+    return message
+
+
+def publish_fixed(observer: Observer, *links: TransformStamped) -> None:
+    publisher = observer.call(lambda: observer.node.create_publisher(TFMessage, "tf_static", LATCHED))
+    observer.call(lambda: publisher.publish(TFMessage(transforms=list(links))))
 
 
 def close_to(pose: Pose) -> object:
@@ -117,24 +137,91 @@ def test_frames_are_those_that_odometry_names(domain: int, observer: Observer, f
         assert as_tuple(marker.pose) == close_to(expected)
 
 
-def test_an_unknown_frame_is_told(domain: int, observer: Observer) -> None:
-    with witness(domain, observer, "dock_pose") as told:
+@pytest.mark.parametrize(
+    ("sent", "complaint"),
+    [
+        ([], "no transform has 'camera_optical_frame' or 'base_link'"),
+        ([("camera_link", "camera_optical_frame")], "no transform has 'base_link'"),
+        (
+            [("camera_link", "camera_optical_frame"), ("base_footprint", "base_link")],
+            "no transform relates 'camera_link' to 'base_footprint'",
+        ),
+    ],
+)
+def test_a_frame_that_cannot_be_related_is_told(
+    domain: int, observer: Observer, sent: list[tuple[str, str]], complaint: str
+) -> None:
+    with witness(domain, observer, "dock_pose") as told, observer.publishing(odometry(Pose(), AT), ODOM):
         reports = Reports(observer)
         log = observer.record(Log, "/rosout")
-        observer.publish(odometry(Pose(), AT), ODOM)
         wait_until(lambda: told.seen.odometry, "odometry")
-        observer.publish(detection(Pose(1.0, 0.0, 0.0), AT, "camera_optical_frame"), MARKER)
-        complaint = (
-            "/detected_dock_pose is given in the frame 'camera_optical_frame', but odometry relates 'odom' and"
-            " 'base_link' only"
+        if sent:
+            publish_fixed(observer, *(link(*frames) for frames in sent))
+        whole = (
+            "/detected_dock_pose is given in the frame 'camera_optical_frame', which cannot be related to 'base_link'"
+            f" by /tf or /tf_static: {complaint}"
         )
-        report = reports.wait_for(name=f"{NODE}: sensors", level=2)
-        assert report["message"] == report["/detected_dock_pose"] == complaint
-        log.wait_for(lambda entry: entry.msg == complaint)
-        assert told.seen.marker is None
+        with observer.publishing(detection(Pose(1.0, 0.0, 0.0), AT, "camera_optical_frame"), MARKER):
+            report = reports.wait_for(name=f"{NODE}: sensors", level=2, message=whole)
+            assert report["/detected_dock_pose"] == whole
+            log.wait_for(lambda entry: entry.msg == whole)
+            assert told.seen.marker is None
         observer.publish(detection(Pose(1.0, 0.0, 0.0), AT), MARKER)
         wait_until(lambda: told.seen.marker, "the marker")
         wait_until(lambda: reports.all[-1]["message"] == "ok", "a report that all is well")
+
+
+def test_a_detection_is_found_over_frames_that_move_and_that_do_not(domain: int, observer: Observer) -> None:
+    """A camera on a mast that turns to the left; names without the robot's prefix get it."""
+    with (
+        witness(domain, observer, "dock_pose", "frame_prefix:=robot1/") as told,
+        observer.publishing(odometry(Pose(5.0, 0.0, 0.0), AT + 0.5), ODOM),
+    ):
+        optical = Transform((0.1, 0.0, 0.0), (-0.5, 0.5, -0.5, 0.5))
+        publish_fixed(observer, link("robot1/mast", "camera", optical))
+        for at, theta in ((AT, 0.0), (AT + 1.0, math.pi)):
+            mast = link("base_link", "robot1/mast", spatial(Pose(0.0, 0.2, theta), 0.5), at)
+            observer.publish(TFMessage(transforms=[mast]), "tf")
+        seen = detection(Pose(), AT + 0.5, "/camera")
+        seen.pose.position.z = 2.0  # ahead of the camera
+        seen.pose.orientation = pose_in_space(optical.inverse()).orientation
+        with observer.publishing(seen, MARKER):
+            marker = wait_until(lambda: told.seen.marker, "the marker")
+        assert as_tuple(marker.pose) == close_to(Pose(5.0, 2.3, math.pi / 2))
+
+
+def test_an_old_transform_is_told(domain: int, observer: Observer) -> None:
+    with witness(domain, observer, "dock_pose"), observer.publishing(odometry(Pose(), AT), ODOM):
+        reports = Reports(observer)
+        observer.publish(TFMessage(transforms=[link("base_link", "camera", at=AT - 4.0)]), "tf")
+        complaint = "the transform from 'camera' to 'base_link' is 4.0 s older than the detection"
+        with observer.publishing(detection(Pose(1.0, 0.0, 0.0), AT, "camera"), MARKER):
+            wait_until(lambda: any(complaint in report["message"] for report in reports.all), complaint)
+
+
+def test_without_tf2_msgs_other_frames_cannot_be_related(
+    domain: int, observer: Observer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(transforms, "TFMessage", None)
+    with witness(domain, observer, "dock_pose"), observer.publishing(odometry(Pose(), AT), ODOM):
+        reports = Reports(observer)
+        complaint = "cannot be related to 'base_link': tf2_msgs is not installed"
+        with observer.publishing(detection(Pose(1.0, 0.0, 0.0), AT, "camera"), MARKER):
+            wait_until(lambda: any(complaint in report["message"] for report in reports.all), complaint)
+
+
+def test_the_axes_of_the_marker_are_turned(domain: int, observer: Observer) -> None:
+    april_tag = "external_detection_rotation_roll:=-1.570796", "external_detection_rotation_pitch:=1.570796"
+    with witness(domain, observer, "dock_pose", *april_tag) as told, observer.publishing(odometry(Pose(), AT), ODOM):
+        reports = Reports(observer)
+        tag = detection(Pose(1.0, 0.0, 0.0), AT)
+        tag.pose.orientation = pose_in_space(tilt(-math.pi / 2, math.pi / 2).inverse()).orientation
+        with observer.publishing(tag, MARKER):
+            marker = wait_until(lambda: told.seen.marker, "the marker")
+        assert as_tuple(marker.pose) == close_to(Pose(1.0, 0.0, 0.0))
+        with observer.publishing(detection(Pose(1.0, 0.0, 0.0), AT), MARKER):  # as if it had no such axes
+            complaint = "has an x axis that points down and so has no heading"
+            wait_until(lambda: any(complaint in report["message"] for report in reports.all), complaint)
 
 
 SOMEWHERE = Pose(1.0, 0.0, 0.0)

@@ -55,6 +55,7 @@ DOCK = ActionSpec(
     outline=lambda settings: settings.outline.points,
     at_dock=DockSettings.at_dock,
     dock_types=lambda settings: settings.database.dock_plugins,
+    marker_tilt=lambda settings: settings.dock.tilt,
 )
 
 

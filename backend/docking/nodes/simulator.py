@@ -29,8 +29,8 @@ from docking.ros.geometry import pose_from, stamped_pose
 from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
 from docking.ros.qos import LATCHED, LATEST
+from docking.ros.simulator_frames import SimulatorFrames
 from docking.ros.simulator_messages import (
-    BASE,
     ODOM,
     WORLD,
     BatteryMessage,
@@ -111,11 +111,12 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         # Absolute, as REP-107 has it: one topic for all robots, told apart by the name of the status.
         self._diagnostics = publisher(DiagnosticArray, "/diagnostics")
         self._dock.publish(stamped_pose(Pose(), WORLD, self._now()))
+        self._frames = SimulatorFrames(self, self._settings.odometry_child_frame, self._settings.detection_frame)
         self._make_messages()
 
     def _make_messages(self) -> None:
         infrared = self._simulation.settings.infrared
-        self._odometry_message = OdometryMessage(ODOM)
+        self._odometry_message = OdometryMessage(ODOM, self._settings.odometry_child_frame.value)
         self._truth_message = OdometryMessage(WORLD)
         self._range_messages = [RangeMessage(receiver, infrared) for receiver in RECEIVERS]
         self._scan_message = ScanMessage(self._simulation.settings.laser)
@@ -201,11 +202,12 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self._odometry_told = simulation.reckoned_at
             reckoned = self._stamp(simulation.reckoned_at)
             self._odometry.publish(self._odometry_message.fill(odometry.pose, odometry.velocity, reckoned))
+            self._frames.publish(odometry.pose, reckoned)
         self._truth.publish(self._truth_message.fill(robot.pose, robot.velocity, stamp))
         sighting, ranges = simulation.sighting, simulation.ranges
         if sighting is not None and sighting.stamp > self._marker_told:
             self._marker_told = sighting.stamp
-            self._marker.publish(stamped_pose(sighting.marker, BASE, self._stamp(sighting.stamp)))
+            self._marker.publish(self._frames.detection(sighting.marker, self._stamp(sighting.stamp)))
         if ranges is not None and ranges.stamp > self._ranges_told:
             self._ranges_told = ranges.stamp
             distances = (ranges.left, ranges.center, ranges.right)

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from docking.core.geometry import Pose
 from docking.core.parameter import number
+from docking.core.transform import Transform, tilt
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,9 +42,25 @@ class Dock(Staging):
         "which points into the dock.",
     )
     external_detection_translation_y: float = number(0.0, -1.0, 1.0, "m", "The same, along the marker's y axis.")
+    external_detection_rotation_roll: float = number(
+        0.0,
+        -3.1416,
+        3.1416,
+        "rad",
+        "Turn of the marker's axes about its x axis, after external_detection_rotation_pitch, that makes x point into "
+        "the dock and z up: -1.57 for AprilTags whose z axis points out of the tag.",
+    )
+    external_detection_rotation_pitch: float = number(
+        0.0, -3.1416, 3.1416, "rad", "The same about its y axis, before the roll: 1.57 for these AprilTags."
+    )
     external_detection_rotation_yaw: float = number(
         0.0, -3.1416, 3.1416, "rad", "Heading of the docked robot relative to the marker's x axis."
     )
+
+    @property
+    def tilt(self) -> Transform:
+        """The marker's frame, x into the dock and z up, as seen from that of its detections."""
+        return tilt(self.external_detection_rotation_roll, self.external_detection_rotation_pitch)
 
     def docked(self, marker: Pose) -> Pose:
         """Where base_link is when docked, in the frame that the marker's pose is given in."""

@@ -72,6 +72,11 @@ class ServerSettings(NodeSettings):
         "on any of them stops the robot.",
         read_topics,
     )
+    frame_prefix: str = string(
+        "",
+        "robot1/",
+        "Set before the names of frames that do not begin with it, in what is heard and published.",
+    )
     outline: Outline = group(Outline)
     collision: CollisionSettings = group(CollisionSettings)
 

@@ -15,9 +15,11 @@ from std_srvs.srv import Trigger
 from docking.core.battery import Battery
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
+from docking.core.transform import Transform, tilt
 from docking.estimation.calibration import Calibration, CalibrationError, DockCalibration
 from docking.ros.clock import control_time
 from docking.ros.sensors import Sensor, Sensors
+from docking.ros.transforms import Transforms
 
 SERVICE = "calibrate_dock"
 PARAMETERS = (
@@ -26,6 +28,7 @@ PARAMETERS = (
     "external_detection_rotation_yaw",
 )
 """What is measured: x, y and theta of the docked robot in the marker's frame."""
+TILT = ("external_detection_rotation_roll", "external_detection_rotation_pitch")
 DIGITS = 4
 PERIOD = 0.05
 NEEDED = frozenset({Sensor.ODOMETRY, Sensor.MARKER})
@@ -39,13 +42,19 @@ class DockCalibrator:
     """
 
     def __init__(
-        self, node: Node, battery: Battery, is_driven: Callable[[], bool], find_type: Callable[[], str | None]
+        self,
+        node: Node,
+        battery: Battery,
+        transforms: Transforms,
+        is_driven: Callable[[], bool],
+        find_type: Callable[[], str | None],
     ) -> None:
         """Start without the service.
 
         Args:
             node: The node that has the parameters.
             battery: Where the battery subscriber puts its readings.
+            transforms: How frames lie in each other.
             is_driven: Whether a goal of any server drives the robot.
             find_type: The type of the dock that the robot is on; empty where there are no types, None if unknown.
         """
@@ -55,7 +64,7 @@ class DockCalibrator:
         self._find_type = find_type
         self._names: tuple[str, ...] = PARAMETERS
         self._service: Service | None = None
-        self._sensors = Sensors(node, lambda: None)
+        self._sensors = Sensors(node, transforms, lambda: None)
         self._measurement: DockCalibration | None = None
         self._ended = Future()
         self._timer = node.create_timer(PERIOD, self._step, clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -83,9 +92,10 @@ class DockCalibrator:
         elif (dock_type := self._find_type()) is None:
             response.message = "there are several types of docks: let a goal dock the robot, to tell which one it is on"
         else:
-            self._names = tuple(f"{dock_type}.{name}" if dock_type else name for name in PARAMETERS)
+            self._names = _of_type(dock_type, PARAMETERS)
             self._measurement = DockCalibration(control_time(self._node))
             self._ended = Future()
+            self._sensors.marker_tilt = self._tilt(dock_type)
             self._sensors.listen_to(NEEDED)
             self._timer.reset()
             response.success, response.message = await self._ended
@@ -94,6 +104,9 @@ class DockCalibrator:
         else:
             self._node.get_logger().warning(f"The dock is not calibrated: {response.message}")
         return response
+
+    def _tilt(self, dock_type: str) -> Transform:
+        return tilt(*(self._node.get_parameter(name).value for name in _of_type(dock_type, TILT)))
 
     def _step(self) -> None:
         if self._measurement is None:
@@ -137,6 +150,11 @@ class DockCalibrator:
         self._timer.cancel()
         self._sensors.listen_to(frozenset())
         self._ended.set_result((success, message))
+
+
+def _of_type(dock_type: str, names: Sequence[str]) -> tuple[str, ...]:
+    """The names of parameters of a type of docks."""
+    return tuple(f"{dock_type}.{name}" if dock_type else name for name in names)
 
 
 def _yaml(node: str, remarks: list[str], names: Sequence[str], values: list[float], before: Pose) -> str:

@@ -9,7 +9,6 @@ from docking.core.footprint import Footprint
 from docking.ros.qos import LATCHED
 
 TOPIC = "footprint"
-BASE = "base_link"
 
 
 class FootprintPublisher:
@@ -23,11 +22,11 @@ class FootprintPublisher:
         """
         self._node = node
         self._publisher: Publisher | None = None
-        self._published: Footprint = ()
+        self._published: tuple[Footprint, str] | None = None
 
-    def publish(self, footprint: Footprint) -> None:
-        """Publish a footprint, unless it is the published one."""
-        if footprint == self._published:
+    def publish(self, footprint: Footprint, frame: str) -> None:
+        """Publish a footprint in a frame, unless it is the published one."""
+        if (footprint, frame) == self._published:
             return
         if self._publisher is None:
             self._publisher = self._node.create_publisher(
@@ -37,8 +36,8 @@ class FootprintPublisher:
                 qos_overriding_options=QoSOverridingOptions.with_default_policies(),
             )
         message = PolygonStamped()
-        message.header.frame_id = BASE
+        message.header.frame_id = frame
         message.header.stamp = self._node.get_clock().now().to_msg()
         message.polygon.points = [Point32(x=x, y=y) for x, y in footprint]
         self._publisher.publish(message)
-        self._published = footprint
+        self._published = footprint, frame

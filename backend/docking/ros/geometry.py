@@ -1,14 +1,21 @@
-"""Poses in the plane out of geometry_msgs, and back."""
+"""Poses and stamps out of messages, and back."""
 
 import math
 
 from builtin_interfaces.msg import Time
-from geometry_msgs.msg import Point, PoseStamped, Quaternion
+from geometry_msgs.msg import Point, PoseStamped, Quaternion, Vector3
 from geometry_msgs.msg import Pose as PoseMessage
+from geometry_msgs.msg import Transform as TransformMessage
 
 from docking.core.geometry import Pose, quaternion_of, yaw_of
+from docking.core.transform import Transform
 
 UNIT_TOLERANCE = 0.1
+
+
+def seconds_of(stamp: Time) -> float:
+    """A stamp in seconds."""
+    return float(stamp.sec + stamp.nanosec / 1e9)
 
 
 def pose_from(message: PoseMessage) -> Pose:
@@ -19,11 +26,44 @@ def pose_from(message: PoseMessage) -> Pose:
     """
     position, turn = message.position, message.orientation
     norm = math.hypot(turn.x, turn.y, turn.z, turn.w)
-    if not (math.isfinite(position.x) and math.isfinite(position.y) and math.isfinite(norm)):
+    _check(norm, position.x, position.y)
+    return Pose(position.x, position.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
+
+
+def transform_from(translation: Point | Vector3, rotation: Quaternion) -> Transform:
+    """The same in space.
+
+    Raises:
+        ValueError: It is none; the error is a sentence's second half.
+    """
+    norm = math.hypot(rotation.x, rotation.y, rotation.z, rotation.w)
+    _check(norm, translation.x, translation.y, translation.z)
+    return Transform(
+        (translation.x, translation.y, translation.z),
+        (rotation.x / norm, rotation.y / norm, rotation.z / norm, rotation.w / norm),
+    )
+
+
+def _check(norm: float, *numbers: float) -> None:
+    """Raise ValueError where a position and an orientation of this length are no pose."""
+    if not all(map(math.isfinite, (norm, *numbers))):
         raise ValueError("has a pose that is not a number")
     if abs(norm - 1.0) > UNIT_TOLERANCE:
         raise ValueError(f"has an orientation of length {norm:.2g}, which a quaternion cannot have")
-    return Pose(position.x, position.y, yaw_of(turn.x, turn.y, turn.z, turn.w))
+
+
+def pose_in_space(transform: Transform) -> PoseMessage:
+    """A pose in space as a message."""
+    x, y, z, w = transform.rotation
+    point = Point(**dict(zip("xyz", transform.translation, strict=True)))
+    return PoseMessage(position=point, orientation=Quaternion(x=x, y=y, z=z, w=w))
+
+
+def transform_message(transform: Transform) -> TransformMessage:
+    """A transform as a message."""
+    (x, y, z), turn = transform.translation, transform.rotation
+    rotation = Quaternion(x=turn[0], y=turn[1], z=turn[2], w=turn[3])
+    return TransformMessage(translation=Vector3(x=x, y=y, z=z), rotation=rotation)
 
 
 def pose_message(pose: Pose) -> PoseMessage:

@@ -19,6 +19,7 @@ from docking.core.battery import Battery
 from docking.core.errors import DockNotInDb, ErrorCode, Stage
 from docking.core.footprint import Footprint
 from docking.core.observation import STANDSTILL
+from docking.core.transform import Transform
 from docking.goal.admission import Purpose, Rejection, admit
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Command, End, Goal, Outcome
@@ -35,12 +36,14 @@ from docking.ros.parameters import declare_parameters
 from docking.ros.poses import PosePublishers
 from docking.ros.sensors import Sensor, Sensors
 from docking.ros.stop_listener import StopListener
+from docking.ros.transforms import Transforms
 from docking.ros.velocity import Drive
 
 Event = TypeVar("Event", Command, Outcome)
 S = TypeVar("S", bound=ServerSettings)
 
 FEEDBACK_PERIOD = 0.1
+BASE = "base_link"
 DIAGNOSTICS_PERIOD = 1.0
 SENSED = frozenset(
     {
@@ -73,6 +76,7 @@ class ActionSpec(Generic[S]):
         outline: The robot's footprint, by the parameters; None where it is not published.
         at_dock: The parameters for a goal at a dock, by the dock's name; raises DockNotInDb.
         dock_types: Types of docks that have parameters of their own.
+        marker_tilt: How the marker's axes are turned, by the parameters; see `Sensors`.
     """
 
     node_name: str
@@ -89,6 +93,7 @@ class ActionSpec(Generic[S]):
     outline: Callable[[S], Footprint] | None = None
     at_dock: Callable[[S, str], S] = lambda settings, _: settings
     dock_types: Callable[[S], Sequence[str]] = lambda _: ()
+    marker_tilt: Callable[[S], Transform] = lambda _: Transform()
 
 
 class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has no types
@@ -130,11 +135,12 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._stage = Stage.IDLE
         self._fed_back_at = -math.inf
         self._clock_watch = ClockWatch(self)
-        self._sensors = Sensors(self, self._repeat_report)
+        self._transforms = Transforms(self)
+        self._sensors = Sensors(self, self._transforms, self._repeat_report)
         self._poses = PosePublishers(self)
         self._footprint = FootprintPublisher(self)
         self._calibrator = DockCalibrator(
-            self, battery, lambda: self._active_goal.running is not None, self._find_dock_type
+            self, battery, self._transforms, lambda: self._active_goal.running is not None, self._find_dock_type
         )
         declare_parameters(self, spec.settings, self._take_over)
         self._drive = Drive(self)
@@ -201,10 +207,12 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         """Carry out what follows from the parameters alone, also while a goal runs."""
         self._stops.listen_to(read_topics(self._settings.stop_topics))
         self._drive.publisher.mode = self._settings.enable_stamped_cmd_vel
+        self._drive.publisher.frame = base = self._settings.frame_prefix + BASE
         if self._spec.outline is not None:
-            self._footprint.publish(self._spec.outline(self._settings))
+            self._footprint.publish(self._spec.outline(self._settings), base)
         if self._running is None:
             by_marker = Sensor.MARKER in self._spec.needs(self._settings)
+            self._transforms.switch(on=by_marker, prefix=self._settings.frame_prefix)
             self._poses.switch(on=by_marker)
             self._calibrator.switch(on=by_marker)
 
@@ -250,9 +258,10 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         if running is not None:
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
         self._sensors.scanner = self._settings.collision.mount
-        self._sensors.listen_to(self._spec.needs(self._settings))
-        self._control_timer.timer_period_ns = round(self._spec.control_period(self._settings) * 1e9)
         settings = self._spec.at_dock(self._settings, handle.request.desired_battery_state.location)
+        self._sensors.marker_tilt = self._spec.marker_tilt(settings)
+        self._sensors.listen_to(self._spec.needs(settings))
+        self._control_timer.timer_period_ns = round(self._spec.control_period(self._settings) * 1e9)
         goal = self._spec.make_goal(settings, self._active_goal.memory, control_time(self))
         execution = Execution(handle, goal_id, goal, self._end)
         self._running = self._active_goal.running = execution

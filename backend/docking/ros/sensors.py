@@ -7,7 +7,6 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry as OdometryMessage
 from rclpy.node import Node
@@ -18,14 +17,18 @@ from sensor_msgs.msg import LaserScan, Range
 from docking.core.battery import BatteryReading, received_at
 from docking.core.geometry import Pose
 from docking.core.observation import InfraredReading, MarkerDetection, Observation, Odometry, Scan, Velocity
+from docking.core.transform import Transform
 from docking.estimation.scan import place, points_of
 from docking.estimation.track import Track
 from docking.ros.clock import control_time
-from docking.ros.geometry import pose_from
+from docking.ros.geometry import pose_from, seconds_of, transform_from
 from docking.ros.qos import LATEST
+from docking.ros.transforms import Transforms
 
+MARKER_TOPIC = "detected_dock_pose"
 RECEIVERS = ("left", "center", "right")
-# ROS finds the publishers of topics one after the other: a marker may be heard so many seconds before odometry.
+# ROS finds the publishers of topics one after the other: a marker may be heard so many seconds before odometry or
+# the transforms that it needs.
 DISCOVERY = 1.0
 
 
@@ -45,25 +48,30 @@ class Sensors:
         odometry_frame: The frame that odometry is given in; empty before the first message.
         scanner: Where the laser scanner is, in base_link.
         faults: What is wrong with the last message on each topic that has one, as sentences.
+        marker_tilt: The marker's frame, x into the dock and z up, as seen from that of its detections.
     """
 
-    def __init__(self, node: Node, on_change: Callable[[], None]) -> None:
+    def __init__(self, node: Node, transforms: Transforms, on_change: Callable[[], None]) -> None:
         """Start without any sensor.
 
         Args:
             node: The node that subscribes. All calls must come from the thread that spins it.
+            transforms: How frames lie in each other.
             on_change: Called when `faults` have changed.
         """
         self.odometry_frame = ""
         self.scanner = Pose()
         self.faults: dict[str, str] = {}
+        self.marker_tilt = Transform()
         self._node = node
+        self._transforms = transforms
         self._on_change = on_change
         self._base_frame = ""
         self._subscriptions: dict[Sensor, list[Subscription]] = {}
         self._track = Track()
         self._marker: MarkerDetection | None = None
-        self._unrelated_since: float | None = None  # markers come, and no odometry
+        self._unrelated_since: float | None = None  # markers come, and cannot be placed
+        self._doubt = ""  # why not
         self._scan: Scan | None = None
         self._ranges: dict[str, tuple[float, float]] = {}  # in m, and when it was received
 
@@ -76,12 +84,13 @@ class Sensors:
             self._forget(sensor)
         for sensor in sensors - self._subscriptions.keys():
             self._subscriptions[sensor] = self._subscribe(sensor)
+        self._transforms.use(self, on=Sensor.MARKER in sensors)
 
     def _subscribe(self, sensor: Sensor) -> list[Subscription]:
         if sensor is Sensor.ODOMETRY:
             return [self._subscription(OdometryMessage, "odom", self._take_odometry)]
         if sensor is Sensor.MARKER:
-            return [self._subscription(PoseStamped, "detected_dock_pose", self._take_marker)]
+            return [self._subscription(PoseStamped, MARKER_TOPIC, self._take_marker)]
         if sensor is Sensor.SCAN:
             return [self._subscription(LaserScan, "scan", self._take_scan)]
         return [self._subscription(Range, f"infrared/{name}", partial(self._take_range, name)) for name in RECEIVERS]
@@ -109,9 +118,8 @@ class Sensors:
     def _forget(self, sensor: Sensor) -> None:
         if sensor is Sensor.ODOMETRY:
             self._track.clear()
-            self._unrelated_since = None
         elif sensor is Sensor.MARKER:
-            self._marker = None
+            self._marker = self._unrelated_since = None
         elif sensor is Sensor.SCAN:
             self._scan = None
         else:
@@ -135,30 +143,43 @@ class Sensors:
         pose = pose_from(message.pose.pose)
         if not velocity.finite:
             raise ValueError("has a velocity that is not a number")
-        self.odometry_frame, self._base_frame = _frame(message.header.frame_id), _frame(message.child_frame_id)
-        self._track.add(_seconds(message.header.stamp), Odometry(pose, velocity, received))
+        self.odometry_frame = self._transforms.frame(message.header.frame_id)
+        self._base_frame = self._transforms.frame(message.child_frame_id)
+        self._track.add(seconds_of(message.header.stamp), Odometry(pose, velocity, received))
 
     def _take_marker(self, message: PoseStamped, received: float) -> None:
-        seen = pose_from(message.pose)
-        if self._track.latest is None:
+        seen = transform_from(message.pose.position, message.pose.orientation)
+        measured_at = seconds_of(message.header.stamp)
+        try:
+            if self._track.latest is None:
+                raise ValueError("cannot be used: no odometry has come yet")
+            frame, lies = self._locate(self._transforms.frame(message.header.frame_id), measured_at)
+        except ValueError as error:
             if self._unrelated_since is None:
                 self._unrelated_since = received
+            self._doubt = str(error)
             if received - self._unrelated_since < DISCOVERY:
                 return
-            raise ValueError("cannot be used: no odometry has come yet")
+            raise
+        self._unrelated_since = None
         try:
-            odometry = self._track.at(_seconds(message.header.stamp))
+            odometry = self._track.at(measured_at)
         except LookupError as error:
             raise ValueError(f"is stamped {error}: do the clocks of their publishers agree?") from None
-        frame = _frame(message.header.frame_id)
+        pose = lies.compose(seen).compose(self.marker_tilt).flatten()
         if frame == self._base_frame:
-            seen = odometry.pose.compose(seen)
-        elif frame != self.odometry_frame:
-            raise ValueError(
-                f"is given in the frame '{frame}', but odometry relates '{self.odometry_frame}' and"
-                f" '{self._base_frame}' only"
-            )
-        self._marker = MarkerDetection(seen, min(odometry.stamp, received))
+            pose = odometry.pose.compose(pose)
+        self._marker = MarkerDetection(pose, min(odometry.stamp, received))
+
+    def _locate(self, frame: str, measured_at: float) -> tuple[str, Transform]:
+        """One of odometry's two frames, and where a frame lies in it at a moment.
+
+        Raises:
+            ValueError: It is related to neither.
+        """
+        if frame in {self.odometry_frame, self._base_frame}:
+            return frame, Transform()
+        return self._transforms.locate(frame, self.odometry_frame, self._base_frame, measured_at)
 
     def _take_scan(self, message: LaserScan, received: float) -> None:
         points = points_of(
@@ -171,10 +192,10 @@ class Sensors:
         if self._track.latest is None:
             return  # the robot waits for odometry anyway
         try:
-            odometry = self._track.at(_seconds(message.header.stamp))
+            odometry = self._track.at(seconds_of(message.header.stamp))
         except LookupError as error:
             raise ValueError(f"is stamped {error}: do the clocks of their publishers agree?") from None
-        scanner = Pose() if _frame(message.header.frame_id) == self._base_frame else self.scanner
+        scanner = Pose() if self._transforms.frame(message.header.frame_id) == self._base_frame else self.scanner
         self._scan = Scan(place(points, odometry.pose.compose(scanner)), min(odometry.stamp, received))
 
     def _take_range(self, receiver: str, message: Range, received: float) -> None:
@@ -193,20 +214,14 @@ class Sensors:
         Args:
             battery: The battery's latest reading, which comes another way.
         """
-        return Observation(
-            control_time(self._node), battery, self._track.latest, self._marker, self._infrared(), self._scan
-        )
+        now = control_time(self._node)
+        if self._unrelated_since is not None and now - self._unrelated_since >= DISCOVERY:
+            topic = self._node.resolve_topic_name(MARKER_TOPIC)
+            self._set_fault(topic, f"{topic} {self._doubt}")
+        return Observation(now, battery, self._track.latest, self._marker, self._infrared(), self._scan)
 
     def _infrared(self) -> InfraredReading | None:
         if len(self._ranges) < len(RECEIVERS):
             return None
         (left, center, right) = (self._ranges[name] for name in RECEIVERS)
         return InfraredReading(left[0], center[0], right[0], min(left[1], center[1], right[1]))
-
-
-def _seconds(stamp: Time) -> float:
-    return float(stamp.sec + stamp.nanosec / 1e9)
-
-
-def _frame(name: str) -> str:
-    return name.removeprefix("/")

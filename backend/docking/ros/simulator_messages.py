@@ -22,15 +22,16 @@ LASER = "laser"
 
 
 class OdometryMessage:
-    """A nav_msgs/Odometry with the velocity in base_link."""
+    """A nav_msgs/Odometry."""
 
-    def __init__(self, frame: str) -> None:
+    def __init__(self, frame: str, child: str = BASE) -> None:
         """Make the message.
 
         Args:
             frame: The frame of its poses.
+            child: The frame of its velocities.
         """
-        self._message = Odometry(child_frame_id=BASE)
+        self._message = Odometry(child_frame_id=child)
         self._message.header.frame_id = frame
 
     def fill(self, pose: Pose, velocity: Velocity, stamp: Time) -> Odometry:

@@ -1,10 +1,25 @@
 """The parameters of the node `dock_simulator`: those of the model, and those of the node."""
 
+import enum
 from dataclasses import dataclass
 
-from docking.core.parameter import NodeSettings, group, number, string, switch
+from docking.core.parameter import NodeSettings, choice, group, number, string, switch
 from docking.parameters import read_topics
 from docking.simulation.simulation import Settings
+
+
+class BaseFrame(enum.StrEnum):
+    """The frame whose pose odometry tells."""
+
+    BASE = "base_link"
+    FOOTPRINT = "base_footprint"
+
+
+class DetectionFrame(enum.StrEnum):
+    """The frame that detections of the marker are given in."""
+
+    BASE = "base_link"
+    CAMERA = "camera_optical_frame"
 
 
 @dataclass(frozen=True)
@@ -34,5 +49,11 @@ class SimulatorSettings(NodeSettings):
         "topic, topic, …",
         "More topics like stop_latched, separated by commas, which the base obeys; applies at the next start.",
         read_topics,
+    )
+    odometry_child_frame: BaseFrame = choice(
+        BaseFrame.BASE, "The frame whose pose odometry tells; applies at the next start."
+    )
+    detection_frame: DetectionFrame = choice(
+        DetectionFrame.BASE, "The frame of detected_dock_pose; applies at the next start."
     )
     settings: Settings = group(Settings)

@@ -1,0 +1,88 @@
+"""The frames of the simulated robot, on `tf` and `tf_static`."""
+
+from builtin_interfaces.msg import Time
+from geometry_msgs.msg import PoseStamped, TransformStamped
+from rclpy.event_handler import PublisherEventCallbacks
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.qos_overriding_options import QoSOverridingOptions
+
+from docking.core.geometry import Pose
+from docking.core.transform import Transform, spatial
+from docking.ros.geometry import pose_in_space, stamped_pose, transform_message
+from docking.ros.qos import LATCHED
+from docking.ros.simulator_messages import BASE, ODOM
+from docking.ros.transforms import FIXED, MOVING, TFMessage
+from docking.simulation.marker import CAMERA_X
+from docking.simulation.parameters import BaseFrame, DetectionFrame
+
+HEIGHT = 0.2
+"""Of the camera and the marker above base_link, in m."""
+CAMERA = Transform((CAMERA_X, 0.0, HEIGHT), (-0.5, 0.5, -0.5, 0.5))
+"""The camera's optical frame (REP-103: z ahead, x to the right) in base_link."""
+FOOTPRINT_HEIGHT = 0.05
+"""Of base_link above base_footprint, in m."""
+
+
+class SimulatorFrames:
+    """Publishes how frames lie in each other, where tf2_msgs is installed, and puts detections into theirs."""
+
+    def __init__(self, node: Node, base: BaseFrame, detections: DetectionFrame) -> None:
+        """Make the publishers, and publish what never moves.
+
+        Args:
+            node: The node that publishes.
+            base: The frame whose pose odometry tells.
+            detections: The frame of the marker's detections.
+        """
+        self._base = base.value
+        self._detections = detections
+        self._moving: Publisher | None = None
+        if TFMessage is None:
+            return
+        self._moving = _publisher(node, MOVING, QoSProfile(depth=10))
+        self._fixed = _publisher(node, FIXED, LATCHED)
+        now = node.get_clock().now().to_msg()
+        transforms = [_stamped(BASE, DetectionFrame.CAMERA.value, CAMERA, now)]
+        if base is BaseFrame.FOOTPRINT:
+            transforms.append(_stamped(base.value, BASE, Transform((0.0, 0.0, FOOTPRINT_HEIGHT)), now))
+        self._fixed.publish(TFMessage(transforms=transforms))
+
+    def publish(self, odometry: Pose, stamp: Time) -> None:
+        """Publish where the robot is by its odometry."""
+        if self._moving is not None:
+            moved = _stamped(ODOM, self._base, spatial(odometry), stamp)
+            self._moving.publish(TFMessage(transforms=[moved]))
+
+    def detection(self, marker: Pose, stamp: Time) -> PoseStamped:
+        """A detection of the marker.
+
+        Args:
+            marker: In base_link.
+            stamp: Of the image.
+        """
+        if self._detections is DetectionFrame.BASE:
+            return stamped_pose(marker, BASE, stamp)
+        message = PoseStamped(pose=pose_in_space(CAMERA.inverse().compose(spatial(marker, HEIGHT))))
+        message.header.frame_id = self._detections.value
+        message.header.stamp = stamp
+        return message
+
+
+def _publisher(node: Node, topic: str, qos: QoSProfile) -> Publisher:
+    return node.create_publisher(
+        TFMessage,
+        topic,
+        qos,
+        qos_overriding_options=QoSOverridingOptions.with_default_policies(),
+        # The executor would check each event at every tick.
+        event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
+    )
+
+
+def _stamped(parent: str, child: str, transform: Transform, stamp: Time) -> TransformStamped:
+    message = TransformStamped(child_frame_id=child, transform=transform_message(transform))
+    message.header.frame_id = parent
+    message.header.stamp = stamp
+    return message
