@@ -4,7 +4,7 @@ import math
 import random
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -96,10 +96,20 @@ class Site:
 
 
 @contextmanager
-def site(domain: int, observer: Observer, *parameters: str, controller: str = "dock_pose") -> Iterator[Site]:
-    """A simulator and the servers, with the robot at NEAR."""
+def site(
+    domain: int, observer: Observer, *parameters: str, controller: str = "dock_pose", robot: Sequence[str] = ()
+) -> Iterator[Site]:
+    """A simulator and the servers, with the robot at NEAR.
+
+    Args:
+        domain: The ROS domain.
+        observer: The test's node.
+        parameters: Of the servers.
+        controller: How the robot is driven.
+        robot: Parameters of the simulator.
+    """
     with (
-        dock_simulator(domain, f"start_x:={NEAR.x}", f"start_y:={NEAR.y}", f"start_theta:={NEAR.theta}"),
+        dock_simulator(domain, f"start_x:={NEAR.x}", f"start_y:={NEAR.y}", f"start_theta:={NEAR.theta}", *robot),
         docking_servers(domain, f"controller:={controller}", *parameters),
     ):
         yield look_at(observer)
@@ -165,6 +175,34 @@ def test_dock_pose_docks_and_undocks(domain: int, observer: Observer, start: Pos
         assert here.pose.relative_to(DOCKED).x == pytest.approx(-0.7, abs=0.1)
         here.wait_for_stage(undocking, "UNDOCKING")
         assert here.controls.status["docked"] == "false"
+
+
+@pytest.mark.parametrize(
+    "robot",
+    [
+        ("enable_stamped_cmd_vel:=true", "command_delay:=0.2", "odometry_delay:=0.1", "linear_acceleration:=0.3"),
+        (
+            "linear_max:=0.15",
+            "angular_max:=0.5",
+            "linear_dead_zone:=0.05",
+            "angular_dead_zone:=0.1",
+            "odometry_twist:=false",
+            "marker_rate:=4.0",
+            "marker_noise:=0.03",
+        ),
+    ],
+    ids=["late, by TwistStamped", "weak, with a poor camera"],
+)
+@pytest.mark.timeout(180)
+def test_robots_that_are_not_perfect_dock_within_their_limits(
+    domain: int, observer: Observer, robot: Sequence[str]
+) -> None:
+    with site(domain, observer, robot=robot) as here:
+        assert send_dock_goal(observer).result(120.0).status == SUCCEEDED
+        assert_docked(here.pose)
+        here.expect_standstill()
+        assert any(message != Twist() for message in here.wheels.messages)
+        assert all(abs(message.linear.x) <= 0.26 and abs(message.angular.z) <= 1.0 for message in here.wheels.messages)
 
 
 @pytest.mark.timeout(240)
