@@ -5,11 +5,13 @@ from dataclasses import replace
 from random import Random
 
 import pytest
+from benchmarks.docking.cases import CASES, Case
 from benchmarks.docking.trial import DROP_OUTS, REGIONS, settings_of, simulation_of
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from docking.core.battery import BatteryReading
+from docking.core.errors import ErrorCode
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import (
     STANDSTILL,
@@ -117,6 +119,56 @@ def test_it_docks_from_everywhere_in_its_region(
     assert step.end is End.SUCCEEDED
     assert simulation.contact
     assert simulation.bumps == 0
+
+
+@pytest.mark.parametrize(("controller", "far_off"), [(ControllerName.DOCK_POSE, 0.05), (ControllerName.INFRARED, 0.3)])
+@settings(max_examples=12, derandomize=True)
+@given(
+    distance=st.floats(0.45, 3.0),
+    bearing=st.floats(-math.pi, math.pi),
+    turned=st.floats(-math.pi, math.pi),
+    faults=st.lists(st.sampled_from([case for case in CASES if case.disturb is CASES[0].disturb]), max_size=3),
+    seed=st.integers(0, 10**6),
+)
+def test_whatever_is_wrong_with_the_robot_it_is_never_fast_and_ends_at_rest(
+    *,
+    controller: ControllerName,
+    far_off: float,
+    distance: float,
+    bearing: float,
+    turned: float,
+    faults: list[Case],
+    seed: int,
+) -> None:
+    """From any start, seen or not, with any faults: it touches the dock only slowly, and near its contacts."""
+    random, docking = Random(seed), settings_of(controller)
+    world = Settings(start=Pose(-distance * math.cos(bearing), distance * math.sin(bearing), turned))
+    for fault in faults:
+        world = fault.change(world, random)
+    jitter = max((fault.jitter for fault in faults), default=0.0)
+    simulation, motion = Simulation(world, seed), docking.motion
+    goal, period, last = Goal(make_plan(docking), Docking(docking.timeouts), 0.0), docking.control_period, STANDSTILL
+    step = goal.step(simulation.observe())
+    while isinstance(step, Command):
+        velocity, bumps, driven = step.velocity, simulation.bumps, simulation.robot.velocity
+        assert max(abs(velocity.linear_x), abs(driven.linear_x)) <= motion.v_linear_max + 1e-9
+        assert max(abs(velocity.angular_z), abs(driven.angular_z)) <= motion.v_angular_max + 1e-9
+        if velocity != STANDSTILL:
+            assert abs(velocity.linear_x - last.linear_x) <= motion.a_linear_max * period + 1e-9
+            assert abs(velocity.angular_z - last.angular_z) <= motion.a_angular_max * period + 1e-9
+        last, period = velocity, docking.control_period * (1.0 + random.uniform(-jitter, jitter))
+        simulation.run(period, velocity)
+        if simulation.bumps > bumps:
+            assert abs(driven.linear_x) < 0.1
+            assert abs(simulation.robot.y) < far_off
+        step = goal.step(simulation.observe())
+        assert simulation.time < 600.0
+    assert step.end in {End.SUCCEEDED, End.ABORTED}
+    assert (step.end is End.SUCCEEDED) is (step.error_code is ErrorCode.NONE)
+    if step.end is End.SUCCEEDED:
+        assert simulation.contact
+    simulation.run(2.0, STANDSTILL)
+    assert simulation.robot.velocity == STANDSTILL
 
 
 @settings(max_examples=8, derandomize=True)
