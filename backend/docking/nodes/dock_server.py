@@ -11,28 +11,22 @@ from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
 from docking.goal.obstacle_watch import watch_obstacles
 from docking.parameters import ControllerName, DockSettings
-from docking.plans.registry import make_plan
+from docking.plans.registry import make_plan, sensors_of
 from docking.ros.node import FEEDBACK_PERIOD, ActionNode, ActionSpec
 from docking.ros.process import run_process
 from docking.ros.sensors import Sensor
 from docking.ros.server_process import serve
 
-NEEDS: dict[ControllerName, frozenset[Sensor]] = {
-    ControllerName.ROTATE: frozenset(),
-    ControllerName.DOCK_POSE: frozenset({Sensor.ODOMETRY, Sensor.MARKER}),
-    ControllerName.INFRARED: frozenset({Sensor.ODOMETRY, Sensor.INFRARED}),
-}
-
 
 def _needs(settings: DockSettings) -> frozenset[Sensor]:
-    needs = NEEDS[settings.controller]
+    needs = frozenset(map(Sensor, sensors_of(settings.controller)))
     watched = settings.collision.use_collision_detection and Sensor.ODOMETRY in needs
     return needs | {Sensor.SCAN} if watched else needs
 
 
 def _control_period(settings: DockSettings) -> float:
     # `rotate` gives ten velocities a second, as the tutorial does.
-    return FEEDBACK_PERIOD if settings.controller is ControllerName.ROTATE else settings.control_period
+    return FEEDBACK_PERIOD if settings.controller == ControllerName.ROTATE else settings.control_period
 
 
 def _make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:

@@ -2,9 +2,10 @@
 
 from docking.parameters.approach import ApproachSettings, Gains
 from docking.parameters.collision import CollisionSettings, Outline
+from docking.parameters.controller import ControllerName
 from docking.parameters.dock import Dock, Staging
 from docking.parameters.dock_database import DockDatabase, DockEntry
-from docking.parameters.dock_server import ControllerName, DockSettings
+from docking.parameters.dock_server import DockSettings
 from docking.parameters.limits import BACKWARDS, MotionLimits
 from docking.parameters.receivers import Receivers
 from docking.parameters.server import GoalPolicy, ServerSettings, StampedCmdVel, read_topics

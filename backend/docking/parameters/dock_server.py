@@ -1,10 +1,10 @@
 """The parameters of the docking action server."""
 
-import enum
 from dataclasses import dataclass, replace
 
-from docking.core.parameter import choice, group, number
+from docking.core.parameter import group, number, string
 from docking.parameters.approach import ApproachSettings
+from docking.parameters.controller import ControllerName, check_controller
 from docking.parameters.dock import Dock
 from docking.parameters.dock_database import DockDatabase
 from docking.parameters.receivers import Receivers
@@ -12,23 +12,18 @@ from docking.parameters.server import ServerSettings, find_disorder, find_shorta
 from docking.parameters.timeouts import DockTimeouts
 
 
-class ControllerName(enum.StrEnum):
-    """What drives the robot to its dock."""
-
-    ROTATE = "rotate"
-    DOCK_POSE = "dock_pose"
-    INFRARED = "infrared"
-
-
 @dataclass(frozen=True)
 class DockSettings(ServerSettings):
     """The parameters of the docking action server."""
 
     timeouts: DockTimeouts = group(DockTimeouts)
-    controller: ControllerName = choice(
-        ControllerName.ROTATE,
+    controller: str = string(
+        ControllerName.ROTATE.value,
+        "rotate, dock_pose, infrared, …",
         "How the robot is driven: turning on the spot as in the tutorial, by the pose of a marker on the "
-        "dock, or by three infrared receivers. Of the parameters about motion, rotate uses rotate_speed alone.",
+        "dock, by three infrared receivers, or by another package's controller. Of the parameters about motion, rotate "
+        "uses rotate_speed alone.",
+        check_controller,
     )
     rotate_speed: float = number(
         0.15,
@@ -57,7 +52,7 @@ class DockSettings(ServerSettings):
     @property
     def goal_timeouts(self) -> DockTimeouts:
         """The time limits of a goal with this controller."""
-        if self.controller is ControllerName.ROTATE:
+        if self.controller == ControllerName.ROTATE:
             return replace(self.timeouts, charge_stable_for=0.0)
         return self.timeouts
 
@@ -88,7 +83,7 @@ class DockSettings(ServerSettings):
                 f" infrared_distance_min ({receivers.infrared_distance_min:g} m)"
             )
         conflict = conflict or self.database.find_fault()
-        if conflict is not None or self.controller is ControllerName.ROTATE:
+        if conflict is not None or self.controller not in {ControllerName.DOCK_POSE, ControllerName.INFRARED}:
             return conflict
         for dock in (self.dock, *self.database.types.values()):
             conflict = conflict or self._find_shortage(dock.distance)
