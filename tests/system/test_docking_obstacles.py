@@ -17,7 +17,7 @@ START = [f"start_x:={NEAR.x}", f"start_y:={NEAR.y}", f"start_theta:={NEAR.theta}
 # A busy machine is no broken scanner.
 WATCHED = ("controller:=dock_pose", "use_collision_detection:=true", "scan_timeout:=5.0", "obstacle_timeout:=6.0")
 # The simulated scanner is not where the server would look for it by default.
-MOUNTED = ("laser_x:=0.1", "laser_yaw:=0.5"), ("scan_x:=0.1", "scan_yaw:=0.5")
+MOUNTED = ("laser_x:=0.1", "laser_yaw:=0.5"), ("scan_from_tf:=true",)
 
 
 def gap(here: Site) -> float:

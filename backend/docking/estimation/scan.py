@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from docking.core.geometry import Pose
+from docking.core.transform import Transform
 
 Points = npt.NDArray[np.float64]
 """Shape (n, 2): x and y in m."""
@@ -39,3 +40,11 @@ def place(points: Points, frame: Pose) -> Points:
     """Points of a frame, in the frame that the frame's pose is given in."""
     cos, sin = math.cos(frame.theta), math.sin(frame.theta)
     return np.asarray(points @ np.array(((cos, sin), (-sin, cos))) + (frame.x, frame.y))
+
+
+def flatten(points: Points, frame: Transform) -> Points:
+    """Points of a frame in space, seen from above in the frame that it is given in: a scanner may hang upside down."""
+    origin, x, y = (
+        np.array(frame.compose(Transform(axis)).translation[:2]) for axis in ((0, 0, 0), (1, 0, 0), (0, 1, 0))
+    )
+    return np.asarray(points @ np.array((x - origin, y - origin)) + origin)

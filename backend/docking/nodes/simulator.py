@@ -111,7 +111,12 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         # Absolute, as REP-107 has it: one topic for all robots, told apart by the name of the status.
         self._diagnostics = publisher(DiagnosticArray, "/diagnostics")
         self._dock.publish(stamped_pose(Pose(), WORLD, self._now()))
-        self._frames = SimulatorFrames(self, self._settings.odometry_child_frame, self._settings.detection_frame)
+        self._frames = SimulatorFrames(
+            self,
+            self._settings.odometry_child_frame,
+            self._settings.detection_frame,
+            self._simulation.settings.laser.mount,
+        )
         self._make_messages()
 
     def _make_messages(self) -> None:

@@ -62,6 +62,9 @@ class CollisionSettings:
         "Distance to the docked pose from which what is beside the docked robot, such as guide rails, is no obstacle. "
         "What is beyond its front is the dock, at any distance.",
     )
+    scan_from_tf: bool = switch(
+        False, "Whether tf says where the laser scanner is; else scan_x, scan_y and scan_yaw do."
+    )
     scan_x: float = number(0.0, -5.0, 5.0, "m", "Position of the laser scanner: x in base_link.")
     scan_y: float = number(0.0, -5.0, 5.0, "m", "The same, y.")
     scan_yaw: float = number(
@@ -69,6 +72,11 @@ class CollisionSettings:
     )
 
     @property
-    def mount(self) -> Pose:
-        """The laser scanner in base_link."""
-        return Pose(self.scan_x, self.scan_y, self.scan_yaw)
+    def mount(self) -> Pose | None:
+        """The laser scanner in base_link; None where tf says it."""
+        return None if self.scan_from_tf else Pose(self.scan_x, self.scan_y, self.scan_yaw)
+
+    @property
+    def needs_tf(self) -> bool:
+        """Whether tf must be heard."""
+        return self.use_collision_detection and self.scan_from_tf

@@ -212,7 +212,8 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             self._footprint.publish(self._spec.outline(self._settings), base)
         if self._running is None:
             by_marker = Sensor.MARKER in self._spec.needs(self._settings)
-            self._transforms.switch(on=by_marker, prefix=self._settings.frame_prefix)
+            by_frames = by_marker or self._settings.collision.needs_tf
+            self._transforms.switch(on=by_frames, prefix=self._settings.frame_prefix)
             self._poses.switch(on=by_marker)
             self._calibrator.switch(on=by_marker)
 

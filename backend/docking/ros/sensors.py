@@ -17,8 +17,8 @@ from sensor_msgs.msg import LaserScan, Range
 from docking.core.battery import BatteryReading, received_at
 from docking.core.geometry import Pose
 from docking.core.observation import InfraredReading, MarkerDetection, Observation, Odometry, Scan, Velocity
-from docking.core.transform import Transform
-from docking.estimation.scan import place, points_of
+from docking.core.transform import Transform, spatial
+from docking.estimation.scan import flatten, place, points_of
 from docking.estimation.track import Track
 from docking.ros.clock import control_time
 from docking.ros.geometry import pose_from, seconds_of, transform_from
@@ -46,7 +46,7 @@ class Sensors:
 
     Attributes:
         odometry_frame: The frame that odometry is given in; empty before the first message.
-        scanner: Where the laser scanner is, in base_link.
+        scanner: Where the laser scanner is, in base_link; None where tf says it.
         faults: What is wrong with the last message on each topic that has one, as sentences.
         marker_tilt: The marker's frame, x into the dock and z up, as seen from that of its detections.
     """
@@ -60,7 +60,7 @@ class Sensors:
             on_change: Called when `faults` have changed.
         """
         self.odometry_frame = ""
-        self.scanner = Pose()
+        self.scanner: Pose | None = Pose()
         self.faults: dict[str, str] = {}
         self.marker_tilt = Transform()
         self._node = node
@@ -84,7 +84,8 @@ class Sensors:
             self._forget(sensor)
         for sensor in sensors - self._subscriptions.keys():
             self._subscriptions[sensor] = self._subscribe(sensor)
-        self._transforms.use(self, on=Sensor.MARKER in sensors)
+        by_frames = Sensor.MARKER in sensors or (Sensor.SCAN in sensors and self.scanner is None)
+        self._transforms.use(self, on=by_frames)
 
     def _subscribe(self, sensor: Sensor) -> list[Subscription]:
         if sensor is Sensor.ODOMETRY:
@@ -191,12 +192,19 @@ class Sensors:
         )
         if self._track.latest is None:
             return  # the robot waits for odometry anyway
+        measured_at = seconds_of(message.header.stamp)
+        if self.scanner is None:
+            frame, lies = self._locate(self._transforms.frame(message.header.frame_id), measured_at)
+        else:
+            frame, lies = self._base_frame, spatial(self.scanner)
         try:
-            odometry = self._track.at(seconds_of(message.header.stamp))
+            odometry = self._track.at(measured_at)
         except LookupError as error:
             raise ValueError(f"is stamped {error}: do the clocks of their publishers agree?") from None
-        scanner = Pose() if self._transforms.frame(message.header.frame_id) == self._base_frame else self.scanner
-        self._scan = Scan(place(points, odometry.pose.compose(scanner)), min(odometry.stamp, received))
+        points = flatten(points, lies)
+        if frame == self._base_frame:
+            points = place(points, odometry.pose)
+        self._scan = Scan(points, min(odometry.stamp, received))
 
     def _take_range(self, receiver: str, message: Range, received: float) -> None:
         measured = message.range

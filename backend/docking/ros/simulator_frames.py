@@ -12,7 +12,7 @@ from docking.core.geometry import Pose
 from docking.core.transform import Transform, spatial
 from docking.ros.geometry import pose_in_space, stamped_pose, transform_message
 from docking.ros.qos import LATCHED
-from docking.ros.simulator_messages import BASE, ODOM
+from docking.ros.simulator_messages import BASE, LASER, ODOM
 from docking.ros.transforms import FIXED, MOVING, TFMessage
 from docking.simulation.marker import CAMERA_X
 from docking.simulation.parameters import BaseFrame, DetectionFrame
@@ -28,13 +28,14 @@ FOOTPRINT_HEIGHT = 0.05
 class SimulatorFrames:
     """Publishes how frames lie in each other, where tf2_msgs is installed, and puts detections into theirs."""
 
-    def __init__(self, node: Node, base: BaseFrame, detections: DetectionFrame) -> None:
+    def __init__(self, node: Node, base: BaseFrame, detections: DetectionFrame, laser: Pose) -> None:
         """Make the publishers, and publish what never moves.
 
         Args:
             node: The node that publishes.
             base: The frame whose pose odometry tells.
             detections: The frame of the marker's detections.
+            laser: The laser scanner in base_link.
         """
         self._base = base.value
         self._detections = detections
@@ -44,7 +45,10 @@ class SimulatorFrames:
         self._moving = _publisher(node, MOVING, QoSProfile(depth=10))
         self._fixed = _publisher(node, FIXED, LATCHED)
         now = node.get_clock().now().to_msg()
-        transforms = [_stamped(BASE, DetectionFrame.CAMERA.value, CAMERA, now)]
+        transforms = [
+            _stamped(BASE, DetectionFrame.CAMERA.value, CAMERA, now),
+            _stamped(BASE, LASER, spatial(laser, HEIGHT), now),
+        ]
         if base is BaseFrame.FOOTPRINT:
             transforms.append(_stamped(base.value, BASE, Transform((0.0, 0.0, FOOTPRINT_HEIGHT)), now))
         self._fixed.publish(TFMessage(transforms=transforms))

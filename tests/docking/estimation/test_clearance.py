@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from docking.core.footprint import round_footprint
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Velocity
+from docking.core.transform import Transform, spatial, turn
 from docking.estimation.clearance import STEP, Clearance
-from docking.estimation.scan import NOWHERE, place, points_of
+from docking.estimation.scan import NOWHERE, flatten, place, points_of
 
 SQUARE = ((0.2, 0.1), (-0.2, 0.1), (-0.2, -0.1), (0.2, -0.1))
 MARGIN = 0.05
@@ -109,6 +110,14 @@ def test_points_of_a_scan() -> None:
     assert len(points_of([math.nan, math.inf, 0.05], **limits)) == 0
     moved = place(points, Pose(1.0, 0.0, math.pi / 2))
     assert moved == pytest.approx(np.array(((2.0, 0.0), (1.0, 2.0), (-2.0, 0.0))))
+
+
+def test_points_of_a_scanner_that_hangs_upside_down() -> None:
+    over = Transform((0.1, 0.2, 0.3), turn((1.0, 0.0, 0.0), math.pi))
+    assert flatten(np.array(((1.0, 2.0),)), over) == pytest.approx(np.array(((1.1, -1.8),)))
+    upright = Pose(0.3, -0.2, 1.0)
+    points = np.array(((1.0, 2.0), (-1.0, 0.5)))
+    assert flatten(points, spatial(upright)) == pytest.approx(place(points, upright))
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from docking.core.errors import ErrorCode, Stage
 from docking.core.geometry import Pose
@@ -137,6 +139,29 @@ def test_it_is_aborted_where_the_obstacle_stays() -> None:
 def test_it_is_not_touched_by_a_robot_that_is_late_weak_or_sees_badly(unkind: dict[str, object]) -> None:
     drive = Drive(settings=replace(Settings(start=Pose(-1.3, 0.0, 0.0)), **unkind), happen=appear())
     assert drive.run().error_code is ErrorCode.OBSTRUCTED
+
+
+@settings(max_examples=15)
+@given(
+    st.builds(Obstacle, st.floats(-0.9, -0.3), st.floats(-0.4, 0.4), st.floats(0.02, 0.12)),
+    st.floats(1.0, 8.0),
+    st.floats(1.0, 8.0),
+)
+def test_no_pillar_is_touched_wherever_and_whenever_it_comes(pillar: Obstacle, comes_at: float, stays: float) -> None:
+    """It does not come where the robot is, or is about to be within half a second."""
+    standing: list[bool] = []
+
+    def happen(drive: Drive) -> None:
+        robot, time = drive.simulation.robot, drive.simulation.time
+        if not standing and time >= comes_at:
+            distance = math.hypot(robot.x - pillar.x, robot.y - pillar.y) - pillar.radius - robot.radius
+            standing.append(distance > 0.2)
+        present = standing == [True] and time < comes_at + stays
+        drive.simulation.settings = replace(drive.settings, obstacles=(pillar,) if present else ())
+
+    drive = Drive(settings=Settings(start=Pose(-1.3, 0.2, -0.2)), happen=happen)
+    assert drive.run().error_code in {ErrorCode.NONE, ErrorCode.OBSTRUCTED, ErrorCode.LOST_MARKER}
+    assert drive.simulation.bumps == 0
 
 
 def test_the_robot_slows_down_for_what_it_sees_from_afar() -> None:
