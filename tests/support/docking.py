@@ -13,12 +13,11 @@ from sensor_msgs.msg import BatteryState
 
 from action_tutorials_interfaces.action import ConnectToChargingDock, DisconnectFromChargingDock
 from docking.core.battery import Battery
-from docking.goal.dock import Docking
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
 from docking.goal.obstacle_watch import watch_obstacles
 from docking.goal.plan import Plan
-from docking.nodes.dock_server import DOCK
+from docking.nodes.dock_server import DOCK, docking_objective
 from docking.nodes.undock_server import UNDOCK
 from docking.parameters import DockSettings
 from docking.plans.registry import make_plan
@@ -63,7 +62,7 @@ def send_dock_goal(observer: Observer, status: int = 1, action: str = ACTION, *,
 
 def _with_plan(make_plan: Callable[[DockSettings], Plan]) -> ActionSpec[DockSettings]:
     def make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
-        objective = Docking(settings.goal_timeouts, memory)
+        objective = docking_objective(settings, memory)
         return Goal(make_plan(settings), objective, started_at, watch_obstacles(settings))
 
     return replace(DOCK, make_goal=make_goal)

@@ -87,6 +87,18 @@ def test_emergency_stops_of_others_hold_the_robot(domain: int, observer: Observe
             wait_until(lambda: gateway.http.get("/stop").json()["latched"], "the gateway to obey")
 
 
+def test_a_battery_that_tells_only_its_current_docks_and_undocks(domain: int, observer: Observer) -> None:
+    battery = "battery_reports_status:=false", "battery_charges_negative:=true"
+    source = "charging_source:=current", "charging_current_negative:=true"
+    with dock_simulator(domain, *NEAR, *battery) as simulator, docking_servers(domain, DRIVE, *source):
+        result = send_dock_goal(observer).result()
+        assert result.status == SUCCEEDED
+        assert result.result.final_battery_state.power_supply_status == 0
+        assert result.result.final_battery_state.current < -1.0
+        assert send_undock_goal(observer).result().status == SUCCEEDED
+        assert not simulator._simulation.contact
+
+
 def test_the_status_is_told_before_and_after(domain: int, observer: Observer) -> None:
     controls = SimulatorControls(observer)
     with dock_simulator(domain), observer.publishing(STOP, "stop_latched"):

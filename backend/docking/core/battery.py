@@ -37,12 +37,14 @@ class BatteryReading:
         received_at: When it reached this process, in seconds of the monotonic clock.
         message: The sensor_msgs/BatteryState itself, which nothing here looks into.
         percentage: What is in it, from 0 to 1; NaN where it is not measured.
+        current: In A; drivers differ in which direction is positive. NaN where it is not measured.
     """
 
     status: int
     received_at: float
     message: object = None
     percentage: float = math.nan
+    current: float = math.nan
 
     @property
     def connected(self) -> bool:

@@ -1,6 +1,7 @@
 """Docking: reached when the battery charges, and goes on charging."""
 
-from docking.core.battery import BatteryReading
+from docking.charging import stands_docked, tells_charging
+from docking.core.battery import BatteryReading, PowerSupplyStatus, describe_status
 from docking.core.errors import (
     DockingError,
     FailedToCharge,
@@ -9,10 +10,10 @@ from docking.core.errors import (
     FailedToStage,
     Stage,
 )
-from docking.core.observation import Observation
+from docking.core.observation import STANDSTILL, Observation
 from docking.goal.dock_memory import DockMemory
-from docking.goal.objective import Deadline
-from docking.parameters import DockTimeouts
+from docking.goal.objective import Deadline, Progress
+from docking.parameters import ChargingSettings, ChargingSource, DockTimeouts
 
 
 class Docking:
@@ -24,18 +25,31 @@ class Docking:
 
     docks = True
 
-    def __init__(self, timeouts: DockTimeouts, memory: DockMemory | None = None, *, dock_type: str = "") -> None:
+    def __init__(
+        self,
+        timeouts: DockTimeouts,
+        memory: DockMemory | None = None,
+        *,
+        charging: ChargingSettings | None = None,
+        docking_threshold: float = 0.05,
+        dock_type: str = "",
+    ) -> None:
         """Begin with a battery that does not charge.
 
         Args:
             timeouts: The time limits.
             memory: Where it is noted that the robot is docked.
+            charging: What tells that the battery charges; None is its status.
+            docking_threshold: How far from the docked pose the robot may stand, in m, where the pose tells it.
             dock_type: The type of its dock.
         """
         self.timeouts = timeouts
         self.max_retries = timeouts.max_retries
         self.memory = memory or DockMemory()
+        self._charging = charging or ChargingSettings()
+        self._threshold = docking_threshold
         self._dock_type = dock_type
+        self._status: int | None = None
         self._connected_since: float | None = None
         self._deadlines = {
             Stage.INITIAL_PERCEPTION: Deadline(
@@ -61,9 +75,9 @@ class Docking:
             ),
         }
 
-    def is_reached(self, observation: Observation, battery: BatteryReading | None, finished: bool) -> bool:
+    def is_reached(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
         """Whether the battery has been charging for charge_stable_for."""
-        if battery is None or not battery.connected:
+        if battery is None or not self._charges(observation, battery, progress):
             self._connected_since = None
             return False
         if self._connected_since is None:
@@ -72,6 +86,15 @@ class Docking:
             return False
         self.memory.dock_type = self._dock_type
         return True
+
+    def _charges(self, observation: Observation, battery: BatteryReading, progress: Progress) -> bool:
+        self._status = battery.status
+        odometry = observation.odometry
+        if tells_charging(battery, self._charging, STANDSTILL if odometry is None else odometry.velocity):
+            return True
+        # Before the robot has arrived, it may still be where it was docked last.
+        docked = progress.docked if progress.arrived else self.memory.at if self.memory.docked else None
+        return stands_docked(None if odometry is None else odometry.pose, docked, self._charging, self._threshold)
 
     def holds(self, stage: Stage) -> bool:
         """Whether the battery charges and the robot is not pressing on."""
@@ -82,5 +105,12 @@ class Docking:
         return self._deadlines.get(stage)
 
     def reword(self, failure: DockingError) -> DockingError:
-        """The same."""
+        """The same, with a hint where the battery's status is never set."""
+        if (
+            isinstance(failure, FailedToCharge)
+            and self._charging.charging_source is ChargingSource.STATUS
+            and self._status == PowerSupplyStatus.UNKNOWN
+        ):
+            status = describe_status(self._status)
+            return FailedToCharge(f"{failure}: its status is {status}; charging_source may be current or pose")
         return failure

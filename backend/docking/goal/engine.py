@@ -19,7 +19,7 @@ from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Behavior, Done, Failed
 from docking.goal.limiter import Limiter
 from docking.goal.motion_watch import MotionWatch
-from docking.goal.objective import Objective
+from docking.goal.objective import Objective, Progress
 from docking.goal.obstacle_watch import ObstacleWatch
 from docking.goal.plan import Plan
 
@@ -135,7 +135,7 @@ class Goal:
         dt, self._stepped_at = max(0.0, now - self._stepped_at), now
         fresh = battery if battery is not None and battery.age(now) <= self._timeouts.battery_stale_after else None
         try:
-            if self._objective.is_reached(observation, fresh, self._finished):
+            if self._objective.is_reached(observation, fresh, self._progress):
                 return self._succeed(observation)
         except DockingError as failure:
             return self.abort(failure.error_code, str(failure))
@@ -156,6 +156,10 @@ class Goal:
     def abort(self, error_code: ErrorCode, error_msg: str) -> Outcome:
         """End it because it cannot go on."""
         return self._finish(Outcome(End.ABORTED, error_code, error_msg, self.retries))
+
+    @property
+    def _progress(self) -> Progress:
+        return Progress(self._stage is self._plan.stages[-1], self._finished, self._plan.poses.filtered_dock)
 
     def _succeed(self, observation: Observation) -> Outcome:
         odometry = observation.odometry

@@ -5,6 +5,7 @@ from typing import Protocol
 
 from docking.core.battery import BatteryReading
 from docking.core.errors import DockingError, Stage
+from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.goal.dock_memory import DockMemory
 from docking.parameters import Timeouts
@@ -25,6 +26,21 @@ class Deadline:
     seconds: float
     error: type[DockingError]
     message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a plan has come.
+
+    Attributes:
+        arrived: Whether it is at its last stage.
+        finished: Whether that is done, too.
+        docked: Where base_link is when docked, in odom; None where that is not known.
+    """
+
+    arrived: bool
+    finished: bool
+    docked: Pose | None
 
 
 class Objective(Protocol):
@@ -49,13 +65,13 @@ class Objective(Protocol):
     @property
     def docks(self) -> bool: ...  # noqa: D102
 
-    def is_reached(self, observation: Observation, battery: BatteryReading | None, finished: bool) -> bool:
+    def is_reached(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
         """The success test; called at each step.
 
         Args:
             observation: What is known now.
             battery: The latest reading, None where it is stale.
-            finished: Whether the last stage of the plan is done.
+            progress: How far the plan has come.
 
         Raises:
             DockingError: The goal can never be reached.

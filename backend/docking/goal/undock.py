@@ -1,17 +1,18 @@
 """Undocking: reached when the robot has backed out and its battery charges no longer."""
 
-from docking.core.battery import BatteryReading, describe_status
+from docking.charging import describe_charging, tells_charging
+from docking.core.battery import BatteryReading
 from docking.core.errors import Blocked, DockedUnknown, DockingError, FailedToUndock, Stage
 from docking.core.observation import Observation
 from docking.goal.dock_memory import DockMemory
-from docking.goal.objective import Deadline
-from docking.parameters import UndockTimeouts
+from docking.goal.objective import Deadline, Progress
+from docking.parameters import ChargingSettings, UndockTimeouts
 
 
 class Undocking:
     """The objective of an undocking goal; see `Objective`.
 
-    A robot whose battery is connected is docked. Without that, what earlier goals have left behind counts. Where
+    A robot whose battery charges is docked. Without that, what earlier goals have left behind counts. Where
     nothing tells, the goal fails: it is no success to be on the dock, and nothing is behind a robot that is not.
     """
 
@@ -19,21 +20,28 @@ class Undocking:
     max_retries = 0
 
     def __init__(
-        self, timeouts: UndockTimeouts, memory: DockMemory | None = None, *, assume_docked: bool = False
+        self,
+        timeouts: UndockTimeouts,
+        memory: DockMemory | None = None,
+        *,
+        charging: ChargingSettings | None = None,
+        assume_docked: bool = False,
     ) -> None:
         """Begin without knowing whether the robot is docked.
 
         Args:
             timeouts: The time limits.
             memory: What is known from earlier goals.
+            charging: What tells that the battery charges; None is its status.
             assume_docked: What counts where nothing tells: that it is docked.
         """
         self.timeouts = timeouts
         self.memory = memory or DockMemory()
+        self._charging = charging or ChargingSettings()
         self._assume_docked = assume_docked
         self._docked = False  # for certain
 
-    def is_reached(self, observation: Observation, battery: BatteryReading | None, finished: bool) -> bool:
+    def is_reached(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
         """Whether the robot is off the dock.
 
         Raises:
@@ -42,9 +50,10 @@ class Undocking:
         if battery is None:
             return False
         pose = None if observation.odometry is None else observation.odometry.pose
+        charges = tells_charging(battery, self._charging)
         if self._docked:
-            return finished and not battery.connected
-        if battery.connected:
+            return progress.finished and not charges
+        if charges:
             self.memory.note(True, pose)
             self._docked = True
             return False
@@ -53,7 +62,7 @@ class Undocking:
         known = self.memory.recall(pose)
         if known is None and not self._assume_docked:
             raise DockedUnknown(
-                f"it is not known whether the robot is docked: its battery is {describe_status(battery.status)}, and no"
+                f"it is not known whether the robot is docked: {describe_charging(battery, self._charging)}, and no"
                 " earlier goal tells. If it is on the dock, switch the charger on, drive it off by hand, or set"
                 " assume_docked to true and send the goal again; if it is not, there is nothing to do"
             )

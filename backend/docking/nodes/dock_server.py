@@ -29,9 +29,19 @@ def _control_period(settings: DockSettings) -> float:
     return FEEDBACK_PERIOD if settings.controller == ControllerName.ROTATE else settings.control_period
 
 
+def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
+    """What a docking goal is for, by the parameters."""
+    return Docking(
+        settings.goal_timeouts,
+        memory,
+        charging=settings.charging,
+        docking_threshold=settings.approach.docking_threshold,
+        dock_type=settings.dock_type,
+    )
+
+
 def _make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
-    objective = Docking(settings.goal_timeouts, memory, dock_type=settings.dock_type)
-    return Goal(make_plan(settings), objective, started_at, watch_obstacles(settings))
+    return Goal(make_plan(settings), docking_objective(settings, memory), started_at, watch_obstacles(settings))
 
 
 DOCK = ActionSpec(

@@ -19,7 +19,7 @@ def _needs(settings: UndockSettings) -> frozenset[Sensor]:
 
 
 def _make_goal(settings: UndockSettings, memory: DockMemory, started_at: float) -> Goal:
-    objective = Undocking(settings.timeouts, memory, assume_docked=settings.assume_docked)
+    objective = Undocking(settings.timeouts, memory, charging=settings.charging, assume_docked=settings.assume_docked)
     plan = UndockPlan(settings.staging.distance, settings.motion)
     return Goal(plan, objective, started_at, watch_obstacles(settings))
 

@@ -1,6 +1,7 @@
 """The parameters of the action servers. A new parameter is one more field here; see `core.parameter`."""
 
 from docking.parameters.approach import ApproachSettings, Gains
+from docking.parameters.charging import ChargingSettings, ChargingSource
 from docking.parameters.collision import CollisionSettings, Outline
 from docking.parameters.controller import ControllerName
 from docking.parameters.dock import Dock, Staging
@@ -15,6 +16,8 @@ from docking.parameters.undock_server import UndockSettings
 __all__ = [
     "BACKWARDS",
     "ApproachSettings",
+    "ChargingSettings",
+    "ChargingSource",
     "CollisionSettings",
     "ControllerName",
     "Dock",

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 from docking.core.parameter import group, number, string
 from docking.parameters.approach import ApproachSettings
+from docking.parameters.charging import ChargingSource
 from docking.parameters.controller import ControllerName, check_controller
 from docking.parameters.dock import Dock
 from docking.parameters.dock_database import DockDatabase
@@ -82,6 +83,8 @@ class DockSettings(ServerSettings):
                 f"infrared_distance_max ({receivers.infrared_distance_max:g} m) must be at least 0.1 m above"
                 f" infrared_distance_min ({receivers.infrared_distance_min:g} m)"
             )
+        if self.controller == ControllerName.ROTATE and self.charging.charging_source is ChargingSource.POSE:
+            conflict = conflict or "charging_source is 'pose', but the controller rotate knows no docked pose"
         conflict = conflict or self.database.find_fault()
         if conflict is not None or self.controller not in {ControllerName.DOCK_POSE, ControllerName.INFRARED}:
             return conflict

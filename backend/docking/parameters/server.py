@@ -5,6 +5,7 @@ import re
 from dataclasses import dataclass
 
 from docking.core.parameter import NodeSettings, choice, group, number, string, switch
+from docking.parameters.charging import ChargingSettings
 from docking.parameters.collision import CollisionSettings, Outline
 from docking.parameters.limits import BACKWARDS, MotionLimits
 from docking.parameters.timeouts import Timeouts
@@ -56,6 +57,7 @@ class ServerSettings(NodeSettings):
         "does.",
     )
     timeouts: Timeouts = group(Timeouts)
+    charging: ChargingSettings = group(ChargingSettings)
     controller_frequency: float = number(
         20.0, 5.0, 100.0, "Hz", "Rate at which velocities are computed and published; rotate publishes at 10 Hz."
     )

@@ -60,5 +60,6 @@ class BatteryStateSubscriber(Node):  # type: ignore[misc] # rclpy has no types
                 received_at=received_at(control_time(self), time.time(), received_wall),
                 message=message,
                 percentage=message.percentage,
+                current=message.current,
             )
         )

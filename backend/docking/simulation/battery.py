@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from random import Random
 
 from docking.core.battery import PowerSupplyStatus
-from docking.core.parameter import number
+from docking.core.parameter import number, switch
 from docking.simulation.discharge import HHR650D, SECONDS_PER_HOUR, DischargeCurve
 
 
@@ -22,6 +22,10 @@ class BatterySettings:
     """
 
     battery_start: float = number(0.24, 0.0, 1.0, "", "Initial charge of the battery, 0 to 1.")
+    battery_reports_status: bool = switch(
+        True, "Whether power_supply_status tells what the battery does; else it is always UNKNOWN (0)."
+    )
+    battery_charges_negative: bool = switch(False, "Whether the current is negative while the battery charges.")
     cells: int = 7
     charge_current: float = number(6.5, 0.0, 65.0, "A", "Charging current until the battery is full.")
     ambient: float = 25.0
@@ -36,7 +40,7 @@ class BatteryMeasurement:
     Attributes:
         voltage: At the poles, in V.
         temperature: In °C.
-        current: In A, negative while discharging.
+        current: In A, negative while discharging, unless the driver counts the other way.
         charge: That is left, in Ah.
         capacity: Of the full battery, in Ah.
         design_capacity: As printed on it, in Ah.
@@ -162,12 +166,12 @@ class BatteryPack:
         return BatteryMeasurement(
             voltage=voltage,
             temperature=self.temperature,
-            current=self.current,
+            current=-self.current if self._settings.battery_charges_negative else self.current,
             charge=percentage * self._curve.capacity,
             capacity=self._curve.capacity,
             design_capacity=HHR650D.rated,
             percentage=percentage,
-            status=self.status,
+            status=self.status if self._settings.battery_reports_status else PowerSupplyStatus.UNKNOWN,
             cell_voltages=tuple(mean + offset for offset in self._offsets),
             cell_temperatures=(self.temperature,) * self._settings.cells,
         )

@@ -310,7 +310,7 @@ class Simulation:
         odometry = self.track.latest
         return Observation(
             now=now,
-            battery=None if measured is None else BatteryReading(measured[0].status, measured[1] + offset, measured[0]),
+            battery=None if measured is None else _reading(measured[0], measured[1] + offset),
             odometry=None if odometry is None else replace(odometry, stamp=odometry.stamp + offset),
             marker=None
             if sighting is None
@@ -435,3 +435,7 @@ class Simulation:
         if Fault.PERCENTAGE_0_TO_100 in self.faults:
             measured = replace(measured, percentage=100.0 * measured.percentage)
         self.measurement = (measured, self.time)
+
+
+def _reading(measured: BatteryMeasurement, at: float) -> BatteryReading:
+    return BatteryReading(measured.status, at, measured, measured.percentage, measured.current)

@@ -1,0 +1,34 @@
+"""What tells that the robot is connected to its charger."""
+
+import enum
+from dataclasses import dataclass
+
+from docking.core.parameter import choice, number, switch
+
+
+class ChargingSource(enum.StrEnum):
+    """What tells it."""
+
+    STATUS = "status"
+    """`power_supply_status` is CHARGING or FULL."""
+    CURRENT = "current"
+    """The current that flows into the battery."""
+    POSE = "pose"
+    """The robot stands where it is docked."""
+
+
+@dataclass(frozen=True, slots=True)
+class ChargingSettings:
+    """How to tell whether the battery charges."""
+
+    charging_source: ChargingSource = choice(
+        ChargingSource.STATUS,
+        "What tells that the battery charges: power_supply_status, the current, or the pose: the robot stands within "
+        "docking_threshold of the docked pose at the end of its approach.",
+    )
+    charging_threshold: float = number(
+        0.5, 0.0, 1000.0, "A", "Current into the battery above which it charges, with charging_source `current`."
+    )
+    charging_current_negative: bool = switch(
+        False, "Whether the current is negative while the battery charges: for drivers that count the other way."
+    )
