@@ -5,14 +5,14 @@ from collections import deque
 from dataclasses import dataclass
 
 from docking.core.geometry import Pose, normalize_angle
-from docking.core.observation import Observation
+from docking.core.observation import InfraredReading, Observation
 from docking.estimation.beacon_state import UNKNOWN, BeaconState, View
 from docking.estimation.receivers import Change, Sight, find_sector, ranges_of
 from docking.estimation.track import Track
 from docking.parameters import Receivers
 
 FRESH = 0.3
-"""How old a reading may be, in s."""
+"""How old a reading may be when it arrives, in s."""
 WELL_INSIDE = 0.05
 """How far from the edge of what the receivers see, beyond a standard deviation, in rad, the beacon must be in sight."""
 NEAREST = 0.1
@@ -65,7 +65,7 @@ class BeaconFilter:
 
     Attributes:
         seen_at: When the beacon was seen last.
-        heard_at: When the last reading was made, whatever it saw.
+        heard_at: When the last reading that was used was made, whatever it saw.
         count: Readings that saw the beacon.
         crossings: Of the edges of its light, the latest ones, in their order.
         edges: On which sides the edge of its light is known: 1 is the right one, as seen from a robot that looks at the
@@ -80,6 +80,7 @@ class BeaconFilter:
         self.crossings: deque[Crossing] = deque(maxlen=4)
         self.edges: set[int] = set()
         self._track = Track()
+        self._waiting: deque[InfraredReading] = deque()  # until odometry of their moments has arrived
         self._odometry: Pose | None = None
         self._state: BeaconState | None = None
         self._strange: deque[tuple[float, tuple[float, float, float]]] = deque(maxlen=REMEMBERED)
@@ -153,17 +154,28 @@ class BeaconFilter:
         last, self._odometry = self._odometry, odometry.pose
         if self._state is not None and last is not None:
             self._state.move(odometry.pose.relative_to(last))
-        if reading is None or math.isnan(reading.left + reading.center + reading.right):
-            return
-        if not (reading.stamp > self.heard_at and abs(observation.now - reading.stamp) <= FRESH):
-            return
-        if reading.stamp - self.heard_at > FRESH:
+        if reading is not None and self._is_new(reading, observation.now):
+            self._waiting.append(reading)
+        while self._waiting and self._waiting[0].stamp <= odometry.stamp:
+            reading = self._waiting.popleft()
+            self._take(ranges_of(reading), reading.stamp)
+
+    def _is_new(self, reading: InfraredReading, now: float) -> bool:
+        newest = self._waiting[-1].stamp if self._waiting else self.heard_at
+        return (
+            not math.isnan(reading.left + reading.center + reading.right)
+            and reading.stamp > newest
+            and abs(now - reading.stamp) <= FRESH
+        )
+
+    def _take(self, ranges: tuple[float, float, float], stamp: float) -> None:
+        if stamp - self.heard_at > FRESH:
             self._clear_sights()
-        self.heard_at = reading.stamp
+        self.heard_at = stamp
         if self._state is None:
-            self._consider(ranges_of(reading), reading.stamp)
+            self._consider(ranges, stamp)
         else:
-            self._read(self._state, ranges_of(reading), reading.stamp)
+            self._read(self._state, ranges, stamp)
 
     def confirm_edge(self, side: int, line_of_sight: float) -> None:
         """An edge of the light was crossed.

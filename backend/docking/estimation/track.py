@@ -74,6 +74,24 @@ class Track:
         after_at, after = self._samples[index]
         return _between(before, after, (measured_at - before_at) / (after_at - before_at))
 
+    def arrival(self, measured_at: float, received: float) -> float:
+        """When odometry of a moment arrived, or will arrive, by the monotonic clock.
+
+        What was measured at that moment belongs to that odometry, however late either of them is.
+
+        Args:
+            measured_at: The moment; 0 is a stamp that was not set.
+            received: When what was measured then arrived. It is the answer, too, where the stamp was not set, or is so
+                far off that the clocks of the two publishers do not agree.
+        """
+        if measured_at == 0.0:
+            return received
+        try:
+            arrival = self.at(measured_at).stamp
+        except LookupError:
+            return received
+        return arrival if abs(arrival - received) <= AHEAD else received
+
 
 def _go_on(odometry: Odometry, seconds: float) -> Odometry:
     velocity = odometry.velocity

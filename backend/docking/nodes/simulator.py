@@ -216,8 +216,9 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         if ranges is not None and ranges.stamp > self._ranges_told:
             self._ranges_told = ranges.stamp
             distances = (ranges.left, ranges.center, ranges.right)
+            measured = self._stamp(ranges.stamp)
             for publisher, message, distance in zip(self._ranges, self._range_messages, distances, strict=True):
-                publisher.publish(message.fill(distance, stamp))
+                publisher.publish(message.fill(distance, measured))
 
         scan = simulation.scan
         if scan is not None and scan.stamp > self._scan_told:

@@ -212,7 +212,8 @@ class Sensors:
             raise ValueError("has a range that is not a number")
         if measured > message.max_range:
             measured = math.inf
-        self._ranges[receiver] = max(measured, message.min_range, 0.0), received
+        arrival = self._track.arrival(seconds_of(message.header.stamp), received)
+        self._ranges[receiver] = max(measured, message.min_range, 0.0), arrival
 
     # What is known now.
 

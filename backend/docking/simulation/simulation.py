@@ -122,12 +122,14 @@ class Ranges:
         center: In m.
         right: In m.
         stamp: Simulated seconds.
+        at: When the odometry of that moment arrives.
     """
 
     left: float
     center: float
     right: float
     stamp: float
+    at: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -318,7 +320,7 @@ class Simulation:
             scan=self._observe_scan(offset),
             infrared=None
             if ranges is None
-            else InfraredReading(ranges.left, ranges.center, ranges.right, ranges.stamp + offset),
+            else InfraredReading(ranges.left, ranges.center, ranges.right, ranges.at + offset),
         )
 
     def _observe_scan(self, offset: float) -> Scan | None:
@@ -426,7 +428,7 @@ class Simulation:
             hidden=Fault.HIDDEN_BEACON in self.faults,
             ghosts=GHOSTS if Fault.INFRARED_GHOSTS in self.faults else 0.0,
         )
-        self.ranges = Ranges(*ranges, self.time)
+        self.ranges = Ranges(*ranges, self.time, self.track.arrival(self.time, self.time))
 
     def _measure_battery(self) -> None:
         if Fault.SILENT_BATTERY in self.faults:

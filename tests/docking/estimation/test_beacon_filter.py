@@ -65,6 +65,20 @@ def test_turning_to_and_fro_shows_that_odometry_measures_turns_too_large() -> No
     assert beacon_filter._state.turn_scale == pytest.approx(1.0 / 1.1, abs=0.03)
 
 
+def test_late_odometry_is_waited_for() -> None:
+    prompt, late = BeaconFilter(RECEIVERS), BeaconFilter(RECEIVERS)
+    poses = list(looking_around(0.0, 0.0))
+    run(prompt, poses)
+    for number, pose in enumerate(poses):
+        now = PERIOD * number
+        seen = reading(pose, stamp=now + 3 * PERIOD)  # when odometry of its moment will arrive
+        late.update(observed(poses[max(0, number - 3)], now, seen))
+    assert late.heard_at == pytest.approx(PERIOD * (len(poses) - 1))
+    assert prompt.position is not None
+    assert late.position is not None
+    assert late.position.distance_to(prompt.position) < 0.01
+
+
 @pytest.mark.parametrize("ghosts", [0.02, 0.1])
 def test_ghosts_move_the_beacon_nowhere(ghosts: float) -> None:
     random = Random(3)

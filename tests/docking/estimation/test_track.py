@@ -88,3 +88,14 @@ def test_a_clock_that_stands_still_fills_no_memory(measured_at: float) -> None:
         track.add(measured_at, odometry(float(number), stamp=number / 20))
     assert len(track) == 1
     assert track.at(0.0).pose.x == track.at(measured_at).pose.x == 99.0
+
+
+def test_what_was_measured_belongs_to_odometry_of_its_moment_whenever_that_arrives() -> None:
+    track = Track()
+    assert track.arrival(10.0, received=5.3) == 5.3
+    for number in range(3):
+        track.add(10.0 + 0.1 * number, odometry(1.0, stamp=5.2 + 0.1 * number))
+    assert track.arrival(10.05, received=5.4) == pytest.approx(5.25)
+    assert track.arrival(10.3, received=5.4) == pytest.approx(5.5), "odometry is 0.1 s late"
+    assert track.arrival(0.0, received=5.4) == 5.4, "no stamp"
+    assert [track.arrival(wrong, received=5.4) for wrong in (8.0, 9.7, 12.0)] == [5.4] * 3, "another clock"
