@@ -28,17 +28,19 @@ class ObstacleWatch:
         lost: Whether it waits for a scan, not for an obstacle.
     """
 
-    def __init__(self, settings: CollisionSettings, outline: Footprint) -> None:
+    def __init__(self, settings: CollisionSettings, outline: Footprint, *, backward: bool = False) -> None:
         """Begin with a clear way.
 
         Args:
             settings: When to slow down, to wait and to give up.
             outline: Of the robot, in base_link.
+            backward: Whether the dock is behind the docked robot.
         """
         self.waits_for = ""
         self.lost = False
         self._settings = settings
-        self._front = max(x for x, _ in outline)
+        self._into_dock = Pose(theta=math.pi if backward else 0.0)  # as seen from the docked robot
+        self._front = max(-x if backward else x for x, _ in outline)
         self._side = max(abs(y) for _, y in outline)
         self._clearance = Clearance(outline, settings.obstacle_margin)
         self._points: Points = NOWHERE
@@ -125,7 +127,7 @@ class ObstacleWatch:
         if docked is None or not len(points):
             self._points = place(points, robot.inverse())
             return
-        at_dock = place(points, docked.inverse())
+        at_dock = place(points, docked.compose(self._into_dock).inverse())
         is_dock = at_dock[:, 0] > self._front - DOCK_TOLERANCE
         distance = robot.distance_to(docked)
         if distance < self._settings.dock_collision_threshold:
@@ -137,7 +139,13 @@ class ObstacleWatch:
         self._hides_dock = bool(between.any())
 
 
-def watch_obstacles(settings: ServerSettings) -> ObstacleWatch | None:
-    """The watch of a new goal; None where the parameters want none."""
-    collision = settings.collision
-    return ObstacleWatch(collision, settings.outline.points) if collision.use_collision_detection else None
+def watch_obstacles(settings: ServerSettings, *, backward: bool = False) -> ObstacleWatch | None:
+    """The watch of a new goal; None where the parameters want none.
+
+    Args:
+        settings: The parameters.
+        backward: Whether the robot docks backwards.
+    """
+    if not settings.collision.use_collision_detection:
+        return None
+    return ObstacleWatch(settings.collision, settings.outline.points, backward=backward)

@@ -136,7 +136,7 @@ class DockCalibrator:
         noise = f"{1000.0 * result.distance_noise:.0f} mm and {math.degrees(result.angle_noise):.1f}°"
         remarks = [f"{result.count} detections in {result.seconds:.0f} s; standard deviation {noise}."]
         if observation.battery is None or not observation.battery.connected:
-            remarks.append("The battery does not charge: check that the robot is on its dock.")
+            remarks.append("The battery's status is not CHARGING: check that the robot is on its dock.")
         remarks.append("The values are in use until the node ends. To keep them, write them into its parameter file.")
         self._end(True, _yaml(self._node.get_fully_qualified_name(), remarks, self._names, values, before))
 

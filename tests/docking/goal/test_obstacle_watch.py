@@ -4,13 +4,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from docking.core.errors import ErrorCode, Stage
 from docking.core.geometry import Pose
-from docking.core.observation import STANDSTILL, Observation
+from docking.core.observation import STANDSTILL, Observation, Odometry, Scan, Velocity
 from docking.goal.dock import Docking
 from docking.goal.engine import Command, End, Goal, Outcome
 from docking.goal.obstacle_watch import ObstacleWatch, watch_obstacles
@@ -186,6 +187,20 @@ def test_guide_rails_are_no_obstacles_in_front_of_the_dock() -> None:
     rails = tuple(Obstacle(-0.05 - 0.05 * number, side * 0.19, 0.015) for number in range(5) for side in (-1, 1))
     drive = Drive(settings=Settings(start=Pose(-1.3, 0.0, 0.0), obstacles=rails))
     assert drive.run() == Outcome(End.SUCCEEDED)
+
+
+@pytest.mark.parametrize("backward", [False, True])
+def test_the_dock_is_no_obstacle_at_either_end_of_the_robot(backward: bool) -> None:
+    """A robot 0.5 m before its docked pose; points of a dock, and of something in between."""
+    outline, ahead = ((0.3, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.3, -0.1)), -1.0 if backward else 1.0
+    reach = 0.1 if backward else 0.3
+    for gap, blocked in ((0.5, False), (0.2, True)):
+        watch = ObstacleWatch(COLLISION, outline, backward=backward)
+        scan = Scan(np.array(((ahead * (reach + gap), 0.0),)), 0.0)
+        odometry = Odometry(Pose(), STANDSTILL, 0.0)
+        docked = Pose(ahead * 0.5)
+        assert watch.look(Observation(0.0, odometry=odometry, scan=scan), docked, 0.05)
+        assert watch.stops(Velocity(ahead * 0.5)) is blocked
 
 
 def test_without_a_scan_the_robot_does_not_move() -> None:
