@@ -5,7 +5,7 @@ from dataclasses import replace
 from docking.core.errors import Blocked, OdometryLost
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Velocity
-from docking.estimation.motion_model import Motion, MotionModel
+from docking.estimation.motion_model import MotionModel
 
 DELAY = 0.3
 """How old odometry may be, in s, for the robot to go on driving."""
@@ -17,6 +17,8 @@ LEAST_MOTION = 0.3
 """The part of the commanded motion that there must be: many bases drive slower than they are told, and wheels slip."""
 MOST_MOTION = 1.35
 """How many times the commanded motion, forward and backward, there may be."""
+WEAKEST = 0.1
+"""In m/s²; a base whose velocity changes more slowly towards the command is blocked."""
 LEAST_WAY = 0.04
 """In m; a shorter way missing, or too much, says nothing."""
 LEAST_TURN = 0.2
@@ -99,8 +101,11 @@ class MotionWatch:
         if begin < max(self._begins_at, self.model.known_since):
             return
         measured = self.model.measured(begin, now)
+        speeds_up = self._speeds_up(begin, now)
         for lag in LAGS:
-            if _match(self.model.commands(begin - lag, now - lag), measured):
+            commanded = self.model.commands(begin - lag, now - lag)
+            drives = speeds_up or _fits(commanded.way, commanded.to_and_fro, measured.way, LEAST_WAY)
+            if drives and _fits(commanded.turn, commanded.turn_to_and_fro, measured.turn, LEAST_TURN):
                 return
         commanded = self.model.commands(begin, now)
         self.restart()
@@ -109,11 +114,12 @@ class MotionWatch:
             f" {self._blocked_after:g} s (blocked_after), measured {measured.way:.2f} m and {measured.turn:.2f} rad"
         )
 
-
-def _match(commanded: Motion, measured: Motion) -> bool:
-    return _fits(commanded.way, commanded.to_and_fro, measured.way, LEAST_WAY) and _fits(
-        commanded.turn, commanded.turn_to_and_fro, measured.turn, LEAST_TURN
-    )
+    def _speeds_up(self, begin: float, now: float) -> bool:
+        """Whether the base is still on its way to the commanded velocity, as a weak one that reverses."""
+        half = 0.5 * (now - begin)
+        before, after = self.model.measured(begin, begin + half).way, self.model.measured(begin + half, now).way
+        wanted, change = self.model.commands(begin + half, now).way - before, after - before
+        return wanted * change > 0.0 and abs(change) > WEAKEST * half**2
 
 
 def _fits(commanded: float, to_and_fro: float, measured: float, least: float) -> bool:

@@ -78,6 +78,25 @@ def test_a_base_that_drives_slower_than_it_is_told_is_not_blocked(share: float) 
     drive(watch(), Velocity(0.0, 1.0), Velocity(0.0, share), 10.0)
 
 
+def reverse(motion: MotionWatch, acceleration: float, slowest: float) -> None:
+    """Drive forwards, then be told to drive backwards: the base gets there slowly, or no farther than `slowest`."""
+    pose = drive(motion, Velocity(0.26), Velocity(0.26), 3.0)
+    for number in range(120):
+        speed = max(slowest, 0.26 - acceleration * number * PERIOD)
+        pose = drive(motion, Velocity(-0.26), Velocity(speed), PERIOD, start=3.0 + number * PERIOD, pose=pose)
+
+
+@pytest.mark.parametrize("acceleration", [0.15, 0.2, 0.5])
+def test_a_weak_base_that_reverses_is_not_blocked(acceleration: float) -> None:
+    reverse(watch(), acceleration, slowest=-0.26)
+
+
+@pytest.mark.parametrize("slowest", [0.26, 0.0])
+def test_a_base_that_does_not_reverse_is_blocked(slowest: float) -> None:
+    with pytest.raises(Blocked):
+        reverse(watch(), 0.2, slowest)
+
+
 def test_motion_that_was_not_commanded_does_not_match() -> None:
     with pytest.raises(Blocked, match="motion does not match command"):
         drive(watch(), STANDSTILL, Velocity(0.1, 0.0), 3.0)
