@@ -1,18 +1,33 @@
-"""Docks by name, over DDS."""
+"""Docks by name and by type, over DDS."""
 
+import math
 from pathlib import Path
 
 import pytest
 from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters
 
+from docking.core.geometry import Pose, normalize_angle
 from docking.goal.plan import Plan
 from docking.parameters import DockSettings
 from docking.plans.registry import make_plan
-from tests.support.docking import LOW, Reports, dock_server, send_dock_goal
+from docking.simulation.dock import DOCKED
+from tests.support.docking import (
+    LOW,
+    SUCCEEDED,
+    Reports,
+    dock_server,
+    docking_servers,
+    send_dock_goal,
+    send_undock_goal,
+)
 from tests.support.observer import Observer
+from tests.support.simulator import dock_simulator
 from tests.system.test_docking_calibration import SERVER, ask
+from tests.system.test_docking_with_simulator import look_at
 
 pytestmark = pytest.mark.ros
+
+BACKED = DOCKED.compose(Pose(theta=math.pi))
 
 DOCKS = """
 docks:
@@ -69,3 +84,24 @@ def test_goals_go_to_a_dock_by_name(domain: int, observer: Observer, tmp_path: P
         ).descriptors
         assert docks.read_only
         assert "first one" in docks.description
+
+
+@pytest.mark.timeout(240)
+def test_a_robot_backs_onto_a_dock_of_that_type_and_leaves_it_forwards(domain: int, observer: Observer) -> None:
+    types = ("docks:=[home, garage]", "dock_plugins:=[front, back]", "home.type:=front", "garage.type:=back")
+    back = ("back.dock_direction:=backward", "back.rotate_to_dock:=true")
+    with (
+        dock_simulator(domain, "start_x:=-1.1", "start_y:=0.0", "start_theta:=0.0", "contact_at_back:=true"),
+        docking_servers(domain, "controller:=dock_pose", *types, *back),
+    ):
+        site = look_at(observer)
+        assert send_dock_goal(observer, dock="garage").result(120.0).status == SUCCEEDED
+        site.expect_standstill()
+        assert site.controls.status["docked"] == "true"
+        assert site.pose.distance_to(BACKED) < 0.03
+        assert abs(normalize_angle(site.pose.theta - BACKED.theta)) < math.radians(6.0)
+
+        driven = len(site.wheels.messages)
+        assert send_undock_goal(observer).result(60.0).status == SUCCEEDED
+        assert min(message.linear.x for message in site.wheels.messages[driven:]) >= 0.0
+        assert site.pose.x < -0.8

@@ -9,7 +9,7 @@ from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Done
 from docking.parameters import MotionLimits
 
-LEFT, RIGHT = math.radians(100.0), math.radians(-150.0)
+LEFT, RIGHT = math.radians(100.0), math.radians(-200.0)
 """How far to turn to the left, and then to the right, before turning to the left on and on.
 
 The dock is more often ahead than behind, and where detections are rare it may have been missed.

@@ -30,17 +30,19 @@ class ToStaging:
     On the way the dock may be out of sight: odometry will do.
     """
 
-    def __init__(self, aim: DockTarget, dock: Dock, motion: MotionLimits) -> None:
+    def __init__(self, aim: DockTarget, dock: Dock, motion: MotionLimits, sure: Spread = SURE) -> None:
         """Plan nothing yet: the way follows what is known of the dock at each step.
 
         Args:
             aim: Where the dock is.
             dock: Where the staging pose lies from there.
             motion: What the robot may do.
+            sure: How well the docked pose must be known before it is done.
         """
         self._aim = aim
         self._dock = dock
         self._motion = motion
+        self._sure = sure
         self._driving = True
         self._looked = 0.0
 
@@ -61,7 +63,7 @@ class ToStaging:
             self._driving = True
             return STANDSTILL
         spread = self._aim.spread
-        if (spread.lateral > SURE.lateral or spread.heading > SURE.heading) and self._looked < LONGEST_LOOK:
+        if (spread.lateral > self._sure.lateral or spread.heading > self._sure.heading) and self._looked < LONGEST_LOOK:
             self._looked += dt
             return STANDSTILL
         return Done()

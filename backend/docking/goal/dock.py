@@ -32,7 +32,6 @@ class Docking:
         *,
         charging: ChargingSettings | None = None,
         docking_threshold: float = 0.05,
-        dock_type: str = "",
     ) -> None:
         """Begin with a battery that does not charge.
 
@@ -41,14 +40,12 @@ class Docking:
             memory: Where it is noted that the robot is docked.
             charging: What tells that the battery charges; None is its status.
             docking_threshold: How far from the docked pose the robot may stand, in m, where the pose tells it.
-            dock_type: The type of its dock.
         """
         self.timeouts = timeouts
         self.max_retries = timeouts.max_retries
         self.memory = memory or DockMemory()
         self._charging = charging or ChargingSettings()
         self._threshold = docking_threshold
-        self._dock_type = dock_type
         self._status: int | None = None
         self._connected_since: float | None = None
         self._deadlines = {
@@ -82,10 +79,7 @@ class Docking:
             return False
         if self._connected_since is None:
             self._connected_since = observation.now
-        if observation.now - self._connected_since < self.timeouts.charge_stable_for:
-            return False
-        self.memory.dock_type = self._dock_type
-        return True
+        return observation.now - self._connected_since >= self.timeouts.charge_stable_for
 
     def _charges(self, observation: Observation, battery: BatteryReading, progress: Progress) -> bool:
         self._status = battery.status

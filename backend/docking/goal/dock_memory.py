@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from docking.core.geometry import Pose
+from docking.parameters import Staging
 
 MOVED = 0.1
 """In m; a robot that odometry has moved by more is somewhere else."""
@@ -17,11 +18,13 @@ class DockMemory:
     Attributes:
         docked: Whether the robot was docked at the end of the last goal that tells; None where nothing is known.
         at: Where it stood then, in odom; None where that is not known.
-        dock_type: Of the dock that the last goal has docked it to; empty where there is none.
+        staging: Of the dock that the last docking goal was about, and the direction; None before the first one.
+        dock_type: Of the same dock; empty where there is none.
     """
 
     docked: bool | None = None
     at: Pose | None = None
+    staging: Staging | None = None
     dock_type: str = ""
 
     def note(self, docked: bool, at: Pose | None) -> None:

@@ -36,11 +36,11 @@ def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
         memory,
         charging=settings.charging,
         docking_threshold=settings.approach.docking_threshold,
-        dock_type=settings.dock_type,
     )
 
 
 def _make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
+    memory.staging, memory.dock_type = settings.dock, settings.dock_type
     return Goal(make_plan(settings), docking_objective(settings, memory), started_at, watch_obstacles(settings))
 
 

@@ -116,6 +116,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self._settings.odometry_child_frame,
             self._settings.detection_frame,
             self._simulation.settings.laser.mount,
+            self._simulation.settings.marker.camera_yaw,
         )
         self._make_messages()
 

@@ -1,4 +1,4 @@
-"""The node `disconnect_from_charging_dock_action_server`: backs the robot out until its battery no longer charges."""
+"""The node `disconnect_from_charging_dock_action_server`: drives the robot off its dock."""
 
 from action_tutorials_interfaces.action import DisconnectFromChargingDock
 from docking.core.errors import Stage
@@ -20,7 +20,8 @@ def _needs(settings: UndockSettings) -> frozenset[Sensor]:
 
 def _make_goal(settings: UndockSettings, memory: DockMemory, started_at: float) -> Goal:
     objective = Undocking(settings.timeouts, memory, charging=settings.charging, assume_docked=settings.assume_docked)
-    plan = UndockPlan(settings.staging.distance, settings.motion)
+    staging = memory.staging or settings.staging
+    plan = UndockPlan(staging.distance, settings.motion, forwards=staging.backward)
     return Goal(plan, objective, started_at, watch_obstacles(settings))
 
 

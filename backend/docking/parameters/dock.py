@@ -1,10 +1,19 @@
 """Where the docked pose and the staging pose are."""
 
+import enum
+import math
 from dataclasses import dataclass
 
 from docking.core.geometry import Pose
-from docking.core.parameter import number
+from docking.core.parameter import choice, number, switch
 from docking.core.transform import Transform, tilt
+
+
+class DockDirection(enum.StrEnum):
+    """Which end of the robot comes to the dock."""
+
+    FORWARD = "forward"
+    BACKWARD = "backward"
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,8 +25,19 @@ class Staging:
         -3.0,
         -0.3,
         "m",
-        "Distance from the docked pose to the staging pose along the robot's x axis; negative is in front of the dock.",
+        "Distance from the docked pose to the staging pose along the dock's axis; negative is in front of the dock.",
     )
+
+    dock_direction: DockDirection = choice(
+        DockDirection.FORWARD,
+        "Whether the robot drives onto the dock forwards or backwards; it undocks the other way. If backwards, what "
+        "detects the marker must look back, too; if it looks ahead, set rotate_to_dock.",
+    )
+
+    @property
+    def backward(self) -> bool:
+        """Whether the robot's back comes to the dock."""
+        return self.dock_direction is DockDirection.BACKWARD
 
     @property
     def distance(self) -> float:
@@ -25,8 +45,12 @@ class Staging:
         return -self.staging_x_offset
 
     def staging(self, docked: Pose) -> Pose:
-        """Where base_link waits in front of the dock, turned towards it."""
+        """Where the robot waits in front of the dock; its end that comes to the dock is turned towards it."""
         return docked.compose(Pose(self.staging_x_offset))
+
+    def base_link(self, docked: Pose) -> Pose:
+        """base_link where the robot's end that comes to the dock is turned like this pose."""
+        return docked.compose(Pose(theta=math.pi)) if self.backward else docked
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,13 +81,22 @@ class Dock(Staging):
         0.0, -3.1416, 3.1416, "rad", "Heading of the docked robot relative to the marker's x axis."
     )
 
+    rotate_to_dock: bool = switch(
+        False,
+        "Whether the robot detects the dock forwards, then turns round at the staging pose and backs onto the dock by "
+        "odometry alone. Only if dock_direction is `backward`.",
+    )
+
     @property
     def tilt(self) -> Transform:
         """The marker's frame, x into the dock and z up, as seen from that of its detections."""
         return tilt(self.external_detection_rotation_roll, self.external_detection_rotation_pitch)
 
     def docked(self, marker: Pose) -> Pose:
-        """Where base_link is when docked, in the frame that the marker's pose is given in."""
+        """Where the robot is when docked, looking into the dock, in the frame that the marker's pose is given in.
+
+        A robot that docks backwards looks the other way: see base_link.
+        """
         return marker.compose(
             Pose(
                 self.external_detection_translation_x,

@@ -8,6 +8,7 @@ from docking.parameters.charging import ChargingSource
 from docking.parameters.controller import ControllerName, check_controller
 from docking.parameters.dock import Dock
 from docking.parameters.dock_database import DockDatabase
+from docking.parameters.limits import BACKWARDS
 from docking.parameters.receivers import Receivers
 from docking.parameters.server import ServerSettings, find_disorder, find_shortage
 from docking.parameters.timeouts import DockTimeouts
@@ -89,18 +90,23 @@ class DockSettings(ServerSettings):
         if conflict is not None or self.controller not in {ControllerName.DOCK_POSE, ControllerName.INFRARED}:
             return conflict
         for dock in (self.dock, *self.database.types.values()):
-            conflict = conflict or self._find_shortage(dock.distance)
+            conflict = conflict or self._find_fault(dock)
         return conflict or find_disorder("search_speed", self.search_speed, "v_angular_min", motion.v_angular_min)
 
-    def _find_shortage(self, distance: float) -> str | None:
-        motion, timeouts = self.motion, self.timeouts
+    def _find_fault(self, dock: Dock) -> str | None:
+        if dock.rotate_to_dock and not dock.backward:
+            return "rotate_to_dock is true, but dock_direction is not backward"
+        if dock.backward and self.controller is ControllerName.INFRARED:
+            return "dock_direction is backward, but infrared docks forwards only: its receivers look ahead"
+        motion, timeouts, distance = self.motion, self.timeouts, dock.distance
         slow = min(distance, self.approach.slowdown_radius)
         fast = distance - slow
+        speed = motion.v_linear_back if dock.backward else motion.v_linear_max
         where = (
-            f"{fast:.3g} m at {motion.v_linear_max:g} m/s (v_linear_max)"
+            f"{fast:.3g} m at {speed:.3g} m/s ({f'{BACKWARDS:g} of ' if dock.backward else ''}v_linear_max)"
             f" and {slow:g} m at {motion.v_linear_min:g} m/s (v_linear_min)"
         )
-        approach = fast / motion.v_linear_max + slow / motion.v_linear_min
+        approach = fast / speed + slow / motion.v_linear_min
         return find_shortage(
             "dock_approach_timeout", timeouts.dock_approach_timeout, approach, where
         ) or self.find_backing_shortage("retry_timeout", timeouts.retry_timeout, distance)

@@ -1,10 +1,16 @@
 """The controller `dock_pose`: drives by the pose of a marker on the dock."""
 
 import math
+from dataclasses import replace
 
-from docking.behaviors.approach import Approach
+from docking.behaviors.approach import SURE, Approach
+from docking.behaviors.fail import Fail
+from docking.behaviors.full_turn import FullTurn
+from docking.behaviors.reversed import Reversed
 from docking.behaviors.search import Search
+from docking.behaviors.sequence import Sequence
 from docking.behaviors.staging import ToStaging
+from docking.behaviors.turn_to_dock import TurnToDock
 from docking.behaviors.wait_for_charge import WaitForCharge
 from docking.core.errors import LostMarker, Stage
 from docking.core.geometry import Pose
@@ -56,12 +62,19 @@ class DockPosePlan(SightedPlan):
     @property
     def poses(self) -> KnownPoses:
         """As far as they are known."""
-        raw = self.marker.raw
-        return KnownPoses(None if raw is None else self.dock.docked(raw), self.docked, self.staging)
+        raw, docked, dock = self.marker.raw, self.docked, self.dock
+        if docked is None:
+            return KnownPoses(None if raw is None else dock.base_link(dock.docked(raw)))
+        staging = dock.staging(docked)
+        return KnownPoses(
+            None if raw is None else dock.base_link(dock.docked(raw)),
+            dock.base_link(docked),
+            staging if dock.rotate_to_dock else dock.base_link(staging),
+        )
 
     @property
     def docked(self) -> Pose | None:
-        """Where base_link is when docked, in odom."""
+        """Where the robot is when docked, looking into the dock, in odom."""
         marker = self.marker.pose
         return None if marker is None else self.dock.docked(marker)
 
@@ -72,12 +85,18 @@ class DockPosePlan(SightedPlan):
 
     def controller(self, stage: Stage) -> Behavior:
         """A new one for a stage."""
+        sees_ahead = stage in {Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE} and self.dock.rotate_to_dock
+        controller = self._forwards(stage)
+        return Reversed(controller) if self.dock.backward and not sees_ahead else controller
+
+    def _forwards(self, stage: Stage) -> Behavior:
+        """The same for a robot that docks forwards."""
         if stage is Stage.INITIAL_PERCEPTION:
             return self._search()
         if stage is Stage.NAV_TO_STAGING_POSE:
-            return ToStaging(self, self.dock, self.motion)
+            return self._to_staging()
         if stage is Stage.CONTROLLING:
-            return Approach(self, self.motion, self.approach, self.lost, self._detection_timeout)
+            return self._approach()
         if stage is Stage.RETRY:
             return self.back_off()
         return WaitForCharge(self)
@@ -89,8 +108,8 @@ class DockPosePlan(SightedPlan):
 
     @property
     def yaw_bias(self) -> float:
-        """The curvature of the way, in rad/m, that odometry does not see."""
-        return self.marker.yaw_bias
+        """The curvature of the way, in rad/m, that odometry does not see; backwards it bends to the other side."""
+        return -self.marker.yaw_bias if self.dock.backward else self.marker.yaw_bias
 
     @property
     def period(self) -> float:
@@ -101,6 +120,34 @@ class DockPosePlan(SightedPlan):
     def seen_at(self) -> float:
         """When the marker was seen last."""
         return self.marker.seen_at
+
+    def _to_staging(self) -> Behavior:
+        if not self.dock.rotate_to_dock:
+            return ToStaging(self, self.dock, self.motion)
+        # The robot has to know there what it would otherwise learn on the way: where the dock is, and how much odometry
+        # misjudges half a turn, which a full turn tells.
+        lateral, heading = self.approach.docking_lateral_tolerance, self.approach.docking_heading_tolerance
+        return Sequence(
+            lambda: ToStaging(self, self.dock, self.motion),
+            lambda: FullTurn(self.motion),
+            lambda: ToStaging(self, self.dock, self.motion, Spread(SURE * lateral, SURE * heading)),
+            self._check,
+        )
+
+    def _check(self) -> Behavior:
+        return Sequence() if self._knows() else Fail(self.lost("the dock was not seen again after a full turn"))
+
+    def _approach(self) -> Behavior:
+        motion, settings = self.motion, self.approach
+        if self.dock.backward:
+            motion = replace(motion, v_linear_max=motion.v_linear_back)
+        if not self.dock.rotate_to_dock:
+            return Approach(self, motion, settings, self.lost, self._detection_timeout)
+        blind = replace(settings, blind_distance=math.inf, look_timeout=0.0)
+        return Sequence(
+            lambda: TurnToDock(self, motion),
+            lambda: Approach(self, motion, blind, self.lost, self._detection_timeout),
+        )
 
     def _search(self) -> Search:
         marker, robot = self.marker.pose, self._robot

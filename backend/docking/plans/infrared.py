@@ -4,6 +4,7 @@ import math
 
 from docking.behaviors.approach import Approach
 from docking.behaviors.back_out import BackOut
+from docking.behaviors.fail import Fail
 from docking.behaviors.go_to import GoTo
 from docking.behaviors.moves import bounded
 from docking.behaviors.scan import Scan
@@ -12,11 +13,11 @@ from docking.behaviors.sequence import Sequence
 from docking.behaviors.sidestep import Sidestep
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.wait_for_charge import WaitForCharge
-from docking.core.errors import DockingError, FailedToControl, InfraredLost, PushedOff, Stage
+from docking.core.errors import FailedToControl, InfraredLost, PushedOff, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.beacon_filter import FRESH, BeaconFilter
-from docking.goal.behavior import Behavior, Failed
+from docking.goal.behavior import Behavior
 from docking.goal.plan import KnownPoses
 from docking.parameters import ApproachSettings, Dock, MotionLimits, Receivers
 from docking.plans.sighted import SightedPlan
@@ -156,7 +157,7 @@ class InfraredPlan(SightedPlan):
         if self._knows_axis():
             return Sequence()
         error = math.degrees(self.beacon.axis_error)
-        return _Failure(FailedToControl(f"the dock's axis is not known well enough: to {error:.1f} degrees"))
+        return Fail(FailedToControl(f"the dock's axis is not known well enough: to {error:.1f} degrees"))
 
     def _sidestep(self) -> Sidestep:
         side, self._side = self._side, -self._side
@@ -170,13 +171,3 @@ class InfraredPlan(SightedPlan):
 
     def _approach(self, until: float = -math.inf) -> Approach:
         return Approach(self, self.motion, self.approach, self.lost, self._detection_timeout, until=until)
-
-
-class _Failure:
-    """Fails at once."""
-
-    def __init__(self, error: DockingError) -> None:
-        self._failed = Failed(error)
-
-    def step(self, observation: Observation, dt: float) -> Failed:
-        return self._failed

@@ -1,8 +1,10 @@
-"""The plan of undocking: straight back, as far as the staging pose."""
+"""The plan of undocking: straight off the dock, as far as the staging pose."""
 
 from docking.behaviors.back_out import BackOut
+from docking.behaviors.reversed import Reversed
 from docking.core.errors import FailedToUndock, Stage
 from docking.core.observation import Observation
+from docking.goal.behavior import Behavior
 from docking.goal.plan import KnownPoses
 from docking.parameters import MotionLimits
 
@@ -14,19 +16,22 @@ class UndockPlan:
     lost = FailedToUndock
     poses = KnownPoses()
 
-    def __init__(self, distance: float, motion: MotionLimits) -> None:
+    def __init__(self, distance: float, motion: MotionLimits, *, forwards: bool = False) -> None:
         """Begin where the robot is.
 
         Args:
             distance: How far to back out, in m.
             motion: What the robot may do.
+            forwards: Whether it docked backwards, so that it drives off forwards.
         """
+        self._forwards = forwards
         self.motion = motion
         self._distance = distance
 
     def observe(self, observation: Observation) -> None:
         """Nothing to remember."""
 
-    def controller(self, stage: Stage) -> BackOut:
+    def controller(self, stage: Stage) -> Behavior:
         """The only one."""
-        return BackOut(self._distance, self.motion)
+        back_out = BackOut(self._distance, self.motion)
+        return Reversed(back_out) if self._forwards else back_out

@@ -20,7 +20,7 @@ from docking.simulation.parameters import BaseFrame, DetectionFrame
 HEIGHT = 0.2
 """Of the camera and the marker above base_link, in m."""
 CAMERA = Transform((CAMERA_X, 0.0, HEIGHT), (-0.5, 0.5, -0.5, 0.5))
-"""The camera's optical frame (REP-103: z ahead, x to the right) in base_link."""
+"""The optical frame (REP-103: z ahead, x to the right) of a camera that looks ahead, in base_link."""
 FOOTPRINT_HEIGHT = 0.05
 """Of base_link above base_footprint, in m."""
 
@@ -28,7 +28,7 @@ FOOTPRINT_HEIGHT = 0.05
 class SimulatorFrames:
     """Publishes how frames lie in each other, where tf2_msgs is installed, and puts detections into theirs."""
 
-    def __init__(self, node: Node, base: BaseFrame, detections: DetectionFrame, laser: Pose) -> None:
+    def __init__(self, node: Node, base: BaseFrame, detections: DetectionFrame, laser: Pose, camera_yaw: float) -> None:
         """Make the publishers, and publish what never moves.
 
         Args:
@@ -36,9 +36,11 @@ class SimulatorFrames:
             base: The frame whose pose odometry tells.
             detections: The frame of the marker's detections.
             laser: The laser scanner in base_link.
+            camera_yaw: The direction in which the camera looks, in rad.
         """
         self._base = base.value
         self._detections = detections
+        self._camera = spatial(Pose(theta=camera_yaw)).compose(CAMERA)
         self._moving: Publisher | None = None
         if TFMessage is None:
             return
@@ -46,7 +48,7 @@ class SimulatorFrames:
         self._fixed = _publisher(node, FIXED, LATCHED)
         now = node.get_clock().now().to_msg()
         transforms = [
-            _stamped(BASE, DetectionFrame.CAMERA.value, CAMERA, now),
+            _stamped(BASE, DetectionFrame.CAMERA.value, self._camera, now),
             _stamped(BASE, LASER, spatial(laser, HEIGHT), now),
         ]
         if base is BaseFrame.FOOTPRINT:
@@ -68,7 +70,7 @@ class SimulatorFrames:
         """
         if self._detections is DetectionFrame.BASE:
             return stamped_pose(marker, BASE, stamp)
-        message = PoseStamped(pose=pose_in_space(CAMERA.inverse().compose(spatial(marker, HEIGHT))))
+        message = PoseStamped(pose=pose_in_space(self._camera.inverse().compose(spatial(marker, HEIGHT))))
         message.header.frame_id = self._detections.value
         message.header.stamp = stamp
         return message

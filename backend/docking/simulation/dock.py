@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from docking.core.geometry import Pose, normalize_angle
-from docking.core.parameter import number
+from docking.core.parameter import number, switch
 from docking.simulation.obstacle import Obstruction
 
 DOCKED = Pose(-0.2, 0.0, 0.0)
@@ -29,6 +29,7 @@ class DockSettings:
     width: float = 0.3
     contact_distance: float = 0.02
     contact_angle: float = math.radians(5.0)
+    at_back: bool = switch(False, "Whether the robot's contacts are at its back, so that it has to dock backwards.")
     bounce: float = number(
         0.0, 0.0, 60.0, "s", "Time after the first contact for which the charging current is on and off by chance."
     )
@@ -53,9 +54,10 @@ class Dock:
     def in_contact(self, x: float, y: float, theta: float) -> bool:
         """Whether a robot at this pose in world touches the contacts."""
         settings = self.settings
+        heading = DOCKED.theta + (math.pi if settings.at_back else 0.0)
         return (
             math.hypot(x - DOCKED.x, y - DOCKED.y) <= settings.contact_distance
-            and abs(normalize_angle(theta - DOCKED.theta)) <= settings.contact_angle
+            and abs(normalize_angle(theta - heading)) <= settings.contact_angle
         )
 
     def clearance(self, x: float, y: float) -> float:

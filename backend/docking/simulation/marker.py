@@ -10,7 +10,7 @@ from docking.core.parameter import number, switch
 from docking.simulation.obstacle import Obstacle
 
 CAMERA_X = 0.15
-"""The camera is at the robot's front: x in base_link, in m; it looks ahead."""
+"""Distance of the camera from base_link, in m; it looks away from it."""
 EXACT = Pose()
 """The error of a camera that is mounted where it is taken to be."""
 GHOST = Pose(0.3, 0.8, -0.3)
@@ -33,6 +33,13 @@ class MarkerSettings:
     rate: float = number(15.0, 0.1, 50.0, "Hz", "Images per second.")
     range: float = number(4.0, 0.0, 50.0, "m", "Maximum range at which the camera detects the marker.")
     field_of_view: float = number(math.radians(70.0), 0.0, 6.28, "rad", "Field of view of the camera, edge to edge.")
+    camera_yaw: float = number(
+        0.0,
+        -3.1416,
+        3.1416,
+        "rad",
+        "Direction in which the camera looks, from the robot's edge; 0: ahead, 3.1416: behind.",
+    )
     view_angle: float = math.radians(75.0)
     noise: float = number(0.01, 0.0, 1.0, "m", "Standard deviation of the marker's position, for each coordinate.")
     angle_noise: float = number(math.radians(1.0), 0.0, 1.0, "rad", "Standard deviation of the marker's heading.")
@@ -82,7 +89,7 @@ class MarkerCamera:
             robot: base_link in world.
             obstacles: What may stand in between.
         """
-        settings = self.settings
+        settings, robot = self.settings, self._turned(robot)
         marker = robot.inverse()
         distance = math.hypot(marker.x - CAMERA_X, marker.y)
         if distance > settings.range:
@@ -116,7 +123,7 @@ class MarkerCamera:
         marker = robot.inverse()
         noise, angle_noise = settings.noise, settings.angle_noise
         if settings.noise_per_metre > 0.0 or settings.noise_per_radian > 0.0:
-            camera_x, camera_y = _camera(robot)
+            camera_x, camera_y = _camera(self._turned(robot))
             noise += settings.noise_per_metre * math.hypot(camera_x, camera_y)
             angle_noise += settings.noise_per_radian * abs(math.atan2(camera_y, -camera_x))
         seen = Pose(
@@ -127,6 +134,10 @@ class MarkerCamera:
         if settings.mount_error != EXACT:
             seen = settings.mount_error.inverse().compose(seen)
         return self._mistaken(robot, seen, max(outliers, settings.outliers))
+
+    def _turned(self, robot: Pose) -> Pose:
+        """The robot as if the camera looked ahead."""
+        return robot.compose(Pose(theta=self.settings.camera_yaw))
 
     def _hidden(self, now: float) -> bool:
         every = self.settings.hidden_every
