@@ -67,7 +67,9 @@ def _with_plan(make_plan: Callable[[DockSettings], Plan]) -> ActionSpec[DockSett
 
     def make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
         objective = docking_objective(settings, memory)
-        return Goal(make_plan(settings), objective, started_at, watch_obstacles(settings))
+        return Goal(
+            make_plan(settings), objective, started_at, watch_obstacles(settings, backward=settings.dock.backward)
+        )
 
     return replace(DOCK, make_goal=make_goal)
 

@@ -41,7 +41,8 @@ def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
 
 def _make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
     memory.staging, memory.dock_type = settings.dock, settings.dock_type
-    return Goal(make_plan(settings), docking_objective(settings, memory), started_at, watch_obstacles(settings))
+    obstacles = watch_obstacles(settings, backward=settings.dock.backward)
+    return Goal(make_plan(settings), docking_objective(settings, memory), started_at, obstacles)
 
 
 DOCK = ActionSpec(

@@ -16,12 +16,14 @@ from docking.goal.dock import Docking
 from docking.goal.engine import Command, End, Goal, Outcome
 from docking.goal.obstacle_watch import ObstacleWatch, watch_obstacles
 from docking.goal.undock import Undocking
-from docking.parameters import CollisionSettings, ControllerName, DockSettings, UndockSettings
+from docking.parameters import CollisionSettings, ControllerName, Dock, DockDirection, DockSettings, UndockSettings
 from docking.plans.registry import make_plan
 from docking.plans.undock import UndockPlan
 from docking.simulation.dock import DOCKED
+from docking.simulation.dock import DockSettings as SimulatedDock
 from docking.simulation.faults import Fault
 from docking.simulation.laser import LaserSettings
+from docking.simulation.marker import MarkerSettings
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.robot import RobotSettings
 from docking.simulation.simulation import IN_THE_WAY, Settings, Simulation
@@ -37,6 +39,7 @@ class Drive:
     collision: CollisionSettings = COLLISION
     settings: Settings = field(default_factory=lambda: Settings(start=Pose(-1.3, 0.0, 0.0)))
     undocks: bool = False
+    dock: Dock = field(default_factory=Dock)
     blind: Callable[[Observation], Observation] = lambda observation: observation
     happen: Callable[["Drive"], None] = lambda drive: None
     stages: list[Stage] = field(default_factory=list)
@@ -52,8 +55,9 @@ class Drive:
             plan = UndockPlan(undock.staging.distance, undock.motion)
             self.goal = Goal(plan, Undocking(undock.timeouts), 0.0, watch_obstacles(undock))
         else:
-            dock = DockSettings(controller=ControllerName.DOCK_POSE, collision=self.collision)
-            self.goal = Goal(make_plan(dock), Docking(dock.timeouts), 0.0, watch_obstacles(dock))
+            dock = DockSettings(controller=ControllerName.DOCK_POSE, collision=self.collision, dock=self.dock)
+            watch = watch_obstacles(dock, backward=self.dock.backward)
+            self.goal = Goal(make_plan(dock), Docking(dock.timeouts), 0.0, watch)
 
     @property
     def gap(self) -> float:
@@ -187,6 +191,20 @@ def test_guide_rails_are_no_obstacles_in_front_of_the_dock() -> None:
     rails = tuple(Obstacle(-0.05 - 0.05 * number, side * 0.19, 0.015) for number in range(5) for side in (-1, 1))
     drive = Drive(settings=Settings(start=Pose(-1.3, 0.0, 0.0), obstacles=rails))
     assert drive.run() == Outcome(End.SUCCEEDED)
+
+
+def test_a_robot_that_docks_backwards_watches_its_back() -> None:
+    dock = Dock(dock_direction=DockDirection.BACKWARD)
+    back = Settings(
+        start=Pose(-1.3, 0.0, math.pi),
+        dock=SimulatedDock(at_back=True),
+        marker=MarkerSettings(camera_yaw=math.pi),
+    )
+    free = Drive(settings=back, dock=dock)
+    assert free.run() == Outcome(End.SUCCEEDED)
+    assert Stage.WAIT_FOR_CLEARANCE not in free.stages
+    assert free.simulation.contact
+    assert Drive(settings=back, dock=dock, happen=appear()).run().error_code is ErrorCode.OBSTRUCTED
 
 
 @pytest.mark.parametrize("backward", [False, True])
