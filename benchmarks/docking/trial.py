@@ -64,8 +64,7 @@ class Trial:
         seconds: Simulated, from the goal's acceptance to its end.
         retries: How often the robot backed off and tried again.
         bumps: How often it ran into the dock outside the contact zone.
-        aside: How far the robot stands to the left or right of the docked pose in the end, in m. Ahead of it there are
-            some 18 mm left, as the goal ends at the first contact.
+        aside: How far the robot stands to the left or right of the docked pose in the end, in m.
         askew: How far it is turned against the docked pose, in rad.
         v_linear: The highest that was told or driven, in m/s.
         v_angular: The highest that was told or driven, in rad/s.

@@ -54,6 +54,13 @@ def test_a_slow_turn_is_made_of_faster_ones_and_the_mean_is_right(wish: float, d
     assert turned == pytest.approx(600 * dt * wish, abs=0.1)
 
 
+def test_a_turn_that_is_fast_enough_owes_nothing() -> None:
+    limiter = Limiter(MotionLimits(v_angular_min=0.3))
+    for _ in range(20):
+        limiter.limit(Velocity(0.0, 0.3), 0.05)
+    assert [limiter.limit(STANDSTILL, 0.2) for _ in range(3)] == [STANDSTILL] * 3
+
+
 def test_a_stop_forgets_the_turn_that_was_owed() -> None:
     limiter = Limiter(LIMITS)
     limiter.limit(Velocity(0.0, 0.14), 0.2, Velocity(0.0, 0.15))

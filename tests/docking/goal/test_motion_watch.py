@@ -97,6 +97,13 @@ def test_a_base_that_does_not_reverse_is_blocked(slowest: float) -> None:
         reverse(watch(), 0.2, slowest)
 
 
+def test_a_base_that_stops_against_its_command_is_blocked_in_time() -> None:
+    motion = watch()
+    pose = drive(motion, Velocity(0.26), Velocity(0.26), 3.0)
+    with pytest.raises(Blocked):
+        drive(motion, Velocity(0.26), STANDSTILL, 1.6, start=3.0, pose=pose)
+
+
 def test_motion_that_was_not_commanded_does_not_match() -> None:
     with pytest.raises(Blocked, match="motion does not match command"):
         drive(watch(), STANDSTILL, Velocity(0.1, 0.0), 3.0)
