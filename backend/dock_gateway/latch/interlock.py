@@ -253,7 +253,10 @@ class Interlock:
             for notify in self.on_latch:
                 notify(namespace)
             self._changed()
-        elif by is None and namespace in self._held_by_others:
+        elif by is not None:
+            if namespace in self._held_by_others and self._latches.rename(namespace, by):
+                self._changed()
+        elif namespace in self._held_by_others:
             log.warning("%s is no longer held stopped", namespace)
             self._let_go(namespace)
             self._changed()

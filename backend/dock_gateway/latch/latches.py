@@ -5,7 +5,7 @@ A robot is a namespace. A stop also holds for every namespace below it.
 
 from collections import defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Any
 
@@ -32,6 +32,12 @@ class Latches:
             return False
         self.held[namespace] = latch
         return True
+
+    def rename(self, namespace: str, by: str) -> bool:
+        """Say who holds a robot that is held; return whether that is news."""
+        before = self.held[namespace]
+        self.held[namespace] = replace(before, by=by)
+        return before.by != by
 
     def release(self, namespace: str) -> bool:
         """Release one robot; return False if it was not held."""

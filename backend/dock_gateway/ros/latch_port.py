@@ -41,7 +41,8 @@ class LatchPort:
         topic: Absolute name.
         others: Absolute names of topics on which only others speak.
         on_latch: Called on the loop with the value from other gateways, and when it arrived, on the monotonic clock.
-        on_hold: Called on the loop with the node that holds the robot, or None when none does any longer.
+        on_hold: Called on the loop with the node that holds the robot, again when its name becomes known, or None when
+            none does any longer.
     """
 
     def __init__(
@@ -92,21 +93,29 @@ class LatchPort:
         publisher = topic, taken.publisher
         if topic == self._topic and (taken.publisher in self._gateways or self._is_own(taken)):
             return  # heard by the other subscription
+        named = False
         if publisher not in self._nodes:
             endpoint = self._endpoint(publisher)
             if endpoint is not None and topic == self._topic and endpoint.qos.durability == "transient_local":
                 return
             if endpoint is not None and endpoint.node is not None:
                 self._nodes[publisher] = endpoint.node
+                named = True  # ROS may know the name later than the first message
         if taken.number > self._numbers.get(publisher, -1):
             self._numbers[publisher] = taken.number
-            self._hold(publisher, latched=taken.data)
+            self._hold(publisher, latched=taken.data, named=named)
 
     def _is_own(self, taken: Taken) -> bool:
         return any(first <= taken.stamp_ns <= last for first, last in reversed(self._own))
 
-    def _hold(self, publisher: Voice, *, latched: bool) -> None:
-        """Note what a publisher says, which also replaces what one of the same node said that has left."""
+    def _hold(self, publisher: Voice, *, latched: bool, named: bool = False) -> None:
+        """Note what a publisher says, which also replaces what one of the same node said that has left.
+
+        Args:
+            publisher: The publisher.
+            latched: Whether it wants the robot to stand.
+            named: Whether the name of its node has just become known.
+        """
         node = self._nodes.get(publisher)
         with self._lock:
             before = self._holding
@@ -116,7 +125,7 @@ class LatchPort:
                 if node is not None and self._nodes.get(other) == node and self._endpoint(other) is None
             }
             self._holding = (before - gone - {publisher}) | ({publisher} if latched else frozenset())
-            if bool(before) != bool(self._holding):
+            if bool(before) != bool(self._holding) or (named and latched):
                 self._inbox.put(self._on_hold, self._name(publisher) if latched else None)
 
     def _endpoint(self, publisher: Voice) -> Endpoint | None:

@@ -383,6 +383,18 @@ async def test_an_emergency_stop_holds_the_robot_until_it_is_released_there(pair
     assert gateway.topic.said == []  # the robot hears the emergency stop itself
 
 
+async def test_the_name_of_who_holds_a_robot_may_become_known_later(pair: tuple[Gateway, Gateway]) -> None:
+    gateway, _ = pair
+    gateway.interlock.held_by_another("/", "a node on /e_stop")
+    since = gateway.interlock.document("/")["since"]
+    gateway.interlock.held_by_another("/", "/scanner")
+    document = gateway.interlock.document("/")
+    assert (document["by"], document["since"]) == ("/scanner", since)
+    gateway.interlock.latch("/", "Ada")
+    gateway.interlock.held_by_another("/", "/other")
+    assert gateway.interlock.requested_by("/") == "/scanner"  # it is the stop of a person now
+
+
 async def test_a_stop_outlasts_that_of_another_node(pair: tuple[Gateway, Gateway]) -> None:
     gateway, _ = pair
     gateway.interlock.held_by_another("/", "/e_stop")
