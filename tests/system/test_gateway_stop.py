@@ -123,7 +123,8 @@ def test_it_outlives_a_killed_gateway(domain: int, tmp_path: Path) -> None:
             stored(gateway)
         with running_gateway(domain, stop_path=path) as gateway:
             gateway.wait_until_ready()
-            assert gateway.http.post("/dock").status_code == 202
+            answer = gateway.http.post("/dock")
+            assert answer.status_code == 202, answer.text
 
 
 def latched(gateway: RunningGateway, robot: str = "/") -> bool:

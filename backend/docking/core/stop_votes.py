@@ -1,6 +1,7 @@
 """Whether a stop holds, by what several publishers say: plain data, without ROS."""
 
 from collections.abc import Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 
 
@@ -52,19 +53,23 @@ class StopVotes:
         node, relays = ("", False) if before is None else (before.node, before.relays)
         self._votes[publisher] = Vote(latched, number, self._moment, node, relays)
 
-    def look(self, publishers: Mapping[bytes, str], listeners: set[str]) -> None:
+    def look(
+        self, publishers: Mapping[bytes, str], listeners: set[str], keeping: AbstractSet[bytes] = frozenset()
+    ) -> None:
         """See who is there.
 
         Args:
             publishers: The publishers that are on the topic now, with the names of their nodes.
             listeners: Names of the nodes that subscribe to the topic.
+            keeping: The publishers that are taken for gateways while their names are not known: a gateway may release
+                a stop and leave before ROS knows its name.
         """
         self._moment += 1
         for publisher, vote in self._votes.items():
             if node := publishers.get(publisher):
                 vote.node, vote.relays, vote.gone = node, node in listeners, None
             elif publisher in publishers:
-                vote.gone = None
+                vote.relays, vote.gone = publisher in keeping, None
             elif vote.gone is None:
                 vote.gone = self._moment
         back = {vote.node: vote.said for vote in self._votes.values() if vote.gone is None and vote.node}

@@ -134,9 +134,16 @@ class StopListener:
     def _look(self, topic: str) -> None:
         publishers = self._node.get_publishers_info_by_topic(topic)
         listeners = self._node.get_subscriptions_info_by_topic(topic)
+        # As gateways do: they keep what they said for who comes later.
+        keeping = {
+            bytes(info.endpoint_gid)
+            for info in publishers
+            if topic == TOPIC and info.qos_profile.durability is DurabilityPolicy.TRANSIENT_LOCAL
+        }
         self._votes[topic].look(
             {bytes(info.endpoint_gid): node_name(info) for info in publishers},
-            {node_name(info) for info in listeners},
+            {name for info in listeners if (name := node_name(info))},
+            keeping,
         )
 
     def _update(self) -> None:

@@ -94,6 +94,24 @@ def test_a_gateway_that_was_killed_holds_the_robot_until_one_releases_it(topic: 
     assert not topic.says(SECOND, latched=False)
 
 
+def test_a_gateway_may_release_a_stop_and_leave_before_its_name_is_known(topic: Topic) -> None:
+    topic.says(FIRST, latched=True)
+    for number, latched in ((1, True), (2, False)):
+        topic.votes.hear(SECOND, number, latched=latched)
+        topic.votes.look({**NODES, SECOND: ""}, GATEWAYS, {FIRST, SECOND})
+        assert topic.votes.held is latched
+    assert not topic.leaves(SECOND)
+    assert topic.says(FIRST, latched=True)
+
+
+def test_who_keeps_what_it_said_counts_for_itself_once_its_name_is_known(topic: Topic) -> None:
+    topic.votes.hear(BUTTON, 1, latched=True)
+    topic.votes.look({**NODES, BUTTON: ""}, GATEWAYS, {BUTTON})
+    assert topic.says(FIRST, latched=False)
+    topic.votes.hear(BUTTON, 2, latched=False)
+    assert not topic.looked()
+
+
 def test_who_is_not_known_by_name_counts_like_others() -> None:
     votes = StopVotes()
     votes.hear(BUTTON, 1, latched=True)
