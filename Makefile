@@ -56,7 +56,7 @@ chaos: setup $(STAMPS)/test-interfaces ## kill, flood and starve the gateway for
 bench: setup $(BENCH)/installed ## measure (BENCH_ARGS='--short --cases ab'); see docs/performance.md
 	@$(BENCH)/own/bin/python -m benchmarks --peers $(BENCH) $(BENCH_ARGS)
 
-bench-docking: setup ## dock from 1,000 random starts with each controller, in simulation; see docs/docking.md
+bench-docking: setup ## dock from 1,000 random starts with each controller, in simulation; see docs/docking-results.md
 	@$(BIN)/python -m benchmarks.docking $(BENCH_ARGS)
 
 bench-dashboard: setup ## what the dashboard costs a browser (BENCH_ARGS='--minutes 30' watches its memory); see docs/performance.md
@@ -72,7 +72,7 @@ $(BENCH)/installed: benchmarks/install benchmarks/requirements.txt benchmarks/pe
 	@benchmarks/install $(BENCH)
 	@touch $@
 
-format: setup ## format Python and TypeScript, and write the tables of parameters in docs/docking.md
+format: setup ## format Python and TypeScript, and write the tables of parameters in docs/
 	$(BIN)/python -m scripts.docking_tables
 	$(BIN)/ruff check --fix --quiet . || true
 	$(BIN)/ruff format --quiet .

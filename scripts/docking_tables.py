@@ -1,4 +1,4 @@
-"""Writes the tables of parameters in docs/docking.md anew, from the dataclasses that declare the parameters."""
+"""Writes the tables of parameters in docs/ anew, from the dataclasses that declare the parameters."""
 
 from collections.abc import Iterator
 from itertools import chain
@@ -9,12 +9,14 @@ from docking.parameters import DockSettings, UndockSettings
 from docking.simulation.parameters import SimulatorSettings
 from docking.tutorial.fibonacci import FibonacciSettings
 
-PAGE = Path(__file__).parents[1] / "docs" / "docking.md"
-NODES: dict[str, type[NodeSettings]] = {
-    "connect_to_charging_dock_action_server": DockSettings,
-    "disconnect_from_charging_dock_action_server": UndockSettings,
-    "dock_simulator": SimulatorSettings,
-    "fibonacci_action_server": FibonacciSettings,
+DOCS = Path(__file__).parents[1] / "docs"
+PAGES: dict[str, dict[str, type[NodeSettings]]] = {
+    "docking.md": {
+        "connect_to_charging_dock_action_server": DockSettings,
+        "disconnect_from_charging_dock_action_server": UndockSettings,
+        "fibonacci_action_server": FibonacciSettings,
+    },
+    "simulator.md": {"dock_simulator": SimulatorSettings},
 }
 HEAD = "| parameter | type | unit | range | default | |\n|---|---|---|---|---|---|\n"
 TYPES = {bool: "bool", int: "integer", float: "double"}
@@ -47,10 +49,11 @@ def rows(settings: type[NodeSettings]) -> Iterator[str]:
     yield from map(row, chain(parameters, named_parameters_of(settings, values)))
 
 
-def written(page: str) -> str:
-    """The page, with the table below the heading of each node made anew."""
-    for node, settings in NODES.items():
-        before, heading, after = page.partition(f"### {node}\n")
+def written(name: str) -> str:
+    """A page, with the table below the heading of each of its nodes made anew."""
+    page = (DOCS / name).read_text()
+    for node, settings in PAGES[name].items():
+        before, heading, after = page.partition(f"## {node}\n")
         between, _, rest = after.partition(HEAD)
         lines = rest.splitlines(keepends=True)
         while lines and lines[0].startswith("|"):
@@ -60,4 +63,5 @@ def written(page: str) -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(written(PAGE.read_text()))
+    for name in PAGES:
+        (DOCS / name).write_text(written(name))

@@ -1,27 +1,29 @@
-"""docs/docking.md lists all that there is, and nothing else."""
+"""docs/docking.md and docs/simulator.md list all that there is, and nothing else."""
 
 import re
-from pathlib import Path
 
-from scripts.docking_tables import written
+import pytest
+from scripts.docking_tables import DOCS, PAGES, written
 
 from docking.clients.session import ExitCode
 from docking.core.errors import ErrorCode, Stage
 from docking.goal.report import LEVELS
 from docking.simulation.faults import Fault
 
-PAGE = (Path(__file__).parents[2] / "docs" / "docking.md").read_text()
+PAGE = (DOCS / "docking.md").read_text()
+SIMULATOR = (DOCS / "simulator.md").read_text()
 
 
-def rows(heading: str) -> list[list[str]]:
+def rows(heading: str, page: str = PAGE) -> list[list[str]]:
     """The cells of the table that follows a line."""
-    lines = PAGE.split(heading, 1)[1].split("|---", 1)[1].splitlines()[1:]
+    lines = page.split(heading, 1)[1].split("|---", 1)[1].splitlines()[1:]
     table = lines[: next((n for n, line in enumerate(lines) if not line.startswith("|")), len(lines))]
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
 
 
-def test_every_parameter_is_documented() -> None:
-    assert written(PAGE) == PAGE, "write the tables anew: make format"
+@pytest.mark.parametrize("name", PAGES)
+def test_every_parameter_is_documented(name: str) -> None:
+    assert written(name) == (DOCS / name).read_text(), "write the tables anew: make format"
 
 
 def test_every_stage_is_documented_with_its_level() -> None:
@@ -33,7 +35,7 @@ def test_every_error_code_is_documented_with_its_number() -> None:
 
 
 def test_every_fault_of_the_simulator_is_documented() -> None:
-    assert [row[0] for row in rows("| fault |")] == [f"`{fault}`" for fault in Fault]
+    assert [row[0] for row in rows("| fault |", SIMULATOR)] == [f"`{fault}`" for fault in Fault]
 
 
 def test_every_exit_code_is_documented() -> None:

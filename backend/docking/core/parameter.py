@@ -1,6 +1,6 @@
 """A parameter is a field of a frozen dataclass: name, default, range, unit and text in one place.
 
-ROS descriptors and the tables in docs/docking.md are derived from these fields.
+ROS descriptors and the tables in docs/ are derived from these fields.
 """
 
 import re
