@@ -84,7 +84,7 @@ def test_the_tutorial_on_one_socket(socket: Socket) -> None:
     socket.until(type="snapshot")
     goal = socket.ask("send_goal", goal={"desired_battery_state": CHARGING})["goal"]
     socket.until(type="feedback", goal_id=goal["goal_id"])
-    assert socket.ask("publish_battery", state=CHARGING)["state"]["power_supply_status"] == 1
+    assert socket.ask("publish_battery", state=CHARGING, rate_hz=5)["battery_publisher"]["active"] is True
     result = socket.until(type="result", goal_id=goal["goal_id"])
     assert result["status"] == "succeeded"
     assert socket.ask("stop_publishing")["battery_publisher"]["active"] is False

@@ -83,7 +83,7 @@ def test_a_goal_that_is_canceled(domain: int, collector: Collector) -> None:
         gateway.http.post(f"/dock/{goal_id}/cancel").raise_for_status()
         wait_until(lambda: collector.named("goal"), "the trace")
     (goal,) = collector.named("goal")
-    assert "canceling" in [event.name for event in goal.events]
+    assert "canceled" in [event.name for event in goal.events]
     assert attributes(goal)["status"] == "canceled"
 
 

@@ -50,7 +50,11 @@ class FakeNode:
 
 def endpoint(name: str, namespace: str, qos: QoSProfile) -> Any:
     return SimpleNamespace(
-        node_name=name, node_namespace=namespace, topic_type="sensor_msgs/msg/BatteryState", qos_profile=qos
+        node_name=name,
+        node_namespace=namespace,
+        topic_type="sensor_msgs/msg/BatteryState",
+        qos_profile=qos,
+        endpoint_gid=bytes(16),
     )
 
 
