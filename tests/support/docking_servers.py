@@ -58,11 +58,11 @@ class Server:
 
     def serve(
         self, kind: Any, name: str, execute: Callable[[Any], Coroutine[Any, Any, Any]], accept: Callable[[], bool]
-    ) -> None:
+    ) -> ActionServer:
         def decide(_: Any) -> GoalResponse:
             return GoalResponse.ACCEPT if accept() else GoalResponse.REJECT
 
-        ActionServer(
+        return ActionServer(
             self.node,
             kind,
             name,

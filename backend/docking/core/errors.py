@@ -61,7 +61,7 @@ class ErrorCode(enum.StrEnum):
     PREEMPTED = "PREEMPTED"
     """Aborted: a newer goal took over and goal_policy is `preempt`."""
     FAILED_TO_STAGE = "FAILED_TO_STAGE"
-    """Aborted: the staging pose was not reached in time."""
+    """Aborted: the staging pose was not reached in time, or navigate_to_pose failed."""
     FAILED_TO_DETECT_DOCK = "FAILED_TO_DETECT_DOCK"
     """Aborted: the dock was not found in time."""
     FAILED_TO_CONTROL = "FAILED_TO_CONTROL"
@@ -160,7 +160,7 @@ class DockNotInDb(DockingError):
 
 
 class FailedToStage(DockingError):
-    """The staging pose was not reached in time."""
+    """The staging pose was not reached in time, or another server did not get there."""
 
     error_code = ErrorCode.FAILED_TO_STAGE
     worth_a_retry = False

@@ -19,6 +19,7 @@ from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Behavior, Done, Failed
 from docking.goal.limiter import Limiter
 from docking.goal.motion_watch import MotionWatch
+from docking.goal.navigation import Going, Navigation
 from docking.goal.objective import Objective, Progress
 from docking.goal.obstacle_watch import ObstacleWatch
 from docking.goal.plan import Plan
@@ -40,6 +41,7 @@ class Command:
         dock_pose: Of base_link when docked, by the last detection alone; in odom, as the next two.
         filtered_dock_pose: The same by all detections.
         staging_pose: Of base_link in front of the dock.
+        yields: Whether another server drives the robot, so that no velocity is to be published.
     """
 
     stage: Stage
@@ -50,6 +52,7 @@ class Command:
     dock_pose: Pose | None = None
     filtered_dock_pose: Pose | None = None
     staging_pose: Pose | None = None
+    yields: bool = False
 
 
 class End(enum.StrEnum):
@@ -117,8 +120,13 @@ class Goal:
         if plan.motion is not None:
             self._limiter = Limiter(plan.motion)
             self._watch = MotionWatch(self._timeouts.odometry_timeout, self._timeouts.blocked_after, started_at)
+        self._navigation: Navigation | None = None
         self._failure: DockingError | None = None  # what the running retry is about
         self._enter(plan.stages[0])
+
+    def navigate_first(self, navigation: Navigation) -> None:
+        """Have the robot driven to its staging pose before the plan begins; call it before the first step."""
+        self._navigation = navigation
 
     def step(self, observation: Observation) -> Command | Outcome:
         """What to do now.
@@ -167,6 +175,7 @@ class Goal:
         return self._finish(Outcome(End.SUCCEEDED, retries=self.retries))
 
     def _finish(self, outcome: Outcome) -> Outcome:
+        self._rest()
         if self.outcome is None:
             self.outcome = outcome
         return self.outcome
@@ -188,6 +197,8 @@ class Goal:
     def _go_on(self, observation: Observation, dt: float) -> Command | Outcome:
         if self._objective.holds(self._stage):
             return self._command(self._rest(), Stage.WAIT_FOR_CHARGE)
+        if self._navigation is not None:
+            return self._navigate(self._navigation, observation, dt)
         self._stage_time += dt
         try:
             if self._watch is not None and not self._watch.sees(observation):
@@ -195,11 +206,7 @@ class Goal:
             self._plan.observe(observation)
             if self._obstacles is not None and not self._is_clear(self._obstacles, observation, dt):
                 self._stage_time -= dt  # the time limits of stages are for driving
-                if not self._obstacles.waits_for:
-                    return self._command(self._rest())
-                code = ErrorCode.SCAN_LOST if self._obstacles.lost else ErrorCode.OBSTRUCTED
-                waiting = self._command(self._rest(), Stage.WAIT_FOR_CLEARANCE)
-                return replace(waiting, error_code=code, error_msg=self._obstacles.waits_for)
+                return self._wait_for_clearance(self._obstacles)
             self._check_deadline()
             velocity = self._move(observation, dt)
         except DockingError as failure:
@@ -209,6 +216,30 @@ class Goal:
         if velocity != STANDSTILL:
             self._objective.memory.moves()
         return self._command(velocity)
+
+    def _wait_for_clearance(self, obstacles: ObstacleWatch) -> Command:
+        if not obstacles.waits_for:
+            return self._command(self._rest())
+        code = ErrorCode.SCAN_LOST if obstacles.lost else ErrorCode.OBSTRUCTED
+        waiting = self._command(self._rest(), Stage.WAIT_FOR_CLEARANCE)
+        return replace(waiting, error_code=code, error_msg=obstacles.waits_for)
+
+    def _navigate(self, navigation: Navigation, observation: Observation, dt: float) -> Command | Outcome:
+        """Leave the wheels to the server that drives to the staging pose; then the plan begins."""
+        try:
+            if self._watch is not None:
+                self._watch.hears(observation)
+            going = navigation.step(dt)
+        except DockingError as failure:
+            return self.abort(failure.error_code, str(failure))
+        if going is Going.DRIVES:
+            self._objective.memory.moves()
+            return replace(self._command(STANDSTILL, Stage.NAV_TO_STAGING_POSE), yields=True)
+        if going is Going.WAITS:
+            return self._command(self._rest(), Stage.NAV_TO_STAGING_POSE)
+        self._navigation = None
+        self._enter(self._plan.stages[0])
+        return self._command(self._rest())
 
     def _is_clear(self, obstacles: ObstacleWatch, observation: Observation, dt: float) -> bool:
         seen = observation if self._watch is None else self._watch.ahead(observation)
@@ -283,6 +314,8 @@ class Goal:
             self._watch.restart()
 
     def _rest(self) -> Velocity:
+        if self._navigation is not None:
+            self._navigation.interrupt()
         if self._limiter is not None:
             self._limiter.stop()
         if self._watch is not None:

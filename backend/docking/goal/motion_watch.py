@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from docking.core.errors import Blocked, OdometryLost
 from docking.core.geometry import Pose
-from docking.core.observation import STANDSTILL, Observation, Velocity
+from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.estimation.motion_model import MotionModel
 
 DELAY = 0.3
@@ -73,6 +73,23 @@ class MotionWatch:
             OdometryLost: Odometry has been silent for too long.
             Blocked: The robot did not move as commanded.
         """
+        sound = self.hears(observation)
+        if sound is None:
+            return False
+        now = self._looked_at = observation.now
+        self.model.look(now, sound.pose)
+        self._compare(now)
+        return True
+
+    def hears(self, observation: Observation) -> Odometry | None:
+        """The odometry, whoever drives; None while it is late.
+
+        Args:
+            observation: What is known now.
+
+        Raises:
+            OdometryLost: Odometry has been silent for too long.
+        """
         now, odometry = observation.now, observation.odometry
         sound = odometry if odometry is not None and _makes_sense(odometry.pose) else None
         if sound is not None:
@@ -81,11 +98,8 @@ class MotionWatch:
             if now - self._heard_at > self._odometry_timeout:
                 nonsense = "" if odometry is sound else f" except an implausible pose, {odometry and odometry.pose}"
                 raise OdometryLost(f"no odometry for {self._odometry_timeout:g} s (odometry_timeout){nonsense}")
-            return False
-        self._looked_at = now
-        self.model.look(now, sound.pose)
-        self._compare(now)
-        return True
+            return None
+        return sound
 
     def ahead(self, observation: Observation) -> Observation:
         """The same when a command that is given now takes effect: the robot is where it will be then."""

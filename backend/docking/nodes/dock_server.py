@@ -61,6 +61,8 @@ DOCK = ActionSpec(
     at_dock=DockSettings.at_dock,
     dock_types=lambda settings: settings.database.dock_plugins,
     marker_tilt=lambda settings: settings.dock.tilt,
+    navigates=lambda settings: settings.navigates,
+    staging=lambda settings: settings.staging_goal,
 )
 
 

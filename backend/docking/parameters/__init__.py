@@ -8,6 +8,7 @@ from docking.parameters.dock import Dock, DockDirection, Staging
 from docking.parameters.dock_database import DockDatabase, DockEntry
 from docking.parameters.dock_server import DockSettings
 from docking.parameters.limits import BACKWARDS, MotionLimits
+from docking.parameters.navigation import NavigationSettings, StagingGoal
 from docking.parameters.receivers import Receivers
 from docking.parameters.server import GoalPolicy, ServerSettings, StampedCmdVel, read_topics
 from docking.parameters.timeouts import DockTimeouts, Timeouts, UndockTimeouts
@@ -29,10 +30,12 @@ __all__ = [
     "Gains",
     "GoalPolicy",
     "MotionLimits",
+    "NavigationSettings",
     "Outline",
     "Receivers",
     "ServerSettings",
     "Staging",
+    "StagingGoal",
     "StampedCmdVel",
     "Timeouts",
     "UndockSettings",

@@ -29,7 +29,10 @@ class DockEntry:
     )
     frame: str = string("map", "", "Frame of pose.", read_only=True)
     pose: tuple[float, ...] = numbers(
-        "[x, y, theta]", "Pose of the docked robot in that frame, in m and rad. For information only.", _check_pose
+        "[x, y, theta]",
+        "Pose of the docked robot in that frame, in m and rad; x points into the dock. Used if "
+        "navigate_to_staging_pose is true, else for information only.",
+        _check_pose,
     )
     id: str = string(
         "", "", "Identifier of the dock, such as the number of its marker. For information only.", read_only=True
@@ -112,6 +115,15 @@ class DockDatabase:
             raise DockNotInDb(f"there is no dock {name!r:.80}, but: {', '.join(self.docks)}")
         only = self.dock_plugins[0] if len(self.dock_plugins) == 1 else ""
         return (self.entries[name or self.docks[0]].type if self.docks else "") or only
+
+    def entry_of(self, name: str) -> tuple[str, DockEntry] | None:
+        """The dock that a goal names, with its name; None where there is no such dock.
+
+        Args:
+            name: The dock's name; empty for the first one.
+        """
+        name = name or next(iter(self.docks), "")
+        return (name, self.entries[name]) if name in self.entries else None
 
     def find_fault(self) -> str | None:
         """The dock whose type is missing or unknown, as a sentence; None where there is none."""

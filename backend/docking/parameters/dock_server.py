@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 
+from docking.core.geometry import Pose
 from docking.core.parameter import group, number, string
 from docking.parameters.approach import ApproachSettings
 from docking.parameters.charging import ChargingSource
@@ -9,6 +10,7 @@ from docking.parameters.controller import ControllerName, check_controller
 from docking.parameters.dock import Dock
 from docking.parameters.dock_database import DockDatabase
 from docking.parameters.limits import BACKWARDS
+from docking.parameters.navigation import NavigationSettings, StagingGoal
 from docking.parameters.receivers import Receivers
 from docking.parameters.server import ServerSettings, find_disorder, find_shortage
 from docking.parameters.timeouts import DockTimeouts
@@ -46,10 +48,13 @@ class DockSettings(ServerSettings):
     )
     dock: Dock = group(Dock)
     database: DockDatabase = group(DockDatabase)
+    navigation: NavigationSettings = group(NavigationSettings)
     approach: ApproachSettings = group(ApproachSettings)
     receivers: Receivers = group(Receivers)
 
-    dock_type: str = ""  # no parameter: that of the dock that a goal names, see at_dock
+    # No parameters, but those of the dock that a goal names, see at_dock.
+    dock_type: str = ""
+    staging_goal: StagingGoal | None = None
 
     @property
     def goal_timeouts(self) -> DockTimeouts:
@@ -68,7 +73,21 @@ class DockSettings(ServerSettings):
             DockNotInDb: There is no such dock.
         """
         kind = self.database.type_of(name)
-        return replace(self, dock=self.database.types.get(kind, self.dock), dock_type=kind)
+        dock = self.database.types.get(kind, self.dock)
+        return replace(self, dock=dock, dock_type=kind, staging_goal=self._find_staging(dock, name))
+
+    @property
+    def navigates(self) -> bool:
+        """Whether goals may begin with a navigation to the staging pose; rotate drives to no dock."""
+        return self.navigation.navigate_to_staging_pose and self.controller != ControllerName.ROTATE
+
+    def _find_staging(self, dock: Dock, name: str) -> StagingGoal | None:
+        found = self.database.entry_of(name)
+        if found is None or not self.navigates or not found[1].pose:
+            return None
+        staging = dock.staging(Pose(*found[1].pose))
+        pose = staging if dock.rotate_to_dock else dock.base_link(staging)
+        return StagingGoal(found[0], found[1].frame, pose, self.navigation)
 
     def find_conflict(self) -> str | None:
         """Why these values cannot work together."""

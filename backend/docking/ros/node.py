@@ -24,7 +24,7 @@ from docking.goal.admission import Purpose, Rejection, admit
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Command, End, Goal, Outcome
 from docking.goal.report import Report, report_on
-from docking.parameters import ServerSettings, read_topics
+from docking.parameters import ServerSettings, StagingGoal, read_topics
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
 from docking.ros.active_goal import ActiveGoal, Execution
 from docking.ros.battery_subscriber import BATTERY_TOPIC, battery_message
@@ -32,6 +32,7 @@ from docking.ros.clock import ClockWatch, control_time
 from docking.ros.diagnostics import Diagnostics
 from docking.ros.dock_calibrator import DockCalibrator
 from docking.ros.footprint import FootprintPublisher
+from docking.ros.navigation import NavigationClient
 from docking.ros.parameters import declare_parameters
 from docking.ros.poses import PosePublishers
 from docking.ros.sensors import Sensor, Sensors
@@ -77,6 +78,8 @@ class ActionSpec(Generic[S]):
         at_dock: The parameters for a goal at a dock, by the dock's name; raises DockNotInDb.
         dock_types: Types of docks that have parameters of their own.
         marker_tilt: How the marker's axes are turned, by the parameters; see `Sensors`.
+        navigates: Whether goals may begin with a navigation to a staging pose.
+        staging: Where to, by the parameters for a goal; None where there is none.
     """
 
     node_name: str
@@ -94,6 +97,8 @@ class ActionSpec(Generic[S]):
     at_dock: Callable[[S, str], S] = lambda settings, _: settings
     dock_types: Callable[[S], Sequence[str]] = lambda _: ()
     marker_tilt: Callable[[S], Transform] = lambda _: Transform()
+    navigates: Callable[[S], bool] = lambda _: False
+    staging: Callable[[S], StagingGoal | None] = lambda _: None
 
 
 class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has no types
@@ -137,6 +142,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._clock_watch = ClockWatch(self)
         self._transforms = Transforms(self)
         self._sensors = Sensors(self, self._transforms, self._repeat_report)
+        self._navigation = NavigationClient(self)
         self._poses = PosePublishers(self)
         self._footprint = FootprintPublisher(self)
         self._calibrator = DockCalibrator(
@@ -212,7 +218,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             self._footprint.publish(self._spec.outline(self._settings), base)
         if self._running is None:
             by_marker = Sensor.MARKER in self._spec.needs(self._settings)
-            by_frames = by_marker or self._settings.collision.needs_tf
+            navigates = self._spec.navigates(self._settings)
+            by_frames = by_marker or navigates or self._settings.collision.needs_tf
+            self._navigation.switch(on=navigates)
             self._transforms.switch(on=by_frames, prefix=self._settings.frame_prefix)
             self._poses.switch(on=by_marker)
             self._calibrator.switch(on=by_marker)
@@ -264,6 +272,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._sensors.listen_to(self._spec.needs(settings))
         self._control_timer.timer_period_ns = round(self._spec.control_period(self._settings) * 1e9)
         goal = self._spec.make_goal(settings, self._active_goal.memory, control_time(self))
+        if (staging := self._spec.staging(settings)) is not None:
+            self._transforms.use(self._navigation, on=True)
+            goal.navigate_first(self._navigation.navigation(staging, self._sensors))
         execution = Execution(handle, goal_id, goal, self._end)
         self._running = self._active_goal.running = execution
         self._stage = Stage.IDLE
@@ -322,7 +333,10 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         if isinstance(step, Outcome):
             self._end(step)
             return
-        self._drive.go(step.velocity, decided_at)
+        if step.yields:
+            self._drive.leave()
+        else:
+            self._drive.go(step.velocity, decided_at)
         if observation.now - self._fed_back_at > 0.75 * FEEDBACK_PERIOD:
             self._fed_back_at = observation.now
             running.handle.publish_feedback(self._feedback())
@@ -364,6 +378,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         else:
             logger.error(f"Goal {running.goal_id} aborted: {outcome.error_msg} [{outcome.error_code.value}]")
         self._publish_report(self._report)
+        self._transforms.use(self._navigation, on=False)
         self._sensors.listen_to(frozenset())  # an idle node costs next to nothing
         self._show()
 
@@ -399,6 +414,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         """Leave the ROS graph, with the action server and the lifecycle services, which rclpy would leave behind."""
         self._drive.close()
         self._server.destroy()
+        self._navigation.switch(on=False)
         state_machine = self._state_machine
         super().destroy_node()
         state_machine.destroy_when_not_in_use()

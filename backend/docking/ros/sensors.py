@@ -229,6 +229,22 @@ class Sensors:
             self._set_fault(topic, f"{topic} {self._doubt}")
         return Observation(now, battery, self._track.latest, self._marker, self._infrared(), self._scan)
 
+    def robot_in(self, frame: str) -> Pose:
+        """Where the robot is in a frame, by odometry and tf.
+
+        Args:
+            frame: The name of the frame.
+
+        Raises:
+            ValueError: That is not known; the error is a sentence's second half.
+        """
+        odometry = self._track.latest
+        if odometry is None:
+            raise ValueError("cannot be compared with the robot's: no odometry has come yet")
+        nearer, lies = self._locate(self._transforms.frame(frame), 0.0)
+        robot = Pose() if nearer == self._base_frame else odometry.pose
+        return robot.relative_to(lies.flatten())
+
     def _infrared(self) -> InfraredReading | None:
         if len(self._ranges) < len(RECEIVERS):
             return None

@@ -71,6 +71,11 @@ class Drive:
         self._published_at = time.monotonic()
         self.publisher.publish(velocity)
 
+    def leave(self) -> None:
+        """Leave the wheels to another node. The next standstill is published: that node may have driven."""
+        self._watchdog.sleep()
+        self._velocity = None
+
     def stop(self) -> None:
         """Publish zero velocity, from any thread. It never raises: those who call it have other things to end."""
         self._watchdog.sleep()

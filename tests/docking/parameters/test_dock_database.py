@@ -1,11 +1,13 @@
+import math
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from docking.core.errors import DockNotInDb
+from docking.core.geometry import Pose
 from docking.core.parameter import from_values, named_parameters_of, parameters_of
-from docking.parameters import ControllerName, Dock, DockDatabase, DockEntry, DockSettings
+from docking.parameters import ControllerName, Dock, DockDatabase, DockDirection, DockEntry, DockSettings
 from docking.parameters.dock_database import read_file
 
 NEAR, FAR = Dock(-0.5), Dock(-1.0)
@@ -52,6 +54,46 @@ def test_the_only_type_is_that_of_all_docks() -> None:
 def test_a_type_has_what_it_does_not_set_from_the_parameter_without_prefix() -> None:
     settings = settings_from(staging_x_offset=-0.5, dock_plugins=("near", "far"), **{"far.staging_x_offset": -1.0})
     assert settings.database.types == {"near": NEAR, "far": FAR}
+
+
+NAVIGATES: dict[str, Any] = {
+    "controller": ControllerName.DOCK_POSE,
+    "navigate_to_staging_pose": True,
+    "docks": ("home", "lab"),
+    "home.frame": "hall",
+    "home.pose": (1.0, 2.0, math.pi / 2),
+}
+
+
+@pytest.mark.parametrize(
+    ("values", "heading"),
+    [
+        ({}, math.pi / 2),
+        ({"dock_direction": DockDirection.BACKWARD}, -math.pi / 2),
+        ({"dock_direction": DockDirection.BACKWARD, "rotate_to_dock": True}, math.pi / 2),
+    ],
+)
+def test_the_staging_pose_lies_in_front_of_the_docked_pose(values: dict[str, Any], heading: float) -> None:
+    settings = settings_from(**NAVIGATES, **values)
+    assert settings.find_conflict() is None
+    staging = settings.at_dock("").staging_goal
+    assert staging is not None
+    assert (staging.dock, staging.frame) == ("home", "hall")
+    assert staging.pose.distance_to(Pose(1.0, 1.3)) < 1e-9
+    assert staging.pose.theta == pytest.approx(heading)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"navigate_to_staging_pose": False},
+        {"controller": ControllerName.ROTATE},
+        {"home.pose": ()},
+        {"docks": ()},
+    ],
+)
+def test_nobody_navigates_unless_it_is_allowed_and_the_dock_has_a_pose(values: dict[str, Any]) -> None:
+    assert settings_from(**{**NAVIGATES, **values}).at_dock("").staging_goal is None
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,154 @@
+"""The way to the staging pose that another server drives, such as nav2: the decisions, without ROS."""
+
+import enum
+from typing import Protocol
+
+from docking.core.errors import FailedToStage
+from docking.parameters import NavigationSettings
+
+DISCOVERY = 2.0
+"""Seconds to wait for the server and for the robot's pose: ROS finds their publishers one after the other."""
+SILENT = 5.0
+"""Seconds without an answer, or without feedback from a server that gives it, after which it counts as dead."""
+
+
+class CannotNavigate(Exception):
+    """The robot cannot be driven to the staging pose now; the text says why."""
+
+
+class RideState(enum.Enum):
+    """What has become of a request."""
+
+    ASKED = enum.auto()
+    DRIVING = enum.auto()
+    REACHED = enum.auto()
+    FAILED = enum.auto()
+
+
+class Ride(Protocol):
+    """One request to drive the robot to the staging pose.
+
+    Attributes:
+        state: What has become of it.
+        reason: Why it has failed.
+        feedback: How many messages of feedback have come.
+    """
+
+    @property
+    def state(self) -> RideState: ...  # noqa: D102 - see above
+
+    @property
+    def reason(self) -> str: ...  # noqa: D102
+
+    @property
+    def feedback(self) -> int: ...  # noqa: D102
+
+    def cancel(self) -> None:
+        """Stop driving, if it has not ended."""
+
+
+class Navigator(Protocol):
+    """Who can drive the robot to the staging pose."""
+
+    def distance(self) -> float:
+        """Between the robot and the staging pose, in m.
+
+        Raises:
+            CannotNavigate: It is not known, or nobody can drive the robot there.
+        """
+
+    def send(self) -> Ride:
+        """Ask for it."""
+
+    def skip(self, reason: str) -> None:
+        """Take notice that the robot is not driven there."""
+
+
+class Going(enum.Enum):
+    """How a navigation goes on."""
+
+    WAITS = enum.auto()
+    """It is not known yet whether to navigate; the robot is to stand still."""
+    DRIVES = enum.auto()
+    """The other server drives: no velocity is to be published."""
+    OVER = enum.auto()
+    """The robot is near the staging pose, or is not driven there."""
+
+
+class Navigation:
+    """Brings the robot near its staging pose before a plan begins. It can be interrupted, and then begins again."""
+
+    def __init__(self, navigator: Navigator, settings: NavigationSettings) -> None:
+        """Decide nothing yet.
+
+        Args:
+            navigator: Who drives.
+            settings: How near the robot must be, and how long that may take.
+        """
+        self._navigator = navigator
+        self._settings = settings
+        self._ride: Ride | None = None
+        self._waited = self._driven = self._silent = 0.0
+        self._feedback = 0
+
+    def step(self, dt: float) -> Going:
+        """How it goes on.
+
+        Args:
+            dt: Seconds since the last step.
+
+        Raises:
+            FailedToStage: The robot was not driven to the staging pose.
+        """
+        ride = self._ride
+        if ride is None:
+            return self._decide(dt)
+        self._driven += dt
+        state = ride.state
+        if state is RideState.REACHED:
+            self._ride = None
+            return Going.OVER
+        if state is RideState.FAILED:
+            raise FailedToStage(ride.reason)
+        if self._driven > self._settings.max_staging_time:
+            raise FailedToStage(
+                f"navigate_to_pose did not reach the staging pose within {self._settings.max_staging_time:g} s"
+                " (max_staging_time)"
+            )
+        self._listen(ride, state, dt)
+        return Going.DRIVES
+
+    def interrupt(self) -> None:
+        """Nobody is to drive the robot now."""
+        if self._ride is not None:
+            self._ride.cancel()
+            self._ride = None
+            self._waited = 0.0
+
+    def _decide(self, dt: float) -> Going:
+        try:
+            distance = self._navigator.distance()
+        except CannotNavigate as error:
+            self._waited += dt
+            if self._waited < DISCOVERY:
+                return Going.WAITS
+            self._navigator.skip(str(error))
+            return Going.OVER
+        if distance <= self._settings.dock_prestaging_tolerance:
+            return Going.OVER
+        self._ride = self._navigator.send()
+        self._silent, self._feedback = 0.0, 0
+        return Going.DRIVES
+
+    def _listen(self, ride: Ride, state: RideState, dt: float) -> None:
+        """See whether the server is alive.
+
+        Raises:
+            FailedToStage: It is silent.
+        """
+        waits = state is RideState.ASKED or ride.feedback == self._feedback > 0
+        self._silent = self._silent + dt if waits else 0.0
+        self._feedback = ride.feedback
+        if self._silent > SILENT:
+            missing = "did not answer" if state is RideState.ASKED else "gave no feedback"
+            raise FailedToStage(f"navigate_to_pose {missing} for {SILENT:g} s")
