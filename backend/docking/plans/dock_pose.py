@@ -18,7 +18,7 @@ from docking.core.observation import Observation
 from docking.estimation.dock_estimate import DockEstimate, Spread
 from docking.goal.behavior import Behavior
 from docking.goal.plan import KnownPoses
-from docking.parameters import ApproachSettings, Dock, MotionLimits
+from docking.parameters import DockSettings
 from docking.plans.sighted import SightedPlan
 
 ENOUGH = Spread(0.05, math.radians(5.0))
@@ -37,26 +37,15 @@ class DockPosePlan(SightedPlan):
     """Finds the marker, drives to the staging pose in front of it, then along a smooth curve onto the dock."""
 
     lost = LostMarker
+    sensors = frozenset({"odometry", "marker"})
 
-    def __init__(
-        self,
-        dock: Dock,
-        motion: MotionLimits,
-        approach: ApproachSettings,
-        *,
-        search_speed: float,
-        detection_timeout: float,
-    ) -> None:
+    def __init__(self, settings: DockSettings) -> None:
         """Begin without knowing where the dock is.
 
         Args:
-            dock: Where the robot stands when docked, and where it waits in front.
-            motion: What the robot may do.
-            approach: How it drives onto the dock.
-            search_speed: How fast to turn while the marker is looked for, in rad/s.
-            detection_timeout: For how long the marker may be out of sight on the way to the dock, in s.
+            settings: See `SightedPlan`.
         """
-        super().__init__(dock, motion, approach, search_speed=search_speed, detection_timeout=detection_timeout)
+        super().__init__(settings)
         self.marker = DockEstimate(MEMORY)
 
     @property

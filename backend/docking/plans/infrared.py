@@ -19,7 +19,7 @@ from docking.core.observation import Observation
 from docking.estimation.beacon_filter import FRESH, BeaconFilter
 from docking.goal.behavior import Behavior
 from docking.goal.plan import KnownPoses
-from docking.parameters import ApproachSettings, Dock, MotionLimits, Receivers
+from docking.parameters import DockSettings
 from docking.plans.sighted import SightedPlan
 
 ENOUGH = 3
@@ -35,29 +35,16 @@ class InfraredPlan(SightedPlan):
     """
 
     lost = InfraredLost
+    sensors = frozenset({"odometry", "infrared"})
 
-    def __init__(
-        self,
-        dock: Dock,
-        motion: MotionLimits,
-        approach: ApproachSettings,
-        receivers: Receivers,
-        *,
-        search_speed: float,
-        detection_timeout: float,
-    ) -> None:
+    def __init__(self, settings: DockSettings) -> None:
         """Begin without knowing where the dock is.
 
         Args:
-            dock: Where the robot stands when docked, as seen from the beacon, and where it waits in front.
-            motion: What the robot may do.
-            approach: How it drives onto the dock.
-            receivers: How they are mounted.
-            search_speed: How fast to turn while the beacon is looked for, in rad/s.
-            detection_timeout: For how long the beacon may be out of sight on the way to the dock, in s.
+            settings: See `SightedPlan`.
         """
-        super().__init__(dock, motion, approach, search_speed=search_speed, detection_timeout=detection_timeout)
-        self.beacon = BeaconFilter(receivers)
+        super().__init__(settings)
+        self.beacon = BeaconFilter(settings.receivers)
         self._side = 1
         self._has_axis = False
         self._light: Pose | None = None  # in odom, where the robot has had a good look at the beacon

@@ -1,6 +1,5 @@
 """Controllers by name: ours, and those of other packages."""
 
-from collections.abc import Callable
 from typing import Protocol
 
 from docking.behaviors.rotate import Rotate
@@ -24,51 +23,33 @@ class PlanType(Protocol):
         """A new plan for a goal."""
 
 
-def _dock_pose(settings: DockSettings) -> Plan:
-    return DockPosePlan(
-        settings.dock,
-        settings.motion,
-        settings.approach,
-        search_speed=settings.search_speed,
-        detection_timeout=settings.external_detection_timeout,
-    )
+class RotatePlan(SingleStage):
+    """The tutorial's: the robot turns on the spot."""
+
+    sensors = frozenset[str]()
+
+    def __init__(self, settings: DockSettings) -> None:
+        super().__init__(Rotate(settings.rotate_speed))
 
 
-def _infrared(settings: DockSettings) -> Plan:
-    return InfraredPlan(
-        settings.dock,
-        settings.motion,
-        settings.approach,
-        settings.receivers,
-        search_speed=settings.search_speed,
-        detection_timeout=settings.external_detection_timeout,
-    )
-
-
-def _rotate(settings: DockSettings) -> Plan:
-    return SingleStage(Rotate(settings.rotate_speed))
-
-
-OURS: dict[str, tuple[Callable[[DockSettings], Plan], frozenset[str]]] = {
-    ControllerName.ROTATE: (_rotate, frozenset()),
-    ControllerName.DOCK_POSE: (_dock_pose, frozenset({"odometry", "marker"})),
-    ControllerName.INFRARED: (_infrared, frozenset({"odometry", "infrared"})),
+OURS: dict[str, PlanType] = {
+    ControllerName.ROTATE: RotatePlan,
+    ControllerName.DOCK_POSE: DockPosePlan,
+    ControllerName.INFRARED: InfraredPlan,
 }
 
 
-def _find(controller: str) -> tuple[Callable[[DockSettings], Plan], frozenset[str]]:
-    """What makes the plans, and the sensors that they need."""
-    if controller in OURS:
-        return OURS[controller]
-    plan_type: PlanType = load_controller(controller)
-    return plan_type, frozenset(plan_type.sensors)
+def _find(controller: str) -> PlanType:
+    """What makes the plans."""
+    plan_type: PlanType = OURS[controller] if controller in OURS else load_controller(controller)
+    return plan_type
 
 
 def make_plan(settings: DockSettings) -> Plan:
     """A new plan for a goal, by the parameter `controller`."""
-    return _find(settings.controller)[0](settings)
+    return _find(settings.controller)(settings)
 
 
 def sensors_of(controller: str) -> frozenset[str]:
     """What a controller needs: `odometry`, `marker`, `infrared`, `scan`."""
-    return _find(controller)[1]
+    return frozenset(_find(controller).sensors)

@@ -8,7 +8,7 @@ from docking.core.errors import Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.dock_estimate import Spread
-from docking.parameters import ApproachSettings, Dock, MotionLimits
+from docking.parameters import DockSettings
 
 BLIND_WAY = 0.1
 """How far to back off, in m, where the dock is not known."""
@@ -19,29 +19,17 @@ class SightedPlan:
 
     stages = (Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING, Stage.WAIT_FOR_CHARGE)
 
-    def __init__(
-        self,
-        dock: Dock,
-        motion: MotionLimits,
-        approach: ApproachSettings,
-        *,
-        search_speed: float,
-        detection_timeout: float,
-    ) -> None:
+    def __init__(self, settings: DockSettings) -> None:
         """Begin without knowing where the dock is.
 
         Args:
-            dock: Where the robot stands when docked, as seen from what is detected, and where it waits in front.
-            motion: What the robot may do.
-            approach: How it drives onto the dock.
-            search_speed: How fast to turn while the dock is looked for, in rad/s.
-            detection_timeout: For how long the dock may be out of sight on the way to it, in s.
+            settings: What the robot may do, and where it stands when docked, as seen from what is detected.
         """
-        self.motion = motion
-        self.dock = dock
-        self.approach = approach
-        self._search_speed = search_speed
-        self._detection_timeout = detection_timeout
+        self.motion = settings.motion
+        self.dock = settings.dock
+        self.approach = settings.approach
+        self._search_speed = settings.search_speed
+        self._detection_timeout = settings.external_detection_timeout
         self._robot: Pose | None = None
 
     @property
