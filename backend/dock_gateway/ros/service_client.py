@@ -1,16 +1,33 @@
 """A client of one ROS service, created on first use."""
 
 import asyncio
+from collections.abc import Callable
 from typing import Any
 
 from rclpy.client import Client
 
 from dock_gateway.ros.bridge import Bridge
 
-# Seconds to find the service on the graph.
+# Seconds to find a service or a subscriber on the graph.
 FIND_WITHIN = 2.0
 # Seconds between the moment at which a new client has found the service and that at which the service has found it.
 SETTLE = 0.3
+
+
+async def until_found(bridge: Bridge, holds: Callable[[], Any]) -> None:
+    """Wait until the other side is on the graph.
+
+    Args:
+        bridge: The bridge to the ROS thread.
+        holds: Whether it is; called on the ROS thread.
+
+    Raises:
+        TimeoutError: It was not found.
+        Unavailable: The ROS thread is down.
+    """
+    async with asyncio.timeout(FIND_WITHIN):
+        while not await bridge.call(holds):  # noqa: ASYNC110 - DDS tells nobody
+            await asyncio.sleep(0.02)
 
 
 class ServiceClient:
@@ -36,24 +53,29 @@ class ServiceClient:
         """
         return bool(await self._bridge.call(lambda: self._bridge.node.count_services(self.name)))
 
-    async def call(self, request: Any, within: float) -> Any:
+    async def call(self, request: Any, within: float, *, attempts: int = 1) -> Any:
         """Return the answer.
 
         Args:
             request: The request.
-            within: Seconds to wait for the answer, after the service has been found.
+            within: Seconds to wait for each answer, after the service has been found.
+            attempts: How often to send it.
 
         Raises:
             TimeoutError: The service was not found, or did not answer.
             Unavailable: The service is gone, or the ROS thread is down.
         """
-        pending = self._bridge.request(await self._find(), request)
-        try:
-            async with asyncio.timeout(within):
-                return await asyncio.shield(pending.response)
-        except TimeoutError:
-            pending.forget()
-            raise
+        client = await self._find()
+        while True:
+            attempts -= 1
+            pending = self._bridge.request(client, request)
+            try:
+                async with asyncio.timeout(within):
+                    return await asyncio.shield(pending.response)
+            except TimeoutError:
+                pending.forget()
+                if attempts <= 0:
+                    raise
 
     def close(self) -> None:
         """Leave the graph."""
@@ -68,9 +90,7 @@ class ServiceClient:
             lambda: node.create_client(self._kind, self.name), undo=node.destroy_client
         )
         self._client = client
-        async with asyncio.timeout(FIND_WITHIN):
-            while not await self._bridge.call(client.service_is_ready):  # noqa: ASYNC110 - DDS tells nobody
-                await asyncio.sleep(0.02)
+        await until_found(self._bridge, client.service_is_ready)
         if known is None:
             await asyncio.sleep(SETTLE)
         return client
