@@ -21,9 +21,10 @@ from docking.nodes.dock_server import DOCK, docking_objective
 from docking.nodes.undock_server import UNDOCK
 from docking.parameters import DockSettings
 from docking.plans.registry import make_plan
+from docking.ros.action_spec import ActionSpec
 from docking.ros.active_goal import ActiveGoal
 from docking.ros.battery_subscriber import BatteryStateSubscriber
-from docking.ros.node import ActionNode, ActionSpec
+from docking.ros.node import ActionNode
 from docking.ros.process import Spinner
 from tests.support.observer import GoalOfTest, Observer, ros_nodes
 from tests.support.waiting import PATIENCE, wait_until

@@ -12,7 +12,8 @@ from docking.goal.engine import Goal
 from docking.goal.obstacle_watch import watch_obstacles
 from docking.parameters import ControllerName, DockSettings
 from docking.plans.registry import make_plan, sensors_of
-from docking.ros.node import FEEDBACK_PERIOD, ActionNode, ActionSpec
+from docking.ros.action_spec import ActionSpec
+from docking.ros.node import FEEDBACK_PERIOD, ActionNode
 from docking.ros.process import run_process
 from docking.ros.sensors import Sensor
 from docking.ros.server_process import serve

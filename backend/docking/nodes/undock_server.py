@@ -9,7 +9,7 @@ from docking.goal.obstacle_watch import watch_obstacles
 from docking.goal.undock import Undocking
 from docking.parameters import UndockSettings
 from docking.plans.undock import UndockPlan
-from docking.ros.node import ActionSpec
+from docking.ros.action_spec import ActionSpec
 from docking.ros.sensors import Sensor
 
 

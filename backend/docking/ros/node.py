@@ -3,8 +3,7 @@
 import math
 import time
 import traceback
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, Generic, TypeVar
 
@@ -17,15 +16,13 @@ from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackRet
 
 from docking.core.battery import Battery
 from docking.core.errors import DockNotInDb, ErrorCode, Stage
-from docking.core.footprint import Footprint
 from docking.core.observation import STANDSTILL
-from docking.core.transform import Transform
-from docking.goal.admission import Purpose, Rejection, admit
-from docking.goal.dock_memory import DockMemory
-from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.admission import Rejection, admit
+from docking.goal.engine import Command, End, Outcome
 from docking.goal.report import Report, report_on
-from docking.parameters import ServerSettings, StagingGoal, read_topics
+from docking.parameters import read_topics
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
+from docking.ros.action_spec import ActionSpec, S
 from docking.ros.active_goal import ActiveGoal, Execution
 from docking.ros.battery_subscriber import BATTERY_TOPIC, battery_message
 from docking.ros.clock import ClockWatch, control_time
@@ -41,7 +38,6 @@ from docking.ros.transforms import Transforms
 from docking.ros.velocity import Drive
 
 Event = TypeVar("Event", Command, Outcome)
-S = TypeVar("S", bound=ServerSettings)
 
 FEEDBACK_PERIOD = 0.1
 BASE = "base_link"
@@ -56,49 +52,6 @@ SENSED = frozenset(
     }
 )
 """What a sensor's fault may be the cause of."""
-
-
-@dataclass(frozen=True)
-class ActionSpec(Generic[S]):
-    """What an action is: all that docking and undocking differ in.
-
-    Attributes:
-        node_name: The name of the node that serves it.
-        action_name: The name of the action.
-        action_type: Its type.
-        purpose: What its goals may ask for.
-        settings: The dataclass of the node's parameters.
-        needs: What a goal needs to know, by the parameters.
-        control_period: Seconds between two control steps, by the parameters.
-        make_goal: Makes a goal that begins at a moment, by the parameters and what is remembered of the dock.
-        progress: What is logged once a second at a stage.
-        success: What is logged at the end.
-        ends_with_charge: Whether a message of a charging battery is looked at as soon as it comes.
-        outline: The robot's footprint, by the parameters; None where it is not published.
-        at_dock: The parameters for a goal at a dock, by the dock's name; raises DockNotInDb.
-        dock_types: Types of docks that have parameters of their own.
-        marker_tilt: How the marker's axes are turned, by the parameters; see `Sensors`.
-        navigates: Whether goals may begin with a navigation to a staging pose.
-        staging: Where to, by the parameters for a goal; None where there is none.
-    """
-
-    node_name: str
-    action_name: str
-    action_type: type
-    purpose: Purpose
-    settings: type[S]
-    needs: Callable[[S], frozenset[Sensor]]
-    control_period: Callable[[S], float]
-    make_goal: Callable[[S, DockMemory, float], Goal]
-    progress: Mapping[Stage, str]
-    success: Sequence[str]
-    ends_with_charge: bool = False
-    outline: Callable[[S], Footprint] | None = None
-    at_dock: Callable[[S, str], S] = lambda settings, _: settings
-    dock_types: Callable[[S], Sequence[str]] = lambda _: ()
-    marker_tilt: Callable[[S], Transform] = lambda _: Transform()
-    navigates: Callable[[S], bool] = lambda _: False
-    staging: Callable[[S], StagingGoal | None] = lambda _: None
 
 
 class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has no types
