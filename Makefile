@@ -107,27 +107,24 @@ $(STAMPS)/lock: requirements.lock | $(UV)
 	    --build-constraints build-requirements.lock requirements.lock
 	@mkdir -p $(STAMPS) && touch $@
 
-$(STAMPS)/interfaces: $(INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
+# Compiles interface packages and installs them: $(1) what they are, $(2) the folder of the wheels, $(3) the packages.
+define compile-interfaces
 	@scripts/preflight $(BIN)/python
-	@echo "Compiling the ROS interface package (about half a minute, once) …"
-	@rm -rf $(STAMPS)/wheel && scripts/build-interfaces $(BIN)/python $(STAMPS)/wheel
-	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/wheel/*.whl
+	@echo "Compiling the ROS $(1) (about half a minute, once) …"
+	@rm -rf $(STAMPS)/$(2) && scripts/build-interfaces $(BIN)/python $(STAMPS)/$(2) $(3)
+	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/$(2)/*.whl
 	@touch $@
+endef
+
+$(STAMPS)/interfaces: $(INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
+	$(call compile-interfaces,interface package,wheel,$(INTERFACES))
 
 $(STAMPS)/tf2-msgs: $(TF_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
-	@scripts/preflight $(BIN)/python
-	@echo "Compiling the ROS message of /tf (about half a minute, once) …"
-	@rm -rf $(STAMPS)/tf-wheel && scripts/build-interfaces $(BIN)/python $(STAMPS)/tf-wheel $(TF)
-	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/tf-wheel/*.whl
-	@touch $@
+	$(call compile-interfaces,message of /tf,tf-wheel,$(TF))
 
 # For the tests only: what other docking servers speak.
 $(STAMPS)/test-interfaces: $(TEST_INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
-	@scripts/preflight $(BIN)/python
-	@echo "Compiling the ROS interface packages of the tests (about half a minute, once) …"
-	@rm -rf $(STAMPS)/test-wheel && scripts/build-interfaces $(BIN)/python $(STAMPS)/test-wheel $(TEST_INTERFACES)
-	@$(UV) pip install --quiet --python $(BIN)/python --no-deps --reinstall $(STAMPS)/test-wheel/*.whl
-	@touch $@
+	$(call compile-interfaces,interface packages of the tests,test-wheel,$(TEST_INTERFACES))
 
 $(STAMPS)/project: pyproject.toml backend/hatch_build.py $(shell find backend/action_tutorials_py -type f) $(STAMPS)/interfaces $(STAMPS)/tf2-msgs
 	@$(UV) pip install --quiet --python $(BIN)/python --no-deps \
