@@ -12,7 +12,6 @@ from nav_msgs.msg import Odometry
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.context import Context
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
@@ -25,6 +24,7 @@ from docking.core.geometry import Pose
 from docking.core.observation import Velocity
 from docking.goal.report import Level
 from docking.parameters import read_topics
+from docking.ros.endpoint import busy_publisher
 from docking.ros.geometry import pose_from, stamped_pose
 from docking.ros.parameters import declare_parameters
 from docking.ros.process import Spinner, StopSignals, ros_context, run_process
@@ -91,16 +91,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._settings = settings
 
     def _make_publishers(self) -> None:
-        def publisher(message_type: type, topic: str, qos: QoSProfile | int = 10) -> Any:
-            return self.create_publisher(
-                message_type,
-                topic,
-                qos,
-                qos_overriding_options=QoSOverridingOptions.with_default_policies(),
-                # The executor would check each event at every tick; a subscription that does not match warns by itself.
-                event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
-            )
-
+        publisher = partial(busy_publisher, self)
         self._odometry = publisher(Odometry, "odom")
         self._truth = publisher(Odometry, "ground_truth")
         self._marker = publisher(PoseStamped, "detected_dock_pose")

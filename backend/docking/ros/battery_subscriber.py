@@ -6,21 +6,14 @@ from typing import Any
 
 from rclpy.context import Context
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from sensor_msgs.msg import BatteryState
 
 from docking.core.battery import Battery, BatteryReading, received_at
 from docking.ros.clock import control_time
+from docking.ros.qos import LATEST
 
 BATTERY_TOPIC = "battery_status"
-# BEST_EFFORT and VOLATILE match every publisher. One message is kept: an older one is of no use.
-QOS = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.BEST_EFFORT,
-    durability=DurabilityPolicy.VOLATILE,
-)
 
 
 def battery_message(battery: Battery) -> BatteryState:
@@ -48,7 +41,7 @@ class BatteryStateSubscriber(Node):  # type: ignore[misc] # rclpy has no types
             BatteryState,
             BATTERY_TOPIC,
             self._receive,
-            QOS,
+            LATEST,
             qos_overriding_options=QoSOverridingOptions.with_default_policies(),
         )
 

@@ -2,17 +2,35 @@
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-# BEST_EFFORT and VOLATILE match every publisher. One message is kept: an older one is of no use.
-LATEST = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.BEST_EFFORT,
-    durability=DurabilityPolicy.VOLATILE,
-)
-# Who comes later gets the last message, too.
-LATCHED = QoSProfile(
-    history=HistoryPolicy.KEEP_LAST,
-    depth=1,
-    reliability=ReliabilityPolicy.RELIABLE,
-    durability=DurabilityPolicy.TRANSIENT_LOCAL,
-)
+
+def volatile(depth: int) -> QoSProfile:
+    """Best effort and volatile, which matches every publisher.
+
+    Args:
+        depth: How many messages are kept.
+    """
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.BEST_EFFORT,
+        durability=DurabilityPolicy.VOLATILE,
+    )
+
+
+def latched(depth: int) -> QoSProfile:
+    """Reliable and transient local: who comes later gets the last messages, too.
+
+    Args:
+        depth: How many messages are kept.
+    """
+    return QoSProfile(
+        history=HistoryPolicy.KEEP_LAST,
+        depth=depth,
+        reliability=ReliabilityPolicy.RELIABLE,
+        durability=DurabilityPolicy.TRANSIENT_LOCAL,
+    )
+
+
+LATEST = volatile(1)
+"""For sensors: an older message is of no use."""
+LATCHED = latched(1)

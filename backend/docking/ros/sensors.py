@@ -163,14 +163,22 @@ class Sensors:
                 return
             raise
         self._unrelated_since = None
-        try:
-            odometry = self._track.at(measured_at)
-        except LookupError as error:
-            raise ValueError(f"is stamped {error}: do the clocks of their publishers agree?") from None
+        odometry = self._odometry_at(measured_at)
         pose = lies.compose(seen).compose(self.marker_tilt).flatten()
         if frame == self._base_frame:
             pose = odometry.pose.compose(pose)
         self._marker = MarkerDetection(pose, min(odometry.stamp, received))
+
+    def _odometry_at(self, measured_at: float) -> Odometry:
+        """Where the robot was when something was measured.
+
+        Raises:
+            ValueError: Odometry does not tell.
+        """
+        try:
+            return self._track.at(measured_at)
+        except LookupError as error:
+            raise ValueError(f"is stamped {error}: do the clocks of their publishers agree?") from None
 
     def _locate(self, frame: str, measured_at: float) -> tuple[str, Transform]:
         """One of odometry's two frames, and where a frame lies in it at a moment.
@@ -197,10 +205,7 @@ class Sensors:
             frame, lies = self._locate(self._transforms.frame(message.header.frame_id), measured_at)
         else:
             frame, lies = self._base_frame, spatial(self.scanner)
-        try:
-            odometry = self._track.at(measured_at)
-        except LookupError as error:
-            raise ValueError(f"is stamped {error}: do the clocks of their publishers agree?") from None
+        odometry = self._odometry_at(measured_at)
         points = flatten(points, lies)
         if frame == self._base_frame:
             points = place(points, odometry.pose)

@@ -2,14 +2,12 @@
 
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import PoseStamped, TransformStamped
-from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import QoSProfile
-from rclpy.qos_overriding_options import QoSOverridingOptions
 
 from docking.core.geometry import Pose
 from docking.core.transform import Transform, spatial
+from docking.ros.endpoint import busy_publisher
 from docking.ros.geometry import pose_in_space, stamped_pose, transform_message
 from docking.ros.qos import LATCHED
 from docking.ros.simulator_messages import BASE, LASER, ODOM
@@ -44,8 +42,8 @@ class SimulatorFrames:
         self._moving: Publisher | None = None
         if TFMessage is None:
             return
-        self._moving = _publisher(node, MOVING, QoSProfile(depth=10))
-        self._fixed = _publisher(node, FIXED, LATCHED)
+        self._moving = busy_publisher(node, TFMessage, MOVING)
+        self._fixed = busy_publisher(node, TFMessage, FIXED, LATCHED)
         now = node.get_clock().now().to_msg()
         transforms = [
             _stamped(BASE, DetectionFrame.CAMERA.value, self._camera, now),
@@ -74,17 +72,6 @@ class SimulatorFrames:
         message.header.frame_id = self._detections.value
         message.header.stamp = stamp
         return message
-
-
-def _publisher(node: Node, topic: str, qos: QoSProfile) -> Publisher:
-    return node.create_publisher(
-        TFMessage,
-        topic,
-        qos,
-        qos_overriding_options=QoSOverridingOptions.with_default_policies(),
-        # The executor would check each event at every tick.
-        event_callbacks=PublisherEventCallbacks(use_default_callbacks=False),
-    )
 
 
 def _stamped(parent: str, child: str, transform: Transform, stamp: Time) -> TransformStamped:

@@ -5,7 +5,7 @@ from typing import Any
 
 from rclpy.callback_groups import CallbackGroup, ReentrantCallbackGroup
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from rclpy.waitable import NumberOfEntities, Waitable
@@ -13,25 +13,13 @@ from std_msgs.msg import Bool
 
 from docking.core.stop_votes import StopVotes
 from docking.ros.endpoint import node_name
+from docking.ros.qos import latched, volatile
 from docking.ros.taking import take_bool
 
 TOPIC = "stop_latched"
 DEPTH = 50
 # A subscription to what was said before hears no publisher that does not keep it, so each topic has two.
-QUALITIES = (
-    QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=DEPTH,
-        reliability=ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL,
-    ),
-    QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=DEPTH,
-        reliability=ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.VOLATILE,
-    ),
-)
+QUALITIES = (latched(DEPTH), volatile(DEPTH))
 
 
 class _Hidden(CallbackGroup):  # type: ignore[misc] # rclpy has no types

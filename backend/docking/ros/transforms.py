@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 from geometry_msgs.msg import Transform as TransformMessage
 from rclpy.node import Node
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 
 from docking.core.transform import Transform
 from docking.estimation.transform_tree import TransformError, TransformTree, nearest
 from docking.ros.geometry import seconds_of, transform_from
+from docking.ros.qos import latched, volatile
 
 try:
     from tf2_msgs.msg import TFMessage
@@ -22,20 +22,7 @@ __all__ = ["FIXED", "MOVING", "TFMessage", "Transforms"]
 DEPTH = 100
 """Of both topics: each publisher sends its own frames, and no message may push another one out."""
 MOVING, FIXED = "tf", "tf_static"
-QUALITIES = {
-    MOVING: QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=DEPTH,
-        reliability=ReliabilityPolicy.BEST_EFFORT,
-        durability=DurabilityPolicy.VOLATILE,
-    ),
-    FIXED: QoSProfile(
-        history=HistoryPolicy.KEEP_LAST,
-        depth=DEPTH,
-        reliability=ReliabilityPolicy.RELIABLE,
-        durability=DurabilityPolicy.TRANSIENT_LOCAL,
-    ),
-}
+QUALITIES = {MOVING: volatile(DEPTH), FIXED: latched(DEPTH)}
 
 
 class Transforms:
