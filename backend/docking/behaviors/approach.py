@@ -7,6 +7,7 @@ from docking.behaviors.smooth import steer
 from docking.core.errors import DockingError, FailedToControl
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
+from docking.estimation.dock_estimate import Spread
 from docking.goal.behavior import Done, Failed, Step
 from docking.goal.plan import DockTarget
 from docking.parameters import ApproachSettings, MotionLimits
@@ -18,13 +19,22 @@ UNSURE = 0.5
 MISSED = 2.5
 """The same in usual periods between two detections, if that is longer."""
 SURE = 0.3
-"""How well the docked pose must be known before the last piece: standard deviations as a part of the tolerances."""
+"""Standard deviations with which the docked pose is known well enough, as a part of the tolerances."""
 LOOK = 0.3
 """Where the robot stands still and looks until it is known so well, in m before the docked pose."""
 COMMITTED = 0.06
 """Where it is judged whether the robot comes straight enough, in m before the docked pose."""
 STALLED = 0.5
 """How long the wheels must have stopped, in s."""
+
+
+def sure_enough(settings: ApproachSettings) -> Spread:
+    """How well the docked pose must be known before the last piece.
+
+    Args:
+        settings: The tolerances there.
+    """
+    return Spread(SURE * settings.docking_lateral_tolerance, SURE * settings.docking_heading_tolerance)
 
 
 class Approach:
@@ -89,13 +99,8 @@ class Approach:
 
     def _is_sure(self, dt: float) -> bool:
         """Whether the docked pose is known well enough, or will not be known better."""
-        spread, settings = self._aim.spread, self._settings
         self._looked += dt
-        well = (
-            spread.lateral < SURE * settings.docking_lateral_tolerance
-            and spread.heading < SURE * settings.docking_heading_tolerance
-        )
-        self._sure = well or self._looked > settings.look_timeout
+        self._sure = self._aim.spread.within(sure_enough(self._settings)) or self._looked > self._settings.look_timeout
         return self._sure
 
     def _touches(self, left: float, odometry: Odometry, dt: float) -> bool:
@@ -109,16 +114,14 @@ class Approach:
         lost_after = self._unsure + max(self._lost_after, MISSED * self._aim.period)
         if self._unseen > lost_after and left > self._settings.blind_distance:
             return self._lost(f"the dock was out of sight for {lost_after:.1f} s (external_detection_timeout)")
-        if left < COMMITTED:
-            self._judged = True
-            if (
-                abs(off.y) > self._settings.docking_lateral_tolerance
-                or abs(off.theta) > self._settings.docking_heading_tolerance
-            ):
-                return FailedToControl(
-                    f"the robot is misaligned: lateral error {1000 * off.y:.0f} mm,"
-                    f" heading error {math.degrees(off.theta):.1f} degrees"
-                )
+        if left < COMMITTED and (
+            abs(off.y) > self._settings.docking_lateral_tolerance
+            or abs(off.theta) > self._settings.docking_heading_tolerance
+        ):
+            return FailedToControl(
+                f"the robot is misaligned: lateral error {1000 * off.y:.0f} mm,"
+                f" heading error {math.degrees(off.theta):.1f} degrees"
+            )
         return None
 
     def _drive(self, robot: Pose, docked: Pose, left: float) -> Velocity:

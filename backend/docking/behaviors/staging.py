@@ -62,8 +62,7 @@ class ToStaging:
         if abs(off.y) > ASIDE or abs(off.x) > AHEAD:
             self._driving = True
             return STANDSTILL
-        spread = self._aim.spread
-        if (spread.lateral > self._sure.lateral or spread.heading > self._sure.heading) and self._looked < LONGEST_LOOK:
+        if not self._aim.spread.within(self._sure) and self._looked < LONGEST_LOOK:
             self._looked += dt
             return STANDSTILL
         return Done()

@@ -68,6 +68,10 @@ class Spread:
     lateral: float = math.inf
     heading: float = math.inf
 
+    def within(self, limit: "Spread") -> bool:
+        """Whether neither is more than that of `limit`."""
+        return self.lateral <= limit.lateral and self.heading <= limit.heading
+
 
 class DockEstimate:
     """An extended Kalman filter for the marker in base_link, and for the errors of odometry.

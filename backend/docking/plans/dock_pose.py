@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from docking.behaviors.approach import SURE, Approach
+from docking.behaviors.approach import Approach, sure_enough
 from docking.behaviors.fail import Fail
 from docking.behaviors.full_turn import FullTurn
 from docking.behaviors.reversed import Reversed
@@ -115,11 +115,10 @@ class DockPosePlan(SightedPlan):
             return ToStaging(self, self.dock, self.motion)
         # The robot has to know there what it would otherwise learn on the way: where the dock is, and how much odometry
         # misjudges half a turn, which a full turn tells.
-        lateral, heading = self.approach.docking_lateral_tolerance, self.approach.docking_heading_tolerance
         return Sequence(
             lambda: ToStaging(self, self.dock, self.motion),
             lambda: FullTurn(self.motion),
-            lambda: ToStaging(self, self.dock, self.motion, Spread(SURE * lateral, SURE * heading)),
+            lambda: ToStaging(self, self.dock, self.motion, sure_enough(self.approach)),
             self._check,
         )
 
@@ -151,8 +150,7 @@ class DockPosePlan(SightedPlan):
         return now - self.marker.noticed_at <= (max(IN_VIEW, MISSED * period) if period > 0.0 else RARE)
 
     def _knows(self) -> bool:
-        spread = self.spread
-        return spread.lateral <= ENOUGH.lateral and spread.heading <= ENOUGH.heading
+        return self.spread.within(ENOUGH)
 
     def _bearing(self, robot: Pose) -> float | None:
         """Where to look for the marker that was noticed, in rad to the left."""
