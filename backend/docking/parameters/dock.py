@@ -87,6 +87,11 @@ class Dock(Staging):
         "odometry alone. Only if dock_direction is `backward`.",
     )
 
+    def base_link_at_staging(self, docked: Pose) -> Pose:
+        """base_link at the staging pose: a robot that turns round there comes looking into the dock."""
+        staging = self.staging(docked)
+        return staging if self.rotate_to_dock else self.base_link(staging)
+
     @property
     def tilt(self) -> Transform:
         """The marker's frame, x into the dock and z up, as seen from that of its detections."""

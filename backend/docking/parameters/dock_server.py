@@ -85,8 +85,7 @@ class DockSettings(ServerSettings):
         found = self.database.entry_of(name)
         if found is None or not self.navigates or not found[1].pose:
             return None
-        staging = dock.staging(Pose(*found[1].pose))
-        pose = staging if dock.rotate_to_dock else dock.base_link(staging)
+        pose = dock.base_link_at_staging(Pose(*found[1].pose))
         return StagingGoal(found[0], found[1].frame, pose, self.navigation)
 
     def find_conflict(self) -> str | None:

@@ -54,11 +54,10 @@ class DockPosePlan(SightedPlan):
         raw, docked, dock = self.marker.raw, self.docked, self.dock
         if docked is None:
             return KnownPoses(None if raw is None else dock.base_link(dock.docked(raw)))
-        staging = dock.staging(docked)
         return KnownPoses(
             None if raw is None else dock.base_link(dock.docked(raw)),
             dock.base_link(docked),
-            staging if dock.rotate_to_dock else dock.base_link(staging),
+            dock.base_link_at_staging(docked),
         )
 
     @property
