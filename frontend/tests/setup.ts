@@ -45,10 +45,13 @@ window.IntersectionObserver ??= class {
 } as unknown as typeof IntersectionObserver;
 Element.prototype.scrollIntoView ??= () => {};
 
-// The page shows the day of a time unless it is today. So each file of tests begins at the date of the test events
-// (./events) instead of today's, and the clock runs on from there.
+// The page shows the day of a time unless it is today, and a battery is stale after seconds. So each test begins at the
+// time of the test events (./events) instead of now, however long the imports took, and the clock runs on from there.
 const RealDate = Date;
-const shift = START - RealDate.now();
+let shift = START - RealDate.now();
+beforeEach(() => {
+  shift = START - RealDate.now();
+});
 globalThis.Date = class extends RealDate {
   constructor(...parts: [] | [string]) {
     if (parts.length > 0) super(...(parts as [string]));
