@@ -20,6 +20,17 @@ GOAL = 0.9
 WORK = Path(".mutation")
 # Those of the actions that take milliseconds: the others look at memory and at the clock.
 ACTION_TESTS = ("adoption", "cancellation", "goal_machine", "idempotency", "results", "submission", "tracker")
+DOCKING = (
+    "goal/engine",
+    "goal/dock",
+    "goal/undock",
+    "goal/dock_memory",
+    "goal/limiter",
+    "goal/motion_watch",
+    "goal/obstacle_watch",
+    "goal/navigation",
+    "estimation/clearance",
+)
 # Area → its modules below backend/, and the unit tests that have to notice the mutants.
 AREAS = {
     "actions": (
@@ -39,15 +50,18 @@ AREAS = {
     ),
     "stop": (["dock_gateway/fleet/stop.py"], ["tests/dock_gateway/fleet/test_stop.py"]),
     "docking": (
-        [f"docking/goal/{name}.py" for name in ("engine", "dock", "undock", "dock_memory", "limiter", "motion_watch")],
+        [f"docking/{name}.py" for name in DOCKING],
         [
             f"tests/docking/{name}.py"
             for name in (
                 "goal/test_engine",
                 "goal/test_limiter",
                 "goal/test_motion_watch",
+                "goal/test_obstacle_watch",
+                "goal/test_navigation",
                 "goal/test_dock_stages",
                 "goal/test_dock_memory",
+                "estimation/test_clearance",
                 "plans/test_undock",
             )
         ],
@@ -66,7 +80,7 @@ EQUIVALENT = {
     "for attempt in range(3):": "the second attempt leaves the loop",
 }
 
-PYTEST = ["-p", "no:cacheprovider", "--hypothesis-profile=mutation", "--timeout=30"]
+PYTEST = ["-p", "no:cacheprovider", "--hypothesis-profile=mutation", "--timeout=60"]
 
 
 def prepare(area: str, sources: list[str], tests: list[str]) -> Path:

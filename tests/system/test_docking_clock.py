@@ -9,7 +9,7 @@ import pytest
 from nav_msgs.msg import Odometry
 from rosgraph_msgs.msg import Clock
 
-from tests.support.docking import SUCCEEDED, Reports, send_dock_goal, watch_wheels
+from tests.support.docking import PATIENT, SUCCEEDED, Reports, send_dock_goal, watch_wheels
 from tests.support.observer import Observer
 from tests.support.processes import Process, ros_environment
 from tests.support.waiting import wait_until
@@ -57,7 +57,7 @@ def test_the_servers_follow_a_simulated_clock(domain: int, observer: Observer) -
     with (
         simulated_time(observer) as clock,
         Process("dock_simulator", *simulated, "-p", f"real_time_factor:={SPEED}", *start, env=environment),
-        Process("docking_server", *simulated, "-p", "controller:=dock_pose", env=environment),
+        Process("docking_server", *simulated, "-p", "controller:=dock_pose", "-p", PATIENT, env=environment),
     ):
         wheels, reports = watch_wheels(observer), Reports(observer)
         truth = observer.record(Odometry, "ground_truth")
