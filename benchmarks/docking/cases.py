@@ -7,7 +7,8 @@ from typing import Any
 
 from docking.core.geometry import Pose
 from docking.parameters import ControllerName
-from docking.simulation.simulation import Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 DOCK_POSE, INFRARED = ControllerName.DOCK_POSE, ControllerName.INFRARED
 BOTH = (DOCK_POSE, INFRARED)

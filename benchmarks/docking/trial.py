@@ -13,7 +13,8 @@ from docking.parameters import ControllerName, DockSettings, MotionLimits
 from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED
 from docking.simulation.marker import MarkerSettings
-from docking.simulation.simulation import Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 LONGEST = 600.0
 """Simulated seconds after which a trial is given up."""

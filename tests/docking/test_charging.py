@@ -30,7 +30,8 @@ from docking.plans.undock import UndockPlan
 from docking.simulation.battery import BatterySettings
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
-from docking.simulation.simulation import Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 PERIOD = 0.05
 NEAR = Pose(-1.2, 0.1, 0.1)

@@ -7,7 +7,7 @@ from benchmarks.docking.cases import CASES
 from benchmarks.docking.robustness import COLUMNS, measure
 from benchmarks.docking.trial import simulation_of
 
-from docking.simulation.simulation import Settings
+from docking.simulation.settings import Settings
 
 
 def test_each_case_has_its_name_and_changes_something() -> None:

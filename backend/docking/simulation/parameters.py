@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from docking.core.parameter import NodeSettings, choice, group, number, string, switch
 from docking.parameters import read_topics
-from docking.simulation.simulation import Settings
+from docking.simulation.settings import Settings
 
 
 class BaseFrame(enum.StrEnum):

@@ -7,7 +7,7 @@ while not simulation.charging:
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from random import Random
 
 from docking.core.battery import BatteryReading, PowerSupplyStatus
@@ -21,19 +21,20 @@ from docking.core.observation import (
     Scan,
     Velocity,
 )
-from docking.core.parameter import group, number
 from docking.estimation.scan import place, points_of
 from docking.estimation.track import Track
-from docking.simulation.battery import BatteryMeasurement, BatteryPack, BatterySettings
+from docking.simulation.battery import BatteryMeasurement, BatteryPack
 from docking.simulation.delay import Delay
-from docking.simulation.dock import Dock, DockSettings
+from docking.simulation.dock import Dock
 from docking.simulation.faults import Fault
-from docking.simulation.infrared import InfraredReceivers, InfraredSettings
-from docking.simulation.laser import ANGLE_MIN, Distances, LaserScanner, LaserSettings
-from docking.simulation.marker import MarkerCamera, MarkerSettings
+from docking.simulation.infrared import InfraredReceivers
+from docking.simulation.laser import ANGLE_MIN, LaserScanner
+from docking.simulation.marker import MarkerCamera
 from docking.simulation.obstacle import Obstacle
-from docking.simulation.odometry import DriftingOdometry, OdometrySettings
-from docking.simulation.robot import Robot, RobotSettings
+from docking.simulation.odometry import DriftingOdometry
+from docking.simulation.readings import LaserScan, Ranges, Sighting
+from docking.simulation.robot import Robot
+from docking.simulation.settings import Settings
 
 INSTANT = 1e-6
 """So short a time, in s, that nothing happens in it."""
@@ -51,100 +52,6 @@ GHOSTS = 0.1
 """The part of the infrared distances that are anything with the fault `infrared_ghosts`."""
 IN_THE_WAY = Obstacle(-0.55, 0.05, 0.08)
 """What stands in front of the dock with the fault `obstacle`."""
-
-
-@dataclass(frozen=True, slots=True)
-class Start(Pose):
-    """Where the robot stands at first, in world."""
-
-    x: float = number(-1.5, -20.0, 20.0, "m", "Start pose of the robot in world, x.")
-    y: float = number(0.4, -20.0, 20.0, "m", "Start pose, y.")
-    theta: float = number(-0.3, -3.15, 3.15, "rad", "Start pose, heading; 0 faces the dock.")
-
-
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """Everything that can be chosen.
-
-    Attributes:
-        start: Where the robot stands at first, in world.
-        electronics_power: What the robot needs while it stands still, in W.
-        driving_power: What its motors need beyond that at 1 m/s, in W.
-        stall_power: What they need beyond that while a wheel is kept from turning, in W.
-        obstacles: What stands around.
-        robot: The robot.
-        odometry: Its reckoning.
-        marker: Its camera and the dock's marker.
-        infrared: Its receivers and the dock's beacon.
-        laser: Its laser scanner.
-        battery: Its battery and the dock's charger.
-        dock: The dock.
-    """
-
-    start: Pose = group(Start, "start_")
-    electronics_power: float = 2.5
-    driving_power: float = 20.0
-    stall_power: float = 6.0
-    robot: RobotSettings = group(RobotSettings)
-    odometry: OdometrySettings = group(OdometrySettings, "odometry_")
-    marker: MarkerSettings = group(MarkerSettings, "marker_")
-    infrared: InfraredSettings = group(InfraredSettings, "infrared_")
-    laser: LaserSettings = group(LaserSettings, "laser_")
-    battery: BatterySettings = group(BatterySettings)
-    command_delay: float = number(0.0, 0.0, 2.0, "s", "Time from a command to its arrival at the wheels.")
-    obstacles: tuple[Obstacle, ...] = ()
-    dock: DockSettings = group(DockSettings, "contact_")
-
-
-@dataclass(frozen=True, slots=True)
-class Sighting:
-    """The marker as the camera saw it.
-
-    Attributes:
-        marker: In base_link at that moment.
-        odometry: base_link in odom at that moment, as far as it was known when the detection arrived.
-        stamp: The detection's, in simulated seconds.
-        at: When the odometry of that moment arrived, or the detection if that was earlier.
-    """
-
-    marker: Pose
-    odometry: Pose
-    stamp: float
-    at: float
-
-
-@dataclass(frozen=True, slots=True)
-class Ranges:
-    """What the infrared receivers measured, in m; infinite where the beacon is not seen.
-
-    Attributes:
-        left: In m.
-        center: In m.
-        right: In m.
-        stamp: Simulated seconds.
-        at: When the odometry of that moment arrives.
-    """
-
-    left: float
-    center: float
-    right: float
-    stamp: float
-    at: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class LaserScan:
-    """What the laser scanner measured.
-
-    Attributes:
-        distances: By ray, in m; infinite where nothing is seen.
-        odometry: base_link in odom at that moment.
-        stamp: Simulated seconds.
-    """
-
-    distances: Distances
-    odometry: Pose
-    stamp: float
 
 
 class Simulation:

@@ -11,7 +11,8 @@ from docking.estimation.calibration import LONGEST, SHORTEST, SILENT, Calibratio
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
 from docking.simulation.marker import MarkerSettings
-from docking.simulation.simulation import Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 DT = 0.05
 

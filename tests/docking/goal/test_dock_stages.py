@@ -15,7 +15,8 @@ from docking.parameters import ControllerName, DockSettings, DockTimeouts, Motio
 from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
-from docking.simulation.simulation import Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 PERIOD = 0.05
 STARTS = {ControllerName.DOCK_POSE: Pose(-1.5, 0.4, -0.3), ControllerName.INFRARED: Pose(-0.8, -0.2, 0.2)}

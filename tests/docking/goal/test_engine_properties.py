@@ -28,7 +28,8 @@ from docking.parameters import ControllerName, UndockTimeouts
 from docking.plans.registry import make_plan
 from docking.plans.undock import UndockPlan
 from docking.simulation.marker import MarkerSettings
-from docking.simulation.simulation import Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 CONTROLLERS = list(REGIONS)
 NUMBERS = st.one_of(st.floats(-5.0, 5.0), st.floats(allow_nan=True, allow_infinity=True))

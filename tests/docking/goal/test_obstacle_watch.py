@@ -26,7 +26,8 @@ from docking.simulation.laser import LaserSettings
 from docking.simulation.marker import MarkerSettings
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.robot import RobotSettings
-from docking.simulation.simulation import IN_THE_WAY, Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import IN_THE_WAY, Simulation
 
 PERIOD = 0.05
 COLLISION = CollisionSettings(use_collision_detection=True, obstacle_timeout=5.0)

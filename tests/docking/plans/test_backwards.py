@@ -18,7 +18,8 @@ from docking.plans.undock import UndockPlan
 from docking.simulation.dock import DOCKED
 from docking.simulation.dock import DockSettings as SimulatedDock
 from docking.simulation.marker import MarkerSettings
-from docking.simulation.simulation import Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 PERIOD = 0.05
 BACKED = DOCKED.compose(Pose(theta=math.pi))

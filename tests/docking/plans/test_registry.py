@@ -12,7 +12,8 @@ from docking.goal.engine import Command, Goal
 from docking.parameters import ControllerName, DockSettings
 from docking.plans.registry import make_plan, sensors_of
 from docking.simulation.dock import DOCKED
-from docking.simulation.simulation import Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 MODULE = """
 from docking.core.observation import Velocity

@@ -14,7 +14,8 @@ from docking.parameters import MotionLimits, UndockTimeouts
 from docking.plans.undock import UndockPlan
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
-from docking.simulation.simulation import Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 PERIOD = 0.05
 MOTION = MotionLimits()

@@ -9,7 +9,8 @@ from docking.core.geometry import Pose
 from docking.simulation.dock import Dock, DockSettings
 from docking.simulation.laser import LaserScanner, LaserSettings
 from docking.simulation.obstacle import Obstacle
-from docking.simulation.simulation import Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 AHEAD = 180
 """The ray along the scanner's x axis."""

@@ -16,7 +16,8 @@ from docking.simulation.marker import MarkerSettings
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.odometry import OdometrySettings
 from docking.simulation.robot import RobotSettings
-from docking.simulation.simulation import STEP, Settings, Simulation
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import STEP, Simulation
 
 IN_FRONT = Pose(-0.8, 0.0, 0.0)
 EXACT = Settings(

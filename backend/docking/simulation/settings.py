@@ -1,0 +1,57 @@
+"""Everything that can be chosen of the simulation."""
+
+from dataclasses import dataclass
+
+from docking.core.geometry import Pose
+from docking.core.parameter import group, number
+from docking.simulation.battery import BatterySettings
+from docking.simulation.dock import DockSettings
+from docking.simulation.infrared import InfraredSettings
+from docking.simulation.laser import LaserSettings
+from docking.simulation.marker import MarkerSettings
+from docking.simulation.obstacle import Obstacle
+from docking.simulation.odometry import OdometrySettings
+from docking.simulation.robot import RobotSettings
+
+
+@dataclass(frozen=True, slots=True)
+class Start(Pose):
+    """Where the robot stands at first, in world."""
+
+    x: float = number(-1.5, -20.0, 20.0, "m", "Start pose of the robot in world, x.")
+    y: float = number(0.4, -20.0, 20.0, "m", "Start pose, y.")
+    theta: float = number(-0.3, -3.15, 3.15, "rad", "Start pose, heading; 0 faces the dock.")
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Everything that can be chosen.
+
+    Attributes:
+        start: Where the robot stands at first, in world.
+        electronics_power: What the robot needs while it stands still, in W.
+        driving_power: What its motors need beyond that at 1 m/s, in W.
+        stall_power: What they need beyond that while a wheel is kept from turning, in W.
+        obstacles: What stands around.
+        robot: The robot.
+        odometry: Its reckoning.
+        marker: Its camera and the dock's marker.
+        infrared: Its receivers and the dock's beacon.
+        laser: Its laser scanner.
+        battery: Its battery and the dock's charger.
+        dock: The dock.
+    """
+
+    start: Pose = group(Start, "start_")
+    electronics_power: float = 2.5
+    driving_power: float = 20.0
+    stall_power: float = 6.0
+    robot: RobotSettings = group(RobotSettings)
+    odometry: OdometrySettings = group(OdometrySettings, "odometry_")
+    marker: MarkerSettings = group(MarkerSettings, "marker_")
+    infrared: InfraredSettings = group(InfraredSettings, "infrared_")
+    laser: LaserSettings = group(LaserSettings, "laser_")
+    battery: BatterySettings = group(BatterySettings)
+    command_delay: float = number(0.0, 0.0, 2.0, "s", "Time from a command to its arrival at the wheels.")
+    obstacles: tuple[Obstacle, ...] = ()
+    dock: DockSettings = group(DockSettings, "contact_")
