@@ -4,7 +4,7 @@ import re
 import signal
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, Route, expect
 
 from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
@@ -111,6 +111,27 @@ def test_a_part_of_the_page_that_cannot_be_loaded_is_loaded_later(page: Page, ga
     expect(page.get_by_test_id("stop-banner")).to_be_visible()
     page.unroute("**/assets/GoalsPage-*")
     page.unroute("**/healthz")
+    expect(page.get_by_role("heading", level=1, name="Goals")).to_be_visible()
+
+
+@pytest.mark.expect_page_errors
+def test_a_page_whose_gateway_leaves_while_a_part_is_loaded_is_loaded_again(page: Page) -> None:
+    there = True
+
+    def answer(route: Route) -> None:
+        route.continue_() if there else route.abort()
+
+    def leave(route: Route) -> None:
+        nonlocal there
+        there = False
+        route.abort()
+
+    page.route("**/healthz", answer)
+    page.route("**/assets/GoalsPage-*", leave)
+    with page.expect_event("requestfailed", lambda request: "healthz" in request.url):
+        page.get_by_role("link", name=re.compile("^Goals")).click()
+    page.unroute("**/assets/GoalsPage-*")
+    there = True
     expect(page.get_by_role("heading", level=1, name="Goals")).to_be_visible()
 
 

@@ -4,13 +4,24 @@ const ANSWER_MS = 5000;
 const RETRY_MS = 2000;
 
 /**
- * A part of the page whose code is loaded when it is first shown, as soon as the gateway answers: a browser does not
- * ask again for a module that it could not load.
+ * A part of the page whose code is loaded when it is first shown, as soon as the gateway answers.
  *
- * An error is thrown where the gateway answers and the code is not there, as after an update; `Guarded` shows it.
+ * If the gateway leaves while the code is loaded, the page is loaded again when it is back: not every browser asks again
+ * for a file that it could not load, and Vite does not for stylesheets. An error is thrown where the gateway answers
+ * and the code is not there, as after an update; `Guarded` shows it.
  */
 export function lazyPart<Props>(load: () => Promise<{ default: ComponentType<Props> }>) {
-  return lazy(() => gatewayAnswers().then(load));
+  return lazy(async () => {
+    await gatewayAnswers();
+    try {
+      return await load();
+    } catch (error) {
+      if (await answers()) throw error;
+    }
+    await gatewayAnswers();
+    window.location.reload();
+    return new Promise<never>(() => {}); // until the page is gone
+  });
 }
 
 async function gatewayAnswers(): Promise<void> {
