@@ -14,13 +14,13 @@ from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
 from dock_gateway.history.protocol import NEVER
 from dock_gateway.web.access import principal_of
-from dock_gateway.web.paced import PacedResponse
 from dock_gateway.web.problems import problems
 from dock_gateway.web.queries import QUERY, GoalFilterQuery
 from dock_gateway.web.requests import GoalId, TheGateway, get_gateway, known_query
 from dock_gateway.web.routes.goals import with_tags
 from dock_gateway.web.routes.sheets import GOAL_COLUMNS, FeedbackSheet, goal_row, rows_of
 from dock_gateway.web.schemas.goals import ExportedGoal, TaggedGoal
+from dock_gateway.web.slow_clients import PacedResponse
 
 router = APIRouter(tags=["Goals"], prefix="/goals")
 

@@ -15,10 +15,10 @@ from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
 from dock_gateway.web.access import TICKET, principal_of, subscribed
-from dock_gateway.web.paced import PacedResponse, send_in_time
 from dock_gateway.web.problems import problems
 from dock_gateway.web.queries import STREAM_QUERY, read_after, read_event_filter, read_max_rate
 from dock_gateway.web.requests import GoalId, GraphName, TheGateway, known_query
+from dock_gateway.web.slow_clients import PacedResponse, send_in_time
 from dock_gateway.web.streams.feed import begin, end_of, feed, follow
 from dock_gateway.web.streams.frames import fast_path
 

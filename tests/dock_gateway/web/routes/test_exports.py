@@ -15,8 +15,8 @@ from dock_gateway.core.event import feedback_event, result_event, status_event
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter, MemoryHistory
-from dock_gateway.web.paced import PacedResponse
 from dock_gateway.web.routes import exports
+from dock_gateway.web.slow_clients import PacedResponse
 from tests.support.history import START_NS, make_goal
 
 
