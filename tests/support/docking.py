@@ -30,6 +30,7 @@ from tests.support.observer import GoalOfTest, Observer, ros_nodes
 from tests.support.waiting import PATIENCE, wait_until
 
 ACTION = "connect_to_charging_dock"
+SERVER = "/connect_to_charging_dock_action_server"
 UNDOCK_ACTION = "disconnect_from_charging_dock"
 SUCCEEDED, CANCELED, ABORTED = 4, 5, 6
 REAL_PLAN = make_plan

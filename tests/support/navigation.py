@@ -1,5 +1,6 @@
 """A server of nav2's `navigate_to_pose` that drives the simulated robot, in the test process."""
 
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -34,6 +35,8 @@ class Nav2(Server):
     Attributes:
         poses: Those of the goals, with their frames.
         driving: Whether a goal runs.
+        asked: How many goals have come.
+        answers: While it is not set, no goal is answered.
         rejects: Whether it rejects goals.
         gives_up: Whether it aborts goals as soon as the robot moves.
         ends: How the goals have ended.
@@ -44,15 +47,23 @@ class Nav2(Server):
         self.poses: list[tuple[str, Pose]] = []
         self.ends: list[str] = []
         self.driving = self.rejects = self.gives_up = False
+        self.asked = 0
+        self.answers = threading.Event()
+        self.answers.set()
         self._start = start
         self._robot: Pose | None = None
         self._wheels = node.create_publisher(Twist, "cmd_vel", 10)
         node.create_subscription(Odometry, "ground_truth", self._take_truth, 10)
-        self.server = self.serve(NavigateToPose, "navigate_to_pose", self.navigate, lambda: not self.rejects)
+        self.server = self.serve(NavigateToPose, "navigate_to_pose", self.navigate, self._accepts)
         odom = TransformStamped(child_frame_id="odom", transform=transform_message(spatial(start)))
         odom.header.frame_id = "map"
         self._fixed = node.create_publisher(TFMessage, "tf_static", LATCHED)
         self._fixed.publish(TFMessage(transforms=[odom]))
+
+    def _accepts(self) -> bool:
+        self.asked += 1
+        self.answers.wait(LONGEST)
+        return not self.rejects
 
     def _take_truth(self, message: Odometry) -> None:
         self._robot = pose_from(message.pose.pose)

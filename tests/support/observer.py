@@ -1,13 +1,15 @@
-"""A ROS node in the test process that listens to topics, publishes, and sends goals."""
+"""A ROS node in the test process that listens to topics, publishes, calls services, and sends goals."""
 
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
+from rcl_interfaces.srv import SetParameters
 from rclpy.action import ActionClient
 from rclpy.context import Context
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from docking.ros.action_server import goal_id_text
@@ -81,6 +83,7 @@ class Observer:
         self._spinner = spinner
         self._publishers: dict[str, Any] = {}
         self._clients: dict[str, ActionClient] = {}
+        self._services: dict[str, Any] = {}
 
     def call(self, function: Callable[[], T], timeout: float = PATIENCE) -> T:
         """Run a function in the thread that spins the node, and return what it returns."""
@@ -131,6 +134,20 @@ class Observer:
             yield
         finally:
             self.call(lambda: self.node.destroy_timer(timer))
+
+    def ask(self, service_type: type, name: str, request: Any) -> Any:
+        """Call a service, once it is there; the future of its answer."""
+        if name not in self._services:
+            self._services[name] = self.call(lambda: self.node.create_client(service_type, name))
+            wait_until(self._services[name].service_is_ready, f"the service {name}")
+        return self.call(lambda: self._services[name].call_async(request))
+
+    def set_parameter(self, node: str, name: str, value: Any) -> str:
+        """Set a parameter of another node; the reason why it was refused, empty where it was not."""
+        request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+        asked = self.ask(SetParameters, f"{node}/set_parameters", request)
+        result = self.result_of(asked, f"the answer of {node}").results[0]
+        return "" if result.successful else result.reason or "refused"
 
     def send_goal(self, action_type: type, action_name: str, goal: Any, timeout: float = PATIENCE) -> GoalOfTest:
         """Send a goal, once a server is there, and wait until it is accepted or rejected."""

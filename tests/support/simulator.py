@@ -8,8 +8,6 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist, Vector3
 from nav_msgs.msg import Odometry
-from rcl_interfaces.srv import SetParameters
-from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool, Trigger
 
 from docking.core.geometry import Pose, yaw_of
@@ -51,7 +49,6 @@ class SimulatorControls:
         """
         self._observer = observer
         self._namespace = namespace
-        self._clients: dict[str, Any] = {}
         self._diagnostics = observer.record(DiagnosticArray, "/diagnostics")
 
     def place(self, pose: Pose, frame: str = "world") -> None:
@@ -71,18 +68,11 @@ class SimulatorControls:
 
     def set_parameter(self, name: str, value: float) -> str:
         """Set a parameter; the reason why it was refused, empty where it was not."""
-        parameter = Parameter(name, Parameter.Type.DOUBLE, value).to_parameter_msg()
-        request = SetParameters.Request(parameters=[parameter])
-        result = self._call(SetParameters, "dock_simulator/set_parameters", request).results[0]
-        return "" if result.successful else result.reason or "refused"
+        return self._observer.set_parameter(f"{self._namespace}/dock_simulator", name, value)
 
     def _call(self, service_type: type, name: str, request: Any) -> Any:
         name = f"{self._namespace}/{name}"
-        if name not in self._clients:
-            self._clients[name] = self._observer.call(lambda: self._observer.node.create_client(service_type, name))
-            wait_until(self._clients[name].service_is_ready, f"the service {name}")
-        asked = self._observer.call(lambda: self._clients[name].call_async(request))
-        return self._observer.result_of(asked, f"the answer of {name}")
+        return self._observer.result_of(self._observer.ask(service_type, name, request), f"the answer of {name}")
 
     @property
     def status(self) -> dict[str, str]:

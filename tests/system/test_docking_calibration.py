@@ -1,7 +1,6 @@
 """The service `calibrate_dock`, over DDS: a server that does not know where its marker is learns it on the dock."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import pytest
 import yaml
@@ -11,7 +10,7 @@ from std_srvs.srv import Trigger
 
 from docking.core.geometry import Pose
 from docking.simulation.dock import DOCKED
-from tests.support.docking import ABORTED, SUCCEEDED, docking_servers, send_dock_goal
+from tests.support.docking import ABORTED, SERVER, SUCCEEDED, docking_servers, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
 from tests.support.waiting import wait_until
@@ -19,7 +18,6 @@ from tests.system.test_docking_with_simulator import NEAR, Site, assert_docked, 
 
 pytestmark = pytest.mark.ros
 
-SERVER = "/connect_to_charging_dock_action_server"
 NAMES = [f"external_detection_{name}" for name in ("translation_x", "translation_y", "rotation_yaw")]
 WRONG = (-0.26, 0.07, 0.1)
 """Where the docked robot is not."""
@@ -37,21 +35,19 @@ def here(domain: int, observer: Observer) -> Iterator[Site]:
         yield look_at(observer)
 
 
-def ask(observer: Observer, kind: Any, name: str, request: Any) -> Any:
-    """Call a service; the future of its answer."""
-    client = observer.call(lambda: observer.node.create_client(kind, name))
-    wait_until(client.service_is_ready, f"the service {name}")
-    return observer.call(lambda: client.call_async(request))
+def offered(observer: Observer) -> bool:
+    services = observer.call(lambda: observer.node.get_service_names_and_types_by_node(SERVER[1:], "/"))
+    return "/calibrate_dock" in dict(services)
 
 
 def calibrate(observer: Observer) -> Trigger.Response:
     return observer.result_of(
-        ask(observer, Trigger, "calibrate_dock", Trigger.Request()), "the calibration", CALIBRATION_TIME
+        observer.ask(Trigger, "calibrate_dock", Trigger.Request()), "the calibration", CALIBRATION_TIME
     )
 
 
 def parameters(observer: Observer) -> list[float]:
-    asked = ask(observer, GetParameters, f"{SERVER}/get_parameters", GetParameters.Request(names=NAMES))
+    asked = observer.ask(GetParameters, f"{SERVER}/get_parameters", GetParameters.Request(names=NAMES))
     return [value.double_value for value in observer.result_of(asked, "the parameters").values]
 
 
@@ -65,7 +61,7 @@ def test_a_server_with_wrong_offsets_docks_after_calibration(here: Site, observe
 
     here.place(DOCKED)
     driven = len(here.wheels.messages)
-    first = ask(observer, Trigger, "calibrate_dock", Trigger.Request())
+    first = observer.ask(Trigger, "calibrate_dock", Trigger.Request())
     assert calibrate(observer).message == "a calibration is running"
     answer = observer.result_of(first, "the calibration", CALIBRATION_TIME)
     assert answer.success, answer.message
@@ -85,9 +81,21 @@ def test_a_server_with_wrong_offsets_docks_after_calibration(here: Site, observe
 
 
 def test_a_goal_ends_a_calibration(here: Site, observer: Observer) -> None:
-    asked = ask(observer, Trigger, "calibrate_dock", Trigger.Request())
+    asked = observer.ask(Trigger, "calibrate_dock", Trigger.Request())
     goal = send_dock_goal(observer)
     assert observer.result_of(asked, "the calibration").message == "a goal has arrived"
     assert goal.accepted
     assert goal.cancel()
     assert parameters(observer) == pytest.approx(list(WRONG))
+
+
+def test_a_server_that_no_longer_calibrates_answers_and_goes_on(here: Site, observer: Observer) -> None:
+    asked = observer.ask(Trigger, "calibrate_dock", Trigger.Request())
+    assert observer.set_parameter(SERVER, "controller", "rotate") == ""
+    assert observer.result_of(asked, "the answer").message == "the server no longer calibrates"
+    wait_until(lambda: not offered(observer), "the service to go")
+    assert observer.set_parameter(SERVER, "controller", "dock_pose") == ""
+    wait_until(lambda: offered(observer), "the service to come back")
+    goal = send_dock_goal(observer)
+    assert goal.accepted
+    assert goal.cancel()

@@ -11,7 +11,7 @@ from docking.core.geometry import Pose
 from docking.ros import navigation
 from docking.ros.qos import LATCHED
 from docking.simulation.dock import DOCKED
-from tests.support.docking import ABORTED, CANCELED, SUCCEEDED, docking_servers, send_dock_goal
+from tests.support.docking import ABORTED, CANCELED, SERVER, SUCCEEDED, docking_servers, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
 from tests.support.waiting import wait_until
@@ -134,6 +134,22 @@ def test_each_end_of_a_goal_stops_nav2_and_each_end_of_nav2_the_goal(domain: int
         wait_until(lambda: len(server.ends) == 5, "the end of the navigation")
         assert server.ends[-1] == "canceled"
         assert driven_by_us(site) == 0
+
+
+def test_nav2_is_stopped_also_if_it_answers_after_the_goal_and_is_not_wanted_any_more(
+    domain: int, observer: Observer
+) -> None:
+    with robot(domain) as server, docking_servers(domain, *DATABASE):
+        site = look_at(observer)
+        server.answers.clear()
+        goal = send_dock_goal(observer)
+        wait_until(lambda: server.asked == 1, "a request to nav2")
+        assert observer.set_parameter(SERVER, "navigate_to_staging_pose", False) == ""
+        goal.cancel()
+        assert goal.result().status in {CANCELED, ABORTED}
+        server.answers.set()
+        wait_until(lambda: server.ends == ["canceled"], "the end of the navigation")
+        site.expect_standstill()
 
 
 @pytest.mark.parametrize("installed", [True, False])

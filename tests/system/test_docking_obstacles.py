@@ -66,5 +66,5 @@ def test_a_scanner_that_falls_silent(domain: int, observer: Observer) -> None:
         goal = send_dock_goal(observer)
         here.reports.wait_for(goal_id=goal.goal_id, stage="WAIT_FOR_CLEARANCE", error_code="SCAN_LOST")
         report = here.expect_abort(goal, "SCAN_LOST", within=3.0)
-        assert report["error_msg"] == "there was no scan for 2 s (obstacle_timeout)"
+        assert report["error_msg"] == "the robot has waited for 2 s (obstacle_timeout): there is no scan"
         assert here.controls.status["contact"] == "false"

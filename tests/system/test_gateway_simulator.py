@@ -7,8 +7,6 @@ from collections.abc import Iterator
 import pytest
 from geometry_msgs.msg import PolygonStamped
 from nav_msgs.msg import Odometry
-from rcl_interfaces.srv import SetParameters
-from rclpy.parameter import Parameter
 
 from docking.ros.qos import LATCHED
 from tests.support.domain import ros_domain
@@ -88,7 +86,6 @@ def test_the_footprint_is_what_the_docking_server_is_told(shared_domain: int) ->
     corners = [[0.3, 0.2], [0.3, -0.2], [-0.3, -0.2], [-0.3, 0.2]]
     parameters = ("-p", f"footprint:='{corners}'", "-r", "__ns:=/robot1")
     expected = {"radius": 0.3606, "points": [{"x": x, "y": y} for x, y in corners]}
-    change = SetParameters.Request(parameters=[Parameter("footprint", value="").to_parameter_msg()])
     wrong = PolygonStamped()
     wrong.header.frame_id = "map"
     with (
@@ -103,10 +100,8 @@ def test_the_footprint_is_what_the_docking_server_is_told(shared_domain: int) ->
             with running_program(elsewhere, "docking_server", *parameters):
                 stream.until(lambda e: e["type"] == "scene" and e["scene"]["footprint"] == expected)
                 stream.until(lambda e: e["type"] == "scenes" and e["scenes"]["/robot1"]["footprint"] == expected)
-                service = "/robot1/connect_to_charging_dock_action_server/set_parameters"
-                client = observer.call(lambda: observer.node.create_client(SetParameters, service))
-                wait_until(client.service_is_ready, "the parameter service")
-                observer.call(lambda: client.call_async(change))
+                server = "/robot1/connect_to_charging_dock_action_server"
+                assert observer.set_parameter(server, "footprint", "") == ""
                 stream.until(lambda e: e["type"] == "scene" and e["scene"]["footprint"] == ROUND)
                 observer.publish(wrong, "/robot1/footprint", LATCHED)
                 gateway.process.wait_for(

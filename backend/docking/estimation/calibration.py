@@ -9,15 +9,15 @@ from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import Observation
 
 SHORTEST, LONGEST = 3.0, 10.0
-"""Seconds that a measurement takes: until it is good, but no longer."""
+"""Seconds that a measurement takes: it ends in between, as soon as the result is GOOD."""
 FEWEST = 10
 """Detections that there must be."""
 GOOD, TOLERABLE = (0.002, math.radians(0.3)), (0.005, math.radians(1.0))
 """Standard error of the mean, in m and rad, that ends the measurement; and that is still accepted at its end."""
 MOVED = (0.005, math.radians(1.0))
-"""How far, in m and rad, the robot may be moved meanwhile: odometry of some bases drifts at a standstill."""
+"""How much odometry may change, in m and rad, while the robot stands still: that of some bases drifts."""
 SILENT = 2.0
-"""For how long, in s, nothing may tell that the robot stands still."""
+"""The longest time without odometry, in s."""
 OUTLIER = 4.0
 """Detections farther from the median than this, in standard deviations, are left out."""
 MAD = 1.4826
@@ -56,17 +56,17 @@ class DockCalibration:
         """Begin.
 
         Args:
-            started_at: Seconds of the clock that observations have.
+            started_at: Now, in seconds of the observations' clock.
         """
-        self._started_at = self._taken_at = started_at
+        self._started_at = self._last_stamp = started_at
         self._start: Pose | None = None
         self._seen: list[Pose] = []  # base_link in the marker's frame
 
     def step(self, observation: Observation) -> Calibration | None:
-        """Take notice.
+        """Take in what is known now.
 
         Args:
-            observation: What is known now.
+            observation: That.
 
         Returns:
             The result; None while the measurement goes on.
@@ -76,16 +76,16 @@ class DockCalibration:
         """
         lapse = observation.now - self._started_at
         self._check_standstill(observation)
-        marker = observation.marker
-        if self._start is not None and marker is not None and marker.stamp > self._taken_at:
-            self._taken_at = marker.stamp
-            self._seen.append(self._start.relative_to(marker.pose))
+        odometry, marker = observation.odometry, observation.marker
+        if odometry is not None and marker is not None and marker.stamp > self._last_stamp:
+            self._last_stamp = marker.stamp
+            self._seen.append(odometry.pose.relative_to(marker.pose))  # odometry of now: it may drift
         if lapse < SHORTEST or (len(self._seen) < FEWEST and lapse < LONGEST):
             return None
         return self._conclude(lapse)
 
     def _check_standstill(self, observation: Observation) -> None:
-        """Raise CalibrationError where the robot does not stand still for sure."""
+        """Raise CalibrationError unless odometry shows that the robot stands still."""
         odometry = observation.odometry
         if observation.now - (self._started_at if odometry is None else odometry.stamp) > SILENT:
             raise CalibrationError("there is no odometry, so nothing tells that the robot stands still")

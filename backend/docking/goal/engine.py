@@ -218,11 +218,11 @@ class Goal:
         return self._command(velocity)
 
     def _wait_for_clearance(self, obstacles: ObstacleWatch) -> Command:
-        if not obstacles.waits_for:
+        if not obstacles.reason:
             return self._command(self._rest())
         code = ErrorCode.SCAN_LOST if obstacles.lost else ErrorCode.OBSTRUCTED
         waiting = self._command(self._rest(), Stage.WAIT_FOR_CLEARANCE)
-        return replace(waiting, error_code=code, error_msg=obstacles.waits_for)
+        return replace(waiting, error_code=code, error_msg=obstacles.reason)
 
     def _navigate(self, navigation: Navigation, observation: Observation, dt: float) -> Command | Outcome:
         """Leave the wheels to the server that drives to the staging pose; then the plan begins."""

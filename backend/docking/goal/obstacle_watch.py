@@ -14,17 +14,17 @@ STARTING = 1.0
 """Seconds in which the first scan may come: ROS finds its publisher first."""
 CLEAR_FOR = 0.5
 """Seconds for which the way must be clear before the robot goes on."""
-RESTED = 2.0
-"""Seconds without waiting after which a new obstacle gets its own time."""
+FORGIVEN_AFTER = 2.0
+"""Seconds without waiting after which `obstacle_timeout` starts anew."""
 DOCK_TOLERANCE = 0.05
-"""How far the dock may reach into where the docked robot is taken to stand, in m: its pose is known to that."""
+"""Points up to this far (m) inside the docked robot's edge are still the dock: its pose is known no better."""
 
 
 class ObstacleWatch:
     """Looks at the way of each velocity before it is commanded.
 
     Attributes:
-        waits_for: Why the robot waits, as a sentence; empty while it need not.
+        reason: Why the robot waits, as a sentence; empty while it need not.
         lost: Whether it waits for a scan, not for an obstacle.
     """
 
@@ -36,22 +36,22 @@ class ObstacleWatch:
             outline: Of the robot, in base_link.
             backward: Whether the dock is behind the docked robot.
         """
-        self.waits_for = ""
+        self.reason = ""
         self.lost = False
         self._settings = settings
         self._into_dock = Pose(theta=math.pi if backward else 0.0)  # as seen from the docked robot
-        self._front = max(-x if backward else x for x, _ in outline)
+        self._front = max(-x if backward else x for x, _ in outline)  # from base_link to the edge at the dock
         self._side = max(abs(y) for _, y in outline)
         self._clearance = Clearance(outline, settings.obstacle_margin)
         self._points: Points = NOWHERE
         self._hides_dock = False
         self._blocked: Velocity | None = None  # what could not be commanded
-        self._clear = 0.0
-        self._waited = 0.0
-        self._free = 0.0
+        self._clear_for = 0.0
+        self._waited_for = 0.0
+        self._free_for = 0.0
 
     def look(self, observation: Observation, docked: Pose | None, dt: float) -> bool:
-        """Take over the scan.
+        """Take in the scan, and say whether the robot may move.
 
         Args:
             observation: What is known, with the robot where it will be when a command takes effect.
@@ -59,22 +59,24 @@ class ObstacleWatch:
             dt: Seconds since the last look.
 
         Returns:
-            Whether the robot may move; `waits_for` says why not, except for a moment at the beginning.
+            Whether the robot may move; `reason` says why not, but is empty while the first scan may yet come.
 
         Raises:
-            Obstructed: It has waited for too long.
-            ScanLost: The same for a scan.
+            Obstructed: It has waited too long, now for an obstacle to go.
+            ScanLost: It has waited too long, now for a scan.
         """
         scan, odometry = observation.scan, observation.odometry
         self.lost = scan is None or observation.now - scan.stamp > self._settings.scan_timeout
         if scan is not None and odometry is not None:
             self._see(scan.points, odometry.pose, docked)
-        self.waits_for = ""
-        if self.lost and (scan is not None or self._waited > STARTING):
-            self.waits_for = f"no scan for over {self._settings.scan_timeout:g} s (scan_timeout): the robot waits"
+        self.reason = ""
+        if scan is None and self._waited_for > STARTING:
+            self.reason = "no scan received yet: the robot waits"
+        elif scan is not None and self.lost:
+            self.reason = f"no scan for over {self._settings.scan_timeout:g} s (scan_timeout): the robot waits"
         elif not self.lost and not self._is_clear(dt):
-            self.waits_for = "an obstacle is in the way: the robot waits"
-        waits = self.lost or bool(self.waits_for)
+            self.reason = "an obstacle is in the way: the robot waits"
+        waits = self.lost or bool(self.reason)
         self._count(waits, dt)
         return not waits
 
@@ -87,11 +89,11 @@ class ObstacleWatch:
     def stops(self, velocity: Velocity) -> bool:
         """Whether this velocity must not be commanded; the robot then waits until it may be.
 
-        A robot that stands still anyway waits for what is between it and the dock: it may hide the dock.
+        At zero velocity anything between the robot and its dock counts, because it may hide the dock.
         """
         if not self._hits(velocity):
             return False
-        self._blocked, self._clear = velocity, 0.0
+        self._blocked, self._clear_for = velocity, 0.0
         return True
 
     def _hits(self, velocity: Velocity) -> bool:
@@ -102,39 +104,39 @@ class ObstacleWatch:
     def _is_clear(self, dt: float) -> bool:
         if self._blocked is None:
             return True
-        self._clear = 0.0 if self._hits(self._blocked) else self._clear + dt
-        if self._clear < CLEAR_FOR:
+        self._clear_for = 0.0 if self._hits(self._blocked) else self._clear_for + dt
+        if self._clear_for < CLEAR_FOR:
             return False
         self._blocked = None
         return True
 
     def _count(self, waits: bool, dt: float) -> None:
         if not waits:
-            self._free += dt
-            if self._free > RESTED:
-                self._waited = 0.0
+            self._free_for += dt
+            if self._free_for > FORGIVEN_AFTER:
+                self._waited_for = 0.0
             return
-        self._waited, self._free = self._waited + dt, 0.0
-        if self._waited > self._settings.obstacle_timeout:
-            limit = f"for {self._settings.obstacle_timeout:g} s (obstacle_timeout)"
+        self._waited_for, self._free_for = self._waited_for + dt, 0.0
+        if self._waited_for > self._settings.obstacle_timeout:
+            waited = f"the robot has waited for {self._settings.obstacle_timeout:g} s (obstacle_timeout)"
             if self.lost:
-                raise ScanLost(f"there was no scan {limit}")
-            raise Obstructed(f"an obstacle was in the way {limit}")
+                raise ScanLost(f"{waited}: there is no scan")
+            raise Obstructed(f"{waited}: an obstacle is in the way")
 
     def _see(self, points: Points, robot: Pose, docked: Pose | None) -> None:
-        """Take over the points that are not at the dock."""
-        self._hides_dock = False
+        """Take over the points that are neither the robot nor its dock; note whether one is between the two."""
+        points = self._clearance.outside(place(points, robot.inverse()))
+        self._points, self._hides_dock = points, False
         if docked is None or not len(points):
-            self._points = place(points, robot.inverse())
             return
-        at_dock = place(points, docked.compose(self._into_dock).inverse())
+        at_dock = place(points, docked.compose(self._into_dock).inverse().compose(robot))
         is_dock = at_dock[:, 0] > self._front - DOCK_TOLERANCE
         distance = robot.distance_to(docked)
         if distance < self._settings.dock_collision_threshold:
             is_dock |= abs(at_dock[:, 1]) > self._side
-        self._points = place(points[~is_dock], robot.inverse())
+        self._points = points[~is_dock]
         bearing = math.atan2(docked.y - robot.y, docked.x - robot.x)
-        ahead = place(points[~is_dock], Pose(robot.x, robot.y, bearing).inverse())
+        ahead = place(self._points, Pose(theta=robot.theta - bearing))
         between = (ahead[:, 0] > 0.0) & (ahead[:, 0] < distance) & (abs(ahead[:, 1]) < self._side)
         self._hides_dock = bool(between.any())
 

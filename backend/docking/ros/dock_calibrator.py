@@ -64,6 +64,8 @@ class DockCalibrator:
         self._is_driven = is_driven
         self._find_type = find_type
         self._names: tuple[str, ...] = PARAMETERS
+        self._offered = False
+        self._unanswered = 0
         self._service: Service | None = None
         self._sensors = Sensors(node, transforms, lambda: None)
         self._measurement: DockCalibration | None = None
@@ -74,15 +76,21 @@ class DockCalibrator:
 
     def switch(self, *, on: bool) -> None:
         """Offer the service or not."""
+        self._offered = on
         if on and self._service is None:
             self._service = self._node.create_service(Trigger, SERVICE, self._calibrate, callback_group=self._group)
         elif not on and self._service is not None:
             self.close()
+            self._withdraw()
+
+    def _withdraw(self) -> None:
+        """Destroy the service if it is not offered any more, and has answered."""
+        if self._service is not None and not self._offered and not self._unanswered:
             self._node.destroy_service(self._service)
             self._service = None
 
     def close(self) -> None:
-        """End a measurement that goes on."""
+        """End the running measurement."""
         self._refuse("the server no longer calibrates")
 
     async def _calibrate(self, _request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -99,7 +107,11 @@ class DockCalibrator:
             self._sensors.marker_tilt = self._tilt(dock_type)
             self._sensors.listen_to(NEEDED)
             self._timer.reset()
+            self._unanswered += 1
             response.success, response.message = await self._ended
+            self._unanswered -= 1
+            assert self._node.executor is not None
+            self._node.executor.create_task(self._withdraw)  # it runs after the answer was sent
         if response.success:
             self._node.get_logger().info(f"The dock is calibrated:\n{response.message}")
         else:
@@ -122,12 +134,12 @@ class DockCalibrator:
             self._refuse("; ".join([str(error), *self._sensors.faults.values()]))
         else:
             if result is not None:
-                self._take(result, observation)
+                self._apply(result, observation)
 
-    def _take(self, result: Calibration, observation: Observation) -> None:
+    def _apply(self, result: Calibration, observation: Observation) -> None:
         docked, direction = result.docked, self._names[0].replace(PARAMETERS[0], "dock_direction")
         if self._node.get_parameter(direction).value == DockDirection.BACKWARD:
-            docked = docked.compose(Pose(theta=math.pi))  # the parameters are about a robot that looks into the dock
+            docked = docked.compose(Pose(theta=math.pi))  # the parameters describe a robot that faces its dock
         before = Pose(*(self._node.get_parameter(name).value for name in self._names))
         values = [round(value, DIGITS) for value in (docked.x, docked.y, docked.theta)]
         answer = self._node.set_parameters_atomically(

@@ -1,4 +1,4 @@
-"""Drives the robot to its staging pose by the action `navigate_to_pose` of nav2, where there is a server of it."""
+"""Has nav2 drive the robot to its staging pose, by the action `navigate_to_pose`, if there is such a server."""
 
 import traceback
 from typing import Any
@@ -18,6 +18,7 @@ except ImportError:  # not on PyPI
     NavigateToPose = None
 
 ACTION = "navigate_to_pose"
+UNDER_WAY = frozenset({RideState.ASKED, RideState.DRIVING})
 ENDS = {GoalStatus.STATUS_ABORTED: "aborted the goal", GoalStatus.STATUS_CANCELED: "was canceled by another client"}
 
 
@@ -32,12 +33,21 @@ class NavigationClient:
         """
         self.node = node
         self.client: ActionClient | None = None
+        self.ride: _Ride | None = None
 
     def switch(self, *, on: bool) -> None:
-        """Make the client, which takes a moment to find the server, or take it back."""
+        """Make the client, which takes a moment to find the server, or destroy it.
+
+        While a ride has not ended, the client stays: its cancel request may still have to go out.
+        """
         if on and self.client is None and NavigateToPose is not None:
             self.client = ActionClient(self.node, NavigateToPose, ACTION)
-        elif not on and self.client is not None:
+        elif not on and (self.ride is None or self.ride.state not in UNDER_WAY):
+            self.close()
+
+    def close(self) -> None:
+        """Destroy the client."""
+        if self.client is not None:
             self.client.destroy()
             self.client = None
 
@@ -81,7 +91,8 @@ class _Navigator:
             f"{self._client.name} drives the robot to the staging pose of the dock {staging.dock!r},"
             f" ({staging.pose.x:.2f}, {staging.pose.y:.2f}) in {staging.frame}"
         )
-        return _Ride(self._client, staging)
+        self._client.ride = ride = _Ride(self._client, staging)
+        return ride
 
     def skip(self, reason: str) -> None:
         self._logger.warning(f"The robot is not driven to its staging pose before the dock is looked for: {reason}")
@@ -106,18 +117,18 @@ class _Ride:
 
     @property
     def state(self) -> RideState:
-        if self._state in {RideState.ASKED, RideState.DRIVING} and not self._client.server_is_ready():
+        if self._state in UNDER_WAY and not self._client.server_is_ready():
             self.reason = f"{self._name} has left the ROS graph"
             return RideState.FAILED
         return self._state
 
     def cancel(self) -> None:
-        self._canceled = True  # if it is not accepted yet, as soon as it is
+        self._canceled = True  # not accepted yet? `_take_answer` cancels it then
         if self._state is not RideState.DRIVING:
             return
         try:
             self._handle.cancel_goal_async().add_done_callback(self._take_cancellation)
-        except Exception:  # noqa: BLE001 - whatever it is, the goal must end, which stops the robot
+        except Exception:  # noqa: BLE001 - whatever it is, the docking goal must still end
             self._logger.error(f"{self._name} cannot be told to cancel its goal: {traceback.format_exc()}")
 
     def _take_feedback(self, _: Any) -> None:
@@ -138,7 +149,7 @@ class _Ride:
         if status == GoalStatus.STATUS_SUCCEEDED:
             self._state = RideState.REACHED
             return
-        # Older versions have neither of the two.
+        # Older versions of nav2 have no error_code and no error_msg.
         code, message = getattr(result, "error_code", 0), getattr(result, "error_msg", "")
         details = ", ".join(part for part in (message, f"error_code {code}" if code else "") if part)
         end = ENDS.get(status, f"ended with the status {status}")

@@ -367,7 +367,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         """Leave the ROS graph, with the action server and the lifecycle services, which rclpy would leave behind."""
         self._drive.close()
         self._server.destroy()
-        self._navigation.switch(on=False)
+        self._navigation.close()
         state_machine = self._state_machine
         super().destroy_node()
         state_machine.destroy_when_not_in_use()

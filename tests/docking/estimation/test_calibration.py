@@ -94,6 +94,25 @@ def test_a_robot_that_moves(push: Pose) -> None:
     assert refusal(simulation(), push=push) == "the robot moved: it must stand still on its dock"
 
 
+def test_odometry_that_drifts_at_a_standstill() -> None:
+    robot, measurement, result = simulation(noise=0.0, angle_noise=0.0), DockCalibration(0.0), None
+    while result is None:
+        robot.run(DT)
+        seen = robot.observe()
+        assert seen.odometry is not None
+        assert seen.marker is not None
+        drift = Pose(theta=math.radians(0.3) * robot.time)
+        seen = replace(
+            seen,
+            odometry=replace(seen.odometry, pose=drift.compose(seen.odometry.pose)),
+            marker=replace(seen.marker, pose=drift.compose(seen.marker.pose)),
+        )
+        result = measurement.step(seen)
+    error = result.docked.relative_to(DOCKED)
+    assert math.hypot(error.x, error.y) < 0.001
+    assert abs(error.theta) < math.radians(0.05)
+
+
 def test_odometry_that_does_not_come() -> None:
     measurement = DockCalibration(0.0)
     assert measurement.step(Observation(0.1)) is None

@@ -126,7 +126,7 @@ def test_it_is_aborted_where_the_obstacle_stays() -> None:
     drive = Drive(happen=appear())
     outcome = drive.run()
     assert (outcome.end, outcome.error_code, outcome.retries) == (End.ABORTED, ErrorCode.OBSTRUCTED, 0)
-    assert outcome.error_msg == "an obstacle was in the way for 5 s (obstacle_timeout)"
+    assert outcome.error_msg == "the robot has waited for 5 s (obstacle_timeout): an obstacle is in the way"
     assert drive.last is not None
     assert (drive.last.stage, drive.last.error_code) == (Stage.WAIT_FOR_CLEARANCE, ErrorCode.OBSTRUCTED)
     assert 0.02 < drive.gap < 0.25
@@ -222,6 +222,22 @@ def test_the_dock_is_no_obstacle_at_either_end_of_the_robot(backward: bool) -> N
         assert watch.stops(Velocity(ahead * 0.5)) is blocked
 
 
+def test_what_belongs_to_the_robot_does_not_hide_the_dock() -> None:
+    outline = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))
+    for x, hides in ((0.1, False), (0.25, True)):
+        watch = ObstacleWatch(COLLISION, outline)
+        seen = Observation(0.0, odometry=Odometry(Pose(), STANDSTILL, 0.0), scan=Scan(np.array(((x, 0.0),)), 0.0))
+        assert watch.look(seen, Pose(1.0), 0.05)
+        assert watch.stops(STANDSTILL) is hides
+
+
+def test_no_scan_for_a_while_is_not_said_of_one_that_never_came() -> None:
+    watch = ObstacleWatch(replace(COLLISION, scan_timeout=10.0), ((0.2, 0.2), (-0.2, 0.0), (0.2, -0.2)))
+    for step in range(30):
+        assert not watch.look(Observation(0.05 * step), None, 0.05)
+    assert watch.reason == "no scan received yet: the robot waits"
+
+
 def test_without_a_scan_the_robot_does_not_move() -> None:
     drive = Drive(blind=lambda observation: replace(observation, scan=None))
     outcome = drive.run()
@@ -240,7 +256,7 @@ def test_a_scanner_that_falls_silent_stops_the_robot() -> None:
     drive = Drive(blind=blind)
     outcome = drive.run()
     assert outcome.error_code is ErrorCode.SCAN_LOST
-    assert outcome.error_msg == "there was no scan for 5 s (obstacle_timeout)"
+    assert outcome.error_msg == "the robot has waited for 5 s (obstacle_timeout): there is no scan"
     assert drive.simulation.time < 3.0 + 0.5 + 5.0 + 1.5
 
 
