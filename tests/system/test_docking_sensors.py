@@ -194,7 +194,7 @@ def test_an_old_transform_is_told(domain: int, observer: Observer) -> None:
     with witness(domain, observer, "dock_pose"), observer.publishing(odometry(Pose(), AT), ODOM):
         reports = Reports(observer)
         observer.publish(TFMessage(transforms=[link("base_link", "camera", at=AT - 4.0)]), "tf")
-        complaint = "the transform from 'camera' to 'base_link' is 4.0 s older than the detection"
+        complaint = "the transform from 'camera' to 'base_link' is 4.0 s older than the measurement"
         with observer.publishing(detection(Pose(1.0, 0.0, 0.0), AT, "camera"), MARKER):
             wait_until(lambda: any(complaint in report["message"] for report in reports.all), complaint)
 

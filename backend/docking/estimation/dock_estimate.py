@@ -1,4 +1,4 @@
-"""Where the marker is, out of detections that are noisy, wrong, late or rare."""
+"""Where the marker is, estimated from detections that are noisy, wrong, late or rare."""
 
 import math
 from collections import deque
@@ -19,7 +19,7 @@ DISTANCE_NOISE = 0.5
 ANGLE_NOISE = math.radians(1.5)
 """Standard deviation of a detection, in rad, until it has been measured."""
 NOISE_LIMITS = (0.5, 8.0)
-"""How many times these the measured noise may be."""
+"""Bounds of the measured noise, as multiples of the three above."""
 TRUST = 5
 """How many measurements of the noise the assumption counts as."""
 MEASURED = 60
@@ -36,20 +36,20 @@ YAW_BIAS = 0.2
 TURN_SCALE = 0.05
 """How much it may misjudge a turn, as a fraction."""
 CREEP = 0.002
-"""How far, in m, and how much, in rad, a robot that stands still may be moved within 1 s, and nobody notices."""
+"""How far, in m, and how much, in rad, a robot that stands still may move within 1 s without odometry noticing."""
 
 GATE = 16.3
 """Squared distance, in standard deviations, of an outlier: one good detection in 1,000 (chi-square, 3 degrees)."""
 BEGINNING = 5
 """Detections that the estimate begins with; most of them must agree."""
 FEWEST, BEGINNING_TIME = 3, 2.0
-"""So many are enough where they take more than so long, in s."""
+"""FEWEST are enough once they span BEGINNING_TIME, in s."""
 RECENT, AGREEING = 8, 6
-"""So many of the recent detections that agree on another pose prove that the robot, or the dock, was moved."""
+"""If AGREEING of the last RECENT detections agree on another pose, the robot or the dock was moved."""
 FARTHEST = 30.0
 """In m; no marker is seen from farther away."""
 LONGEST_PERIOD = 3.0
-"""In s; a longer pause between two detections says nothing of the camera."""
+"""In s; a longer pause between two detections is a gap, not the camera's period."""
 
 X, Y, THETA, YAW, SCALE = range(5)
 POSITION, POSE = (X, Y), (X, Y, THETA)
@@ -76,16 +76,16 @@ class Spread:
 class DockEstimate:
     """An extended Kalman filter for the marker in base_link, and for the errors of odometry.
 
-    The state has the marker's pose, and two errors that one can see only over a way: `YAW`, the curvature that odometry
-    does not see, in rad/m, and `SCALE`, the fraction by which it misjudges a turn. Between detections, odometry says
-    how the robot moved, and the marker becomes less certain. How noisy detections are is measured, from what they
-    differ from the prediction by. Detections that are too far off are left out.
+    The state has the marker's pose, and two errors that show only while the robot moves: `YAW`, the curvature that
+    odometry does not see, in rad/m, and `SCALE`, the fraction by which it misjudges a turn. Between detections,
+    odometry says how the robot moved, and the marker becomes less certain. The noise of detections is estimated from
+    how far they are from the prediction. Detections that are too far off are left out.
 
     Attributes:
-        raw: The last detection in odom, whatever became of it.
+        raw: The last detection in odom, even if it was left out.
         count: Detections that agreed, since the estimate began.
         seen_at: When the last of them was made.
-        noticed_at: When the last detection was made, whatever became of it.
+        noticed_at: When the last detection was made, even if it was left out.
         period: Seconds between two detections, usually.
     """
 
@@ -106,11 +106,12 @@ class DockEstimate:
         self._covariance: Array = np.zeros((5, 5))
         self._errors: tuple[float, float] = (0.0, 0.0)  # YAW and SCALE, which outlast a new beginning
         self._beginning: deque[tuple[float, Pose]] = deque(maxlen=BEGINNING)
-        self._recent: deque[Pose] = deque(maxlen=RECENT)  # in odom: what they were off by
+        self._recent: deque[Pose] = deque(maxlen=RECENT)  # how far from the estimate, turned into odom
         self._periods: deque[float] = deque(maxlen=7)
         self._position_noise: deque[float] = deque(maxlen=MEASURED)
         self._angle_noise: deque[float] = deque(maxlen=MEASURED)
-        self._scales = self._assumed = (1.0, 1.0)  # measured variances, in assumed ones; largest since the beginning
+        # Variances of position and angle, as multiples of the usual ones: measured; the largest since the beginning.
+        self._scales = self._assumed = (1.0, 1.0)
 
     @property
     def pose(self) -> Pose | None:
@@ -188,7 +189,7 @@ class DockEstimate:
             change[:2, :2] = (cos, sin), (-sin, cos)
             state[:2] = change[:2, :2] @ (state[X] - moved.x, state[Y] - moved.y)
             state[THETA] -= turn
-            by_turn = np.array((state[Y], -state[X], -1.0))  # what a turn that odometry did not see does
+            by_turn = np.array((state[Y], -state[X], -1.0))  # d pose / d turn that odometry missed
             change[:3, YAW], change[:3, SCALE] = by_turn * moved.x, by_turn * moved.theta
             p = self._covariance = change @ self._covariance @ change.T
             p[:3, :3] += np.outer(by_turn, by_turn) * TURN_DRIFT**2 * (way + 0.5 * abs(moved.theta))
@@ -211,13 +212,13 @@ class DockEstimate:
         middle = _median(known)
         self._scales = (NOISE_LIMITS[1] ** 2,) * 2
         noise = self._noise(robot.distance_to(middle))
-        agreeing = [one for one in known if _distance(_off(one, middle), noise) < 0.5 * GATE]
+        agreeing = [one for one in known if _squared_distance(_difference(one, middle), noise) < 0.5 * GATE]
         self._scales = (1.0, 1.0)
         if 2 * len(agreeing) <= len(known):
             return
         middle = _median(agreeing)
         for one in agreeing:
-            self._learn_noise(_off(one, middle), robot.distance_to(middle))
+            self._learn_noise(_difference(one, middle), robot.distance_to(middle))
         self._beginning.clear()
         self._restart(middle, robot, len(agreeing), stamp)
 
@@ -236,12 +237,12 @@ class DockEstimate:
     def _correct(self, state: Array, marker: Pose, robot: Pose, stamp: float) -> None:
         seen, p = marker.relative_to(robot), self._covariance
         distance = math.hypot(seen.x, seen.y)
-        off = _off(seen, Pose(*state[:3].tolist()))
+        off = _difference(seen, Pose(*state[:3].tolist()))
         innovation = np.array((off.x, off.y, off.theta))
         position, angle = self._noise(distance)
         noise = np.array((position, position, angle))
         spread = p.diagonal()[:3] + noise
-        share = np.sqrt(noise / spread)  # of what it is off by that is noise, not doubt of the estimate
+        share = np.sqrt(noise / spread)  # the part of the difference that is due to noise
         self._learn_noise(Pose(*(share * innovation).tolist()), distance)
         turned = Pose(0.0, 0.0, robot.theta).compose(Pose(off.x, off.y))
         self._recent.append(Pose(turned.x, turned.y, off.theta))
@@ -264,10 +265,10 @@ class DockEstimate:
         if len(self._recent) < RECENT:
             return None
         error = _median(self._recent)
-        share = math.pi / 2.0 / AGREEING  # the variance of a median, as a part of that of one
-        if _distance(error, (share * spread[0], share * spread[1])) < GATE:
+        share = math.pi / 2.0 / AGREEING  # variance of the median of n values: π/2n of that of one
+        if _squared_distance(error, (share * spread[0], share * spread[1])) < GATE:
             return None
-        agreeing = sum(_distance(_off(one, error), noise) < GATE for one in self._recent)
+        agreeing = sum(_squared_distance(_difference(one, error), noise) < GATE for one in self._recent)
         return error if agreeing >= AGREEING else None
 
     def _learn_noise(self, off: Pose, distance: float) -> None:
@@ -284,7 +285,7 @@ class DockEstimate:
         self._doubt()
 
     def _doubt(self) -> None:
-        """Be less certain where detections are noisier than was assumed: so are the earlier ones."""
+        """Be less certain where detections are noisier than was assumed: the earlier ones were as noisy."""
         growth = [max(1.0, now / assumed) for now, assumed in zip(self._scales, self._assumed, strict=True)]
         self._assumed = (self._assumed[0] * growth[0], self._assumed[1] * growth[1])
         if self._state is not None and max(growth) > 1.0:
@@ -292,11 +293,11 @@ class DockEstimate:
             self._covariance *= np.outer(factors, factors)
 
 
-def _off(one: Pose, other: Pose) -> Pose:
+def _difference(one: Pose, other: Pose) -> Pose:
     return Pose(one.x - other.x, one.y - other.y, normalize_angle(one.theta - other.theta))
 
 
-def _distance(off: Pose, noise: tuple[float, float]) -> float:
+def _squared_distance(off: Pose, noise: tuple[float, float]) -> float:
     """Squared, in standard deviations."""
     return (off.x**2 + off.y**2) / noise[0] + off.theta**2 / noise[1]
 

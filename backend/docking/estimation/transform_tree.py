@@ -9,14 +9,14 @@ from docking.core.transform import Transform
 
 KEPT = 3.0
 """Seconds of transforms to look back into."""
-AHEAD = 0.25
-"""Seconds beyond the oldest and the newest transform for which that one counts."""
+SLACK = 0.25
+"""A moment up to so many seconds before the oldest or after the newest transform gets that one."""
 MOST = 1000
-"""Frames that are kept: more of them is a publisher that names each frame anew."""
+"""Frames that are kept: more means that a publisher invents new names."""
 
 
 class TransformError(Exception):
-    """A frame cannot be related to another one; the text says why, as a sentence's second half."""
+    """A frame cannot be related to another one; the text says why."""
 
 
 @dataclass(slots=True)
@@ -34,7 +34,7 @@ class _Link:
     samples: deque[tuple[float, Transform]] = field(default_factory=deque)
 
     def add(self, measured_at: float, transform: Transform) -> None:
-        """Take over a newer transform; where it is older, time has begun anew."""
+        """Take in a transform. One that is older than the last means that the clock was set back: forget the others."""
         samples = self.samples
         if self.fixed or (samples and measured_at < samples[-1][0]):
             samples.clear()
@@ -54,10 +54,10 @@ class _Link:
         (first, oldest), (last, newest) = samples[0], samples[-1]
         if self.fixed or measured_at == 0.0:
             return newest
-        if measured_at > last + AHEAD:
-            raise TransformError(f"is {measured_at - last:.1f} s older than the detection")
-        if measured_at < first - AHEAD:
-            raise TransformError(f"is known only from {first - measured_at:.1f} s after the detection on")
+        if measured_at > last + SLACK:
+            raise TransformError(f"is {measured_at - last:.1f} s older than the measurement")
+        if measured_at < first - SLACK:
+            raise TransformError(f"is known only from {first - measured_at:.1f} s after the measurement on")
         index = bisect_right(samples, measured_at, key=lambda sample: sample[0])
         if index == 0:
             return oldest
@@ -158,10 +158,11 @@ class TransformTree:
         return f"no transform relates '{root}' to '{other_root}'"
 
 
-def nearest(tree: TransformTree, frame: str, odometry: str, base: str) -> str:
-    """Which of odometry's two frames a frame is to be related to: the one on the way to the other.
+def nearer_frame(tree: TransformTree, frame: str, odometry: str, base: str) -> str:
+    """Which of odometry's two frames a frame is to be related to.
 
-    The relation between the two is what odometry itself measures, whatever else is said of it.
+    It is `odometry` if the way from the frame to the robot leads through it, as from a map, else `base`: between these
+    two, odometry itself is believed and not `tf`.
 
     Args:
         tree: The frames.

@@ -1,4 +1,4 @@
-"""The way to the staging pose that another server drives, such as nav2: the decisions, without ROS."""
+"""Decides whether another server, such as nav2, drives the robot to its staging pose, and watches it. No ROS."""
 
 import enum
 from typing import Protocol
@@ -9,7 +9,7 @@ from docking.parameters import NavigationSettings
 DISCOVERY = 2.0
 """Seconds to wait for the server and for the robot's pose: ROS finds their publishers one after the other."""
 SILENT = 5.0
-"""Seconds without an answer, or without feedback from a server that gives it, after which it counts as dead."""
+"""Seconds without an answer, or without feedback from a server that has sent some, after which it counts as dead."""
 
 
 class CannotNavigate(Exception):
@@ -61,7 +61,7 @@ class Navigator(Protocol):
         """Ask for it."""
 
     def skip(self, reason: str) -> None:
-        """Take notice that the robot is not driven there."""
+        """Tell people why the robot is not driven there."""
 
 
 class Going(enum.Enum):
@@ -92,7 +92,7 @@ class Navigation:
         self._feedback = 0
 
     def step(self, dt: float) -> Going:
-        """How it goes on.
+        """Let time pass, and say who drives now.
 
         Args:
             dt: Seconds since the last step.
@@ -146,7 +146,8 @@ class Navigation:
         Raises:
             FailedToStage: It is silent.
         """
-        waits = state is RideState.ASKED or ride.feedback == self._feedback > 0
+        no_news = self._feedback > 0 and ride.feedback == self._feedback
+        waits = state is RideState.ASKED or no_news
         self._silent = self._silent + dt if waits else 0.0
         self._feedback = ride.feedback
         if self._silent > SILENT:

@@ -8,7 +8,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 
 from docking.core.transform import Transform
-from docking.estimation.transform_tree import TransformError, TransformTree, nearest
+from docking.estimation.transform_tree import TransformError, TransformTree, nearer_frame
 from docking.ros.geometry import seconds_of, transform_from
 from docking.ros.qos import latched, volatile
 
@@ -56,7 +56,7 @@ class Transforms:
 
         Args:
             on: Whether to listen.
-            prefix: The new `prefix`; where it is another one, everything is forgotten and heard again.
+            prefix: The new `prefix`; if it changes, all frames are forgotten, and `tf_static` is heard anew.
         """
         if prefix != self.prefix or not on:
             self.prefix = prefix
@@ -79,14 +79,14 @@ class Transforms:
             self._subscriptions[topic] = self._node.create_subscription(
                 TFMessage,
                 topic,
-                self._take(fixed=topic == FIXED),
+                self._make_callback(fixed=topic == FIXED),
                 QUALITIES[topic],
                 qos_overriding_options=QoSOverridingOptions.with_default_policies(),
             )
         elif not on and topic in self._subscriptions:
             self._node.destroy_subscription(self._subscriptions.pop(topic))
 
-    def _take(self, *, fixed: bool) -> Callable[[TFMessage], None]:
+    def _make_callback(self, *, fixed: bool) -> Callable[[TFMessage], None]:
         topic = self._node.resolve_topic_name(FIXED if fixed else MOVING)
 
         def take(message: TFMessage) -> None:
@@ -106,11 +106,11 @@ class Transforms:
         Args:
             frame: The full name of the frame.
             odometry: The frame that odometry is given in.
-            base: The robot's frame, as odometry has it.
+            base: The robot's frame: odometry's child_frame_id.
             measured_at: The moment; 0 is now.
 
         Returns:
-            One of odometry's two frames, and where the frame lies in it.
+            `odometry` or `base`, and where the frame lies in it.
 
         Raises:
             ValueError: There is no way; the error is a sentence's second half.
@@ -121,7 +121,7 @@ class Transforms:
             )
         target = base
         try:
-            target = nearest(self._tree, frame, odometry, base)
+            target = nearer_frame(self._tree, frame, odometry, base)
             return target, self._tree.lookup(target, frame, measured_at)
         except TransformError as error:
             topics = " or ".join(self._node.resolve_topic_name(topic) for topic in (MOVING, FIXED))

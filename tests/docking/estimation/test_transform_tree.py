@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from docking.core.geometry import Pose
 from docking.core.transform import Transform, spatial
-from docking.estimation.transform_tree import MOST, TransformError, TransformTree, nearest
+from docking.estimation.transform_tree import MOST, TransformError, TransformTree, nearer_frame
 
 AT = 1000.0
 
@@ -60,9 +60,9 @@ def test_a_little_before_and_after_the_ends_count() -> None:
     tree.add("base_link", "camera", AT + 1.0, ahead(1.0))
     assert tree.lookup("base_link", "camera", AT - 0.2) == ahead(0.0)
     assert tree.lookup("base_link", "camera", AT + 1.2) == ahead(1.0)
-    with pytest.raises(TransformError, match=r"from 'camera' to 'base_link' is 4\.0 s older than the detection"):
+    with pytest.raises(TransformError, match=r"from 'camera' to 'base_link' is 4\.0 s older than the measurement"):
         tree.lookup("base_link", "camera", AT + 5.0)
-    with pytest.raises(TransformError, match=r"is known only from 3\.0 s after the detection on"):
+    with pytest.raises(TransformError, match=r"is known only from 3\.0 s after the measurement on"):
         tree.lookup("base_link", "camera", AT - 3.0)
 
 
@@ -158,11 +158,11 @@ def test_a_frame_is_related_to_the_nearer_end_of_odometry(frame: str, expected: 
         odom="map", base_footprint="odom", base_link="base_footprint", camera="base_link", wheel="base_footprint"
     )
     tree.add("map", "dock_tag", AT, ahead(5.0), fixed=True)
-    assert nearest(tree, frame, "odom", "base_link") == expected
+    assert nearer_frame(tree, frame, "odom", "base_link") == expected
 
 
 def test_a_frame_is_related_to_either_end() -> None:
-    assert nearest(tree_of(odom="map"), "map", "odom", "base_link") == "odom"
-    assert nearest(tree_of(camera="base_link"), "camera", "odom", "base_link") == "base_link"
+    assert nearer_frame(tree_of(odom="map"), "map", "odom", "base_link") == "odom"
+    assert nearer_frame(tree_of(camera="base_link"), "camera", "odom", "base_link") == "base_link"
     with pytest.raises(TransformError, match="no transform has 'camera' or 'base_link'"):
-        nearest(tree_of(odom="map"), "camera", "odom", "base_link")
+        nearer_frame(tree_of(odom="map"), "camera", "odom", "base_link")
