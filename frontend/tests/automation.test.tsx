@@ -1,4 +1,4 @@
-import { screen, within } from "@testing-library/react";
+import { act, screen, within } from "@testing-library/react";
 import axe from "axe-core";
 import { describe, expect, it, vi } from "vitest";
 import type { Decision, Rule, RuleBody } from "../src/api/automation";
@@ -171,6 +171,22 @@ describe("the page", () => {
         body: { mode: "off", robots: { all: true }, battery: { below: 0.2, idle_s: 60 } },
       },
     ]);
+  });
+
+  it("keeps a rule off that somebody has switched off while it was edited", async () => {
+    const stored = answering([{ ...LOW, mode: "on" }]);
+    const { store, user } = open();
+    await user.click(await screen.findByRole("button", { name: "Edit Low battery" }));
+    const body = JSON.stringify({ name: "Low battery", mode: "off" });
+    await fetch(new Request("http://gateway:8000/automation/rules/low-battery", { method: "PUT", body }));
+    act(() => store.onEvent({ type: "automation", time: SENT.at, automation: SENT }));
+    await vi.waitFor(() => {
+      const modes = screen.getByRole("radiogroup", { name: "Mode of Low battery", hidden: true });
+      expect(within(modes).getByRole("radio", { name: "Off", hidden: true })).toHaveProperty("checked", true);
+    });
+    await user.click(screen.getByRole("button", { name: "Save" }));
+    await vi.waitFor(() => expect(stored).toHaveLength(2));
+    expect(stored.at(-1)?.body?.mode).toBe("off");
   });
 
   it("lists decisions with their goals, and removes rules", async () => {

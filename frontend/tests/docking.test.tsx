@@ -86,6 +86,12 @@ describe("a robot with several docks", () => {
     expect(gateway.dock).toHaveBeenCalledWith(1, "home");
   });
 
+  it.each([null, "elsewhere"])("calls none the default one where that is %s", async (standard) => {
+    renderPage(docks(["home", "lab"], standard));
+    const choice = await screen.findByRole<HTMLSelectElement>("combobox", { name: "Dock to" });
+    expect([...choice.options].map(({ text }) => text)).toEqual(["home", "lab"]);
+  });
+
   it.each([
     ["there is only one", docks(["home"])],
     [

@@ -190,6 +190,24 @@ describe("the stops of several robots", () => {
   });
 });
 
+describe("the question whether to release a stop", () => {
+  it("is about that stop, also if another one comes meanwhile", async () => {
+    const gateway = fakeGateway();
+    const release = vi.fn(async () => released);
+    const first = robot("/robot1", { stop: { ...latched("Ada"), robots: ["/robot1"] } });
+    const robots = [robot("/"), first, robot("/robot2")];
+    const gatewayOf = () => fakeGateway({ release });
+    const { store, user } = renderPage(gateway, { robots }, "/ui/robot", gatewayOf);
+    await user.click(button("Release …"));
+    const all = { ...latched("Grace"), robots: ["/", "/robot1", "/robot2"] };
+    act(() => store.onEvent({ type: "stop", time: at(1), robot: "/", stop: all }));
+    await waitFor(() => expect(banner()?.textContent).toMatch(/by Grace/));
+    await user.click(button("Release"));
+    await waitFor(() => expect(release).toHaveBeenCalledTimes(1));
+    expect(gateway.release).not.toHaveBeenCalled();
+  });
+});
+
 describe("a Stop that was not delivered", () => {
   const failing = () =>
     fakeGateway({ stop: vi.fn().mockRejectedValue(new CommandError("offline", "No answer", "down")) });
@@ -217,6 +235,19 @@ describe("a Stop that was not delivered", () => {
   });
 });
 
+describe("a Stop's notice", () => {
+  it("is shown although other notices take all the room", async () => {
+    const error = new CommandError("offline", "No answer", "down");
+    const { user } = renderPage(fakeGateway({ stop: vi.fn().mockRejectedValue(error) }));
+    act(() => {
+      for (const number of [1, 2, 3, 4, 5])
+        notifications.show({ id: `refused ${number}`, message: `Refused ${number}`, autoClose: false });
+    });
+    await user.click(button("Stop"));
+    expect(await screen.findByText("Stop was NOT delivered to any robot")).toBeDefined();
+  });
+});
+
 describe("the Stop of one robot of several", () => {
   const robots = [robot("/a", { default: true }), robot("/b")];
   const failing = () =>
@@ -235,6 +266,17 @@ describe("the Stop of one robot of several", () => {
   it("names its robot where it was delivered", async () => {
     await stopB(fakeGateway());
     expect(await screen.findByText("Stopped /b")).toBeDefined();
+  });
+
+  it("says that it was not delivered although another page is shown by then", async () => {
+    let fail = (_: unknown) => {};
+    const stop = vi.fn(() => new Promise<never>((_, reject) => (fail = reject)));
+    const { user } = await stopB(fakeGateway({ stop }));
+    const crumbs = screen.getByRole("navigation", { name: "Breadcrumb" });
+    await user.click(within(crumbs).getByRole("link", { name: "Overview" }));
+    await waitFor(() => expect(screen.queryByRole("button", { name: "Stop /b" })).toBeNull());
+    act(() => fail(new CommandError("gateway_timeout", "The gateway did not answer", "No answer.")));
+    expect(await screen.findByText("Stop was NOT delivered to /b")).toBeDefined();
   });
 
   it("that failed is said until all robots are stopped, also after a Stop of another one", async () => {

@@ -28,6 +28,8 @@ export function RuleForm({ rule, rules, onDone }: RuleFormProps) {
   const [by, setBy] = useState(ownName);
   const [tried, setTried] = useState(false);
   const { save } = useRuleCommands();
+  // As it is now: somebody may have switched the rule meanwhile. One that was removed comes back off.
+  const mode = rules.find(({ id }) => id === rule?.id)?.mode ?? "off";
   const errors = errorsOf(draft);
   const shown = tried ? errors : {};
   const change = (part: Partial<Draft>) => setDraft((before) => ({ ...before, ...part }));
@@ -43,7 +45,7 @@ export function RuleForm({ rule, rules, onDone }: RuleFormProps) {
         rules.map((each) => each.id),
         "rule",
       );
-    const body = bodyOf(draft, rule?.mode ?? "off", by.trim() || null);
+    const body = bodyOf(draft, mode, by.trim() || null);
     save.mutate({ id, body }, { onSuccess: onDone });
   };
   return (
@@ -74,7 +76,7 @@ export function RuleForm({ rule, rules, onDone }: RuleFormProps) {
         )}
         <RobotFields chosen={draft} error={shown.names} onChange={change} />
         <Covered draft={draft} />
-        {rule?.mode === "on" && (
+        {mode === "on" && (
           <Alert color="orange" title="This rule is on">
             What you save applies at once.
           </Alert>

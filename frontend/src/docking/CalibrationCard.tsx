@@ -86,7 +86,7 @@ function Start({ calibrate, offered }: StartProps) {
             <Button variant="default" onClick={question.close} data-autofocus>
               Keep the present pose
             </Button>
-            <Button disabled={reason !== null} onClick={start}>
+            <Button disabled={reason !== null || calibrate.isPending} onClick={start}>
               Calibrate
             </Button>
           </Group>

@@ -90,9 +90,9 @@ export function DockingControls({ running }: { running: GoalCourse | null }) {
           className={classes.dock}
           value={docks.chosen}
           onChange={(event) => docks.choose(event.currentTarget.value)}
-          data={docks.all.map((name, index) => ({
+          data={docks.all.map((name) => ({
             value: name,
-            label: index === 0 ? `${name} (default)` : name,
+            label: name === docks.standard ? `${name} (default)` : name,
           }))}
         />
       )}

@@ -8,6 +8,8 @@ const REFETCH_MS = 30_000;
 export interface Docks {
   /** The names of all docks, the default one first; none where the docking server knows no docks by name. */
   all: string[];
+  /** The dock that a goal without a name is for; null where that is not known. */
+  standard: string | null;
   /** The dock to drive to; undefined where there are none. */
   chosen: string | undefined;
   choose: (name: string) => void;
@@ -27,5 +29,10 @@ export function useDocks(server: ActionServer | null): Docks {
   const names = data?.docks.map((dock) => dock.dock_id) ?? [];
   const first = names.find((name) => name === data?.default) ?? names[0];
   const all = first === undefined ? [] : [first, ...names.filter((name) => name !== first)];
-  return { all, chosen: all.find((name) => name === wanted) ?? first, choose };
+  return {
+    all,
+    standard: data?.default ?? null,
+    chosen: all.find((name) => name === wanted) ?? first,
+    choose,
+  };
 }

@@ -29,7 +29,7 @@ export function RobotHead({ robot, breadcrumb }: { robot: string | null; breadcr
         {naming.nameOf(name)}
       </Title>
       {namespace !== null && <Text c="dimmed">{namespace}</Text>}
-      <LabelButton robot={name} />
+      <LabelButton key={name} robot={name} />
       <Facts name={name} />
       <RobotSwitcher robot={name} />
     </div>

@@ -1,4 +1,5 @@
 import { Button } from "@mantine/core";
+import { toCommandError } from "../api/errors";
 import { useFleetPart } from "../fleet/context";
 import { useNaming } from "../fleet/useNaming";
 import { useServices } from "../store/context";
@@ -25,9 +26,14 @@ export function RobotStopButton({ robot }: { robot: string }) {
   const naming = useNaming();
   const { mutate, isPending } = useCommand(async () => {
     showStopping(naming, [robot]);
-    const report = await gateway.stop(whoStops());
-    store.setStop(report.stop);
-    return report;
+    // Told here: callbacks of `mutate` are not called once another page is shown.
+    try {
+      const report = await gateway.stop(whoStops());
+      store.setStop(report.stop);
+      showStopped(report, naming, [robot]);
+    } catch (error) {
+      showFailed(toCommandError(error), naming, [robot]);
+    }
   });
   return (
     <Button
@@ -36,12 +42,7 @@ export function RobotStopButton({ robot }: { robot: string }) {
       variant="outline"
       data-stopping={isPending || undefined}
       title={`Zero velocity at once, every goal of ${naming.fullNameOf(robot)} is canceled, and none is sent until the stop is released`}
-      onClick={() =>
-        mutate(undefined, {
-          onSuccess: (report) => showStopped(report, naming, [robot]),
-          onError: (error) => showFailed(error, naming, [robot]),
-        })
-      }
+      onClick={() => mutate()}
     >
       Stop {naming.nameOf(robot)}
     </Button>

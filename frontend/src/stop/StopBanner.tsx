@@ -1,6 +1,6 @@
 import { Button, Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
-import { type ReactNode, useMemo } from "react";
+import { type ReactNode, useMemo, useState } from "react";
 import { useFleet, useFleetTopic } from "../fleet/context";
 import type { Naming } from "../fleet/names";
 import { useNaming } from "../fleet/useNaming";
@@ -137,14 +137,14 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
   const whyNot = useWhyNot("DELETE /stop");
   const naming = useNaming();
   const [asking, ask] = useDisclosure(false);
+  const [asked, setAsked] = useState(held); // a stop that comes while the question is open is not released
   const release = useCommand(async (stops: readonly HeldStop[]) => {
     for (const { robot, configured } of stops) {
       const name = configured ? null : robot;
       store.setStop(await (configured ? gateway : gatewayOf(robot)).release(), name);
     }
   });
-  const all = held.length > 1;
-  const names = held.flatMap(({ holds }) => holds);
+  const names = asked.flatMap(({ holds }) => holds);
   return (
     <>
       <ReasonButton
@@ -152,9 +152,12 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
         size={small ? "compact-md" : "sm"}
         reason={whyNot ?? (release.isPending ? "The gateway has not answered yet." : null)}
         aria-label={small ? `Release ${naming.nameOf(held[0]?.robot ?? "/")} …` : undefined}
-        onClick={ask.open}
+        onClick={() => {
+          setAsked(held);
+          ask.open();
+        }}
       >
-        {all ? "Release all …" : "Release …"}
+        {held.length > 1 ? "Release all …" : "Release …"}
       </ReasonButton>
       {release.error !== null && (
         <div className={classes.failed}>
@@ -164,7 +167,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
       <Dialog
         opened={asking}
         onClose={ask.close}
-        title={all ? `Release ${held.length} stops?` : "Release the stop?"}
+        title={asked.length > 1 ? `Release ${asked.length} stops?` : "Release the stop?"}
       >
         <Stack gap="md">
           <Text fw={600}>{names.map((name) => naming.fullNameOf(name)).join(", ")}</Text>
@@ -181,10 +184,10 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
             <Button
               onClick={() => {
                 ask.close();
-                release.mutate(held);
+                release.mutate(asked);
               }}
             >
-              {all ? "Release all" : "Release"}
+              {asked.length > 1 ? "Release all" : "Release"}
             </Button>
           </Group>
         </Stack>

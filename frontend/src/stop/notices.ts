@@ -18,13 +18,25 @@ interface Notice {
 /** The robots that a Stop is for; null for all of them. */
 type Stopped = readonly string[] | null;
 
+/** All notices, also those that wait because there is no room for them. */
+function allNotices() {
+  const { notifications: shown, queue } = notificationsStore.getState();
+  return [...shown, ...queue];
+}
+
 /** Shows what became of a Stop. It replaces what was said before of the same robots, and of every robot where it is about all. */
 function show(robots: Stopped, notice: Notice): void {
   const id = `${NOTICE}${robots?.join(" ") ?? ""}`;
-  for (const { id: shown } of notificationsStore.getState().notifications)
-    if (shown !== undefined && (robots === null ? shown.startsWith(NOTICE) : shown === id))
-      notifications.hide(shown);
-  notifications.show({ id, closeButtonProps: { "aria-label": "Dismiss" }, ...notice });
+  for (const { id: known } of allNotices())
+    if (known !== undefined && (robots === null ? known.startsWith(NOTICE) : known === id))
+      notifications.hide(known);
+  // Before all other notices, the newest first: there is room for a few only.
+  notifications.show({
+    id,
+    priority: performance.now(),
+    closeButtonProps: { "aria-label": "Dismiss" },
+    ...notice,
+  });
 }
 
 /** `Left forklift (/robot1)`, `12 robots`; null for all of them. */
@@ -103,8 +115,7 @@ export function showFailed(error: CommandError, naming: Naming, robots: Stopped 
  * @param stopped The robots that a stop holds.
  */
 export function showRecovered(stopped: readonly string[], naming: Naming): void {
-  const { notifications: shown } = notificationsStore.getState();
-  if (!shown.some((notice) => notice["data-undelivered"])) return;
+  if (!allNotices().some((notice) => notice["data-undelivered"])) return;
   show(null, {
     color: "orange",
     title: "The gateway answers again",

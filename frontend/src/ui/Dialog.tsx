@@ -13,7 +13,8 @@ export function Dialog({ title, opened, onClose, children }: DialogProps) {
   return (
     <Modal.Root opened={opened} onClose={onClose} zIndex={250} yOffset="calc(var(--header-height) + 1rem)">
       <Modal.Overlay />
-      <Modal.Content aria-label={title}>
+      {/* While it fades out, a second press would send its command again. */}
+      <Modal.Content aria-label={title} inert={!opened}>
         <Modal.Body pt="md">
           <Group justify="space-between" mb="sm" wrap="nowrap">
             <Title order={2} size="h4">

@@ -33,7 +33,8 @@ async function gatewayAnswers(): Promise<void> {
 async function answers(): Promise<boolean> {
   const signal = AbortSignal.timeout(ANSWER_MS);
   return fetch("/healthz", { signal }).then(
-    ({ ok }) => ok,
+    // Without ROS the gateway answers 503, and serves its files all the same; a proxy's 503 is a page.
+    ({ ok, headers }) => ok || headers.get("content-type")?.startsWith("application/json") === true,
     () => false,
   );
 }

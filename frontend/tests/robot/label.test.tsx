@@ -1,9 +1,11 @@
 import { act, screen, waitFor, within } from "@testing-library/react";
+import { Link } from "react-router";
 import { beforeEach, describe, expect, it, vi } from "vitest";
+import { App } from "../../src/layout/App";
 // Loaded on demand by the page: on a busy machine its first import takes longer than a test waits.
 import "../../src/robot/LabelForm";
 import { alert, goal, latched, robot } from "../events";
-import { fakeGateway, renderPage } from "../page";
+import { fakeGateway, renderPage, renderWithin, robotServices } from "../page";
 
 beforeEach(() => localStorage.clear());
 
@@ -40,6 +42,25 @@ async function openDialog({ user }: ReturnType<typeof renderPage>) {
 }
 
 describe("the dialog of a robot's name and groups", () => {
+  it("closes where another robot is shown", async () => {
+    answers({});
+    const { fleet } = robotServices(fakeGateway(), { robots: [named, plain] });
+    const page = (
+      <>
+        <App />
+        <Link to="/ui/robot?robot=/robot2">elsewhere</Link>
+      </>
+    );
+    renderWithin(fleet, page, PAGE);
+    act(() => button("Name and groups of Left forklift").click());
+    await screen.findByLabelText("Name");
+    act(() => screen.getByText("elsewhere").click());
+    await waitFor(() =>
+      expect(screen.getByRole("heading", { level: 1, hidden: true }).textContent).toBe("/robot2"),
+    );
+    expect(screen.queryByRole("dialog")).toBeNull();
+  });
+
   it("begins with those that it has, and sends both", async () => {
     const fetched = answers({
       robot: "/robot1",
