@@ -13,6 +13,7 @@ from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED
 from tests.support.docking import (
     LOW,
+    SERVER,
     SUCCEEDED,
     Reports,
     dock_server,
@@ -22,7 +23,6 @@ from tests.support.docking import (
 )
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator
-from tests.system.test_docking_calibration import SERVER, ask
 from tests.system.test_docking_with_simulator import look_at
 
 pytestmark = pytest.mark.ros
@@ -61,21 +61,20 @@ def test_goals_go_to_a_dock_by_name(domain: int, observer: Observer, tmp_path: P
         assert offsets == [-0.7, -0.7, -1.0]
 
         listed = observer.result_of(
-            ask(observer, ListParameters, f"{SERVER}/list_parameters", ListParameters.Request(prefixes=["home"])),
+            observer.ask(ListParameters, f"{SERVER}/list_parameters", ListParameters.Request(prefixes=["home"])),
             "the list",
         )
         assert listed.result.names == ["home.type", "home.frame", "home.pose", "home.id"]
         names = ["docks", "home.pose", "home.id", "far.staging_x_offset", "lab.pose"]
         values = observer.result_of(
-            ask(observer, GetParameters, f"{SERVER}/get_parameters", GetParameters.Request(names=names)), "the values"
+            observer.ask(GetParameters, f"{SERVER}/get_parameters", GetParameters.Request(names=names)), "the values"
         ).values
         assert values[0].string_array_value == ["home", "lab"]
         assert list(values[1].double_array_value) == [1.0, 2.5, 0.0]
         assert (values[2].string_value, values[3].double_value) == ("7", -1.0)
         assert list(values[4].double_array_value) == []
         (docks,) = observer.result_of(
-            ask(
-                observer,
+            observer.ask(
                 DescribeParameters,
                 f"{SERVER}/describe_parameters",
                 DescribeParameters.Request(names=["docks"]),
