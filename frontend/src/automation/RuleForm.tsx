@@ -28,7 +28,7 @@ export function RuleForm({ rule, rules, onDone }: RuleFormProps) {
   const [by, setBy] = useState(ownName);
   const [tried, setTried] = useState(false);
   const { save } = useRuleCommands();
-  // As it is now: somebody may have switched the rule meanwhile. One that was removed comes back off.
+  // The current mode: the rule may have been switched since the form was opened. A removed rule is saved as off.
   const mode = rules.find(({ id }) => id === rule?.id)?.mode ?? "off";
   const errors = errorsOf(draft);
   const shown = tried ? errors : {};

@@ -53,27 +53,23 @@ function Start({ calibrate, offered }: StartProps) {
   const goal = currentGoal(useTopic("courses"));
   const [open, question] = useDisclosure(false);
   const running = goal !== null && !isTerminal(goal.status);
-  const reason =
-    forbidden ??
-    (!live
-      ? NOT_CONNECTED
-      : running
-        ? "A goal is running. Wait for its end, or cancel it."
-        : !offered
-          ? "The docking server no longer offers calibration."
-          : null);
+  const reason = calibrate.isPending
+    ? "The docking server is measuring."
+    : (forbidden ??
+      (!live
+        ? NOT_CONNECTED
+        : running
+          ? "A goal is running. Wait for its end, or cancel it."
+          : !offered
+            ? "The docking server no longer offers calibration."
+            : null));
   const start = () => {
     question.close();
     calibrate.mutate();
   };
   return (
     <Group gap="sm">
-      <ReasonButton
-        variant="default"
-        reason={calibrate.isPending ? "The docking server is measuring." : reason}
-        aria-haspopup="dialog"
-        onClick={question.open}
-      >
+      <ReasonButton variant="default" reason={reason} aria-haspopup="dialog" onClick={question.open}>
         {calibrate.isPending ? "Calibrating…" : "Calibrate…"}
       </ReasonButton>
       <Dialog opened={open} onClose={question.close} title="Calibrate the dock?">
@@ -86,7 +82,7 @@ function Start({ calibrate, offered }: StartProps) {
             <Button variant="default" onClick={question.close} data-autofocus>
               Keep the present pose
             </Button>
-            <Button disabled={reason !== null || calibrate.isPending} onClick={start}>
+            <Button disabled={reason !== null} onClick={start}>
               Calibrate
             </Button>
           </Group>

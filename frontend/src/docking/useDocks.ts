@@ -27,12 +27,8 @@ export function useDocks(server: ActionServer | null): Docks {
     enabled: live && server?.available === true,
   });
   const names = data?.docks.map((dock) => dock.dock_id) ?? [];
-  const first = names.find((name) => name === data?.default) ?? names[0];
+  const standard = data?.default ?? null;
+  const first = names.find((name) => name === standard) ?? names[0];
   const all = first === undefined ? [] : [first, ...names.filter((name) => name !== first)];
-  return {
-    all,
-    standard: data?.default ?? null,
-    chosen: all.find((name) => name === wanted) ?? first,
-    choose,
-  };
+  return { all, standard, chosen: all.find((name) => name === wanted) ?? first, choose };
 }

@@ -1,11 +1,10 @@
 import { Button } from "@mantine/core";
-import { toCommandError } from "../api/errors";
 import { useFleetPart } from "../fleet/context";
 import { useNaming } from "../fleet/useNaming";
 import { useServices } from "../store/context";
 import { useCommand } from "../ui/useCommand";
 import { defaultRobot } from "./held";
-import { showFailed, showStopped, showStopping } from "./notices";
+import { announceStop } from "./notices";
 import { whoStops } from "./who";
 
 /**
@@ -24,17 +23,18 @@ export function useStoppableAlone(): string | null {
 export function RobotStopButton({ robot }: { robot: string }) {
   const { gateway, store } = useServices();
   const naming = useNaming();
-  const { mutate, isPending } = useCommand(async () => {
-    showStopping(naming, [robot]);
-    // Told here: callbacks of `mutate` are not called once another page is shown.
-    try {
-      const report = await gateway.stop(whoStops());
-      store.setStop(report.stop);
-      showStopped(report, naming, [robot]);
-    } catch (error) {
-      showFailed(toCommandError(error), naming, [robot]);
-    }
-  });
+  // Callbacks of `mutate` would not be called once another page is shown.
+  const { mutate, isPending } = useCommand(() =>
+    announceStop(
+      () => naming,
+      [robot],
+      async () => {
+        const report = await gateway.stop(whoStops());
+        store.setStop(report.stop);
+        return report;
+      },
+    ),
+  );
   return (
     <Button
       size="lg"

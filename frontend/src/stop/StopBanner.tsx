@@ -144,6 +144,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
       store.setStop(await (configured ? gateway : gatewayOf(robot)).release(), name);
     }
   });
+  const several = asked.length > 1;
   const names = asked.flatMap(({ holds }) => holds);
   return (
     <>
@@ -167,7 +168,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
       <Dialog
         opened={asking}
         onClose={ask.close}
-        title={asked.length > 1 ? `Release ${asked.length} stops?` : "Release the stop?"}
+        title={several ? `Release ${asked.length} stops?` : "Release the stop?"}
       >
         <Stack gap="md">
           <Text fw={600}>{names.map((name) => naming.fullNameOf(name)).join(", ")}</Text>
@@ -187,7 +188,7 @@ function Release({ held, small = false }: { held: readonly HeldStop[]; small?: b
                 release.mutate(asked);
               }}
             >
-              {asked.length > 1 ? "Release all" : "Release"}
+              {several ? "Release all" : "Release"}
             </Button>
           </Group>
         </Stack>

@@ -1,5 +1,5 @@
 import { notifications, notificationsStore } from "@mantine/notifications";
-import type { CommandError } from "../api/errors";
+import { type CommandError, toCommandError } from "../api/errors";
 import type { StopReport } from "../api/types";
 import type { Naming } from "../fleet/names";
 
@@ -46,8 +46,22 @@ function wordsOf(robots: Stopped, naming: Naming): string | null {
   return robots.length === 1 ? naming.fullNameOf(only) : `${robots.length} robots`;
 }
 
+/** Sends a Stop and shows what becomes of it, whichever page is open by then. */
+export async function announceStop(
+  namingNow: () => Naming,
+  robots: Stopped,
+  send: () => Promise<StopReport>,
+): Promise<void> {
+  showStopping(namingNow(), robots);
+  try {
+    showStopped(await send(), namingNow(), robots);
+  } catch (error) {
+    showFailed(toCommandError(error), namingNow(), robots);
+  }
+}
+
 /** At once, before anybody has answered. */
-export function showStopping(naming: Naming, robots: Stopped = null): void {
+function showStopping(naming: Naming, robots: Stopped): void {
   const what = wordsOf(robots, naming);
   show(robots, {
     color: "red",
@@ -98,7 +112,7 @@ export function showStopped(
 }
 
 /** @param robots Those that were to stop. */
-export function showFailed(error: CommandError, naming: Naming, robots: Stopped = null): void {
+function showFailed(error: CommandError, naming: Naming, robots: Stopped): void {
   const what = wordsOf(robots, naming);
   show(robots, {
     color: "red",

@@ -8,7 +8,7 @@ interface DialogProps {
   children: ReactNode;
 }
 
-/** A dialog below the header, so that Stop can be pressed beside it. Its own head is no second header of the page. */
+/** A dialog below the header, so that Stop stays in reach. Its title is not a second header of the page. */
 export function Dialog({ title, opened, onClose, children }: DialogProps) {
   return (
     <Modal.Root opened={opened} onClose={onClose} zIndex={250} yOffset="calc(var(--header-height) + 1rem)">
