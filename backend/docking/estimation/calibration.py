@@ -63,10 +63,10 @@ class DockCalibration:
         self._seen: list[Pose] = []  # base_link in the marker's frame
 
     def step(self, observation: Observation) -> Calibration | None:
-        """Take in what is known now.
+        """Add an observation.
 
         Args:
-            observation: That.
+            observation: What is known now.
 
         Returns:
             The result; None while the measurement goes on.

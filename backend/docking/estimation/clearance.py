@@ -45,8 +45,8 @@ class Clearance:
         points = points[np.abs(points).max(axis=1) <= near] if len(points) else points
         if velocity == STANDSTILL or not len(points):
             return math.inf
-        points = self.outside(points)
         now = self._depth(points)
+        points, now = points[now > 0.0], now[now > 0.0]
         limits = np.where(now <= self._margin, 0.0, self._margin)
         for seconds in np.arange(STEP, horizon + 0.5 * STEP, STEP):
             if np.any(self._depth(_seen_from(points, velocity, float(seconds))) <= limits):

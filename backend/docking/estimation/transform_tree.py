@@ -10,7 +10,7 @@ from docking.core.transform import Transform
 KEPT = 3.0
 """Seconds of transforms to look back into."""
 SLACK = 0.25
-"""A moment up to so many seconds before the oldest or after the newest transform gets that one."""
+"""Up to this many seconds before the oldest transform, or after the newest, that transform is used."""
 MOST = 1000
 """Frames that are kept: more means that a publisher invents new names."""
 

@@ -54,14 +54,14 @@ class Navigator(Protocol):
         """Between the robot and the staging pose, in m.
 
         Raises:
-            CannotNavigate: It is not known, or nobody can drive the robot there.
+            CannotNavigate: The distance is unknown, or no server can drive the robot there.
         """
 
     def send(self) -> Ride:
         """Ask for it."""
 
     def skip(self, reason: str) -> None:
-        """Tell people why the robot is not driven there."""
+        """Log why the robot is not driven there."""
 
 
 class Going(enum.Enum):
@@ -119,7 +119,7 @@ class Navigation:
         return Going.DRIVES
 
     def interrupt(self) -> None:
-        """Nobody is to drive the robot now."""
+        """Cancel the ride, if there is one: the robot must stand still now."""
         if self._ride is not None:
             self._ride.cancel()
             self._ride = None

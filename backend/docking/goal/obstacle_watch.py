@@ -15,7 +15,7 @@ STARTING = 1.0
 CLEAR_FOR = 0.5
 """Seconds for which the way must be clear before the robot goes on."""
 FORGIVEN_AFTER = 2.0
-"""Seconds without waiting after which `obstacle_timeout` starts anew."""
+"""After this many seconds without waiting, `obstacle_timeout` starts from zero."""
 DOCK_TOLERANCE = 0.05
 """Points up to this far (m) inside the docked robot's edge are still the dock: its pose is known no better."""
 

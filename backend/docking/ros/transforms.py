@@ -56,7 +56,7 @@ class Transforms:
 
         Args:
             on: Whether to listen.
-            prefix: The new `prefix`; if it changes, all frames are forgotten, and `tf_static` is heard anew.
+            prefix: The new `prefix`; a change drops all frames and subscribes to `tf_static` again.
         """
         if prefix != self.prefix or not on:
             self.prefix = prefix

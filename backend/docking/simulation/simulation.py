@@ -165,7 +165,7 @@ class Simulation:
     def place(self, pose: Pose) -> None:
         """Lift the robot and set it down elsewhere, standing still. Odometry does not notice.
 
-        Nothing can be put into the dock: it will stand beside it.
+        A robot that is placed inside the dock ends up beside it.
 
         Args:
             pose: base_link in world.
