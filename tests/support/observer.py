@@ -142,11 +142,14 @@ class Observer:
             wait_until(self._services[name].service_is_ready, f"the service {name}")
         return self.call(lambda: self._services[name].call_async(request))
 
+    def request(self, service_type: type, name: str, request: Any, timeout: float = PATIENCE) -> Any:
+        """Call a service, and wait for its answer."""
+        return self.result_of(self.ask(service_type, name, request), f"the answer of {name}", timeout)
+
     def set_parameter(self, node: str, name: str, value: Any) -> str:
         """Set a parameter of another node; the reason why it was refused, empty where it was not."""
         request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
-        asked = self.ask(SetParameters, f"{node}/set_parameters", request)
-        result = self.result_of(asked, f"the answer of {node}").results[0]
+        result = self.request(SetParameters, f"{node}/set_parameters", request).results[0]
         return "" if result.successful else result.reason or "refused"
 
     def send_goal(self, action_type: type, action_name: str, goal: Any, timeout: float = PATIENCE) -> GoalOfTest:

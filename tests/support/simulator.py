@@ -71,8 +71,7 @@ class SimulatorControls:
         return self._observer.set_parameter(f"{self._namespace}/dock_simulator", name, value)
 
     def _call(self, service_type: type, name: str, request: Any) -> Any:
-        name = f"{self._namespace}/{name}"
-        return self._observer.result_of(self._observer.ask(service_type, name, request), f"the answer of {name}")
+        return self._observer.request(service_type, f"{self._namespace}/{name}", request)
 
     @property
     def status(self) -> dict[str, str]:

@@ -41,14 +41,12 @@ def offered(observer: Observer) -> bool:
 
 
 def calibrate(observer: Observer) -> Trigger.Response:
-    return observer.result_of(
-        observer.ask(Trigger, "calibrate_dock", Trigger.Request()), "the calibration", CALIBRATION_TIME
-    )
+    return observer.request(Trigger, "calibrate_dock", Trigger.Request(), CALIBRATION_TIME)
 
 
 def parameters(observer: Observer) -> list[float]:
-    asked = observer.ask(GetParameters, f"{SERVER}/get_parameters", GetParameters.Request(names=NAMES))
-    return [value.double_value for value in observer.result_of(asked, "the parameters").values]
+    answer = observer.request(GetParameters, f"{SERVER}/get_parameters", GetParameters.Request(names=NAMES))
+    return [value.double_value for value in answer.values]
 
 
 @pytest.mark.timeout(240)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from action_msgs.srv import CancelGoal
 
-from tests.support.docking import CHARGING, LOW, dock_server, send_dock_goal
+from tests.support.docking import ACTION, CHARGING, LOW, dock_server, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.processes import Process, ros_environment
 from tests.support.waiting import wait_until
@@ -69,11 +69,7 @@ def test_an_aborted_goal_is_explained(domain: int) -> None:
 def test_a_cancel_by_someone_else_is_told(domain: int, observer: Observer) -> None:
     with dock_server(domain), Process(CLIENT, env=ros_environment(domain)) as client:
         client.wait_for("Goal accepted...")
-        everyone = observer.call(
-            lambda: observer.node.create_client(CancelGoal, "connect_to_charging_dock/_action/cancel_goal")
-        )
-        wait_until(everyone.service_is_ready, "the cancel service")
-        observer.call(lambda: everyone.call_async(CancelGoal.Request()))
+        observer.ask(CancelGoal, f"{ACTION}/_action/cancel_goal", CancelGoal.Request())
         client.wait_for("The goal was canceled")
         assert client.wait() == 4
 

@@ -60,26 +60,18 @@ def test_goals_go_to_a_dock_by_name(domain: int, observer: Observer, tmp_path: P
             goal.result()
         assert offsets == [-0.7, -0.7, -1.0]
 
-        listed = observer.result_of(
-            observer.ask(ListParameters, f"{SERVER}/list_parameters", ListParameters.Request(prefixes=["home"])),
-            "the list",
+        listed = observer.request(
+            ListParameters, f"{SERVER}/list_parameters", ListParameters.Request(prefixes=["home"])
         )
         assert listed.result.names == ["home.type", "home.frame", "home.pose", "home.id"]
         names = ["docks", "home.pose", "home.id", "far.staging_x_offset", "lab.pose"]
-        values = observer.result_of(
-            observer.ask(GetParameters, f"{SERVER}/get_parameters", GetParameters.Request(names=names)), "the values"
-        ).values
+        values = observer.request(GetParameters, f"{SERVER}/get_parameters", GetParameters.Request(names=names)).values
         assert values[0].string_array_value == ["home", "lab"]
         assert list(values[1].double_array_value) == [1.0, 2.5, 0.0]
         assert (values[2].string_value, values[3].double_value) == ("7", -1.0)
         assert list(values[4].double_array_value) == []
-        (docks,) = observer.result_of(
-            observer.ask(
-                DescribeParameters,
-                f"{SERVER}/describe_parameters",
-                DescribeParameters.Request(names=["docks"]),
-            ),
-            "the description",
+        (docks,) = observer.request(
+            DescribeParameters, f"{SERVER}/describe_parameters", DescribeParameters.Request(names=["docks"])
         ).descriptors
         assert docks.read_only
         assert "first one" in docks.description

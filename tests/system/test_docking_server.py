@@ -21,6 +21,7 @@ from tests.support.docking import (
     CANCELED,
     CHARGING,
     LOW,
+    SERVER,
     SUCCEEDED,
     Reports,
     battery_state,
@@ -282,14 +283,8 @@ def test_parameters_are_described_and_guarded(domain: int, observer: Observer) -
     parameters = list(parameters_of(DockSettings))
     names = [parameter.name for parameter in parameters]
     with dock_server(domain) as server:
-        client = observer.call(
-            lambda: observer.node.create_client(
-                DescribeParameters, "/connect_to_charging_dock_action_server/describe_parameters"
-            )
-        )
-        wait_until(client.service_is_ready, "the parameter service")
-        asked = observer.call(lambda: client.call_async(DescribeParameters.Request(names=names)))
-        descriptors = observer.result_of(asked, "the descriptors").descriptors
+        request = DescribeParameters.Request(names=names)
+        descriptors = observer.request(DescribeParameters, f"{SERVER}/describe_parameters", request).descriptors
         for parameter, descriptor in zip(parameters, descriptors, strict=True):
             assert descriptor.description == parameter.text
             if descriptor.type == ParameterType.PARAMETER_DOUBLE:
@@ -325,16 +320,12 @@ def test_results_are_not_kept_for_long() -> None:
 
 
 def test_a_node_that_is_not_active_lets_no_goal_in(domain: int, observer: Observer) -> None:
-    node = "/connect_to_charging_dock_action_server"
     with dock_server(domain, "autostart:=false"):
         wheels, reports = watch_wheels(observer), Reports(observer)
-        client = observer.call(lambda: observer.node.create_client(ChangeState, f"{node}/change_state"))
-        wait_until(client.service_is_ready, "the lifecycle services")
 
         def change(transition: int) -> bool:
             request = ChangeState.Request(transition=Transition(id=transition))
-            asked = observer.call(lambda: client.call_async(request))
-            return bool(observer.result_of(asked, "the new state").success)
+            return bool(observer.request(ChangeState, f"{SERVER}/change_state", request).success)
 
         with observer.publishing(LOW, BATTERY):
             refused = send_dock_goal(observer)
