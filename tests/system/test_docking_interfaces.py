@@ -25,6 +25,12 @@ DRIVE = "controller:=dock_pose"
 STOP, GO = Bool(data=True), Bool(data=False)
 
 
+def published_by(observer: Observer, node: str) -> set[str]:
+    """The types of a node's publishers of cmd_vel, as far as the observer has found them."""
+    found = observer.node.get_publishers_info_by_topic("cmd_vel")
+    return {info.topic_type for info in found if info.node_name == node}
+
+
 def test_a_base_that_takes_stamped_velocities_docks_and_is_stopped(domain: int, observer: Observer) -> None:
     stamped = observer.record(TwistStamped, "cmd_vel")
     base = dock_simulator(domain, *NEAR, "enable_stamped_cmd_vel:=true")
@@ -36,6 +42,9 @@ def test_a_base_that_takes_stamped_velocities_docks_and_is_stopped(domain: int, 
 
         with running_gateway(domain) as gateway:
             gateway.wait_until_ready()
+            # Its zero velocity reaches only whom DDS has connected by then.
+            stamped_type = {"geometry_msgs/msg/TwistStamped"}
+            wait_until(lambda: published_by(observer, "dock_gateway") == stamped_type, "the gateway's publisher")
             undocking = send_undock_goal(observer)
             stamped.wait_for(lambda message: message.twist.linear.x < 0)
             with gateway.stream("?include=cmd_vel") as stream:
