@@ -5,6 +5,7 @@ things differ: PYTHONPATH comes too late, and the interpreter ends without takin
 these, such as those of the exit, start a new Python.
 """
 
+import contextlib
 import faulthandler
 import multiprocessing
 import os
@@ -49,7 +50,8 @@ class Fork:
 
     def send_signal(self, number: signal.Signals) -> None:
         if self.poll() is None:
-            os.kill(self.pid, number)
+            with contextlib.suppress(ProcessLookupError):  # it has just ended
+                os.kill(self.pid, number)
 
     def terminate(self) -> None:
         self.send_signal(signal.SIGTERM)

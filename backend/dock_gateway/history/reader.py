@@ -10,7 +10,8 @@ from dock_gateway.core.errors import Unavailable
 from dock_gateway.history.database import DATABASE_ERRORS, Database, T, Ts
 from dock_gateway.history.writer import Writer
 
-READ_TIMEOUT = 1.0  # seconds
+# Seconds. A read that a loaded machine delays does not mean that the database is away.
+READ_TIMEOUT = 3.0
 # Seconds after a failed read in which further reads fail at once.
 READ_PAUSE = 1.0
 MUCH_TIMEOUT = 8.0  # seconds, for large reads
