@@ -1,6 +1,7 @@
 """What the docking server hears of sensors, over DDS."""
 
 import math
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -296,14 +297,16 @@ def test_infrared_ranges_are_read_as_their_message_says(domain: int, observer: O
 class Blind:
     """A controller that never finds the dock."""
 
-    def step(self, observation: Observation, _dt: float) -> Velocity | Failed:
-        if observation.odometry is None:
-            return Velocity()
-        return Failed(FailedToDetectDock("the dock was not found"))
+    def __init__(self) -> None:
+        self.gives_up = threading.Event()
+
+    def step(self, _observation: Observation, _dt: float) -> Velocity | Failed:
+        return Failed(FailedToDetectDock("the dock was not found")) if self.gives_up.is_set() else Velocity()
 
 
 def test_an_abort_says_what_is_wrong_with_the_sensors(domain: int, observer: Observer) -> None:
-    with dock_server(domain, "controller:=dock_pose", make_plan=lambda _settings: SingleStage(Blind())):
+    blind = Blind()
+    with dock_server(domain, "controller:=dock_pose", make_plan=lambda _settings: SingleStage(blind)):
         reports = Reports(observer)
         complaint = "/detected_dock_pose cannot be used: no odometry has come yet"
         with (
@@ -312,7 +315,7 @@ def test_an_abort_says_what_is_wrong_with_the_sensors(domain: int, observer: Obs
         ):
             goal = send_dock_goal(observer)
             reports.wait_for(name=f"{NODE}: sensors", message=complaint)
-            observer.publish(odometry(Pose(), AT), ODOM)
+            blind.gives_up.set()
             assert goal.result().status == ABORTED
         report = reports.wait_for(goal_id=goal.goal_id, stage="ABORTED")
         assert report["error_msg"] == f"the dock was not found; {complaint}"
