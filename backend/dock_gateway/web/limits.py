@@ -45,6 +45,12 @@ async def _robot(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, st
     return grant.covers_robot(robot), _describe_robot(robot, names)
 
 
+async def _robots(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
+    if _namespace(gateway, names) == "/":  # a limit to `/` is only the robot without a namespace
+        return not grant.robots, "every robot; name one of yours with `robot`"
+    return await _robot(gateway, grant, names)
+
+
 async def _dock(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
     robot = _namespace(gateway, names)
     return grant.covers_action(gateway.actions.docking.of(robot).dock), _describe_robot(robot, names)
@@ -80,6 +86,7 @@ async def _alert(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, st
 
 _CHECKS: dict[Scope, Callable[[Gateway, Grant, Names], Awaitable[tuple[bool, str]]]] = {
     Scope.ROBOT: _robot,
+    Scope.ROBOTS: _robots,
     Scope.DOCK: _dock,
     Scope.UNDOCK: _undock,
     Scope.ACTION: _action,

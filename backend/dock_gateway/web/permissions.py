@@ -115,6 +115,7 @@ class Scope(Enum):
     ANY = auto()  # nothing that a grant is limited to
     LISTED = auto()  # what the grant includes: the route leaves out the rest
     ROBOT = auto()  # the robot in `robot`; the configured one if none is named
+    ROBOTS = auto()  # that robot and those below it: of `/`, every robot
     DOCK = auto()  # its docking action
     UNDOCK = auto()  # its undocking action
     ACTION = auto()  # the action in `name`
@@ -149,7 +150,7 @@ SCOPES: dict[str, Scope] = {
     "get_graph": Scope.LISTED,
     # Robots
     "get_stop": Scope.ROBOT,
-    "release_stop": Scope.ROBOT,
+    "release_stop": Scope.ROBOTS,
     "get_battery": Scope.ROBOT,
     "battery_history": Scope.ROBOT,
     "publish_battery": Scope.ROBOT,
@@ -223,7 +224,7 @@ COMMAND_SCOPES: dict[str, Scope] = {
     "unsubscribe": Scope.ANY,
     "ping": Scope.ANY,
     "stop": Scope.ANY,
-    "release_stop": Scope.ROBOT,
+    "release_stop": Scope.ROBOTS,
     "send_goal": Scope.NEW_GOAL,
     "cancel_goal": Scope.GOAL,
     "publish_battery": Scope.ROBOT,

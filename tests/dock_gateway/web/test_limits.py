@@ -71,7 +71,7 @@ def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str,
             scope = SCOPES.get(name)
             if name in PUBLIC or scope in (Scope.ANY, Scope.LISTED) or ROUTES.get(name) is Role.ADMIN:
                 continue
-            if scope in (Scope.ROBOT, Scope.ALERT, Scope.TOPIC) and "actions" in limits:
+            if scope in (Scope.ROBOT, Scope.ROBOTS, Scope.ALERT, Scope.TOPIC) and "actions" in limits:
                 continue  # they are about a robot, not about one of its actions
             answer = client.request(method, path_of(template))
             assert answer.json()["code"] == "not_covered", name
@@ -80,6 +80,7 @@ def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str,
 ROBOT1 = Grant(Role.SUPERVISOR, robots=("/robot1",))
 NAMES: dict[Scope, dict[str, Any]] = {
     Scope.ROBOT: {"robot": "/robot1"},
+    Scope.ROBOTS: {"robot": "/robot1/arm"},
     Scope.DOCK: {"robot": "/robot1"},
     Scope.UNDOCK: {"robot": "/robot1/"},
     Scope.ACTION: {"name": "robot1/fibonacci"},
@@ -88,6 +89,7 @@ NAMES: dict[Scope, dict[str, Any]] = {
 }
 OTHERS: dict[Scope, list[dict[str, Any]]] = {
     Scope.ROBOT: [{}, {"robot": "/robot2"}, {"robot": "/"}, {"robot": "/robot10"}],
+    Scope.ROBOTS: [{}, {"robot": "/robot2"}, {"robot": "/"}, {"robot": "/robot10"}],
     Scope.DOCK: [{}, {"robot": "/robot2"}],
     Scope.UNDOCK: [{}, {"robot": "/robot2"}],
     Scope.ACTION: [{"name": "robot2/fibonacci"}, {"name": "robot1"}, {"name": "fibonacci"}],
@@ -118,6 +120,18 @@ def test_what_is_about_another_one_is_not(gateway: Gateway, scope: Scope, names:
 @pytest.mark.parametrize("scope", list(Scope))
 def test_without_limits_everything_is_allowed(gateway: Gateway, scope: Scope) -> None:
     assert not refused(gateway, Grant(Role.VIEWER), scope, {"topic": "/x"})
+
+
+@pytest.mark.parametrize("robots", [("/",), ("/", "/*"), ("**",)])
+async def test_who_is_limited_to_some_robots_cannot_release_the_stop_of_all(robots: tuple[str, ...]) -> None:
+    gateway: Any = Other()
+    gateway.robots.default_namespace = "/"
+    for scope in (SCOPES["release_stop"], COMMAND_SCOPES["release_stop"]):
+        for names in ({}, {"robot": "/"}):
+            with pytest.raises(NotAllowed, match="every robot"):
+                await require_covered(gateway, Grant(Role.SUPERVISOR, robots), scope, names, "release_stop")
+            for grant in (Grant(Role.SUPERVISOR), Grant(Role.SUPERVISOR, actions=("*/undock",))):
+                await require_covered(gateway, grant, scope, names, "release_stop")
 
 
 def test_a_list_of_topics_alone_limits_nothing_else(gateway: Gateway) -> None:
