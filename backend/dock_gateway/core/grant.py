@@ -14,8 +14,8 @@ from dock_gateway.core.goal import encode
 
 # What a grant can be limited to.
 LIMITS = ("robots", "actions", "topics")
-# A pattern of names, in which `*` stands for any text.
-PATTERN = re.compile(r"/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+")
+# A pattern of names, in which `*` stands for any text. No part between two slashes is empty.
+PATTERN = re.compile(r"(?!.*//)(?:/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+)")
 # Maximum number of patterns of each limit, and of characters of one: as many as a name on the ROS graph can have.
 MAX_PATTERNS, MAX_PATTERN = 50, 255
 # Between the name of an action and those of its topics, `feedback` and `status`.
@@ -84,7 +84,8 @@ class Grant:
 
     @cached_property
     def _robots(self) -> re.Pattern[str]:
-        return _pattern("/[^/]+" if each == "/" else _text(f"{each.rstrip('/')}/*") for each in self.robots)
+        above = (each.rstrip("/") for each in self.robots)
+        return _pattern(_text(f"{each}/*") if each else "/[^/]+" for each in above)
 
     @cached_property
     def _actions(self) -> re.Pattern[str]:

@@ -11,7 +11,7 @@ export const NO_LIMITS = { robots: [], actions: [], topics: [] };
 
 /** As the gateway allows. */
 const MAX_PATTERNS = 50;
-const PATTERN = /^(?:\/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+)$/;
+const PATTERN = /^(?!.*\/\/)(?:\/[A-Za-z0-9_/*]*|\*[A-Za-z0-9_/*]+)$/;
 const LIMITS = [
   ["robots", "Robots", "/robot1 or /hall_a/*; empty for every robot.", "Every robot"],
   ["actions", "Actions", "*/connect_to_charging_dock; empty for every action of the robots.", "Every action"],

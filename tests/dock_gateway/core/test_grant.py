@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dock_gateway.core.event import Event, fleet_event, message_event, scenes_event, utc_now
-from dock_gateway.core.grant import UNLIMITED, Grant, Role, narrow
+from dock_gateway.core.grant import PATTERN, UNLIMITED, Grant, Role, narrow
 
 NAMES = st.lists(st.sampled_from(["robot1", "robot10", "hall_a", "dock", "x"]), max_size=3).map(
     lambda parts: "/" + "/".join(parts)
@@ -45,6 +45,7 @@ def robots(*patterns: str) -> Grant:
         (("*/robot1",), ["/robot1", "/hall_a/robot1"], ["/", "/robot10", "/hall_a"]),
         (("/robot1", "/robot2"), ["/robot1", "/robot2"], ["/robot3"]),
         (("/robot.",), [], ["/robot1"]),
+        (("//",), ["/"], ["/robot1", "/hall_a/robot1"]),
     ],
 )
 def test_robots(patterns: tuple[str, ...], inside: list[str], outside: list[str]) -> None:
@@ -57,6 +58,15 @@ def test_robots(patterns: tuple[str, ...], inside: list[str], outside: list[str]
         assert not grant.covers_robot(namespace)
         assert not grant.covers_action(f"{namespace.rstrip('/')}/connect_to_charging_dock")
         assert not grant.covers_topic(f"{namespace.rstrip('/')}/battery_status")
+
+
+@pytest.mark.parametrize(
+    ("pattern", "valid"),
+    [(each, True) for each in ("/", "/robot1", "/robot1/", "/hall_a/*", "/*", "/*/*", "*/dock", "*a", "**", "*_a/b*/")]
+    + [(each, False) for each in ("", "*", "robot1", "//", "/a//b", "//*", "*//x", "/a//", "**//", "/robot.1", "/a\n")],
+)
+def test_patterns_of_names_have_no_empty_parts(pattern: str, valid: bool) -> None:
+    assert (PATTERN.fullmatch(pattern) is not None) is valid
 
 
 def test_actions_and_topics_narrow_the_robots() -> None:
