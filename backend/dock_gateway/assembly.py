@@ -18,6 +18,7 @@ from dock_gateway.audit.log import AuditLog
 from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import MAX_RULES, AutomaticDocking
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import message_event, system_event, utc_now
 from dock_gateway.core.goal import GoalError, Json
@@ -88,7 +89,13 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     bridge.start()
     stack.push_async_callback(asyncio.to_thread, bridge.close)
     interlock = _closed_by(
-        stack, Interlock(hub, LatchFile(settings.stop_file), normalize_namespace(settings.namespace))
+        stack,
+        Interlock(
+            hub,
+            LatchFile(settings.stop_file),
+            normalize_namespace(settings.namespace),
+            DockingCatalog(settings).shared,
+        ),
     )
     last_goals = _closed_by(stack, LastGoals(history))
     actions = _closed_by(stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock))

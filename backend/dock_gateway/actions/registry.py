@@ -250,9 +250,9 @@ class ActionRegistry:
         return self._actions.get(name)
 
     def under(self, namespace: str) -> list[Action]:
-        """Return the actions of a robot: those in its namespace or below it."""
-        prefix = prefix_of(namespace)
-        return [action for action in self.all() if action.name.startswith(prefix)]
+        """Return the actions of a robot: those in its namespace or below it, and those that all robots share."""
+        prefix, shared = prefix_of(namespace), self._catalog.shared
+        return [action for action in self.all() if action.name.startswith(prefix) or action.name in shared]
 
     def _stop_under(self, namespace: str) -> None:
         for action in self.under(namespace):

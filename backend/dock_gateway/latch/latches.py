@@ -4,7 +4,7 @@ A robot is a namespace. A stop also holds for every namespace below it.
 """
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Any
@@ -21,10 +21,16 @@ class Latch:
 
 
 class Latches:
-    """The latched stops by namespace."""
+    """The latched stops by namespace.
 
-    def __init__(self, held: dict[str, Latch] | None = None) -> None:
+    Args:
+        held: The robots that are held.
+        shared: Actions of several robots. Nothing tells whose goal on them is, so a stop of any robot holds for them.
+    """
+
+    def __init__(self, held: dict[str, Latch] | None = None, shared: Collection[str] = ()) -> None:
         self.held = dict(held or {})
+        self._shared = shared
 
     def latch(self, namespace: str, latch: Latch) -> bool:
         """Hold a robot. If it is held already, keep the first latch and return False."""
@@ -45,6 +51,8 @@ class Latches:
 
     def over(self, name: str) -> str | None:
         """Return the namespace nearest to the root whose stop holds for a namespace or an action, or None."""
+        if name in self._shared:
+            return min(self.held, default=None)
         return next((above for above in lineage(name) if above in self.held), None)
 
     def documents(self, robots: Iterable[str]) -> dict[str, dict[str, Any]]:

@@ -2,7 +2,8 @@
 
 from collections.abc import Callable
 from datetime import timedelta
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
@@ -32,8 +33,12 @@ class FakeBridge:
 
 @pytest.fixture
 def registry() -> ActionRegistry:
+    return make_registry()
+
+
+def make_registry(**names: str) -> ActionRegistry:
     hub = Hub(queue_limit=10, max_subscribers=10)
-    settings = Settings(server_wait=0.05)
+    settings = Settings(server_wait=0.05, **names)  # type: ignore[arg-type]
     interlock = Interlock(hub, LatchFile(settings.stop_file), "/")
     bridge: Any = FakeBridge()
     return ActionRegistry(settings, bridge, hub, MemoryHistory(10), PendingFacts(0.05), interlock=interlock)
@@ -97,6 +102,13 @@ async def test_whatever_is_wrong_with_one_action_the_others_are_tried(
     await registry.update(Scan({"/a": [kind], "/b": [kind], "/c/connect_to_charging_dock": [kind]}))
     assert tried == ["/c/connect_to_charging_dock", "/a", "/b"], "docking comes first"
     assert {entry.hint for entry in registry.uninstalled()} == {"no type support"}
+
+
+async def test_the_actions_that_robots_share_are_those_of_each_robot() -> None:
+    registry = make_registry(undock_action="/fleet/undock")
+    for name in ("/fleet/undock", "/fleet/dock", "/robot1/dock", "/robot2/dock"):
+        registry._actions[name] = cast("Any", SimpleNamespace(name=name))
+    assert [action.name for action in registry.under("/robot1")] == ["/fleet/undock", "/robot1/dock"]
 
 
 def test_goals_that_were_lost_long_ago_are_not_expected(registry: ActionRegistry) -> None:

@@ -42,3 +42,13 @@ def test_the_first_who_stopped_it_is_named() -> None:
     assert latches.release("/")
     assert not latches.release("/")
     assert latches.held == {}
+
+
+def test_an_action_of_several_robots_is_held_while_one_of_them_is() -> None:
+    latches = Latches({"/robot2": ADA, "/robot1": BOB}, shared={"/fleet/undock"})
+    assert latches.over("/fleet/undock") == "/robot1"
+    assert latches.over("/fleet/dock") is None
+    latches.release("/robot1")
+    assert latches.over("/fleet/undock") == "/robot2"
+    latches.release("/robot2")
+    assert latches.over("/fleet/undock") is None

@@ -62,6 +62,9 @@ class DockingCatalog:
 
     `dock`, `undock` and the like are names that other actions may have, too: there the type has to match. Every
     action with one of our own names, and every configured one, is what its name says.
+
+    Attributes:
+        shared: The actions that all robots share: those with an absolute name.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -71,6 +74,8 @@ class DockingCatalog:
             "undock": (settings.undock_action, settings.undock_action_type),
         }
         self._candidates = {verb: _candidates(verb, *names) for verb, names in configured.items()}
+        every = (each.name for candidates in self._candidates.values() for each in candidates)
+        self.shared = frozenset(name for name in every if name.startswith("/"))
         self.names = lru_cache(MAX_ROBOTS)(self._names)
 
     def find(self, action_name: str, types: Collection[str] | None = None) -> tuple[DockAdapter, str] | None:

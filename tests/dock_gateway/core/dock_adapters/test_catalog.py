@@ -62,6 +62,8 @@ def test_a_name_or_a_type_alone_says_the_other_as_far_as_it_is_known() -> None:
 def test_an_absolute_name_is_of_no_robot() -> None:
     shared = catalog(undock_action="/fleet/undock", namespace="/robot1")
     assert shared.names("undock")[0] == "/fleet/undock"
+    assert shared.shared == {"/fleet/undock"}
+    assert catalog(undock_action="fleet/undock").shared == set()
     assert shared.names("dock")[0] == "/robot1/connect_to_charging_dock"
     assert shared.robot_of("/fleet/undock", [OTHER]) is None
     assert shared.robot_of("/robot2/dock_robot", [NAV2.action_type]) == "/robot2"
