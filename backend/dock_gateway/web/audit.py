@@ -1,5 +1,6 @@
 """Records requests and the commands of `/ws` in the audit log."""
 
+import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from http import HTTPStatus
@@ -106,8 +107,8 @@ class AuditTrail:
 
         try:
             await self._app(scope, receive, recorded_send)
-        except Exception:
-            await trail.record(HTTPStatus.INTERNAL_SERVER_ERROR, "internal_error")
+        except (Exception, asyncio.CancelledError) as error:
+            await trail.record(*_failure(error))
             raise
 
 
@@ -130,8 +131,8 @@ async def audited_command(
     except GatewayError as error:
         await trail.record(error.status, error.code)
         raise
-    except Exception:
-        await trail.record(HTTPStatus.INTERNAL_SERVER_ERROR, "internal_error")
+    except (Exception, asyncio.CancelledError) as error:
+        await trail.record(*_failure(error))
         raise
     if "goal" in answer:
         trail.fields.update((name, answer["goal"][name]) for name in ("goal_id", "action_name"))
@@ -143,6 +144,13 @@ def robots_text(robots: Iterable[str]) -> str | None:
     """Return robots as an entry names them, each once. A name that is not valid must not look like several."""
     names = (normalize_namespace(robot).replace(",", "?") for robot in robots)
     return ",".join(dict.fromkeys(names)) or None
+
+
+def _failure(error: BaseException) -> tuple[HTTPStatus, str]:
+    """Return the status and the code of what was not answered: the gateway has ended meanwhile, or has a bug."""
+    if isinstance(error, asyncio.CancelledError):
+        return HTTPStatus.SERVICE_UNAVAILABLE, "shutting_down"
+    return HTTPStatus.INTERNAL_SERVER_ERROR, "internal_error"
 
 
 def _name(scope: Scope, status: int) -> str | None:

@@ -20,7 +20,7 @@ from dock_gateway.gateway import Gateway
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
-from dock_gateway.web.audit import audited_command
+from dock_gateway.web.audit import AuditTrail, audited_command
 from dock_gateway.web.permissions import AUDITED_READS, COMMANDS, PUBLIC, ROUTES, STORED_FIRST, UNAUDITED_COMMANDS
 from tests.support.audit import AuditList, make_entry
 from tests.support.shapes import check_answer
@@ -295,3 +295,34 @@ async def test_other_commands_are_not_recorded(op: str) -> None:
         return {}
 
     assert await audited_command({}, op, {}, carry_out) == {}
+
+
+async def forever(*_: Any) -> Any:
+    await asyncio.Event().wait()
+
+
+@pytest.mark.parametrize("command", [False, True])
+async def test_what_the_end_of_the_gateway_cuts_off_is_recorded(command: bool) -> None:
+    site = await asyncio.to_thread(Site)
+    route = SimpleNamespace(name="calibrate_dock", dependant=SimpleNamespace(query_params=[]))
+    scope: dict[str, Any] = {
+        "type": "http",
+        "method": "POST",
+        "path": "/calibration",
+        "query_string": b"",
+        "headers": [],
+        "route": route,
+        "client": ("192.0.2.7", 1),
+        "state": {"gateway": SimpleNamespace(settings=site.settings, audit=site.audit)},
+    }
+    async with asyncio.TaskGroup() as tasks:
+        cut_off = tasks.create_task(
+            audited_command(scope | {"type": "websocket"}, "publish_battery", {}, forever)
+            if command
+            else AuditTrail(forever)(scope, forever, forever)
+        )
+        await asyncio.sleep(0)
+        cut_off.cancel()
+    entry = site.one()
+    assert entry.what == ("publish_battery" if command else "calibrate_dock")
+    assert (entry.status, entry.code, entry.outcome) == (503, "shutting_down", "failed")
