@@ -8,6 +8,7 @@ import asyncio
 import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
+from http import HTTPStatus
 from typing import Any
 
 from fastapi import APIRouter, Depends, Request
@@ -17,7 +18,7 @@ from starlette.responses import Response
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, got
 from dock_gateway.gateway import Gateway
 from dock_gateway.web.access import principal_of, signed
-from dock_gateway.web.audit import audited, robots_text
+from dock_gateway.web.audit import Trail, audited, robots_text
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -179,12 +180,18 @@ async def stop(request: Request, gateway: TheGateway, robot: RobotsQuery = None)
 
 
 async def _read_body(request: Request, gateway: Gateway) -> Any:
-    """Return the decoded body. If it is late, stop the robot meanwhile, without latching: the body may name another."""
+    """Return the decoded body. If it is late, stop the robot meanwhile, without latching: the body may name another.
+
+    The audit log has that as a stop of its own, as the body may never come, or be about another robot.
+    """
     reading = asyncio.create_task(read_json(request, empty={}, within=BODY_WITHIN))
     await asyncio.wait({reading}, timeout=BEGIN_WITHIN)
     if not reading.done():
-        with _noting([]):
+        wrong: list[GatewayError] = []
+        with _noting(wrong):
             await gateway.stopper.stop(*_read_robots(request.query_params, {}, []), latch=False)
+        status, code = (wrong[0].status, wrong[0].code) if wrong else (HTTPStatus.OK, None)
+        await Trail(request.scope).record(status, code)
     return await reading
 
 

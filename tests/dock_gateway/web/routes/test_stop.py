@@ -257,6 +257,41 @@ def test_a_stop_does_not_wait_for_its_body_and_obeys_it_when_it_comes(
 
 
 @pytest.mark.parametrize(
+    ("asked", "began", "ended"),
+    [
+        (Asked(body=(b"{}",), late=True), "/", ("/", 200)),
+        (Asked(body=(b'{"robot": "/robot2"}',), late=True), "/", ("/robot2", 200)),
+        (Asked(body=(b'{"robot": 7}',), late=True), "/", ("/", 422)),
+        (Asked(b"robot=/robot2&robot=/robot1", late=True), "/robot2,/robot1", ("/robot2,/robot1", 200)),
+    ],
+)
+async def test_a_stop_whose_body_comes_late_is_recorded_as_it_begins_and_as_its_body_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, asked: Asked, began: str, ended: tuple[str, int]
+) -> None:
+    monkeypatch.setattr(routes_module, "BODY_WITHIN", 60.0)
+    async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
+        await ask(fleet, asked)
+        entries = fleet.gateway.audit.entries
+        assert [(entry.what, entry.robot, entry.status) for entry in entries] == [
+            ("stop", began, 200),
+            ("stop", *ended),
+        ]
+
+
+async def test_a_stop_whose_body_never_comes_is_recorded_before_it_is_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(routes_module, "BODY_WITHIN", 60.0)
+    async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
+        asking = asyncio.create_task(ask(fleet, Asked(body=(b"{",), end="never")))
+        await until(lambda: fleet.gateway.audit.entries)
+        assert not asking.done()
+        (entry,) = fleet.gateway.audit.entries
+        assert (entry.what, entry.status, entry.outcome) == ("stop", 200, "done")
+        asking.cancel()
+
+
+@pytest.mark.parametrize(
     ("query", "body", "status"),
     [
         (b"robot=/robot1", b'{"robot": "/robot2"}', 422),
