@@ -15,6 +15,7 @@ from fastapi import APIRouter, Depends, Request
 from starlette.datastructures import QueryParams
 from starlette.responses import Response
 
+from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField, MalformedRequest, got
 from dock_gateway.gateway import Gateway
 from dock_gateway.web.access import principal_of, signed
@@ -67,12 +68,19 @@ PREFER = [{"name": "Prefer", "in": "header", "schema": {"type": "string"}, "exam
 
 
 async def stop_robots(
-    gateway: Gateway, robots: list[str], value: object, *, wait: float = 0.0, wrong: list[GatewayError] | None = None
+    gateway: Gateway,
+    principal: Principal,
+    robots: list[str],
+    value: object,
+    *,
+    wait: float = 0.0,
+    wrong: list[GatewayError] | None = None,
 ) -> dict[str, Any]:
     """Stop robots as requested, or by the defaults if the request cannot be read.
 
     Args:
         gateway: The gateway.
+        principal: Who stops them; whatever else cannot be read, their name is recorded if it is known.
         robots: The robots; none is the configured one.
         value: The decoded body, or the fields of a command.
         wait: Seconds that action servers may take to answer.
@@ -86,9 +94,9 @@ async def stop_robots(
         Unavailable: Zero velocity could not be published.
     """
     wrong = [] if wrong is None else wrong
-    how: dict[str, Any] = {}
+    how: dict[str, Any] = {"by": principal.name}
     with _noting(wrong):
-        how = _read_stop(read_object(value, *FIELDS))
+        how = _read_stop(read_object(signed(principal, value), *FIELDS))
     if wrong:
         log.warning("a stop is carried out although parts of the request are invalid: %s", _warning(wrong)["detail"])
     report = vars(await gateway.stopper.stop(*robots, **how, wait=wait))
@@ -170,13 +178,13 @@ async def stop(request: Request, gateway: TheGateway, robot: RobotsQuery = None)
     wait = 0.0
     wrong: list[GatewayError] = []
     with _noting(wrong):
-        value = signed(principal_of(request), await _read_body(request, gateway))
+        value = await _read_body(request, gateway)
     with _noting(wrong):
         wait = read_wait(request)
     robots = _read_robots(request.query_params, value, wrong)
     if robots:
         audited(request, robot=robots_text(robots))
-    return json_response(await stop_robots(gateway, robots, value, wait=wait, wrong=wrong))
+    return json_response(await stop_robots(gateway, principal_of(request), robots, value, wait=wait, wrong=wrong))
 
 
 async def _read_body(request: Request, gateway: Gateway) -> Any:

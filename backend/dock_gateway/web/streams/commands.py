@@ -3,6 +3,7 @@
 from collections.abc import Awaitable, Callable
 from typing import Any
 
+from dock_gateway.core.access import Principal
 from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import fragment
@@ -12,7 +13,7 @@ from dock_gateway.web.routes.battery import read_rate
 from dock_gateway.web.routes.stop import stop_robots
 
 Fields = dict[str, Any]
-Command = Callable[[Gateway, Fields], Awaitable[Fields]]
+Command = Callable[[Gateway, Principal, Fields], Awaitable[Fields]]
 
 MAX_ID = 200
 STOP = "stop"
@@ -55,7 +56,7 @@ def check_fields(fields: Fields, texts: tuple[str, ...] = (), others: tuple[str,
         raise InvalidField(errors[:20])
 
 
-async def _send_goal(gateway: Gateway, fields: Fields) -> Fields:
+async def _send_goal(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
     check_fields(fields, ("action", "robot", "idempotency_key"), ("goal",))
     name, robot, goal = fields.get("action"), fields.get("robot"), fields.get("goal")
     if name is None:
@@ -69,12 +70,12 @@ async def _send_goal(gateway: Gateway, fields: Fields) -> Fields:
     return {"goal": (await action.submitter.submit(message, check_key(key, "idempotency_key"))).document()}
 
 
-async def _cancel_goal(gateway: Gateway, fields: Fields) -> Fields:
+async def _cancel_goal(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
     check_fields(fields, ("goal_id",))
     return {"goal": (await gateway.cancel(read_goal_id(fields.get("goal_id") or ""))).document()}
 
 
-async def _publish_battery(gateway: Gateway, fields: Fields) -> Fields:
+async def _publish_battery(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
     check_fields(fields, ("robot",), ("state", "rate_hz"))
     publisher = gateway.robots.get(fields.get("robot")).publisher
     if "rate_hz" in fields:
@@ -83,27 +84,27 @@ async def _publish_battery(gateway: Gateway, fields: Fields) -> Fields:
     return {"state": fragment(await publisher.publish(fields.get("state", {}), "state"))}
 
 
-async def _stop_publishing(gateway: Gateway, fields: Fields) -> Fields:
+async def _stop_publishing(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
     check_fields(fields, ("robot",))
     publisher = gateway.robots.get(fields.get("robot")).publisher
     await publisher.stop()
     return {"battery_publisher": publisher.document()}
 
 
-async def _stop(gateway: Gateway, fields: Fields) -> Fields:
+async def _stop(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
     robot = fields.pop("robot", None)
     check_fields({"robot": robot}, ("robot",))
     if robot is None:  # an unknown field may be a misspelt `robot`
         check_fields(fields, (), ("latch", "by", "id"))
-    return await stop_robots(gateway, [] if robot is None else [robot], fields)
+    return await stop_robots(gateway, principal, [] if robot is None else [robot], fields)
 
 
-async def _release_stop(gateway: Gateway, fields: Fields) -> Fields:
+async def _release_stop(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
     check_fields(fields, ("robot",))
     return {"stop": await gateway.stopper.release(fields.get("robot"))}
 
 
-async def _ping(_: Gateway, fields: Fields) -> Fields:
+async def _ping(_: Gateway, __: Principal, fields: Fields) -> Fields:
     check_fields(fields)
     return {"time": utc_now()}
 

@@ -30,7 +30,7 @@ from dock_gateway.core.goal import encode
 from dock_gateway.core.hub import Subscriber
 from dock_gateway.core.tasks import cancel
 from dock_gateway.gateway import Gateway
-from dock_gateway.web.access import TICKET, authorize_command, principal_of, signed, subscribed
+from dock_gateway.web.access import TICKET, authorize_command, principal_of, subscribed
 from dock_gateway.web.audit import audited_command
 from dock_gateway.web.permissions import COMMANDS as PERMISSIONS
 from dock_gateway.web.problems import INTERNAL
@@ -149,7 +149,7 @@ class Session:
         if command is None:
             expected = f"one of subscribe, unsubscribe, {', '.join(COMMANDS)}"
             raise InvalidField([FieldError("op", expected, f"got {op[:60]!r}")])
-        return await command(self._gateway, signed(self._principal, fields) if op == STOP else fields)
+        return await command(self._gateway, self._principal, fields)
 
     def _subscribe(self, identity: str | None, fields: Fields) -> None:
         """Start a subscription. Nothing is awaited here, so the checks still hold when its id is registered."""

@@ -7,6 +7,7 @@ import asyncio
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import orjson
@@ -14,7 +15,9 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from dock_gateway.core.access import ANYBODY, Kind, Principal
 from dock_gateway.core.errors import InvalidField
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.fleet import stop as stop_module
 from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
@@ -184,6 +187,31 @@ def test_how_it_stops(body: bytes, latched: bool, by: str | None, wrong: str | N
     assert (warning and warning["errors"][0]["path"]) == wrong
 
 
+async def _nothing(_: str | None) -> None:
+    pass
+
+
+@pytest.mark.parametrize(
+    "body", [b"", b"{", b"[]", b'{"latch": 1}', b'{"lock": 1}', b'{"by": 7}', b'{"by": "mallory"}']
+)
+async def test_who_is_known_is_named_whatever_the_body(tmp_path: Path, body: bytes) -> None:
+    ada = Principal("ada", Kind.USER, Grant(Role.VIEWER), "id")
+    async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
+        fleet.gateway.settings = Settings(authentication=True, database_url="sqlite:////nowhere")
+        fleet.gateway.logins = SimpleNamespace(prepare=_nothing, identify=lambda _: ada)
+        _, document = await ask(fleet, Asked(headers=(JSON,), body=(body,)))
+        assert (document["stop"]["latched"], document["stop"]["by"]) == (True, "ada")
+        entry = fleet.gateway.audit.entries[-1]  # a busy machine reads the body late
+        assert (entry.what, entry.principal, entry.status) == ("stop", "ada", 200)
+
+
+async def test_who_is_known_is_named_on_a_websocket_too(tmp_path: Path) -> None:
+    ada = Principal("ada", Kind.USER, Grant(Role.VIEWER), "id")
+    async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
+        report = await COMMANDS["stop"](fleet.gateway, ada, {"latch": 1, "by": "mallory"})
+        assert (report["stop"]["latched"], report["stop"]["by"]) == (True, "ada")
+
+
 @pytest.mark.parametrize(
     ("asked", "code", "detail"),
     [
@@ -325,7 +353,7 @@ def test_no_robot_is_stopped_where_it_is_not_clear_which(query: bytes, body: byt
 async def test_a_stop_on_a_websocket(tmp_path: Path, command: dict[str, Any], latched: bool, wrong: list[str]) -> None:
     async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
         op, _, arguments = read_command({"op": "stop", **command})
-        report = await COMMANDS[op](fleet.gateway, arguments)
+        report = await COMMANDS[op](fleet.gateway, ANYBODY, arguments)
         assert fleet.zeros() == [0, 0, 1]
         assert fleet.interlock.holds("/robot2") is latched
         assert [error["path"] for error in (report["warning"] or {}).get("errors", [])] == wrong
@@ -338,5 +366,5 @@ async def test_no_robot_is_stopped_on_a_websocket_where_it_is_not_clear_which(
     async with fake_fleet(tmp_path / "stops.json", *NAMES) as fleet:
         op, _, arguments = read_command({"op": "stop", **command})
         with pytest.raises(InvalidField):
-            await COMMANDS[op](fleet.gateway, arguments)
+            await COMMANDS[op](fleet.gateway, ANYBODY, arguments)
         assert fleet.zeros() == [0, 0, 0]
