@@ -35,6 +35,16 @@ async def require_covered(gateway: Gateway, grant: Grant, scope: Scope, names: N
         raise not_covered(about)
 
 
+def require_action(grant: Grant, name: str) -> None:
+    """Refuse an action beyond a grant: a robot's docking action may be another one than when the request arrived.
+
+    Raises:
+        NotAllowed: It is (`not_covered`).
+    """
+    if not grant.covers_action(name):
+        raise not_covered(f"the action {name[:100]}")
+
+
 def not_covered(about: str) -> NotAllowed:
     """Return the error that something lies beyond a grant."""
     return NotAllowed(f"your access does not include {about}", code="not_covered")

@@ -6,11 +6,14 @@ from typing import Any
 from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
+from dock_gateway.actions.action import Action
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.goal import Goal as GoalRecord
 from dock_gateway.core.goal import Verb
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
+from dock_gateway.web.access import TheGrant
+from dock_gateway.web.limits import require_action
 from dock_gateway.web.openapi import docking_body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import (
@@ -85,9 +88,13 @@ def goal_routes(operations: Operations) -> APIRouter:
         openapi_extra={**operations.body, "parameters": goals.HEADERS},
         dependencies=[Depends(known_query("robot"))],
     )
-    async def send_goal(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
-        action = await gateway.docking_action(verb, robot)
-        return await goals.send_goal(request, action, path, pick=lambda: gateway.docking_action(verb, robot))
+    async def send_goal(request: Request, gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
+        async def pick() -> Action:
+            action = await gateway.docking_action(verb, robot)
+            require_action(grant, action.name)
+            return action
+
+        return await goals.send_goal(request, await pick(), path, pick=pick)
 
     @router.get(
         "",
@@ -98,6 +105,8 @@ def goal_routes(operations: Operations) -> APIRouter:
     )
     async def list_goals(
         gateway: TheGateway,
+        grant: TheGrant,
+        *,
         robot: RobotQuery = None,
         status: StatusQuery = None,
         limit: LimitQuery = 50,
@@ -106,7 +115,8 @@ def goal_routes(operations: Operations) -> APIRouter:
         """List goals, newest first."""
         await gateway.docking_action(verb, robot)
         names = gateway.actions.docking.all_names(gateway.robots.get(robot).namespace, verb)
-        wanted = GoalFilter(names, statuses=frozenset(status or ()))
+        covered = frozenset(filter(grant.covers_action, names))
+        wanted = GoalFilter(names, statuses=frozenset(status or ()), among=covered)
         return await goals.list_goals(gateway, wanted, limit, cursor)
 
     async def find_goal(gateway: Gateway, goal_id: str) -> GoalRecord:

@@ -8,6 +8,7 @@ from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import fragment
 from dock_gateway.gateway import Gateway
+from dock_gateway.web.limits import require_action
 from dock_gateway.web.requests import check_key, read_goal_id
 from dock_gateway.web.routes.battery import read_rate
 from dock_gateway.web.routes.stop import stop_robots
@@ -56,11 +57,12 @@ def check_fields(fields: Fields, texts: tuple[str, ...] = (), others: tuple[str,
         raise InvalidField(errors[:20])
 
 
-async def _send_goal(gateway: Gateway, _: Principal, fields: Fields) -> Fields:
+async def _send_goal(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
     check_fields(fields, ("action", "robot", "idempotency_key"), ("goal",))
     name, robot, goal = fields.get("action"), fields.get("robot"), fields.get("goal")
     if name is None:
         action = await gateway.docking_action("dock", robot)
+        require_action(principal.grant, action.name)
         message = action.parse_request(action.default_request if goal is None else goal, "goal")
     else:
         namespace = None if robot is None else gateway.robots.get(robot).namespace
