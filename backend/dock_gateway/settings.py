@@ -363,7 +363,7 @@ class Settings(BaseSettings):
     )
     heartbeat_interval: Seconds = Field(5.0, description="Seconds between heartbeats on a stream.")
 
-    @field_validator("allowed_hosts", "allowed_origins", "trusted_proxies", "stop_topics", mode="before")
+    @field_validator("allowed_hosts", "allowed_origins", "trusted_proxies", mode="before")
     @classmethod
     def _split_lower(cls, value: object) -> object:
         parts = _split(value)
@@ -371,7 +371,7 @@ class Settings(BaseSettings):
             return value
         return tuple(part.lower() if isinstance(part, str) else part for part in parts)
 
-    @field_validator("oidc_algorithms", "oidc_roles", mode="before")
+    @field_validator("stop_topics", "oidc_algorithms", "oidc_roles", mode="before")
     @classmethod
     def _split_exactly(cls, value: object) -> object:
         return _split(value)
@@ -528,7 +528,8 @@ def _split(value: object) -> object:
     parts = value.split(",") if isinstance(value, str) else value
     if not isinstance(parts, list | tuple):
         return value
-    return tuple(part.strip() if isinstance(part, str) else part for part in parts if part)
+    stripped = (part.strip() if isinstance(part, str) else part for part in parts)
+    return tuple(part for part in stripped if part)
 
 
 def is_safe_address(value: str) -> bool:

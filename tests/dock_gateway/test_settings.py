@@ -103,6 +103,11 @@ def test_host_names_are_read_in_lower_case() -> None:
     assert Settings(allowed_hosts="").allowed_hosts == ()  # type: ignore[arg-type]
 
 
+def test_topics_are_read_as_they_are_written() -> None:
+    """ROS tells apart names that differ only in case: an emergency stop must not be listened for elsewhere."""
+    assert Settings(stop_topics="EStop, /hall/E_STOP, ").stop_topics == ("EStop", "/hall/E_STOP")  # type: ignore[arg-type]
+
+
 def test_names_are_resolved_as_ros_does() -> None:
     assert Settings().resolve("connect_to_charging_dock") == "/connect_to_charging_dock"
     assert Settings(namespace="/robot1").resolve("dock") == "/robot1/dock"
