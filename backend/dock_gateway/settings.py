@@ -24,6 +24,9 @@ SIGNATURES = frozenset(
 )
 ROLES = frozenset({"viewer", "operator", "supervisor", "admin"})
 
+# 100 years. The beginning of a much longer time would lie before the first date that there is.
+MAX_DAYS = 36_500
+
 Seconds = Annotated[float, Field(gt=0, le=3600)]
 
 
@@ -260,6 +263,7 @@ class Settings(BaseSettings):
     retention_hours: float = Field(
         168.0,
         gt=0,
+        le=MAX_DAYS * 24,
         description="Hours for which feedback and battery events are kept. Status and result events are kept as long "
         "as their goal.",
     )
@@ -272,6 +276,7 @@ class Settings(BaseSettings):
     goal_retention_days: float = Field(
         365.0,
         ge=1,
+        le=MAX_DAYS,
         description="Days for which goals are kept, with their status and result events. Goals that have not ended "
         "are not deleted.",
     )
@@ -284,6 +289,7 @@ class Settings(BaseSettings):
     audit_retention_days: float = Field(
         365.0,
         ge=1,
+        le=MAX_DAYS,
         description="Days for which the entries of the [audit log](audit.md) are kept.",
     )
     audit_max_entries: int = Field(
