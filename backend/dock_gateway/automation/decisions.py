@@ -17,7 +17,7 @@ from dock_gateway.history import Entries
 
 log = logging.getLogger(__name__)
 
-# Maximum number of decisions that are kept; the oldest are deleted.
+# Maximum number of decisions that are kept, besides those that still count; the oldest are deleted.
 MAX_KEPT = 1000
 
 
@@ -77,7 +77,8 @@ class DecisionLog:
             self._published.add(identity)
         _log(decision)
         self._publish(identity)
-        for oldest in sorted(self.all(), key=lambda each: self.all()[each].at)[:-MAX_KEPT]:
+        ended = sorted((each.at, key) for key, each in self.all().items() if not each.open)
+        for _, oldest in ended[:-MAX_KEPT]:
             self._entries.put(oldest, None)
 
     def close_series(self, identities: list[str]) -> None:

@@ -257,6 +257,24 @@ async def test_the_oldest_decisions_are_deleted(site: Site, monkeypatch: pytest.
     assert [decision["id"] for decision in found] == ["3"]
 
 
+async def test_an_old_decision_that_counts_is_kept(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Otherwise the rule would send a robot again that it has given up, and the alert about that would end."""
+    monkeypatch.setattr(decisions_module, "MAX_KEPT", 2)
+    old = utc_now() - timedelta(days=1)
+    log = DecisionLog(site.hub, site.stored)
+    log.finish("gave up", Decision("low", "Low", ROBOT, old, Outcome.GAVE_UP, *[None] * 6, open=True))
+    for day in range(3):
+        at = old + timedelta(hours=1 + day)
+        log.finish(str(day), Decision("night", "Night", "/robot2", at, Outcome.SENT, *[None] * 6, open=False))
+    await log.save()
+    assert sorted(await site.stored.read()) == ["1", "2", "gave up"]
+    assert [*log.given_up()] == [ROBOT]
+    log.close_series(["gave up"])
+    log.finish("3", Decision("night", "Night", "/robot2", utc_now(), Outcome.SENT, *[None] * 6, open=False))
+    await log.save()
+    assert sorted(await site.stored.read()) == ["2", "3"]
+
+
 def test_what_counts_as_activity() -> None:
     robots = SimpleNamespace(owner=lambda _: SimpleNamespace(namespace=ROBOT))
     activity = Activity(cast("RobotRegistry", robots))
