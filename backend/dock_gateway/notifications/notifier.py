@@ -186,7 +186,7 @@ class Notifier:
             await self._outbox.add(*self._news.popleft())
         if not self._settled and time.monotonic() >= self._settled_at:
             await self._clear_earlier()
-        self._outbox.send_due()
+        await self._outbox.send_due()
 
     @property
     def _on(self) -> dict[str, Webhook]:

@@ -112,13 +112,17 @@ class Outbox:
         await self._deliveries.save()
         self._mine &= self._deliveries.keys()
 
-    def send_due(self) -> None:
+    async def send_due(self) -> None:
         """Send what is due, in background tasks: one for each webhook, one delivery after the other."""
-        for identity, _ in due(self._deliveries.all(), utc_now() - OVERDUE):
-            self._mine.add(identity)  # its gateway has ended
+        # What is not sent long after its time was left by a gateway that has ended, unless that has sent it meanwhile.
+        if self._overdue() - self._mine and await self._deliveries.sync():
+            self._mine |= self._overdue()
         for webhook_id in {delivery.webhook_id for _, delivery in self._due()} - self._sending:
             self._sending.add(webhook_id)
             self._tasks.spawn(self._send(webhook_id))
+
+    def _overdue(self) -> set[str]:
+        return {identity for identity, _ in due(self._deliveries.all(), utc_now() - OVERDUE)}
 
     def _due(self) -> list[tuple[str, Delivery]]:
         return [(identity, each) for identity, each in due(self._deliveries.all(), utc_now()) if identity in self._mine]

@@ -238,6 +238,24 @@ async def test_what_a_gateway_left_is_taken_over_by_another(
     assert receiver.bodies[0] == receiver.bodies[1]
 
 
+async def test_what_another_gateway_has_sent_is_not_taken_over(
+    site: Site, receiver: Receiver, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A gateway that looked while the other one was sending does not take that for its end."""
+    monkeypatch.setattr(notifier_module, "TIDY_EVERY", 1_000_000)
+    monkeypatch.setattr(outbox_module, "OVERDUE", timedelta(seconds=0.5))
+    receiver.release.clear()
+    first, second = site.gateway(STOP), site.gateway(STOP)
+    await first.replace("hook", site.hook())
+    await until(lambda: len(receiver.bodies) == 1)
+    assert [each["state"] for each in await second.deliveries("hook", 10)] == ["pending"]
+    receiver.release.set()
+    while await site.states() != [DeliveryState.DELIVERED]:
+        await looks(1)
+    await asyncio.sleep(0.7)
+    assert len(receiver.bodies) == 1
+
+
 async def test_alerts_are_sent_without_the_history_too(site: Site, receiver: Receiver) -> None:
     gateway = site.gateway()
     await gateway.replace("hook", site.hook())
