@@ -11,7 +11,7 @@ from urllib.parse import urlencode, urlsplit
 import click
 import httpx2
 import orjson
-from websockets.exceptions import ConnectionClosed, InvalidHandshake
+from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 from websockets.sync.client import connect
 
 from dock_gateway.settings import LOOPBACK_HOSTS
@@ -147,6 +147,8 @@ def events(url: str, query: str) -> Iterator[dict[str, Any]]:
         raise click.ClickException(f"the gateway refused the stream: {error}") from None
     except (ConnectionClosed, OSError) as error:
         raise click.ClickException(f"the stream ended: {error}") from None
+    except (InvalidURI, ValueError) as error:  # a certificate that is refused is an OSError, too
+        raise click.ClickException(f"{url} is not the address of a gateway: {error}") from None
 
 
 def show(event: dict[str, Any], *, as_json: bool) -> None:

@@ -118,3 +118,10 @@ def test_no_proxy_stands_before_this_machine(gateway: Gateway, url: str, direct:
     CliRunner().invoke(main, ["dock", "--url", url])
     assert {options["trust_env"] for _, _, options in gateway.requests} == {not direct}
     assert [options["proxy"] for options in gateway.connections] == [None if direct else True]
+
+
+@pytest.mark.parametrize("url", ["localhost:8000", "http://[::1", "http://localhost:99999"])
+def test_what_is_no_address_is_said_in_a_sentence(url: str) -> None:
+    result = CliRunner().invoke(main, ["watch", "--url", url])
+    assert (result.exit_code, result.output.partition(": ")[0]) == (1, "Error")
+    assert f"{url} is not the address of a gateway" in result.output
