@@ -68,10 +68,6 @@ class Part:
             )
             self._restart_at = now + self._backoff
 
-    def never_started(self) -> bool:
-        """Whether the process ended so soon that a restart would not help."""
-        return self.process.poll() is not None and time.monotonic() - self.started_at < START_WINDOW
-
 
 def _die_with_parent() -> None:
     """Let the kernel end this child process when the supervisor is killed."""
@@ -122,11 +118,12 @@ async def _supervise(commands: Mapping[str, Sequence[str]], url: str) -> bool:
         if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # `nohup` sets it to be ignored
             asyncio.get_running_loop().add_signal_handler(number, ended.set)
     parts = [Part(name, command) for name, command in commands.items()]
+    started_by = time.monotonic() + START_WINDOW
     announcing = asyncio.create_task(_announce(url))
     try:
         while not ended.is_set():
-            if parts[0].never_started():
-                return False
+            if time.monotonic() < started_by and parts[0].process.poll() is not None:
+                return False  # starting it again would not help
             for part in parts:
                 part.look()
             await asyncio.sleep(0.1)

@@ -1,13 +1,19 @@
 """`dock-gateway up`: where it says that the gateway is, and what it starts where."""
 
+import asyncio
+import os
+import signal
+import sys
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
 from dock_gateway.cli import main
+from dock_gateway.cli import up as up_module
 from dock_gateway.cli.up import SIMULATED, TUTORIAL, own_url, robot_commands, stay_on_this_machine
 from dock_gateway.settings import Settings
+from tests.support.waiting import until
 
 
 @pytest.mark.parametrize(
@@ -65,3 +71,31 @@ def test_the_programs_of_a_robot() -> None:
     (tutorial,) = robot_commands(TUTORIAL, Settings()).values()
     assert tutorial[0].endswith("/connect_to_charging_dock_server")
     assert tutorial[1:] == []
+
+
+# Counts its starts in a file. The first one runs for longer than a gateway whose settings are wrong.
+GATEWAY = """
+import pathlib, sys, time
+starts = pathlib.Path(sys.argv[1])
+starts.write_text(starts.read_text() + "x")
+time.sleep({1: 1.5, 2: 0}.get(len(starts.read_text()), 60))
+"""
+
+
+async def test_a_gateway_that_has_run_is_started_again_and_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(up_module, "START_WINDOW", 1.0)
+    monkeypatch.setattr(up_module, "MAX_BACKOFF", 0.1)
+    starts = tmp_path / "starts"
+    starts.touch()
+    command = [sys.executable, "-c", GATEWAY, str(starts)]
+    supervising = asyncio.create_task(up_module._supervise({"the gateway": command}, "http://127.0.0.1:1"))
+    await until(lambda: supervising.done() or starts.read_text() == "xxx")
+    assert not supervising.done()
+    os.kill(os.getpid(), signal.SIGTERM)
+    assert await supervising
+
+
+async def test_a_gateway_that_cannot_start_ends_everything(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert not await up_module._supervise({"the gateway": [sys.executable, "-c", ""]}, "http://127.0.0.1:1")
