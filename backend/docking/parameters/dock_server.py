@@ -114,7 +114,7 @@ class DockSettings(ServerSettings):
     def _find_fault(self, dock: Dock) -> str | None:
         if dock.rotate_to_dock and not dock.backward:
             return "rotate_to_dock is true, but dock_direction is not backward"
-        if dock.backward and self.controller is ControllerName.INFRARED:
+        if dock.backward and self.controller == ControllerName.INFRARED:
             return "dock_direction is backward, but infrared docks forwards only: its receivers look ahead"
         motion, timeouts, distance = self.motion, self.timeouts, dock.distance
         slow = min(distance, self.approach.slowdown_radius)

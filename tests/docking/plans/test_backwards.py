@@ -117,7 +117,7 @@ def test_a_robot_that_docked_backwards_undocks_forwards() -> None:
             "rotate_to_dock is true, but dock_direction is not backward",
         ),
         (
-            DockSettings(controller=ControllerName.INFRARED, dock=DOCKS["rear camera"]),
+            DockSettings(controller=ControllerName.INFRARED.value, dock=DOCKS["rear camera"]),  # as a node has it
             "dock_direction is backward, but infrared docks forwards only: its receivers look ahead",
         ),
         (
