@@ -73,6 +73,8 @@ class DockPosePlan(SightedPlan):
 
     def controller(self, stage: Stage) -> Behavior:
         """A new one for a stage."""
+        if stage is Stage.RETRY:
+            return self.back_off()
         sees_ahead = stage in {Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE} and self.dock.rotate_to_dock
         controller = self._forwards(stage)
         return Reversed(controller) if self.dock.backward and not sees_ahead else controller
@@ -85,8 +87,6 @@ class DockPosePlan(SightedPlan):
             return self._to_staging()
         if stage is Stage.CONTROLLING:
             return self._approach()
-        if stage is Stage.RETRY:
-            return self.back_off()
         return WaitForCharge(self)
 
     @property

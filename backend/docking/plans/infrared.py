@@ -100,7 +100,7 @@ class InfraredPlan(SightedPlan):
             return self._back_off()
         return WaitForCharge(self)
 
-    def _back_off(self) -> BackOut:
+    def _back_off(self) -> Behavior:
         """Not farther from the beacon than where it is seen well."""
         if self._robot is None or not self.beacon.known:
             return self.back_off()

@@ -1,13 +1,16 @@
 """What the plans that see the dock have in common: their stages, and the way back from the dock."""
 
+import math
 from abc import abstractmethod
 
 from docking.behaviors.back_out import BackOut
 from docking.behaviors.moves import bounded
+from docking.behaviors.reversed import Reversed
 from docking.core.errors import Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.dock_estimate import Spread
+from docking.goal.behavior import Behavior
 from docking.parameters import DockSettings
 
 BLIND_WAY = 0.1
@@ -63,9 +66,15 @@ class SightedPlan:
         if observation.odometry is not None:
             self._robot = observation.odometry.pose
 
-    def back_off(self) -> BackOut:
-        """Back to where the staging pose is, or a little where that is not known."""
+    def back_off(self) -> Behavior:
+        """Away from the dock to where the staging pose is, or a little where that is not known.
+
+        That is forwards where its back is turned to the dock. If that is not known, the end that sees is.
+        """
         staging, distance = -self.dock.staging_x_offset, BLIND_WAY
+        turned = self.dock.backward and not self.dock.rotate_to_dock
         if self._robot is not None and self.docked is not None:
-            distance = staging + self._robot.relative_to(self.docked).x
-        return BackOut(bounded(distance, staging), self.motion)
+            off = self._robot.relative_to(self.docked)
+            distance, turned = staging + off.x, abs(off.theta) > 0.5 * math.pi
+        back_out = BackOut(bounded(distance, staging), self.motion)
+        return Reversed(back_out) if turned else back_out

@@ -7,7 +7,8 @@ import pytest
 
 from docking.core.errors import ErrorCode, Stage
 from docking.core.geometry import Pose, normalize_angle
-from docking.core.observation import STANDSTILL
+from docking.core.observation import STANDSTILL, Velocity
+from docking.goal.behavior import Done
 from docking.goal.dock import Docking
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Command, End, Goal, Outcome
@@ -86,6 +87,31 @@ def test_the_poses_are_those_of_base_link(way: str) -> None:
     assert abs(error.theta) < 0.15
     turned = normalize_angle(told.staging_pose.theta - told.filtered_dock_pose.theta)
     assert abs(turned) == pytest.approx(0.0 if way == "rear camera" else math.pi, abs=1e-6)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@both
+def test_it_backs_off_away_from_the_dock_whether_it_has_turned_round_or_not(way: str, turned: bool) -> None:
+    simulation = world(way, Pose(-0.5, theta=CAMERAS[way]), 3)
+    plan = make_plan(DockSettings(controller=ControllerName.DOCK_POSE, dock=DOCKS[way]))
+    while simulation.time < 6.0:
+        simulation.run(PERIOD, Velocity(0.0, 1.0 if turned and 2.0 < simulation.time < 2.0 + math.pi else 0.0))
+        plan.observe(simulation.observe())
+    back_off = plan.controller(Stage.RETRY)
+    while isinstance(step := back_off.step(simulation.observe(), PERIOD), Velocity):
+        simulation.run(PERIOD, step)
+        plan.observe(simulation.observe())
+    assert isinstance(step, Done)
+    assert simulation.robot.pose.distance_to(Pose(-0.9)) < 0.1
+
+
+@both
+def test_where_the_dock_is_not_known_it_backs_off_from_where_it_looks(way: str) -> None:
+    simulation = world(way, Pose(-0.5), 3)
+    back_off = make_plan(DockSettings(controller=ControllerName.DOCK_POSE, dock=DOCKS[way])).controller(Stage.RETRY)
+    step = back_off.step(simulation.observe(), PERIOD)
+    assert isinstance(step, Velocity)
+    assert math.cos(CAMERAS[way]) * step.linear_x < 0.0
 
 
 def test_a_camera_that_looks_ahead_needs_rotate_to_dock() -> None:
