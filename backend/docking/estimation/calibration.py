@@ -20,6 +20,8 @@ SILENT = 2.0
 """The longest time without odometry, in s."""
 OUTLIER = 4.0
 """Detections farther from the median than this, in standard deviations, are left out."""
+NEAR = (0.015, math.radians(2.0))
+"""In m and rad; nearer ones never are: where poses are rounded, most may be the same, with no deviation at all."""
 MAD = 1.4826
 """A standard deviation as a multiple of the median absolute deviation, for normal noise."""
 AGREEING = 0.6
@@ -104,18 +106,21 @@ class DockCalibration:
                 f"the marker was {seen} detected within {lapse:.0f} s; {FEWEST} detections are needed"
             )
         agreeing = _without_outliers(self._seen)
+        left_out = len(self._seen) - len(agreeing)
+        agreed = len(agreeing) >= AGREEING * len(self._seen)
+        if not agreed:
+            agreeing = self._seen  # to say how much they spread; hardly any may be left
         count, first = len(agreeing), agreeing[0].theta
         xs, ys = [one.x for one in agreeing], [one.y for one in agreeing]
         turns = [normalize_angle(one.theta - first) for one in agreeing]
         distance_noise, angle_noise = max(stdev(xs), stdev(ys)), stdev(turns)
         errors = (distance_noise / math.sqrt(count), angle_noise / math.sqrt(count))
-        agreed = count >= AGREEING * len(self._seen)
         if lapse < LONGEST and not (agreed and errors[0] <= GOOD[0] and errors[1] <= GOOD[1]):
             return None
         if not agreed or errors[0] > TOLERABLE[0] or errors[1] > TOLERABLE[1]:
             raise CalibrationError(
                 f"the detections spread too much: by {1000.0 * distance_noise:.0f} mm and"
-                f" {math.degrees(angle_noise):.1f}° (standard deviation), and {len(self._seen) - count} of"
+                f" {math.degrees(angle_noise):.1f}° (standard deviation), and {left_out} of"
                 f" {len(self._seen)} were left out"
             )
         docked = Pose(fmean(xs), fmean(ys), normalize_angle(first + fmean(turns)))
@@ -127,8 +132,8 @@ def _without_outliers(poses: Sequence[Pose]) -> list[Pose]:
     columns = [[pose.x for pose in poses], [pose.y for pose in poses], [_turn(pose, first) for pose in poses]]
     middles = [median(column) for column in columns]
     limits = [
-        OUTLIER * MAD * median(abs(value - middle) for value in column) + 1e-9
-        for column, middle in zip(columns, middles, strict=True)
+        max(OUTLIER * MAD * median(abs(value - middle) for value in column), near)
+        for column, middle, near in zip(columns, middles, (NEAR[0], *NEAR), strict=True)
     ]
     return [
         pose

@@ -2,11 +2,12 @@
 
 import math
 from dataclasses import replace
+from itertools import cycle
 
 import pytest
 
 from docking.core.geometry import Pose
-from docking.core.observation import Observation
+from docking.core.observation import STANDSTILL, MarkerDetection, Observation, Odometry
 from docking.estimation.calibration import LONGEST, SHORTEST, SILENT, Calibration, CalibrationError, DockCalibration
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
@@ -127,3 +128,29 @@ def test_odometry_that_falls_silent() -> None:
     assert measurement.step(replace(silent, now=silent.now + SILENT)) is None
     with pytest.raises(CalibrationError, match="no odometry"):
         measurement.step(replace(silent, now=silent.now + SILENT + 0.1))
+
+
+def measure(seen: list[Pose], period: float = DT) -> Calibration:
+    """For a robot that detects its marker at these poses, again and again."""
+    measurement, now = DockCalibration(0.0), 0.0
+    for pose in cycle(seen):
+        now += period
+        odometry = Odometry(Pose(), STANDSTILL, now)
+        if result := measurement.step(Observation(now, odometry=odometry, marker=MarkerDetection(pose, now))):
+            return result
+    raise AssertionError("there are no poses")
+
+
+@pytest.mark.parametrize("step", [Pose(0.01), Pose(0.0, 0.001), Pose(0.0, 0.0, 0.02)], ids=str)
+def test_detections_that_are_rounded_are_no_outliers(step: Pose) -> None:
+    seen = Pose(0.2)
+    result = measure([*[seen] * 5, *[seen.compose(step)] * 4])
+    assert result.docked.distance_to(seen.inverse()) < 0.005
+    assert abs(result.docked.theta) <= 0.01
+
+
+@pytest.mark.parametrize("agreeing", [0, 1])
+def test_detections_that_do_not_agree_at_all(agreeing: int) -> None:
+    seen = [Pose()] * agreeing + [Pose(1.0)] * (4 - agreeing) + [Pose(0.0, 1.0)] * 3 + [Pose(0.0, 0.0, 1.0)] * 3
+    with pytest.raises(CalibrationError, match=rf"spread too much: .* {10 - agreeing} of 10 were left out"):
+        measure(seen, 1.0)
