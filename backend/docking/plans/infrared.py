@@ -26,6 +26,8 @@ ENOUGH = 3
 """Readings that must see the beacon before the robot moves on."""
 WELL_SEEN = 0.75
 """From the receivers to the beacon, in m: how far to back off."""
+PAUSE = 0.5
+"""After a longer time without an observation, in s, the robot has waited: what came meanwhile was not listened to."""
 
 
 class InfraredPlan(SightedPlan):
@@ -50,6 +52,7 @@ class InfraredPlan(SightedPlan):
         self._light: Pose | None = None  # in odom, where the robot has had a good look at the beacon
         self._waiting = False
         self._needed = False  # whether the stage needs the receivers
+        self._observed_at = self._listens_since = -math.inf
 
     @property
     def poses(self) -> KnownPoses:
@@ -75,7 +78,11 @@ class InfraredPlan(SightedPlan):
             PushedOff: The same on the dock.
         """
         self.beacon.update(observation)
-        if self._needed and observation.now - self.beacon.heard_at > self._detection_timeout:
+        if observation.now - self._observed_at > PAUSE:
+            self._listens_since = observation.now
+        self._observed_at = observation.now
+        silent = observation.now - max(self.beacon.heard_at, self._listens_since)
+        if self._needed and silent > self._detection_timeout:
             raise InfraredLost(
                 f"the receivers were silent for {self._detection_timeout:g} s (external_detection_timeout)"
             )

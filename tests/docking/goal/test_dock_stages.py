@@ -345,6 +345,21 @@ def test_a_silent_battery_stops_the_robot_and_the_clocks_of_the_stages(controlle
     assert Stage.WAIT_FOR_BATTERY in world.stages
 
 
+def test_receivers_are_not_silent_for_the_time_that_the_robot_waits() -> None:
+    def happen(world: World) -> None:
+        waits, waited = world.stage is Stage.WAIT_FOR_BATTERY, Stage.WAIT_FOR_BATTERY in world.stages
+        silent = world.in_stage < 3.0 if waits else world.stage is Stage.NAV_TO_STAGING_POSE and not waited
+        world.simulation.set_fault(Fault.SILENT_BATTERY, silent)
+
+    def blind(observation: Observation) -> Observation:
+        odometry = observation.odometry  # the newest reading always waits for it
+        return replace(observation, odometry=odometry and replace(odometry, stamp=odometry.stamp - 0.06))
+
+    world = World(ControllerName.INFRARED, limits=replace(LIMITS, max_retries=0), blind=blind, happen=happen)
+    assert world.run() == Outcome(End.SUCCEEDED)
+    assert Stage.WAIT_FOR_BATTERY in world.stages
+
+
 @pytest.mark.parametrize(
     ("limits", "stage", "error"),
     [
