@@ -30,6 +30,7 @@ from docking.plans.undock import UndockPlan
 from docking.simulation.battery import BatterySettings
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
+from docking.simulation.odometry import OdometrySettings
 from docking.simulation.settings import Settings
 from docking.simulation.simulation import Simulation
 
@@ -155,6 +156,17 @@ def test_who_asks_the_wrong_source_does_not_dock(
     outcome = dock(Simulation(Settings(start=NEAR, battery=battery), seed=5), charging)
     assert outcome.error_code is ErrorCode.FAILED_TO_CHARGE
     assert outcome.error_msg == f"the battery on the dock did not charge within 5 s (wait_charge_timeout){hint}"
+
+
+@pytest.mark.parametrize(
+    ("battery", "code"), [(SILENT, ErrorCode.NONE), (REVERSED, ErrorCode.FAILED_TO_CHARGE)], ids=["right", "wrong"]
+)
+def test_poses_tell_whose_current_it_is_where_odometry_has_no_velocity(
+    battery: BatterySettings, code: ErrorCode
+) -> None:
+    simulation = Simulation(Settings(start=NEAR, battery=battery, odometry=OdometrySettings(twist=False)), seed=5)
+    assert dock(simulation, CURRENT).error_code is code
+    assert simulation.robot.pose.distance_to(DOCKED) < 0.03
 
 
 @pytest.mark.parametrize(("charging", "code"), [(CURRENT, ErrorCode.FAILED_TO_CHARGE), (POSE, ErrorCode.NONE)])

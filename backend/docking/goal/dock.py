@@ -10,8 +10,10 @@ from docking.core.errors import (
     FailedToStage,
     Stage,
 )
-from docking.core.observation import STANDSTILL, Observation
+from docking.core.observation import Observation
+from docking.estimation.motion_model import MotionModel
 from docking.goal.dock_memory import DockMemory
+from docking.goal.motion_watch import makes_sense
 from docking.goal.objective import Deadline, Progress
 from docking.parameters import ChargingSettings, ChargingSource, DockTimeouts
 
@@ -48,6 +50,7 @@ class Docking:
         self._threshold = docking_threshold
         self._status: int | None = None
         self._connected_since: float | None = None
+        self._motion = MotionModel()  # for the velocity, measured from poses
         self._deadlines = {
             Stage.INITIAL_PERCEPTION: Deadline(
                 "initial_perception_timeout",
@@ -74,6 +77,9 @@ class Docking:
 
     def is_reached(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
         """Whether the battery has been charging for charge_stable_for."""
+        odometry = observation.odometry
+        if odometry is not None and makes_sense(odometry.pose):
+            self._motion.look(observation.now, odometry.pose)
         if battery is None or not self._charges(observation, battery, progress):
             self._connected_since = None
             return False
@@ -84,7 +90,7 @@ class Docking:
     def _charges(self, observation: Observation, battery: BatteryReading, progress: Progress) -> bool:
         self._status = battery.status
         odometry = observation.odometry
-        if tells_charging(battery, self._charging, STANDSTILL if odometry is None else odometry.velocity):
+        if tells_charging(battery, self._charging, self._motion.velocity):
             return True
         # Before the robot has arrived, it may still be where it was docked last.
         docked = progress.docked if progress.arrived else self.memory.at if self.memory.docked else None

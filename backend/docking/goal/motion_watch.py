@@ -91,7 +91,7 @@ class MotionWatch:
             OdometryLost: Odometry has been silent for too long.
         """
         now, odometry = observation.now, observation.odometry
-        sound = odometry if odometry is not None and _makes_sense(odometry.pose) else None
+        sound = odometry if odometry is not None and makes_sense(odometry.pose) else None
         if sound is not None:
             self._heard_at = max(self._heard_at, sound.stamp)
         if sound is None or now - sound.stamp > DELAY:
@@ -144,5 +144,6 @@ def _fits(commanded: float, to_and_fro: float, measured: float, least: float) ->
     return (missing <= 0.0 or commanded - measured <= least) and more <= least
 
 
-def _makes_sense(pose: Pose) -> bool:
+def makes_sense(pose: Pose) -> bool:
+    """Whether a robot can be there."""
     return pose.finite and max(abs(pose.x), abs(pose.y), abs(pose.theta)) < FARTHEST
