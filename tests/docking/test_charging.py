@@ -169,6 +169,14 @@ def test_poses_tell_whose_current_it_is_where_odometry_has_no_velocity(
     assert simulation.robot.pose.distance_to(DOCKED) < 0.03
 
 
+@pytest.mark.parametrize("back", [0.05, 0.7])
+def test_a_robot_that_comes_by_the_place_where_it_was_docked_is_not_docked(back: float) -> None:
+    simulation = Simulation(Settings(start=NEAR, battery=SILENT), seed=5)
+    memory = DockMemory(True, DOCKED.compose(Pose(-back)).relative_to(NEAR))  # odometry has drifted since
+    assert dock(simulation, POSE, memory).end is End.SUCCEEDED
+    assert simulation.robot.pose.distance_to(DOCKED) < 0.03
+
+
 @pytest.mark.parametrize(("charging", "code"), [(CURRENT, ErrorCode.FAILED_TO_CHARGE), (POSE, ErrorCode.NONE)])
 def test_the_pose_says_nothing_of_a_charger_that_is_dead(charging: ChargingSettings, code: ErrorCode) -> None:
     simulation = Simulation(Settings(start=NEAR), seed=5)

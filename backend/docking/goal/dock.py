@@ -15,7 +15,7 @@ from docking.estimation.motion_model import MotionModel
 from docking.goal.dock_memory import DockMemory
 from docking.goal.motion_watch import makes_sense
 from docking.goal.objective import Deadline, Progress
-from docking.parameters import ChargingSettings, ChargingSource, DockTimeouts
+from docking.parameters import ChargingSettings, ChargingSource, DockTimeouts, Staging
 
 
 class Docking:
@@ -34,6 +34,8 @@ class Docking:
         *,
         charging: ChargingSettings | None = None,
         docking_threshold: float = 0.05,
+        staging: Staging | None = None,
+        dock_type: str = "",
     ) -> None:
         """Begin with a battery that does not charge.
 
@@ -42,12 +44,16 @@ class Docking:
             memory: Where it is noted that the robot is docked.
             charging: What tells that the battery charges; None is its status.
             docking_threshold: How far from the docked pose the robot may stand, in m, where the pose tells it.
+            staging: Of the dock, to be remembered; None is the usual one.
+            dock_type: Of the dock, to be remembered.
         """
         self.timeouts = timeouts
         self.max_retries = timeouts.max_retries
         self.memory = memory or DockMemory()
         self._charging = charging or ChargingSettings()
         self._threshold = docking_threshold
+        self._staging = staging or Staging()
+        self._dock_type = dock_type
         self._status: int | None = None
         self._connected_since: float | None = None
         self._motion = MotionModel()  # for the velocity, measured from poses
@@ -78,8 +84,10 @@ class Docking:
     def is_reached(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
         """Whether the battery has been charging for charge_stable_for."""
         odometry = observation.odometry
-        if odometry is not None and makes_sense(odometry.pose):
-            self._motion.look(observation.now, odometry.pose)
+        robot = odometry.pose if odometry is not None and makes_sense(odometry.pose) else None
+        if robot is not None:
+            self._motion.look(observation.now, robot)
+        self.memory.heads_for(self._staging, self._dock_type, robot)
         if battery is None or not self._charges(observation, battery, progress):
             self._connected_since = None
             return False

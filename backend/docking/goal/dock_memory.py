@@ -18,7 +18,8 @@ class DockMemory:
     Attributes:
         docked: Whether the robot was docked at the end of the last goal that tells; None where nothing is known.
         at: Where it stood then, in odom; None where that is not known.
-        staging: Of the dock that the last docking goal was about, and the direction; None before the first one.
+        staging: Of the dock that the robot is on, else of that of the last docking goal, and the direction; None before
+            the first one.
         dock_type: Of the same dock; empty where there is none.
     """
 
@@ -30,6 +31,19 @@ class DockMemory:
     def note(self, docked: bool, at: Pose | None) -> None:
         """Remember how a goal has ended, and where."""
         self.docked, self.at = docked, at
+
+    def heads_for(self, staging: Staging, dock_type: str, robot: Pose | None) -> None:
+        """A goal to dock runs: its dock is remembered, unless the robot is still on the one where it was docked last.
+
+        Args:
+            staging: Of the goal's dock.
+            dock_type: Of the same dock.
+            robot: Where it is now, in odom; None where that is not known yet.
+        """
+        if robot is not None and self.recall(robot) is None:
+            self.docked = None  # for good: odometry drifts, so that the place may seem to be somewhere else later
+        if not self.docked or self.staging is None:
+            self.staging, self.dock_type = staging, dock_type
 
     def moves(self) -> None:
         """A goal moves the robot: what is known without a pose is known no longer."""

@@ -37,11 +37,12 @@ def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
         memory,
         charging=settings.charging,
         docking_threshold=settings.approach.docking_threshold,
+        staging=settings.dock,
+        dock_type=settings.dock_type,
     )
 
 
 def _make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
-    memory.staging, memory.dock_type = settings.dock, settings.dock_type
     obstacles = watch_obstacles(settings, backward=settings.dock.backward)
     return Goal(make_plan(settings), docking_objective(settings, memory), started_at, obstacles)
 

@@ -1,5 +1,9 @@
 from docking.core.geometry import Pose
+from docking.core.observation import STANDSTILL, Observation, Odometry
 from docking.goal.dock_memory import DockMemory
+from docking.goal.objective import Progress
+from docking.nodes.dock_server import docking_objective
+from docking.parameters import Dock, DockDirection, DockSettings, Staging
 
 
 def test_nothing_is_known_at_first() -> None:
@@ -25,3 +29,34 @@ def test_without_a_pose_it_holds_until_a_goal_moves_the_robot() -> None:
     assert memory.recall(Pose()) is True
     memory.moves()
     assert memory.recall(Pose()) is None
+
+
+FRONT, BACK = Staging(), Staging(dock_direction=DockDirection.BACKWARD)
+
+
+def test_the_dock_of_a_goal_is_remembered_as_soon_as_the_robot_has_left_the_other_one() -> None:
+    memory = DockMemory()
+    memory.heads_for(FRONT, "front", None)
+    assert (memory.staging, memory.dock_type) == (FRONT, "front")
+    memory.note(True, Pose(1.0))
+    for robot in (None, Pose(1.0), Pose(0.95)):
+        memory.heads_for(BACK, "back", robot)
+        assert (memory.docked, memory.staging, memory.dock_type) == (True, FRONT, "front")
+    memory.heads_for(BACK, "back", Pose(0.85))
+    assert (memory.docked, memory.staging, memory.dock_type) == (None, BACK, "back")
+    assert memory.recall(Pose(1.0)) is None  # odometry may have drifted
+
+
+def test_a_robot_that_is_on_no_dock_remembers_that_of_the_next_goal() -> None:
+    memory = DockMemory(False, Pose(1.0), FRONT, "front")
+    memory.heads_for(BACK, "back", None)
+    assert (memory.docked, memory.staging, memory.dock_type) == (False, BACK, "back")
+
+
+def test_the_dock_of_a_robot_that_was_moved_by_hand_is_that_of_the_next_goal() -> None:
+    memory = DockMemory(True, Pose(1.0), FRONT, "front")
+    dock = Dock(dock_direction=DockDirection.BACKWARD)
+    docking = docking_objective(DockSettings(dock=dock, dock_type="back"), memory)
+    odometry = Odometry(Pose(3.0), STANDSTILL, 0.0)
+    assert not docking.is_reached(Observation(0.0, None, odometry), None, Progress(False, False, None))
+    assert (memory.staging, memory.dock_type) == (dock, "back")
