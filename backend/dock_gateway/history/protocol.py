@@ -308,13 +308,14 @@ class History(Protocol):
     async def unfinished(self, *, complete: bool = False) -> list[Goal]:
         """Return the goals without a final status, oldest first, to be resumed after a restart.
 
-        While the database does not answer, only the goals in the spool are returned.
+        While the database does not answer, only the goals in memory are returned.
 
         Args:
-            complete: Raise instead of returning only the goals in the spool.
+            complete: Raise instead of returning only the goals in memory.
 
         Raises:
-            Unavailable: `complete` is set and the database does not answer (`history_unavailable`).
+            Unavailable: `complete` is set, and the database does not answer or does not have all goals of the spool
+                (`history_unavailable`).
         """
 
     async def events_after(

@@ -269,6 +269,8 @@ class SqlHistory:
 
     async def unfinished(self, *, complete: bool = False) -> list[Goal]:
         """Return the goals without a final status, oldest first."""
+        if complete:
+            self._reader.require_everything()
         waiting = dict(self._waiting.goals)
         stored: dict[str, Goal] = {}
         try:

@@ -213,20 +213,17 @@ class Writer:
         """Remove the spool's files once the database has their entries."""
         if not self._spool.count:
             return
-        evicted, self.evicted = self.evicted, 0
+        evicted = self.evicted
         paths = await self._spool.rotate()
-        try:
-            # An entry is in memory before it is in a file: what these files hold is written here, or was evicted.
-            await self._write_waiting()
-            if evicted:
-                async for entries in self._spool.read(paths):
-                    await self._write(batch_of(entries))
-                    await asyncio.sleep(0)
-        except BaseException:
-            self.evicted += evicted
-            raise
-        if self.evicted:
+        # An entry is in memory before it is in a file: what these files hold is written here, or was evicted.
+        await self._write_waiting()
+        if evicted:
+            async for entries in self._spool.read(paths):
+                await self._write(batch_of(entries))
+                await asyncio.sleep(0)
+        if self.evicted > evicted:
             return  # entries of these files were evicted meanwhile; they are read next time
+        self.evicted = 0
         await self._spool.remove(paths)
         log.info("all spooled entries are in the database")
 

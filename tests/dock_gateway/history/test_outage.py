@@ -236,6 +236,24 @@ async def test_the_spool_is_emptied_while_goals_keep_coming(
         assert history.stats().spooled == 0
 
 
+async def test_no_list_is_short_while_the_spool_is_read_back(
+    database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError("away")
+
+    async with open_at(database_url, tmp_path, max_waiting=10) as history:
+        with monkeypatch.context() as patch:
+            patch.setattr(queries, "write", fail)
+            for number in range(500):
+                history.record(make_goal(number))
+            await until(lambda: history.stats().waiting == 10)
+            with pytest.raises(Unavailable, match="catching up"):
+                await history.unfinished(complete=True)
+        monkeypatch.setattr(queries, "write", partial(slowly, queries.write, seconds=0.3))
+        assert len(await pages(history)) == 500
+
+
 async def test_a_full_database(sqlite_url: str, tmp_path: Path) -> None:
     async with open_at(sqlite_url, tmp_path) as history:
         await history.add(make_goal(0))
