@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import partial
+from typing import Any, TypeVar
 
 import sqlalchemy as sa
 
@@ -14,7 +15,7 @@ from dock_gateway.core.event import time_id
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.history import audit, notes, queries
 from dock_gateway.history.database import DATABASE_ERRORS, Database
-from dock_gateway.history.tables import IS_KEPT, events, goals, idempotency_keys
+from dock_gateway.history.tables import IS_DROPPABLE, IS_KEPT, events, goals, idempotency_keys
 
 log = logging.getLogger(__name__)
 
@@ -22,22 +23,26 @@ INTERVAL = 60.0  # seconds between two runs
 TIMEOUT = 10.0  # seconds per transaction
 # The maximum number of events, and of goals (with their events), deleted per transaction, to keep it short.
 CHUNK, GOAL_CHUNK = 1000, 20
+# The maximum number of events, and of goals, that are added up to find the last one that is too much.
+LOOK, GOAL_LOOK = 20_000, 2000
 # Bytes of a status or result event in the file besides its text: ids, indexes and its share of the goal's row.
 OVERHEAD = 1000
 # The pause after each transaction, so that other writers get the lock and the disk: in seconds, or as a multiple of
 # the time that the transaction took, whichever is longer.
 PAUSE, REST = 0.05, 4
 
-_UNFINISHED = [status.value for status in GoalStatus if not status.final]
+# `not in`, because with `in` SQLite would scan all ended goals by the index on the status, and sort them.
+_HAS_ENDED = goals.c.status.not_in([status.value for status in GoalStatus if not status.final])
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class Deleted:
-    """What a transaction has deleted: number of events and goals, and bytes."""
+    """How many events and goals a transaction has deleted."""
 
     events: int = 0
     goals: int = 0
-    size: int = 0
 
 
 @dataclass(frozen=True)
@@ -88,10 +93,10 @@ class Retention:
         limits = self._limits
         event_id = time_id(time.time_ns() - int(limits.event_age * 1e9))
         created = datetime.now(UTC) - timedelta(seconds=limits.goal_age)
-        deleted = await self._delete(partial(_delete_events, before=event_id))
-        deleted += await self._delete(_delete_events, await self._read(_event_bytes) - limits.event_bytes)
-        deleted += await self._delete(partial(_delete_goals, before=created))
-        deleted += await self._delete(_delete_goals, await self._read(_goal_bytes) - limits.goal_bytes)
+        deleted = await self._delete(_delete_events, event_id)
+        deleted += await self._delete_excess(_delete_events, partial(_last_event_beyond, limits.event_bytes))
+        deleted += await self._delete(partial(_delete_goals, lost=True), created)
+        deleted += await self._delete_excess(_delete_goals, partial(_last_goal_beyond, limits.goal_bytes))
         async with asyncio.timeout(TIMEOUT):
             await self._database.write(_delete_old_keys, durable=False)
         await self._delete_audit()
@@ -105,56 +110,72 @@ class Retention:
                 deleted = await self._database.write(audit.delete_old, before, self._limits.audit_entries)
             await asyncio.sleep(PAUSE)
 
-    async def _read(self, size: Callable[[sa.Connection], int]) -> int:
-        async with asyncio.timeout(TIMEOUT):
-            return await self._database.read(size)
-
-    async def _delete(self, delete: Callable[[sa.Connection, int | None], Deleted], excess: int | None = None) -> int:
-        """Delete in small transactions until nothing is left to delete, or `excess` bytes are gone."""
+    async def _delete(self, delete: Callable[[sa.Connection, T], Deleted], last: T) -> int:
+        """Delete what is not later than `last`, in small transactions; return the number of deleted events."""
         events = 0
-        while excess is None or excess > 0:
+        while True:
             start = time.monotonic()
             async with asyncio.timeout(TIMEOUT):
-                deleted = await self._database.write(delete, excess, durable=False)
+                deleted = await self._database.write(delete, last, durable=False)
             if not (deleted.events or deleted.goals):
-                break
+                return events
             events += deleted.events
-            excess = None if excess is None else excess - deleted.size
             await asyncio.sleep(max(PAUSE, REST * (time.monotonic() - start)))
+
+    async def _delete_excess(
+        self, delete: Callable[[sa.Connection, T], Deleted], find_last: Callable[[sa.Connection], T | None]
+    ) -> int:
+        """Delete until nothing is too much; return the number of deleted events.
+
+        Gateways that share the database find the same last one, so together they delete no more than one alone.
+        """
+        events = 0
+        while (last := await self._read(find_last)) is not None and (deleted := await self._delete(delete, last)):
+            events += deleted
         return events
+
+    async def _read(self, find: Callable[[sa.Connection], T]) -> T:
+        async with asyncio.timeout(TIMEOUT):
+            return await self._database.read(find)
 
 
 def _delete_old_keys(connection: sa.Connection) -> None:
     connection.execute(sa.delete(idempotency_keys).where(idempotency_keys.c.expires_at <= datetime.now(UTC)))
 
 
-def _event_bytes(connection: sa.Connection) -> int:
-    return connection.scalar(sa.select(sa.func.sum(events.c.size)).where(events.c.droppable)) or 0
+def _last_beyond(connection: sa.Connection, most: int, total: sa.Select[tuple[int]], oldest: sa.Select[Any]) -> Any:
+    """Return the last entry that must go so that `most` bytes are left, in one statement; None if nothing must go.
 
-
-def _goal_bytes(connection: sa.Connection) -> int:
-    size = sa.func.sum(events.c.size) + OVERHEAD * sa.func.count()
-    return connection.scalar(sa.select(size).where(IS_KEPT)) or 0
+    Args:
+        connection: The database.
+        most: How much is kept.
+        total: Selects how much there is.
+        oldest: Selects the oldest entries that may go, in order: their place in it, and their size.
+    """
+    place, size = oldest.subquery().c
+    before = sa.func.coalesce(sa.func.sum(size).over(order_by=place, rows=(None, -1)), 0)
+    entries = sa.select(place, before.label("before")).subquery()
+    excess = total.scalar_subquery() - sa.literal(most, sa.BigInteger)
+    return connection.scalar(sa.select(sa.func.max(entries.c[0])).where(entries.c.before < excess))
 
 
 # ---------------------------------------------------------------------- feedback and battery events
 
 
-def _delete_events(connection: sa.Connection, excess: int | None, before: str | None = None) -> Deleted:
-    """Delete the oldest events: as many as the excess requires, or those before an id."""
-    query = sa.select(events.c.id, events.c.topic, events.c.size).where(events.c.droppable)
-    if before is not None:
-        query = query.where(events.c.id < before)
+def _last_event_beyond(most: int, connection: sa.Connection) -> str | None:
+    total = sa.select(sa.func.sum(events.c.size)).where(IS_DROPPABLE)
+    oldest = sa.select(events.c.id, events.c.size).where(IS_DROPPABLE).order_by(events.c.id).limit(LOOK)
+    last: str | None = _last_beyond(connection, most, total, oldest)
+    return last
+
+
+def _delete_events(connection: sa.Connection, last: str) -> Deleted:
+    """Delete the oldest events up to an id."""
+    query = sa.select(events.c.id, events.c.topic).where(IS_DROPPABLE, events.c.id <= last)
     query = query.order_by(events.c.id).limit(CHUNK).with_for_update(skip_locked=True)
-    doomed: dict[str, str] = {}
-    size = 0
-    for row in connection.execute(query):
-        if excess is not None and size >= excess:
-            break
-        doomed[row.id] = row.topic
-        size += row.size
+    doomed = {row.id: row.topic for row in connection.execute(query)}
     _delete_by_id(connection, doomed)
-    return Deleted(events=len(doomed), size=size)
+    return Deleted(events=len(doomed))
 
 
 def _delete_by_id(connection: sa.Connection, doomed: dict[str, str]) -> None:
@@ -169,28 +190,37 @@ def _delete_by_id(connection: sa.Connection, doomed: dict[str, str]) -> None:
 # ---------------------------------------------------------------------- goals
 
 
-def _delete_goals(connection: sa.Connection, excess: int | None, before: datetime | None = None) -> Deleted:
-    """Delete the oldest ended goals with their events; or those created, or created and lost, before a time.
+def _last_goal_beyond(most: int, connection: sa.Connection) -> datetime | None:
+    size = sa.func.sum(events.c.size) + OVERHEAD * sa.func.count()
+    total = sa.select(size).where(IS_KEPT)
+    of_goal = total.where(events.c.goal_id == goals.c.goal_id).scalar_subquery()
+    oldest = sa.select(goals.c.created_at, sa.func.coalesce(of_goal, 0)).where(_HAS_ENDED, _has_no_key())
+    last: datetime | None = _last_beyond(connection, most, total, oldest.order_by(goals.c.created_at).limit(GOAL_LOOK))
+    return last
 
-    A goal whose idempotency key is still valid stays: a retry would send it again. If the goals have more events than
-    fit in a transaction, only events are deleted first.
+
+def _delete_goals(connection: sa.Connection, last: datetime, *, lost: bool = False) -> Deleted:
+    """Delete the oldest ended goals with their events, up to a time of creation; also those `lost` up to then.
+
+    If the goals have more events than fit in a transaction, only events are deleted first.
     """
-    # `not in`, because with `in` SQLite would scan all ended goals by the index on the status, and sort them.
-    gone: sa.ColumnElement[bool] = goals.c.status.not_in(_UNFINISHED)
-    if before is not None:
-        lost = sa.and_(goals.c.status == GoalStatus.LOST.value, goals.c.updated_at < before)
-        gone = sa.and_(goals.c.created_at < before, sa.or_(gone, lost))
-    key = sa.exists().where(
-        idempotency_keys.c.goal_id == goals.c.goal_id, idempotency_keys.c.expires_at > datetime.now(UTC)
-    )
-    query = sa.select(goals.c.goal_id).where(gone, ~key).order_by(goals.c.created_at, goals.c.goal_id)
-    doomed = list(connection.scalars(query.limit(GOAL_CHUNK).with_for_update(skip_locked=True)))
-    of_doomed = sa.select(events.c.id, events.c.topic, events.c.size, events.c.droppable)
-    rows = connection.execute(of_doomed.where(events.c.goal_id.in_(doomed)).limit(CHUNK)).all()
+    gone: sa.ColumnElement[bool] = _HAS_ENDED
+    if lost:
+        gone = sa.or_(gone, sa.and_(goals.c.status == GoalStatus.LOST.value, goals.c.updated_at <= last))
+    query = sa.select(goals.c.goal_id).where(goals.c.created_at <= last, gone, _has_no_key())
+    query = query.order_by(goals.c.created_at, goals.c.goal_id).limit(GOAL_CHUNK).with_for_update(skip_locked=True)
+    doomed = list(connection.scalars(query))
+    of_doomed = sa.select(events.c.id, events.c.topic).where(events.c.goal_id.in_(doomed))
+    rows = connection.execute(of_doomed.limit(CHUNK)).all()
     _delete_by_id(connection, {row.id: row.topic for row in rows})
-    size = sum(row.size + OVERHEAD for row in rows if not row.droppable)
     if len(rows) == CHUNK:
-        return Deleted(events=len(rows), size=size)
+        return Deleted(events=len(rows))
     notes.delete_of(connection, doomed)
     connection.execute(sa.delete(goals).where(goals.c.goal_id.in_(doomed)))
-    return Deleted(len(rows), len(doomed), size)
+    return Deleted(len(rows), len(doomed))
+
+
+def _has_no_key() -> sa.ColumnElement[bool]:
+    """A goal whose idempotency key is still valid stays: a retry would send it again."""
+    is_valid = idempotency_keys.c.expires_at > datetime.now(UTC)
+    return ~sa.exists().where(idempotency_keys.c.goal_id == goals.c.goal_id, is_valid)

@@ -69,6 +69,7 @@ metadata = sa.MetaData()
 
 # Text, not a parameter: a query must have the same text as the index's condition for the index to be used.
 IS_BATTERY = sa.text("topic = 'battery'")
+IS_DROPPABLE = sa.text("droppable")
 IS_KEPT = sa.text("NOT droppable")
 HAS_ERROR = sa.text("error_code IS NOT NULL")
 
@@ -348,7 +349,7 @@ horizons = sa.Table(
 def prepare_for(dialect: str) -> None:
     """Set the conditions of the partial indexes for `sqlite` or `postgresql`; the other need not be loaded."""
     parts = {
-        "droppable_events": sa.text("droppable"),
+        "droppable_events": IS_DROPPABLE,
         "battery_events": IS_BATTERY,
         "kept_events": IS_KEPT,
         "goals_by_error": HAS_ERROR,

@@ -138,7 +138,7 @@ async def test_the_oldest_goals_go_where_they_are_too_much(database_url: str, tm
         await history.retention.enforce()
         ids = await goals_left(history)
         assert ids == [goal.goal_id for goal in [*ended[-len(ids) + 1 :], running]]
-        assert 51 - retention.GOAL_CHUNK <= len(ids) <= 51
+        assert len(ids) == 51
         assert await history.retention.enforce() == 0
 
 
@@ -163,3 +163,22 @@ async def test_two_replicas_delete_goals_together(database_url: str, tmp_path: P
         deleted = await asyncio.gather(one.retention.enforce(), other.retention.enforce())
         assert sum(deleted) == 400
         assert await goals_left(one) == []
+
+
+async def test_two_replicas_delete_no_more_than_is_too_much(
+    database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(retention, "LOOK", 30)
+    monkeypatch.setattr(retention, "GOAL_LOOK", 30)
+    ended = [made(number, 200 - number) for number in range(200)]
+    status, feedback, result = story(ended[0], 1)
+    size = len(status.data) + len(result.data) + 2 * retention.OVERHEAD
+    limits = {"goal_bytes": 100 * size, "event_bytes": 80 * len(feedback.data), "event_age": 10**9}
+    async with (
+        open_at(database_url, tmp_path / "1", **limits) as one,
+        open_at(database_url, tmp_path / "2", **limits) as other,
+    ):
+        await keep(one, ended, feedback=1)
+        await asyncio.gather(one.retention.enforce(), other.retention.enforce())
+        assert await goals_left(one) == [goal.goal_id for goal in ended[-100:]]
+        assert len(await left(one)) == 2 * 100 + 80
