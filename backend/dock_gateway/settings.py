@@ -24,10 +24,10 @@ SIGNATURES = frozenset(
 )
 ROLES = frozenset({"viewer", "operator", "supervisor", "admin"})
 
-# 100 years. The beginning of a much longer time would lie before the first date that there is.
-MAX_DAYS = 36_500
-
 Seconds = Annotated[float, Field(gt=0, le=3600)]
+# 1000 years. The beginning of a much longer time would lie before the first date that there is.
+Days = Annotated[float, Field(ge=1, le=365_000)]
+Megabytes = Annotated[int, Field(ge=1, le=1_000_000_000)]
 
 
 def scope() -> str:
@@ -263,33 +263,27 @@ class Settings(BaseSettings):
     retention_hours: float = Field(
         168.0,
         gt=0,
-        le=MAX_DAYS * 24,
+        le=8_760_000,
         description="Hours for which feedback and battery events are kept. Status and result events are kept as long "
         "as their goal.",
     )
-    retention_mb: int = Field(
+    retention_mb: Megabytes = Field(
         256,
-        ge=1,
         description="Maximum size of the stored feedback and battery events, in megabytes. The oldest are deleted "
         "first.",
     )
-    goal_retention_days: float = Field(
+    goal_retention_days: Days = Field(
         365.0,
-        ge=1,
-        le=MAX_DAYS,
         description="Days for which goals are kept, with their status and result events. Goals that have not ended "
         "are not deleted.",
     )
-    goal_retention_mb: int = Field(
+    goal_retention_mb: Megabytes = Field(
         1000,
-        ge=1,
         description="Maximum size of the stored goals with their status and result events, in megabytes. The oldest "
         "ended goals are deleted first.",
     )
-    audit_retention_days: float = Field(
+    audit_retention_days: Days = Field(
         365.0,
-        ge=1,
-        le=MAX_DAYS,
         description="Days for which the entries of the [audit log](audit.md) are kept.",
     )
     audit_max_entries: int = Field(

@@ -74,6 +74,13 @@ def test_the_environment_is_read_and_options_win(monkeypatch: pytest.MonkeyPatch
         ("tls_cert", "cert.pem"),
         ("tls_key", "key.pem"),
         ("tls_client_ca", "ca.pem"),
+        ("retention_hours", "1e12"),
+        ("retention_hours", "inf"),
+        ("retention_mb", "1000000001"),
+        ("goal_retention_days", "365001"),
+        ("goal_retention_days", "nan"),
+        ("goal_retention_mb", "1000000001"),
+        ("audit_retention_days", "1e9"),
     ],
 )
 def test_wrong_settings_are_refused_by_name(name: str, value: str) -> None:

@@ -9,9 +9,10 @@ import sqlalchemy as sa
 
 from dock_gateway.core.event import Event, feedback_event, nanoseconds, result_event, status_event
 from dock_gateway.core.goal import Goal, GoalStatus
-from dock_gateway.history import retention
+from dock_gateway.history import open_history, retention
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.tables import events, goals, idempotency_keys
+from dock_gateway.settings import Settings
 from tests.support.history import EVERYTHING, make_event, make_goal, open_at, written
 
 HOUR_NS = 3600 * 10**9
@@ -182,3 +183,20 @@ async def test_two_replicas_delete_no_more_than_is_too_much(
         await asyncio.gather(one.retention.enforce(), other.retention.enforce())
         assert await goals_left(one) == [goal.goal_id for goal in ended[-100:]]
         assert len(await left(one)) == 2 * 100 + 80
+
+
+async def test_the_longest_and_largest_that_can_be_set(database_url: str, tmp_path: Path) -> None:
+    settings = Settings(
+        retention_hours=8_760_000,
+        retention_mb=10**9,
+        goal_retention_days=365_000,
+        goal_retention_mb=10**9,
+        audit_retention_days=365_000,
+        database_url=database_url,
+        spool_path=tmp_path / "spool",
+    )
+    async with open_history(settings) as history:
+        assert isinstance(history, SqlHistory)
+        kept = await keep(history, [made(1, 10_000)], feedback=1)
+        assert await history.retention.enforce() == 0
+        assert await left(history) == [event.id for event in kept]
