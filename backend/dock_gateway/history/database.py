@@ -60,8 +60,10 @@ class Database(ABC):
 
 
 def is_about_data(error: Exception) -> bool:
-    """Return whether the data itself was refused (SQLSTATE class 22 or 23), so that a retry fails again."""
+    """Return whether the data itself was refused, so that a retry fails again: by the driver, or SQLSTATE 22 or 23."""
     if not isinstance(error, sa_errors.DBAPIError):
+        return isinstance(error, sa_errors.StatementError | ValueError)
+    if error.orig is not None and isinstance(error.orig.__cause__, ValueError):
         return True
     sqlstate = str(getattr(error.orig, "sqlstate", None) or "")
     return isinstance(error, sa_errors.DataError | sa_errors.IntegrityError) or sqlstate[:2] in ("22", "23")

@@ -65,8 +65,8 @@ class Reader:
         return self._database.prepared and time.monotonic() >= self._pause_until
 
     def _away(self, error: Exception) -> Unavailable:
-        self._pause_until = time.monotonic() + READ_PAUSE
-        self._writer.doubt(error)
+        if self._writer.doubt(error):
+            self._pause_until = time.monotonic() + READ_PAUSE
         return Unavailable(AWAY, code="history_unavailable")
 
     def require_everything(self) -> None:

@@ -240,12 +240,16 @@ class Writer:
             log.warning("the history database does not answer; goals go to the spool: %s", self.last_error)
         self.reachable = False
 
-    def doubt(self, error: Exception) -> None:
-        """Check the database after a read failed."""
+    def doubt(self, error: Exception) -> bool:
+        """Check the database after an access failed; return False if it was the data that the database refused."""
+        if is_about_data(error):
+            log.error("the database refuses a value: %s", brief(error))
+            return False
         if self.reachable:
             self._say_unreachable(error)
         self._wake.set()
         self._urgent.set()
+        return True
 
     # ------------------------------------------------------------------ the spool
 

@@ -8,7 +8,7 @@ from typing import Annotated
 from fastapi import Depends, Query
 from pydantic import AfterValidator, AwareDatetime, BeforeValidator, StringConstraints
 
-from dock_gateway.core.errors import FieldError, InvalidField
+from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.filters import EventFilter, WithoutFeedback
 from dock_gateway.core.goal import Origin
 from dock_gateway.core.grant import Grant
@@ -42,7 +42,8 @@ def _in_utc(time: datetime) -> datetime:
 
 
 Time = Annotated[AwareDatetime, BeforeValidator(_as_documented), AfterValidator(_in_utc)]
-ActionName = Annotated[str, StringConstraints(pattern=f"^/?{NAME_PART}(?:/{NAME_PART})*$")]
+ACTION_NAME = re.compile(rf"/?{NAME_PART}(?:/{NAME_PART})*")
+ActionName = Annotated[str, StringConstraints(pattern=f"^{ACTION_NAME.pattern}$")]
 TIME_PATTERN = {"pattern": f"^{RFC_3339.pattern}$"}
 SinceQuery = Annotated[
     Time | None, Query(description="At this time or later, RFC 3339", json_schema_extra=TIME_PATTERN)
@@ -188,6 +189,8 @@ async def read_event_filter(gateway: Gateway, query: Mapping[str, str], grant: G
     """
     robot, action, goal_id = query.get("robot"), query.get("action"), query.get("goal_id")
     namespace = "/" if robot is None else read_namespace(robot)
+    if action is not None and not ACTION_NAME.fullmatch(action):
+        raise InvalidField([FieldError("query.action", "the name of an action", got(action))])
     names = [name.strip() for name in query.get("include", "").split(",") if name.strip()]
     if unknown := [name for name in names if name not in INCLUDES]:
         raise InvalidField([FieldError("query.include", f"any of {', '.join(INCLUDES)}", f"got {unknown[0][:60]!r}")])

@@ -197,7 +197,7 @@ def read_key(request: Request) -> str | None:
     """Return the Idempotency-Key header.
 
     Raises:
-        InvalidField: It is empty or too long.
+        InvalidField: It is not a key.
     """
     return check_key(request.headers.get("idempotency-key"), "header.Idempotency-Key")
 
@@ -206,10 +206,10 @@ def check_key(key: str | None, path: str) -> str | None:
     """Check and return an idempotency key, which may be None.
 
     Raises:
-        InvalidField: It is empty or too long.
+        InvalidField: It is empty or too long, or has a NUL, which databases do not accept.
     """
-    if key is not None and not 0 < len(key) <= MAX_KEY:
-        raise InvalidField([FieldError(path, f"1 to {MAX_KEY} characters", f"got {len(key)}")])
+    if key is not None and (not 0 < len(key) <= MAX_KEY or "\0" in key):
+        raise InvalidField([FieldError(path, f"1 to {MAX_KEY} characters, without NUL", got(key))])
     return key
 
 

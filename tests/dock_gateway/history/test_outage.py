@@ -162,6 +162,19 @@ async def test_what_cannot_be_looked_up_is_not_said_to_be_missing(
         assert len(await pages(history)) == 1
 
 
+@pytest.mark.parametrize("text", ["\0", "\ud800"])
+async def test_a_text_that_the_database_refuses_is_no_outage(postgresql_url: str, tmp_path: Path, text: str) -> None:
+    async with open_at(postgresql_url, tmp_path) as history:
+        await history.add(make_goal(1))
+        with pytest.raises(Unavailable):
+            await history.notes.of(text)
+        with pytest.raises(Unavailable):
+            await history.notes.replace_tags("goal-0001", [text])
+        await history.claim(text, "goal-0002", "f")
+        assert history.stats().database_reachable
+        assert await history.get("goal-0001") is not None
+
+
 async def test_memory_is_bounded_and_drops_nothing_that_must_be_kept(
     outage: tuple[str, Outage], tmp_path: Path
 ) -> None:

@@ -10,7 +10,7 @@ from dock_gateway.core.errors import InvalidField
 from dock_gateway.core.goal import GoalStatus
 from dock_gateway.settings import Settings
 from dock_gateway.web.audit import Trail
-from dock_gateway.web.requests import known_query, read_goal_id, read_json, read_name
+from dock_gateway.web.requests import check_key, known_query, read_goal_id, read_json, read_name
 from dock_gateway.web.routes.goals import send_goal
 from tests.support.history import make_goal
 
@@ -53,6 +53,14 @@ def test_what_is_no_name(value: object) -> None:
         read_name(value, 10)
     (error,) = refused.value.extra["errors"]
     assert (error["path"], error["expected"]) == ("by", "1 to 10 characters, in one line")
+
+
+@pytest.mark.parametrize("key", ["", "k" * 201, "key\0"])
+def test_what_is_no_idempotency_key(key: str) -> None:
+    with pytest.raises(InvalidField) as refused:
+        check_key(key, "idempotency_key")
+    (error,) = refused.value.extra["errors"]
+    assert (error["path"], error["expected"]) == ("idempotency_key", "1 to 200 characters, without NUL")
 
 
 async def test_no_goal_is_sent_for_an_empty_body() -> None:

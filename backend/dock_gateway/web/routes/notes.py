@@ -50,7 +50,7 @@ TAGS_REQUEST = {
     "properties": {"tags": {"type": "array", "maxItems": MAX_TAGS, "items": name_schema(MAX_TAG)}},
     "examples": [{"tags": ["blocked", "maintenance"]}],
 }
-NoteId = Annotated[str, Path(description="`note_id` of the note", json_schema_extra={"pattern": "^[0-9a-f]{32}$"})]
+NoteId = Annotated[str, Path(description="`note_id` of the note", pattern="^[0-9a-f]{32}$")]
 
 
 @router.get("/tags", response_model=Tags, responses=problems(422, 503))

@@ -70,6 +70,7 @@ def test_notes_and_tags(client: Client) -> None:
     left = client("DELETE", f"{NOTES}/{note['note_id']}")
     assert [each["by"] for each in left["notes"]] == ["Bob"]
     assert client("DELETE", f"{NOTES}/{note['note_id']}", 404)["code"] == "note_not_found"
+    assert client("DELETE", f"{NOTES}/%00", 422)["errors"][0]["path"] == "path.note_id"
     assert client("GET", f"/goals/{GOAL.replace('-', '').upper()}/notes") == left
     assert client("PUT", TAGS, json={"tags": []})["tags"] == []
 
