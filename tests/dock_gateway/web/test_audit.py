@@ -14,7 +14,7 @@ from starlette.testclient import TestClient
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
 from dock_gateway.core.audit import AuditEntry
-from dock_gateway.core.errors import Conflict, NotFound
+from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.gateway import Gateway
 from dock_gateway.history.memory import MemoryHistory
@@ -22,6 +22,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
 from dock_gateway.web.audit import AuditTrail, audited_command
 from dock_gateway.web.permissions import AUDITED_READS, COMMANDS, PUBLIC, ROUTES, STORED_FIRST, UNAUDITED_COMMANDS
+from dock_gateway.web.routes import audit
 from tests.support.audit import AuditList, make_entry
 from tests.support.shapes import check_answer
 
@@ -252,6 +253,29 @@ def test_reading_is_for_admins_and_recorded(site: Site) -> None:
         check_answer("GET", "/audit/export", 200, "application/json", whole.content)
         assert len(whole.json()) == 5
         assert [entry.what for entry in site.audit.entries] == ["export_audit"] * 3
+
+
+@pytest.mark.parametrize("kind", ["csv", "json"])
+def test_an_export_of_a_history_that_is_away_is_refused(site: Site, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def fail(*_: object, **__: object) -> None:
+        raise Unavailable("the history database does not answer", code="history_unavailable")
+
+    monkeypatch.setattr(site.history.audit, "page", fail)
+    with site.client(Role.ADMIN) as http:
+        answer = http.get("/audit/export", params={"format": kind})
+    assert (answer.status_code, answer.json()["code"]) == (503, "history_unavailable")
+
+
+@pytest.mark.parametrize("count", [0, 1, 3, 6, 7])
+def test_an_export_has_every_record(site: Site, count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(audit, "ROWS", 3)
+    if count:
+        asyncio.run(site.history.audit.append([make_entry(number) for number in range(count)]))
+    with site.client(Role.ADMIN) as http:
+        head, *rows = csv.reader(io.StringIO(http.get("/audit/export", params={"format": "csv"}).text))
+        records = http.get("/audit/export").json()
+    assert head[0] == "sequence"
+    assert [int(row[0]) for row in rows] == [record["sequence"] for record in records] == [*range(count, 0, -1)]
 
 
 COMMAND = [

@@ -1,6 +1,7 @@
 """`/audit`: who did what, from where, to which robot, with which outcome."""
 
 from collections.abc import AsyncGenerator
+from functools import partial
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request
@@ -106,23 +107,25 @@ async def export_audit(
 
 
 async def _as_csv(gateway: Gateway, wanted: AuditFilter) -> AsyncGenerator[bytes]:
-    yield rows_of([[*AuditRecord.model_fields]])
+    head: list[list[object]] = [[*AuditRecord.model_fields]]
     async for rows in _pages(gateway, wanted):
-        yield rows_of(list(row.document().values()) for row in rows)
+        yield rows_of([*head, *(list(row.document().values()) for row in rows)])
+        head = []
 
 
 async def _as_json(gateway: Gateway, wanted: AuditFilter) -> AsyncGenerator[bytes]:
     before = b"[\n"
     async for rows in _pages(gateway, wanted):
-        yield before + b",\n".join(encode(row.document()) for row in rows)
-        before = b",\n"
+        if rows:
+            yield before + b",\n".join(encode(row.document()) for row in rows)
+            before = b",\n"
     yield b"\n]\n" if before == b",\n" else b"[]\n"
 
 
 async def _pages(gateway: Gateway, wanted: AuditFilter) -> AsyncGenerator[list[AuditRow]]:
-    before: int | None = None
-    while rows := await gateway.history.audit.page(wanted, limit=ROWS, before=before):
+    """Yield the matching rows page by page. The first page may be empty."""
+    page = partial(gateway.history.audit.page, wanted, limit=ROWS)
+    rows = await page()
+    yield rows
+    while len(rows) == ROWS and (rows := await page(before=rows[-1].sequence)):
         yield rows
-        before = rows[-1].sequence
-        if len(rows) < ROWS:
-            return
