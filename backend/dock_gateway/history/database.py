@@ -72,4 +72,4 @@ def is_about_data(error: Exception) -> bool:
 def brief(error: Exception) -> str:
     """Return the error in one line, without the statement and its data."""
     cause = error.orig if isinstance(error, sa_errors.DBAPIError) and error.orig is not None else error
-    return (str(cause) or type(cause).__name__).splitlines()[0][:300]
+    return (str(cause).strip() or type(cause).__name__).splitlines()[0][:300]
