@@ -234,12 +234,15 @@ def test_everyone_stops_every_robot_and_releases_the_own_one(robots: Robots) -> 
     assert robots.ask(robots.admin, "GET", f"/stop?robot={TWO}")["latched"] is True
     alerts = robots.ask(robots.one, "GET", "/alerts")["alerts"]
     assert TWO not in [alert["robot"] for alert in alerts]
-    (latched,) = [
-        each
-        for each in wait_until(lambda: robots.ask(robots.admin, "GET", "/alerts")["alerts"], "the alert of the stop")
-        if each["kind"] == "stop_latched"
-    ]
-    assert robots.refused(robots.one, "PUT", f"/alerts/{latched['id']}/acknowledgement", {"by": "x"})
+    latched = wait_until(
+        lambda: [
+            each["id"]
+            for each in robots.ask(robots.admin, "GET", "/alerts")["alerts"]
+            if (each["kind"], each["robot"]) == ("stop_latched", TWO)
+        ],
+        "the alert of the stop",
+    )
+    assert robots.refused(robots.one, "PUT", f"/alerts/{latched[0]}/acknowledgement", {"by": "x"})
     robots.ask(robots.admin, "DELETE", f"/stop?robot={TWO}")
 
 
