@@ -9,6 +9,7 @@ import pytest
 
 from dock_gateway.actions import registry as actions
 from dock_gateway.actions.registry import ActionRegistry
+from dock_gateway.core import discovery
 from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalStatus
@@ -98,6 +99,7 @@ async def test_whatever_is_wrong_with_one_action_the_others_are_tried(
             """Never called."""
 
     monkeypatch.setattr(actions, "ActionPort", Failing)
+    monkeypatch.setattr(discovery, "TURN", 60.0)
     kind = "action_tutorials_interfaces/action/Fibonacci"
     await registry.update(Scan({"/a": [kind], "/b": [kind], "/c/connect_to_charging_dock": [kind]}))
     assert tried == ["/c/connect_to_charging_dock", "/a", "/b"], "docking comes first"
