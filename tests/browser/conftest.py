@@ -50,7 +50,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
             report.sections.append(("the page", page.locator("body").aria_snapshot(timeout=5_000)))
             page.screenshot(path=RESULTS / f"{item.name.replace('/', ' ')}.png", full_page=True)
     if report.failed and isinstance(gateway, RunningGateway):
-        with suppress(httpx2.HTTPError):  # it is gone
+        with suppress(httpx2.HTTPError, RuntimeError):  # it is gone, or its client is closed
             answers = [gateway.http.get(path).text for path in ("/readyz", "/stop", "/goals?limit=3")]
             report.sections.append(("the gateway", "\n".join(answers)))
     return report
