@@ -10,7 +10,7 @@ import sqlalchemy as sa
 
 from dock_gateway.core.event import STATUS, Event, event_id, feedback_event, result_event, status_event
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
-from dock_gateway.history import queries, sql
+from dock_gateway.history import queries, sql, sqlite
 from dock_gateway.history.rows import Batch
 from dock_gateway.history.sql import SqlHistory
 from dock_gateway.history.tables import events, goals, idempotency_keys
@@ -148,6 +148,7 @@ async def test_a_key_is_let_go_of_by_its_goal(database_url: str, tmp_path: Path)
 async def test_one_of_many_claims_wins(database_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for patience in ("OPEN_TIMEOUT", "KEY_TIMEOUT"):  # a database that is away decides nothing
         monkeypatch.setattr(sql, patience, 30.0)
+    monkeypatch.setattr(sqlite, "BUSY_TIMEOUT", 30.0)
     async with open_at(database_url, tmp_path) as one, open_at(database_url, tmp_path) as other:
         for round_ in range(10):
             claims = [
