@@ -59,8 +59,8 @@ class BatteryReading:
         return f"has a percentage of {self.percentage:g}, but it must be from 0 to 1"
 
     def age(self, now: float) -> float:
-        """Seconds since it was received, at least 0."""
-        return max(0.0, now - self.received_at)
+        """Seconds since it was received; negative if it is ahead of the clock."""
+        return now - self.received_at
 
 
 class Battery:

@@ -24,6 +24,8 @@ from docking.goal.objective import Objective, Progress
 from docking.goal.obstacle_watch import ObstacleWatch
 from docking.goal.plan import Plan
 
+CLOCK_JUMP = 0.5
+"""Seconds: a clock that goes back by more has jumped, and a reading that is ahead by more is of another clock."""
 BEYOND_RETRY = (OdometryLost, ScanLost, Obstructed)
 """What ends a goal for its own reason, also while the robot backs off for another one."""
 
@@ -114,7 +116,7 @@ class Goal:
         self._objective = objective
         self._obstacles = obstacles if plan.motion is not None else None
         self._timeouts = objective.timeouts
-        self._started_at = self._stepped_at = started_at
+        self._started_at = self._stepped_at = self._heard_at = started_at
         self._limiter: Limiter | None = None
         self._watch: MotionWatch | None = None
         if plan.motion is not None:
@@ -132,7 +134,7 @@ class Goal:
         """What to do now.
 
         Only a battery reading that is not stale can end the goal well: one from before the goal counts as long as it
-        is fresh.
+        is fresh. Where the clock jumps back, nothing tells how old anything is any more, so that the goal is aborted.
 
         Args:
             observation: What is known now.
@@ -140,7 +142,13 @@ class Goal:
         if self.outcome is not None:
             return self.outcome
         now, battery = observation.now, observation.battery
-        dt, self._stepped_at = max(0.0, now - self._stepped_at), now
+        dt, self._stepped_at = now - self._stepped_at, now
+        if dt < -CLOCK_JUMP:
+            return self.abort(ErrorCode.UNKNOWN, f"the clock jumped back by {-dt:.3g} s")
+        if battery is not None and battery.age(now) < -CLOCK_JUMP:
+            battery = None
+        if battery is not None:
+            self._heard_at = max(self._heard_at, battery.received_at)
         fresh = battery if battery is not None and battery.age(now) <= self._timeouts.battery_stale_after else None
         try:
             if self._objective.is_reached(observation, fresh, self._progress):
@@ -151,7 +159,7 @@ class Goal:
             return self.abort(
                 ErrorCode.TIMEOUT, f"the goal was not reached within {self._timeouts.goal_timeout:g} s (goal_timeout)"
             )
-        return self._wait(now, battery) if fresh is None else self._go_on(observation, dt)
+        return self._wait(now, battery) if fresh is None else self._go_on(observation, max(0.0, dt))
 
     def pause(self) -> None:
         """The robot stands still, as time does; the next step goes on from there."""
@@ -181,8 +189,7 @@ class Goal:
         return self.outcome
 
     def _wait(self, now: float, battery: BatteryReading | None) -> Command | Outcome:
-        heard_at = self._started_at if battery is None else max(self._started_at, battery.received_at)
-        if now - heard_at > self._timeouts.battery_lost_after:
+        if now - self._heard_at > self._timeouts.battery_lost_after:
             return self.abort(
                 ErrorCode.BATTERY_LOST,
                 f"no battery message for {self._timeouts.battery_lost_after:g} s (battery_lost_after)",

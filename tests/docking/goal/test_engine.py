@@ -108,6 +108,34 @@ def test_silence_from_before_the_goal_does_not_count(battery: BatteryReading | N
     assert goal.step(Observation(START + 60.1, battery)).error_code is ErrorCode.BATTERY_LOST
 
 
+@pytest.mark.parametrize("status", [1, 3])
+def test_a_reading_that_is_ahead_of_the_clock_counts_as_none(status: int) -> None:
+    goal = make_goal()
+    for now in (START, START + 60.0):
+        step = goal.step(Observation(now, reading(status, START + 1000.0)))
+        assert isinstance(step, Command)
+        assert (step.stage, step.velocity) == (Stage.WAIT_FOR_BATTERY, STANDSTILL)
+    assert goal.step(Observation(START + 60.1, None)).error_code is ErrorCode.BATTERY_LOST
+
+
+def test_a_reading_may_be_ahead_by_a_tick_of_a_simulated_clock() -> None:
+    goal = make_goal()
+    assert goal.step(Observation(START + 90.0, reading(3, START + 90.5))) == Command(
+        Stage.CONTROLLING, Velocity(0.0, 0.15)
+    )
+    waiting = goal.step(Observation(START + 91.0, reading(3, START + 91.6)))
+    assert waiting.error_code is ErrorCode.BATTERY_STALE  # the clock comes up in a moment, so it is not lost
+    assert isinstance(goal.step(Observation(START + 92.0, reading(3, START + 91.6))), Command)
+
+
+def test_a_clock_that_jumps_back_aborts() -> None:
+    goal = make_goal()
+    goal.step(Observation(START + 10.0, reading(3, START + 10.0)))
+    assert isinstance(goal.step(Observation(START + 9.5, reading(3, START + 9.5))), Command)
+    step = goal.step(Observation(START + 8.9, reading(1, START + 8.9)))
+    assert step == Outcome(End.ABORTED, ErrorCode.UNKNOWN, "the clock jumped back by 0.6 s")
+
+
 def test_it_times_out() -> None:
     goal = make_goal(timeouts(goal_timeout=5.0))
     assert isinstance(goal.step(Observation(START + 4.9, reading(3, START + 4.9))), Command)
