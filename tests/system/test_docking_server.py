@@ -1,8 +1,11 @@
 """The docking action server over DDS."""
 
 import math
+import threading
+import time
 
 import pytest
+from action_msgs.srv import CancelGoal
 from geometry_msgs.msg import Twist
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
@@ -10,7 +13,9 @@ from rcl_interfaces.msg import Log, ParameterType
 from rcl_interfaces.srv import DescribeParameters
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState
+from unique_identifier_msgs.msg import UUID
 
+from action_tutorials_interfaces.action import ConnectToChargingDock
 from docking.core.observation import Observation, Velocity
 from docking.core.parameter import parameters_of
 from docking.goal.plan import SingleStage
@@ -18,6 +23,7 @@ from docking.parameters import DockSettings
 from docking.ros.action_server import RESULT_TIMEOUT
 from tests.support.docking import (
     ABORTED,
+    ACTION,
     CANCELED,
     CHARGING,
     LOW,
@@ -25,6 +31,7 @@ from tests.support.docking import (
     SUCCEEDED,
     Reports,
     battery_state,
+    dock_goal,
     dock_server,
     send_dock_goal,
     watch_wheels,
@@ -137,6 +144,26 @@ def test_a_second_goal_preempts_where_the_policy_says_so(domain: int, observer: 
         observer.publish(CHARGING, BATTERY)
         assert second.result().status == SUCCEEDED
         wait_until(lambda: wheels.standing, "zero velocity")
+
+
+def test_a_cancel_of_all_goals_reaches_the_one_that_has_just_preempted_another(domain: int, observer: Observer) -> None:
+    services, goal_id = ConnectToChargingDock.Impl, UUID(uuid=list(range(16)))
+    send = services.SendGoalService.Request(goal_id=goal_id, goal=dock_goal())
+    go_on = threading.Event()
+    with dock_server(domain, "goal_policy:=preempt") as server:
+        first = send_dock_goal(observer)
+        try:
+            server.executor.create_task(go_on.wait, 15.0)  # then it takes both requests at once
+            observer.ask(services.SendGoalService, f"{ACTION}/_action/send_goal", send)
+            canceled = observer.ask(CancelGoal, f"{ACTION}/_action/cancel_goal", CancelGoal.Request())
+            time.sleep(0.5)
+        finally:
+            go_on.set()
+        answer = observer.result_of(canceled, "the answer to the cancel")
+        assert [info.goal_id for info in answer.goals_canceling] == [goal_id]
+        assert first.result().status == ABORTED
+        get = services.GetResultService.Request(goal_id=goal_id)
+        assert observer.request(services.GetResultService, f"{ACTION}/_action/get_result", get).status == CANCELED
 
 
 def test_a_silent_battery_stops_the_wheels_and_keeps_the_goal(domain: int, observer: Observer) -> None:

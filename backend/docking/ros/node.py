@@ -242,12 +242,8 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
             self.control()
         outcome: Outcome = await execution.ended
         result = self._spec.action_type.Result(final_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
-        if outcome.end is End.SUCCEEDED:
-            handle.succeed()
-        elif outcome.end is End.CANCELED and handle.is_cancel_requested:
+        if outcome.end is End.CANCELED:  # rclpy notes the request after `_cancel`, so that `_end` was too early
             handle.canceled()
-        else:
-            handle.abort()
         return result
 
     def _cancel(self, handle: ServerGoalHandle) -> CancelResponse:
@@ -319,17 +315,19 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._active_goal.running = None
         self._control_timer.cancel()
         self._drive.stop()
-        running.ended.set_result(outcome)
         self._report = report_on(outcome, running.goal_id)
         logger = self.get_logger()
         if outcome.end is End.SUCCEEDED:
             running.handle.publish_feedback(self._feedback())
+            running.handle.succeed()
             for line in self._spec.success:
                 logger.info(line)
         elif outcome.end is End.CANCELED:
             logger.info(f"Goal {running.goal_id} canceled")
         else:
+            running.handle.abort()  # at once: of all goals to cancel, rclpy skips the one after a goal that refuses
             logger.error(f"Goal {running.goal_id} aborted: {outcome.error_msg} [{outcome.error_code.value}]")
+        running.ended.set_result(outcome)
         self._publish_report(self._report)
         self._transforms.use(self._navigation, on=False)
         self._sensors.listen_to(frozenset())  # an idle node costs next to nothing
