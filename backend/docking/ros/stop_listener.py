@@ -63,6 +63,8 @@ class _Ear(Waitable):  # type: ignore[misc] # rclpy has no types
 class StopListener:
     """Whether a stop holds. All calls must come from the thread that spins the node.
 
+    A topic that cannot be subscribed to counts as a stop: nobody could stop the robot on it.
+
     Attributes:
         held: Whether one does.
     """
@@ -79,7 +81,7 @@ class StopListener:
         self._on_change = on_change
         self._votes: dict[str, StopVotes] = {}
         self._ears: dict[str, list[_Ear]] = {}
-        self.listen_to(())
+        self._subscribe(TOPIC)
 
     def listen_to(self, topics: Sequence[str]) -> None:
         """Listen to these topics, too, and to no others any longer; what was said on those counts no more."""
@@ -91,9 +93,18 @@ class StopListener:
                 self._node.destroy_subscription(ear.subscription)
         for topic in wanted:
             if topic not in self._ears:
-                self._votes[topic] = StopVotes()
-                self._ears[topic] = [self._listen(topic, quality) for quality in QUALITIES]
+                self._subscribe(topic)
         self._update()
+
+    def _subscribe(self, topic: str) -> None:
+        self._votes[topic] = StopVotes()
+        ears: list[_Ear] = []
+        self._ears[topic] = ears
+        try:
+            for quality in QUALITIES:
+                ears.append(self._listen(topic, quality))  # noqa: PERF401 - those before a failure are kept, too
+        except Exception as error:  # noqa: BLE001 - rclpy raises many kinds: for a type, a name, a quality of service
+            self._node.get_logger().error(f"Cannot subscribe to {topic}, which counts as a stop: {error}")
 
     def _listen(self, topic: str, quality: QoSProfile) -> _Ear:
         kept = quality.durability is DurabilityPolicy.TRANSIENT_LOCAL
@@ -115,8 +126,9 @@ class StopListener:
 
     def look(self) -> None:
         """See who is there; call it once a second."""
-        for topic in self._votes:
-            self._look(topic)
+        for topic, ears in self._ears.items():
+            if ears:
+                self._look(topic)
         self._update()
 
     def _look(self, topic: str) -> None:
@@ -135,7 +147,8 @@ class StopListener:
         )
 
     def _update(self) -> None:
-        held = any(votes.held for votes in self._votes.values())
+        deaf = any(len(ears) < len(QUALITIES) for ears in self._ears.values())
+        held = deaf or any(votes.held for votes in self._votes.values())
         if held != self.held:
             self.held = held
             self._on_change()

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
-from std_msgs.msg import Bool
+from std_msgs.msg import Bool, String
 
 from docking.ros.process import Spinner
 from docking.ros.qos import LATCHED
@@ -48,6 +48,20 @@ def test_every_publisher_is_heard(robot: Robot, observer: Observer, quality: QoS
     robot.wait_for(True)
     observer.publish(GO, "stop_latched", quality)
     robot.wait_for(True, False)
+
+
+@pytest.mark.parametrize("topic", ["text", "e" * 300, "overridden"])
+def test_a_topic_that_cannot_be_subscribed_to_counts_as_a_stop(domain: int, topic: str) -> None:
+    with ros_nodes(domain, "-p", "qos_overrides./overridden.subscription_volatile.reliability:=none") as context:
+        node = Node("robot", context=context)
+        node.create_publisher(String, "text", 1)
+        robot = Robot(node)
+        robot.stops.listen_to([topic])
+        robot.stops.look()
+        assert robot.changes == [True]
+        robot.stops.listen_to([])
+        assert robot.changes == [True, False]
+        node.destroy_node()
 
 
 def test_what_was_said_before_counts(domain: int, observer: Observer) -> None:
