@@ -247,6 +247,17 @@ class NotANumber:
         return Velocity(math.nan, 0.0)
 
 
+def test_a_sensor_that_cannot_be_subscribed_to_aborts_the_goal(domain: int, observer: Observer) -> None:
+    wrong = "qos_overrides./odom.subscription.reliability:=none"
+    with dock_server(domain, "controller:=dock_pose", wrong):
+        reports = Reports(observer)
+        for _ in range(2):
+            goal = send_dock_goal(observer)
+            assert goal.result().status == ABORTED
+            report = reports.wait_for(goal_id=goal.goal_id, stage="ABORTED", error_code="UNKNOWN")
+            assert "reliability" in report["error_msg"]
+
+
 def test_a_velocity_that_is_no_number_is_never_published(domain: int, observer: Observer) -> None:
     with dock_server(domain, make_plan=lambda _settings: SingleStage(NotANumber())):
         wheels = watch_wheels(observer)

@@ -18,7 +18,7 @@ from docking.core.battery import Battery
 from docking.core.errors import DockNotInDb, ErrorCode, Stage
 from docking.core.observation import STANDSTILL
 from docking.goal.admission import Rejection, admit
-from docking.goal.engine import Command, End, Outcome
+from docking.goal.engine import Command, End, Goal, Outcome
 from docking.goal.report import Report, report_on
 from docking.parameters import read_topics
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
@@ -219,21 +219,27 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         running = self._active_goal.running
         if running is not None:
             running.end(running.goal.abort(ErrorCode.PREEMPTED, f"preempted by goal {goal_id}"))
-        self._sensors.scanner = self._settings.collision.mount
         settings = self._spec.at_dock(self._settings, handle.request.desired_battery_state.location)
-        self._sensors.marker_tilt = self._spec.marker_tilt(settings)
-        self._sensors.listen_to(self._spec.needs(settings))
-        self._control_timer.timer_period_ns = round(self._spec.control_period(self._settings) * 1e9)
         goal = self._spec.make_goal(settings, self._active_goal.memory, control_time(self))
-        if (staging := self._spec.staging(settings)) is not None:
-            self._transforms.use(self._navigation, on=True)
-            goal.navigate_first(self._navigation.navigation(staging, self._sensors))
         execution = Execution(handle, goal_id, goal, self._end)
         self._running = self._active_goal.running = execution
         self._stage = Stage.IDLE
         self._fed_back_at = -math.inf
         self._drive.begin()
         handle.execute(partial(self._execute, execution))
+        try:
+            self._prepare(goal, settings)
+        except Exception as error:  # noqa: BLE001 - such as a `qos_overrides` parameter that is wrong
+            self._fail(execution, error)
+
+    def _prepare(self, goal: Goal, settings: S) -> None:
+        self._sensors.scanner = self._settings.collision.mount
+        self._sensors.marker_tilt = self._spec.marker_tilt(settings)
+        self._sensors.listen_to(self._spec.needs(settings))
+        self._control_timer.timer_period_ns = round(self._spec.control_period(self._settings) * 1e9)
+        if (staging := self._spec.staging(settings)) is not None:
+            self._transforms.use(self._navigation, on=True)
+            goal.navigate_first(self._navigation.navigation(staging, self._sensors))
 
     async def _execute(self, execution: Execution, handle: ServerGoalHandle) -> Any:
         if execution is self._running:
@@ -268,8 +274,11 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         try:
             self._step(running)
         except Exception as error:  # noqa: BLE001 - whatever it is, the robot must stop and the server go on
-            self.get_logger().error(traceback.format_exc())
-            self._end(running.goal.abort(ErrorCode.UNKNOWN, f"{type(error).__name__}: {error}"))
+            self._fail(running, error)
+
+    def _fail(self, running: Execution, error: Exception) -> None:
+        self.get_logger().error("".join(traceback.format_exception(error)))
+        self._end(running.goal.abort(ErrorCode.UNKNOWN, f"{type(error).__name__}: {error}"))
 
     def _step(self, running: Execution) -> None:
         decided_at = time.monotonic()
