@@ -125,9 +125,9 @@ class Interlock:
     # ------------------------------------------------------------------ changes
 
     def join(self, namespace: str, topic: LatchTopic) -> None:
-        """Add a robot. If a stop holds for it, the stop is published on its topic."""
+        """Add a robot. If a gateway's stop holds for it, the stop is published on its topic."""
         self._topics[namespace] = topic
-        over = self._latches.over(namespace)
+        over = self._stopped_at(namespace)
         if over is not None:
             self._latches.latch(namespace, self._latches.held[over])
             self._echo(namespace)
@@ -189,12 +189,12 @@ class Interlock:
         for name in self._topics.keys() & self._below(namespace):
             if self._stop_published_at.get(name) == math.inf:
                 self._stop_published_at[name] = now
-            news = self._published.get(name) is not self.holds(name) or name in self._echoes
+            news = self._published.get(name) is not (self._stopped_at(name) is not None) or name in self._echoes
             if (news or now - self._published_at[name] > PUBLISH_AGAIN_AFTER) and not self._publish_to(name):
                 self._echo(name)
 
     def _publish_to(self, namespace: str) -> bool:
-        latched = self.holds(namespace)
+        latched = self._stopped_at(namespace) is not None
         self._published_at[namespace] = time.monotonic()
         try:
             self._topics[namespace].publish(latched=latched)
@@ -204,6 +204,10 @@ class Interlock:
             return False
         self._published[namespace] = latched
         return True
+
+    def _stopped_at(self, namespace: str) -> str | None:
+        """Return the namespace nearest to the root whose stop by a gateway holds for a robot: what is published."""
+        return self._latches.over(namespace, self._held_by_others)
 
     def _below(self, namespace: str) -> list[str]:
         """Return a robot and those below it that have joined or are held."""
@@ -292,7 +296,7 @@ class Interlock:
         Only a stop is repeated, so if the messages of two gateways cross, the stop wins. So does a stop of a namespace
         above, which a gateway that released the robot may not know.
         """
-        over, published = self._latches.over(namespace), self._published.get(namespace, False)
+        over, published = self._stopped_at(namespace), self._published.get(namespace, False)
         if over is not None and self._latches.latch(namespace, self._latches.held[over]):
             log.warning("the stop of %s holds for %s, too: publishing it again", over, namespace)
             self._changed()

@@ -5,6 +5,7 @@ A robot is a namespace. A stop also holds for every namespace below it.
 
 from collections import defaultdict
 from collections.abc import Collection, Iterable
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Any
@@ -49,11 +50,16 @@ class Latches:
         """Release one robot; return False if it was not held."""
         return self.held.pop(namespace, None) is not None
 
-    def over(self, name: str) -> str | None:
-        """Return the namespace nearest to the root whose stop holds for a namespace or an action, or None."""
+    def over(self, name: str, leave_out: AbstractSet[str] = frozenset()) -> str | None:
+        """Return the namespace nearest to the root whose stop holds for a namespace or an action, or None.
+
+        Args:
+            name: The namespace or the action.
+            leave_out: Namespaces whose stops do not count.
+        """
         if name in self._shared:
-            return min(self.held, default=None)
-        return next((above for above in lineage(name) if above in self.held), None)
+            return min(self.held.keys() - leave_out, default=None)
+        return next((above for above in lineage(name) if above in self.held and above not in leave_out), None)
 
     def documents(self, robots: Iterable[str]) -> dict[str, dict[str, Any]]:
         """Return for each robot whether a stop holds, and the held robots at or below it; ready for `orjson`."""

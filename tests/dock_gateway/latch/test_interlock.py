@@ -417,3 +417,21 @@ async def test_a_release_at_another_gateway_does_not_overrule_an_emergency_stop(
     assert gateway.interlock.holds("/")  # until a gateway releases its own
     await gateway.interlock.release("/")
     assert not gateway.interlock.holds("/")
+
+
+async def test_an_emergency_stop_above_holds_a_robot_below_only_as_long(
+    pair: tuple[Gateway, Gateway], tmp_path: Path
+) -> None:
+    interlock, topic = pair[0].interlock, FakeTopic()
+    interlock.held_by_another("/", "/e_stop")
+    interlock.join("/robot1", topic)
+    interlock.publish("/")
+    hear(interlock, "/robot1", latched=True)
+    hear(interlock, "/robot1", latched=False)
+    await settle()
+    assert interlock.requested_by("/robot1/dock") == "/e_stop"
+    interlock.held_by_another("/", None)
+    assert not interlock.holds("/robot1")
+    assert True not in pair[0].topic.said + topic.said
+    assert await interlock.stored(10.0) is None
+    assert LatchFile(tmp_path / "first.json").read("/") == {}
