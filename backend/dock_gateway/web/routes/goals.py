@@ -10,7 +10,8 @@ from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.actions.action import Action
-from dock_gateway.core.errors import NotFound, Unavailable
+from dock_gateway.actions.submission import STOPPED_ON_ITS_WAY
+from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.core.event import KINDS, STORED_KINDS
 from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal, GoalStatus
@@ -72,12 +73,19 @@ async def send_goal(
 async def _send_docking_goal(
     action: Action, pick: Callable[[], Awaitable[Action]], body: object, key: str | None
 ) -> tuple[Action, Goal]:
-    """Send a goal to an action or, if it has no server and another one is picked meanwhile, to that one."""
+    """Send a goal to an action or, if it has no server and another one is picked meanwhile, to that one.
+
+    Raises:
+        Conflict: `stopped`: a stop was requested meanwhile.
+    """
+    stops = action.delivery.stops
     try:
         return action, await action.submitter.submit(action.parse_request(body), key)
     except Unavailable:
         if action.on_graph or (other := await pick()) is action:
             raise
+    if action.delivery.stops != stops:
+        raise Conflict(STOPPED_ON_ITS_WAY, code="stopped")
     return other, await other.submitter.submit(other.parse_request(body), key)
 
 

@@ -1,0 +1,53 @@
+"""A goal to dock whose server has left goes to another action of the robot, unless a stop came first."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from dock_gateway.core.errors import Conflict, Unavailable
+from dock_gateway.web.routes import goals
+
+
+class FakeAction:
+    """An action off the graph; `submit` fails if it has no server, and a stop may come meanwhile."""
+
+    on_graph = False
+
+    def __init__(self, *, server: bool, stopped: bool = False) -> None:
+        self.delivery = SimpleNamespace(stops=3)
+        self.submitter = self
+        self.server = server
+        self.stopped = stopped
+        self.sent: list[Any] = []
+
+    def parse_request(self, body: object) -> object:
+        return body
+
+    async def submit(self, message: object, key: str | None) -> Any:
+        self.delivery.stops += self.stopped
+        if not self.server:
+            raise Unavailable("there is no server")
+        self.sent.append((message, key))
+        return message
+
+
+async def send(first: Any, other: Any) -> Any:
+    async def pick() -> Any:
+        return other
+
+    return await goals._send_docking_goal(first, pick, {}, "key")
+
+
+async def test_another_action_gets_the_goal_of_one_without_a_server() -> None:
+    first, other = FakeAction(server=False), FakeAction(server=True)
+    assert await send(first, other) == (other, {})
+    assert other.sent == [({}, "key")]
+
+
+async def test_a_stop_that_comes_meanwhile_keeps_it_from_being_sent() -> None:
+    first, other = FakeAction(server=False, stopped=True), FakeAction(server=True)
+    with pytest.raises(Conflict) as refused:
+        await send(first, other)
+    assert refused.value.code == "stopped"
+    assert other.sent == []
