@@ -208,7 +208,7 @@ class Stopper:
         """Begin a stop, or join one that has just begun."""
         if (halt := self._halts.get(name)) is None:
             return self._begin(name)
-        self._join(halt)
+        self._join(name, halt)
         return halt
 
     def _latch(self, name: str, halt: Halt, by: str | None) -> bool:
@@ -227,21 +227,29 @@ class Stopper:
         for action in self._actions.under(name):
             self._cancel(halt, action)
         self._tasks.spawn(self._carry_on(name, halt))
-        for robot in halt.robots:
-            for notify in self.on_stop:
-                notify(robot.namespace)
+        self._notify(halt.robots)
         return halt
 
-    def _join(self, halt: Halt) -> None:
-        """Repeat the stop: a robot may have been driven, or a goal may have started, since it began."""
+    def _join(self, name: str, halt: Halt) -> None:
+        """Repeat the stop: since it began, a robot may have been driven or have appeared, or a goal have started."""
         halt.joined = True
-        if time.monotonic() - halt.published_at > REST * halt.took:
+        known = {robot.namespace for robot in halt.robots}
+        new = [robot for robot in self._robots.under(name) if robot.namespace not in known]
+        halt.robots += new
+        if new or time.monotonic() - halt.published_at > REST * halt.took:
             halt.publish_zero()
-        for action, cancel in list(halt.cancels.items()):
-            if cancel.done() and action.canceler.uncanceled:
+        for action in self._actions.under(name):
+            cancel = halt.cancels.get(action)
+            if cancel is None or (cancel.done() and action.canceler.uncanceled):
                 self._cancel(halt, action)
             else:
                 action.delivery.stop()
+        self._notify(new)
+
+    def _notify(self, robots: list[Robot]) -> None:
+        for robot in robots:
+            for notify in self.on_stop:
+                notify(robot.namespace)
 
     def _cancel(self, halt: Halt, action: Action) -> None:
         action.delivery.stop()

@@ -139,6 +139,24 @@ async def test_a_stop_that_joins_one_stops_what_has_begun_since(
     assert all(now > before for now, before in zip(fleet.zeros(), told, strict=True))
 
 
+async def test_a_stop_that_joins_one_stops_what_has_appeared_since(
+    fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stop_module, "REST", 1e6)
+    stopped: list[str] = []
+    fleet.stopper.on_stop.append(stopped.append)
+    robot, action = fleet.robots.pop("/robot2"), fleet._actions.pop("/robot2")
+    first = asyncio.create_task(fleet.stopper.stop(latch=False))
+    await until(lambda: fleet.zeros() == [1, 1])
+    fleet.robots["/robot2"], fleet._actions["/robot2"] = robot, action
+    fleet.goals["/robot2"].running = ["late"]
+    report = await fleet.stopper.stop(latch=False)
+    assert report.canceling == ["late"]
+    assert robot.velocity.zeros == 1
+    assert stopped == ["/", "/robot1", "/robot2"]
+    first.cancel()
+
+
 async def test_who_goes_on_asking_goes_on_stopping(fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stop_module, "REPEAT_AFTER", 0.02)
     await fleet.stopper.stop(latch=False)
