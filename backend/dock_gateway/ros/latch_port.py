@@ -41,8 +41,8 @@ class LatchPort:
         topic: Absolute name.
         others: Absolute names of topics on which only others speak.
         on_latch: Called on the loop with the value from other gateways, and when it arrived, on the monotonic clock.
-        on_hold: Called on the loop with the node that holds the robot, again when its name becomes known, or None when
-            none does any longer.
+        on_hold: Called on the loop with the node that holds the robot, again when its name becomes known or another one
+            lets go, or None when none does any longer.
     """
 
     def __init__(
@@ -125,8 +125,9 @@ class LatchPort:
                 if node is not None and self._nodes.get(other) == node and self._endpoint(other) is None
             }
             self._holding = (before - gone - {publisher}) | ({publisher} if latched else frozenset())
-            if bool(before) != bool(self._holding) or (named and latched):
-                self._inbox.put(self._on_hold, self._name(publisher) if latched else None)
+            if before - self._holding or (latched and (named or not before)):
+                holder = publisher if latched else min(self._holding, default=None)
+                self._inbox.put(self._on_hold, None if holder is None else self._name(holder))
 
     def _endpoint(self, publisher: Voice) -> Endpoint | None:
         """Return a publisher as the graph has it; None if it has left."""
