@@ -22,7 +22,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
 from dock_gateway.web.audit import AuditTrail, audited_command
 from dock_gateway.web.permissions import AUDITED_READS, COMMANDS, PUBLIC, ROUTES, STORED_FIRST, UNAUDITED_COMMANDS
-from dock_gateway.web.routes import audit
+from dock_gateway.web.routes import audit, stop
 from tests.support.audit import AuditList, make_entry
 from tests.support.shapes import check_answer
 
@@ -167,10 +167,11 @@ def test_a_request_cannot_name_another_robot_than_it_is_about(site: Site) -> Non
         assert site.one().robot == "/robot9?/robot7"
 
 
-def test_names_that_are_no_robots_leave_room_for_those_that_are(site: Site) -> None:
+def test_names_that_are_no_robots_leave_room_for_those_that_are(site: Site, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stop, "BEGIN_WITHIN", 60.0)  # a busy machine reads the body late, and records that, too
     with site.client(Role.VIEWER) as http:
         http.post("/stop", params={"robot": [*(f"/none{number}_{'x' * 200}" for number in range(60)), "/robot7"]})
-        assert (site.audit.entries[-1].robot or "").split(",")[0] == "/robot7"
+        assert (site.one().robot or "").split(",")[0] == "/robot7"
 
 
 def test_tokens_and_logins(site: Site) -> None:
