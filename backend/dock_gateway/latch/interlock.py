@@ -189,7 +189,8 @@ class Interlock:
         for name in self._topics.keys() & self._below(namespace):
             if self._stop_published_at.get(name) == math.inf:
                 self._stop_published_at[name] = now
-            news = self._published.get(name) is not (self._stopped_at(name) is not None) or name in self._echoes
+            latched = self._stopped_at(name) is not None
+            news = self._published.get(name) is not latched or name in self._echoes
             if (news or now - self._published_at[name] > PUBLISH_AGAIN_AFTER) and not self._publish_to(name):
                 self._echo(name)
 

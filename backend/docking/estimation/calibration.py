@@ -21,7 +21,7 @@ SILENT = 2.0
 OUTLIER = 4.0
 """Detections farther from the median than this, in standard deviations, are left out."""
 NEAR = (0.015, math.radians(2.0))
-"""In m and rad; nearer ones never are: where poses are rounded, most may be the same, with no deviation at all."""
+"""In m and rad. Detections within this of the median are never left out: that of rounded poses may deviate by 0."""
 MAD = 1.4826
 """A standard deviation as a multiple of the median absolute deviation, for normal noise."""
 AGREEING = 0.6

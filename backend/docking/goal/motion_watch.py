@@ -82,7 +82,7 @@ class MotionWatch:
         return True
 
     def hears(self, observation: Observation) -> Odometry | None:
-        """The odometry, whoever drives; None while it is late.
+        """The odometry, also while nav2 drives; None while it is late.
 
         Args:
             observation: What is known now.

@@ -1,4 +1,4 @@
-"""Listens to whoever may stop the robot: `stop_latched`, and the topics of emergency stops."""
+"""Listens for stops of the robot: on `stop_latched`, and on the topics of emergency stops."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -63,7 +63,7 @@ class _Ear(Waitable):  # type: ignore[misc] # rclpy has no types
 class StopListener:
     """Whether a stop holds. All calls must come from the thread that spins the node.
 
-    A topic that cannot be subscribed to counts as a stop: nobody could stop the robot on it.
+    A topic that cannot be subscribed to counts as a stop, because a stop on it would not be heard.
 
     Attributes:
         held: Whether one does.
