@@ -12,7 +12,7 @@ from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 
 from dock_gateway.access import logins
-from dock_gateway.history import reader, sql, writer
+from dock_gateway.history import immediate, reader, sql, writer
 from tests.support.postgresql import PostgreSQL, binaries, running_postgresql
 
 _numbers = itertools.count()
@@ -24,6 +24,7 @@ def history_timeouts(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sql, "OPEN_TIMEOUT", 30.0)
     monkeypatch.setattr(writer, "ANSWER_TIMEOUT", 30.0)
     monkeypatch.setattr(reader, "READ_TIMEOUT", 30.0)
+    monkeypatch.setattr(immediate, "WRITE_TIMEOUT", 30.0)
 
 
 @pytest.fixture(scope="session")

@@ -11,7 +11,8 @@ from dock_gateway.history.database import DATABASE_ERRORS, Database, T, Ts
 from dock_gateway.history.reader import AWAY
 from dock_gateway.history.writer import Writer
 
-WRITE_TIMEOUT = 1.0  # seconds
+# Seconds. A write that a loaded machine delays does not mean that the database is away.
+WRITE_TIMEOUT = 3.0
 
 
 class ImmediateWriter:

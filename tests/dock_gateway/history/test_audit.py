@@ -30,7 +30,6 @@ APPENDER = [sys.executable, "-m", "tests.support.audit"]
 @pytest.fixture
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine is no outage."""
-    monkeypatch.setattr(immediate, "WRITE_TIMEOUT", PATIENCE)
     monkeypatch.setattr(sqlite, "BUSY_TIMEOUT", PATIENCE)
 
 

@@ -23,7 +23,6 @@ BARE = RobotLabel("Bar\u00e9", ())
 @pytest.fixture
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine is no outage."""
-    monkeypatch.setattr(immediate, "WRITE_TIMEOUT", PATIENCE)
     monkeypatch.setattr(sqlite, "BUSY_TIMEOUT", PATIENCE)
 
 

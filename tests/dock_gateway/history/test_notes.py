@@ -24,7 +24,6 @@ def note(number: int, text: str = "wheel was blocked by a box ü\n\tand a 'chair
 @pytest.fixture(autouse=True)
 def patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine is no outage."""
-    monkeypatch.setattr(immediate, "WRITE_TIMEOUT", PATIENCE)
     monkeypatch.setattr(sqlite, "BUSY_TIMEOUT", PATIENCE)
 
 
