@@ -9,8 +9,9 @@ from action_msgs.srv import CancelGoal
 from geometry_msgs.msg import Twist
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
-from rcl_interfaces.msg import Log, ParameterType
-from rcl_interfaces.srv import DescribeParameters
+from rcl_interfaces.msg import Log, ParameterType, ParameterValue
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.srv import DescribeParameters, SetParameters
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import BatteryState
 from unique_identifier_msgs.msg import UUID
@@ -350,6 +351,22 @@ def test_a_changed_parameter_counts_from_the_next_goal(domain: int, observer: Ob
             goal = send_dock_goal(observer)
             wait_until(lambda: wheels.moving, "a move")
             assert wheels.messages[-1].angular.z == -0.5
+            assert goal.cancel()
+
+
+def test_requests_on_which_rclpy_raises_end_nothing(domain: int, observer: Observer) -> None:
+    with dock_server(domain):
+        wheels = watch_wheels(observer)
+        with observer.publishing(LOW, BATTERY):
+            goal = send_dock_goal(observer)
+            wait_until(lambda: wheels.moving, "a move")
+            again = ChangeState.Request(transition=Transition(id=Transition.TRANSITION_ACTIVATE))
+            assert not observer.request(ChangeState, f"{SERVER}/change_state", again).success
+            odd = ParameterMessage(name="rotate_speed", value=ParameterValue(type=42))
+            request = SetParameters.Request(parameters=[odd])
+            assert not observer.request(SetParameters, f"{SERVER}/set_parameters", request).results
+            wheels.messages.clear()
+            wait_until(lambda: wheels.moving, "the same goal's moves")
             assert goal.cancel()
 
 

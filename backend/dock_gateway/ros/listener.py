@@ -25,6 +25,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.serialization import deserialize_message
+from rclpy.service import Service
 from rclpy.subscription import Subscription
 
 from dock_gateway.ros.threads import RosThread
@@ -304,6 +305,21 @@ class ListeningNode(Node):  # type: ignore[misc]
         """Like rclpy's, but removes it from its listener first."""
         self._messages.remove(subscription)
         return bool(super().destroy_subscription(subscription))
+
+    def create_service(self, srv_type: Any, srv_name: str, callback: Any, **options: Any) -> Service:
+        """Like rclpy's, but a request on which the callback raises gets the default response.
+
+        The callbacks of rclpy's own services raise on a parameter of an unknown type.
+        """
+
+        def answer(request: Any, response: Any) -> Any:
+            try:
+                return callback(request, response)
+            except Exception:
+                log.exception("a request to %s failed", srv_name)
+                return response
+
+        return super().create_service(srv_type, srv_name, answer, **options)
 
     def create_client(self, srv_type: Any, srv_name: str, **options: Any) -> Client:
         """Like rclpy's, but a listener takes the responses."""

@@ -13,14 +13,15 @@ import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from types import TracebackType
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar
 
 import rclpy
 from rclpy.context import Context
 from rclpy.exceptions import ParameterException
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import SingleThreadedExecutor, await_or_execute
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
+from rclpy.service import Service
 from rclpy.signals import SignalHandlerOptions
 
 T = TypeVar("T")
@@ -115,6 +116,8 @@ class Spinner:
         self._stopping = False
         self._executor = SingleThreadedExecutor(context=context)
         for node in nodes:
+            for service in node.services:
+                _always_answer(service, node)
             self._executor.add_node(node)
         self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
 
@@ -164,6 +167,24 @@ class Spinner:
         self._executor.shutdown()
         for node in self._nodes:
             node.destroy_node()
+
+
+def _always_answer(service: Service, node: Node) -> None:
+    """Let no request end the process: one on which the callback raises is logged, and gets the default response.
+
+    rclpy's own callbacks raise on a transition that the lifecycle state does not allow, and on a parameter of an
+    unknown type.
+    """
+    callback = service.callback
+
+    async def answer(request: Any, response: Any) -> Any:
+        try:
+            return await await_or_execute(callback, request, response)
+        except Exception as error:  # noqa: BLE001 - whatever the requests of others bring about
+            node.get_logger().error(f"A request to {service.srv_name} failed: {error}")
+            return response
+
+    service.callback = answer
 
 
 def run_process(body: Callable[[Sequence[str] | None], int], args: Sequence[str] | None) -> int:

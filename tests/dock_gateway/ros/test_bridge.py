@@ -11,12 +11,15 @@ from functools import partial
 
 import pytest
 from geometry_msgs.msg import Twist
+from rcl_interfaces.msg import Parameter, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from sensor_msgs.msg import BatteryState
 
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.robot_ports import BatteryPort
+from dock_gateway.ros.threads import MAX_CRASHES
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
 from tests.support.observer import Observer
 from tests.support.processes import ros_environment
@@ -145,6 +148,14 @@ async def test_zero_velocity_does_not_wait_for_the_ros_thread(bridge: Bridge, ob
 
     with blocked(bridge):
         await until(stopped)
+
+
+async def test_requests_on_which_rclpy_raises_do_not_end_the_ros_thread(bridge: Bridge, observer: Observer) -> None:
+    odd = SetParameters.Request(parameters=[Parameter(name="any", value=ParameterValue(type=42))])
+    for _ in range(MAX_CRASHES + 1):
+        answer = await asyncio.to_thread(observer.request, SetParameters, "/tested/set_parameters", odd)
+        assert not answer.results
+    assert bridge.alive
 
 
 async def test_a_port_that_nobody_waits_for_any_more_is_never_made(bridge: Bridge) -> None:
