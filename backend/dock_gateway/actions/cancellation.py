@@ -23,7 +23,8 @@ STOP_TIMEOUT = 1.0
 RETRY_INTERVAL = 1.0
 # Maximum number of unwanted goals besides those that are tracked.
 MAX_UNWANTED = 1000
-UNKNOWN_GOAL = 2  # action_msgs/CancelGoal ERROR_UNKNOWN_GOAL_ID
+# action_msgs/CancelGoal: ERROR_UNKNOWN_GOAL_ID and ERROR_GOAL_TERMINATED
+UNKNOWN_GOAL, ENDED_GOAL = 2, 3
 
 TOO_LATE = GoalError(
     "action_server_timeout",
@@ -92,6 +93,8 @@ class Canceler:
             return
         if goal.status.terminal:
             raise Conflict(f"the goal is already {goal.status.value}", code="goal_terminal", goal_id=goal.goal_id)
+        if answer.return_code == ENDED_GOAL:
+            raise Conflict("the goal has just ended", code="goal_terminal", goal_id=goal.goal_id)
         self._refused(goal)
         raise Conflict("the action server refuses to cancel the goal", code="cancel_rejected", goal_id=goal.goal_id)
 
@@ -126,17 +129,24 @@ class Canceler:
         self._tracker.heard()
         for goal_id in answer.goal_ids & self._tracker.live.keys():
             self._tracker.move(self._tracker.live[goal_id], GoalStatus.CANCELING)
-        refused = [goal for goal in goals if goal.status in (GoalStatus.ACCEPTED, GoalStatus.EXECUTING)]
-        if refused:
-            for goal in refused:
-                self._refused(goal)
+        left = [goal for goal in goals if goal.status in (GoalStatus.ACCEPTED, GoalStatus.EXECUTING)]
+        refuses = await asyncio.gather(*map(self._refuses, left))
+        canceling = sorted(answer.goal_ids | {goal.goal_id for goal in left if goal.status is GoalStatus.CANCELING})
+        if refused := [goal for goal, refuses_it in zip(left, refuses, strict=True) if refuses_it]:
             self._insist_on(refused)
-            raise Conflict(
-                f"the action server refuses to cancel {', '.join(goal.goal_id for goal in refused)}",
-                code="cancel_rejected",
-                canceling=sorted(answer.goal_ids),
-            )
-        return sorted(answer.goal_ids)
+            detail = f"the action server refuses to cancel {', '.join(goal.goal_id for goal in refused)}"
+            raise Conflict(detail, code="cancel_rejected", canceling=canceling)
+        return canceling
+
+    async def _refuses(self, goal: Goal) -> bool:
+        """Ask about a goal that is not among those to be canceled: the server refuses, or it has just ended."""
+        try:
+            await self._ask(goal)
+        except Conflict as error:
+            return error.code == "cancel_rejected"
+        except (ServerTimeout, Unavailable):
+            return True
+        return False
 
     @property
     def uncanceled(self) -> bool:

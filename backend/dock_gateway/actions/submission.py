@@ -66,6 +66,19 @@ class Delivery:
         """Prevent goals that have not been sent yet from being sent."""
         self.stops += 1
 
+    def require_no_stop_since(self, stops: int, **extra: Any) -> None:
+        """Refuse a goal that was requested before a stop.
+
+        Args:
+            stops: The value of `stops` when it was requested.
+            extra: Of the error.
+
+        Raises:
+            Conflict: `stopped`.
+        """
+        if self.stops != stops or self._interlock.holds(self._tracker.port.action_name):
+            raise Conflict(STOPPED_ON_ITS_WAY, code="stopped", **extra)
+
     def start(
         self,
         message: Any,
@@ -116,17 +129,13 @@ class Delivery:
             await self._history.add(goal, claim.key if claim else None)
         self._tracker.add(goal)
         try:
-            call = self._send_unless_stopped(goal, message, stops)
+            self.require_no_stop_since(stops, goal_id=goal.goal_id)
+            call = port.send(goal.goal_id, message)
         except GatewayError as error:
             self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
             raise
         await self._take_answer(goal, call)
         return outcome(goal)
-
-    def _send_unless_stopped(self, goal: Goal, message: Any, stops: int) -> PendingCall:
-        if self.stops != stops or self._interlock.holds(goal.action_name):
-            raise Conflict(STOPPED_ON_ITS_WAY, code="stopped", goal_id=goal.goal_id)
-        return self._tracker.port.send(goal.goal_id, message)
 
     # ------------------------------------------------------------------ the answer
 

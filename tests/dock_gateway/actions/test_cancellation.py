@@ -209,7 +209,35 @@ async def test_a_stop_tells_which_goals_the_server_refuses_to_cancel(scene: Scen
     assert goal.status is S.EXECUTING
     assert goal.error is None
     assert scene.canceler.uncanceled
-    assert scene.port.timeouts == [STOP_TIMEOUT]
+    assert scene.port.asked == [None, A]
+    assert scene.port.timeouts[0] == STOP_TIMEOUT
+
+
+async def test_a_goal_that_has_just_ended_is_not_refused(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset(), 3)]
+    assert await scene.canceler.cancel_all() == []
+    assert scene.port.asked == [None, A]
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel(goal)
+    assert (refused.value.code, refused.value.extra) == ("goal_terminal", {"goal_id": A})
+
+
+async def test_a_goal_that_a_server_forgot_to_name_is_being_canceled(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 0), CancelAnswer(frozenset({A}), 0)]
+    assert await scene.canceler.cancel_all() == [A]
+    assert goal.status is S.CANCELING
+
+
+async def test_a_server_that_falls_silent_after_it_named_no_goal_is_asked_again(scene: Scene) -> None:
+    goal = scene.goal(S.EXECUTING)
+    scene.port.script = [CancelAnswer(frozenset(), 0), TimeoutError(), CancelAnswer(frozenset({A}), 0)]
+    with pytest.raises(Conflict) as refused:
+        await scene.canceler.cancel_all()
+    assert refused.value.code == "cancel_rejected"
+    await until(lambda: goal.status is S.CANCELING)
+    assert goal.error == STOPPED
 
 
 async def test_a_stop_cancels_what_the_server_does_not_refuse(scene: Scene) -> None:

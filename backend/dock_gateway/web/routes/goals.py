@@ -10,8 +10,7 @@ from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.actions.action import Action
-from dock_gateway.actions.submission import STOPPED_ON_ITS_WAY
-from dock_gateway.core.errors import Conflict, NotFound, Unavailable
+from dock_gateway.core.errors import NotFound, Unavailable
 from dock_gateway.core.event import KINDS, STORED_KINDS
 from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal, GoalStatus
@@ -84,8 +83,7 @@ async def _send_docking_goal(
     except Unavailable:
         if action.on_graph or (other := await pick()) is action:
             raise
-    if action.delivery.stops != stops:
-        raise Conflict(STOPPED_ON_ITS_WAY, code="stopped")
+    action.delivery.require_no_stop_since(stops)
     return other, await other.submitter.submit(other.parse_request(body), key)
 
 
