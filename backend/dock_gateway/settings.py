@@ -13,9 +13,10 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "::1", "localhost"})
 
-# What ROS takes for a name, for a namespace and for the type of an action.
+# What ROS takes for the name of a node, for that of a topic or an action, for a namespace, and for an action's type.
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-NAMESPACE = re.compile(rf"/?|/?{NAME.pattern}(/{NAME.pattern})*/?")
+TOPIC = re.compile(rf"/?{NAME.pattern}(/{NAME.pattern})*")
+NAMESPACE = re.compile(rf"/?|{TOPIC.pattern}/?")
 ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
 
 # Signatures that a provider publishes keys for: neither `none` nor those with a shared secret are among them.
@@ -444,6 +445,23 @@ class Settings(BaseSettings):
             raise ValueError(f"{value[:100]!r} is not a ROS namespace such as /robot1: letters, digits, _ and /")
         return value
 
+    @field_validator("battery_topic", "cmd_vel_topic", "stop_topic", "diagnostics_topic")
+    @classmethod
+    def _check_topic(cls, value: str) -> str:
+        if not TOPIC.fullmatch(value):
+            raise ValueError(f"{value[:100]!r} is not a ROS name such as dock or /hall/dock: letters, digits, _ and /")
+        return value
+
+    @field_validator("stop_topics")
+    @classmethod
+    def _check_topics(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(map(cls._check_topic, value))
+
+    @field_validator("dock_action", "undock_action")
+    @classmethod
+    def _check_action(cls, value: str) -> str:
+        return value and cls._check_topic(value)
+
     @field_validator("dock_action_type", "undock_action_type")
     @classmethod
     def _check_action_type(cls, value: str) -> str:
@@ -481,13 +499,12 @@ class Settings(BaseSettings):
             raise ValueError("oidc_client_secret needs oidc_client_id")
         if self.oidc_client_id == self.oidc_audience:
             raise ValueError(
-                "oidc_audience must not be oidc_client_id: what the provider says to the dashboard would count as an "
-                "access token"
+                "oidc_audience must not be oidc_client_id: the ID tokens of people would be accepted as access tokens"
             )
         if "openid" not in self.oidc_scopes.split():
             raise ValueError("oidc_scopes needs openid")
         if not self.oidc_roles:
-            raise ValueError("oidc_issuer needs oidc_roles, such as robot-ops=operator: nobody has a role otherwise")
+            raise ValueError("oidc_issuer needs oidc_roles, such as robot-ops=operator: without it nobody has a role")
         return self
 
     @property
