@@ -104,7 +104,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     _follow_docking(actions, last_goals, hub)
     robots = _closed_by(stack, RobotRegistry(settings, bridge, hub, interlock, last_goals))
     stopper = _closed_by(stack, Stopper(robots, actions, interlock))
-    simulators = _closed_by(stack, Simulators(settings, bridge, hub))
+    simulators = _closed_by(stack, Simulators(settings, bridge, hub, robots))
     activity = Activity(robots)
     actions.on_end.append(activity.on_end)
     stopper.on_stop.append(activity.intervened)

@@ -33,9 +33,6 @@ class PowerSupply(IntEnum):
     FULL = 4
 
 
-# The goal of docking unless a client asks for another battery state.
-
-
 @dataclass(frozen=True)
 class Reading:
     """The fields of a battery state that the gateway evaluates. `percentage` is 0 to 1, or None if not measured."""
@@ -159,9 +156,9 @@ class BatteryPublisher:
         """
         message = self._port.codec.parse(value, "state")
         async with self._changing:
-            await self._cancel()
             stamp = _unstamped(message)
             state = fragment(await self._port.publish(message, stamp=stamp))
+            await self._cancel()
             self._publisher = Publisher(True, state, rate_hz, 1, utc_now())
             self._task = asyncio.create_task(self._run(message, 1 / rate_hz, stamp=stamp))
             self._publish_count()

@@ -92,18 +92,28 @@ def _is_fresh(reading: _Reading, now: float) -> bool:
 async def _read_docks(reader: ParameterReader) -> tuple[list[dict[str, Any]], str | None]:
     known = await reader.names()
     head = await reader.values(name for name in ("docks", "dock_database") if name in known)
-    names = [name for name in head.get("docks", ()) if isinstance(name, str)]
+    names = [name for name in _array(head.get("docks")) if isinstance(name, str)]
     values = await reader.values(parameter for name in names for key in KEYS if (parameter := f"{name}.{key}") in known)
-    return [_document(name, values) for name in names], head.get("dock_database") or None
+    file = head.get("dock_database")
+    return [_document(name, values) for name in names], file if file and isinstance(file, str) else None
 
 
 def _document(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    pose = _pose(values.get(f"{name}.pose", ()))
+    pose = _pose(_array(values.get(f"{name}.pose")))
     texts = {key: str(values.get(f"{name}.{key}", "")) or None for key in ("type", "frame", "id")}
     return {"dock_id": name, **texts, "pose": None if pose is None else pose._asdict()}
 
 
-def _pose(numbers: Sequence[float]) -> Pose | None:
-    if len(numbers) != len(Pose._fields) or not all(map(math.isfinite, numbers)):
+def _array(value: object) -> Sequence[Any]:
+    """Return the value of a parameter; an empty one if it is not an array, as the node of another may declare it."""
+    return value if isinstance(value, list) else ()
+
+
+def _pose(numbers: Sequence[Any]) -> Pose | None:
+    if len(numbers) != len(Pose._fields):
         return None
-    return Pose(*map(float, numbers))
+    try:
+        pose = Pose(*map(float, numbers))
+    except (TypeError, ValueError):
+        return None
+    return pose if all(map(math.isfinite, pose)) else None

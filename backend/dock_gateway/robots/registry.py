@@ -154,6 +154,9 @@ class RobotRegistry:
         self._interlock.leave(namespace)
         self._bridge.to_ros(lambda: _leave(robot.ports))
 
+    def __contains__(self, namespace: str) -> bool:
+        return namespace in self._robots
+
     def all(self) -> list[Robot]:
         """Return the robots, sorted by namespace."""
         return sorted(self._robots.values(), key=lambda robot: robot.namespace)

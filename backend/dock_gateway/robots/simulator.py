@@ -12,6 +12,7 @@ from dock_gateway.core.event import system_event, utc_now
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.scene import Pose
 from dock_gateway.core.tasks import cancel
+from dock_gateway.robots.registry import RobotRegistry
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.simulator_port import FAULTS, SimulatorPort
 from dock_gateway.settings import Settings
@@ -55,12 +56,14 @@ class Simulators:
         settings: Names.
         bridge: Runs calls on the ROS thread.
         hub: Receives events.
+        robots: The robots. Reports of other namespaces are not taken.
     """
 
-    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub) -> None:
+    def __init__(self, settings: Settings, bridge: Bridge, hub: Hub, robots: RobotRegistry) -> None:
         self._settings = settings
         self._bridge = bridge
         self._hub = hub
+        self._robots = robots
         self._simulators: dict[str, Simulator] = {}
         self._task = asyncio.create_task(self._watch())
 
@@ -68,6 +71,8 @@ class Simulators:
 
     def on_report(self, namespace: str, values: Values) -> None:
         """Handle a simulator's report."""
+        if namespace not in self._robots:
+            return
         known = self._simulators.get(namespace)
         if known is None:
             resolve = self._settings.resolve
@@ -85,8 +90,10 @@ class Simulators:
     async def _watch(self) -> None:
         while True:
             await asyncio.sleep(1.0)
-            for namespace, simulator in self._simulators.items():
-                if simulator.available and time.monotonic() - simulator.heard_at > GONE_AFTER:
+            for namespace, simulator in list(self._simulators.items()):
+                if namespace not in self._robots:
+                    self._simulators.pop(namespace).port.close()
+                elif simulator.available and time.monotonic() - simulator.heard_at > GONE_AFTER:
                     log.info("the simulator of %s left the ROS graph", namespace)
                     simulator.available = False
                     self._publish(namespace)

@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from rcl_interfaces.msg import ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters
 from rclpy.parameter import parameter_value_to_python
 
@@ -41,7 +42,7 @@ class ParameterReader:
         return frozenset(answer.result.names)
 
     async def values(self, names: Iterable[str]) -> Mapping[str, Any]:
-        """Return the values of parameters, by name; without those that are not set.
+        """Return the values of parameters, by name; without those that are not set or of an unknown type.
 
         Raises:
             TimeoutError: The node does not answer.
@@ -63,12 +64,19 @@ class ParameterReader:
         if not names:
             return []
         answer = await self._getter.call(GetParameters.Request(names=names), ANSWER_WITHIN)
-        return [parameter_value_to_python(value) for value in answer.values]
+        return [_read(value) for value in answer.values]
 
     def close(self) -> None:
         """Leave the graph."""
         self._lister.close()
         self._getter.close()
+
+
+def _read(value: ParameterValue) -> Any:
+    try:
+        return parameter_value_to_python(value)
+    except RuntimeError:  # its type is unknown
+        return None
 
 
 async def find_server_node(bridge: Bridge, action: str) -> str | None:

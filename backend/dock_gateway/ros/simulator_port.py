@@ -30,7 +30,7 @@ ATTEMPTS = 2
 
 
 class SimulatorPort:
-    """Clients of one simulator, each created on first use.
+    """Clients of one simulator, each created on first use. `close` it after use.
 
     Args:
         bridge: The bridge to the ROS thread.
@@ -77,6 +77,14 @@ class SimulatorPort:
         message.pose.pose.orientation.z = math.sin(pose.theta / 2)
         message.pose.pose.orientation.w = math.cos(pose.theta / 2)
         await self._bridge.call(lambda: self._publisher.publish(message))
+
+    def close(self) -> None:
+        """Leave the graph."""
+        for client in self._clients.values():
+            client.close()
+        publisher, self._publisher = self._publisher, None
+        if publisher is not None:
+            self._bridge.to_ros(lambda: self._bridge.node.destroy_publisher(publisher))
 
     async def _call(self, kind: Any, name: str, request: Any) -> None:
         if name not in self._clients:
