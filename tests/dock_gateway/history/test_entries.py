@@ -11,7 +11,7 @@ import pytest
 from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
 from dock_gateway.core.errors import Conflict, Unavailable
 from dock_gateway.core.webhook import Delivery, DeliveryState, EventType, Webhook
-from dock_gateway.history import History, RobotLabel, immediate, sqlite
+from dock_gateway.history import History, RobotLabel, sqlite
 from tests.support.history import locked, open_place
 from tests.support.waiting import PATIENCE, until
 

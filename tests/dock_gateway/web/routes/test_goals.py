@@ -5,7 +5,10 @@ from typing import Any
 
 import pytest
 
+from dock_gateway.actions.goal_machine import News
+from dock_gateway.actions.submission import Delivery
 from dock_gateway.core.errors import Conflict, Unavailable
+from dock_gateway.settings import Settings
 from dock_gateway.web.routes import goals
 
 
@@ -15,7 +18,10 @@ class FakeAction:
     on_graph = False
 
     def __init__(self, *, server: bool, stopped: bool = False) -> None:
-        self.delivery = SimpleNamespace(stops=3)
+        nothing: Any = None
+        tracker: Any = SimpleNamespace(on={News.RETIRED: []}, port=SimpleNamespace(action_name="/dock"))
+        interlock: Any = SimpleNamespace(holds=lambda _: False)
+        self.delivery = Delivery(Settings(), nothing, tracker, nothing, nothing, interlock=interlock, canceler=nothing)
         self.submitter = self
         self.server = server
         self.stopped = stopped
@@ -25,7 +31,8 @@ class FakeAction:
         return body
 
     async def submit(self, message: object, key: str | None) -> Any:
-        self.delivery.stops += self.stopped
+        if self.stopped:
+            self.delivery.stop()
         if not self.server:
             raise Unavailable("there is no server")
         self.sent.append((message, key))

@@ -1,0 +1,75 @@
+"""Which simulators are known: those of robots, until the robot is gone. tests/system has a real one."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from typing import Any
+
+import pytest
+
+from dock_gateway.core.errors import NotFound
+from dock_gateway.core.hub import Hub
+from dock_gateway.robots import simulator as module
+from dock_gateway.robots.simulator import Simulators
+from dock_gateway.settings import Settings
+from tests.support.waiting import until
+
+REPORT = {"docked": "false", "real_time_factor": "1.0"}
+
+
+class Port:
+    """The port of one simulator, which notes that it was closed."""
+
+    closed: list[str]
+
+    def __init__(self, _: object, resolve: Any) -> None:
+        self.name = resolve("simulator")
+
+    def close(self) -> None:
+        self.closed.append(self.name)
+
+
+@pytest.fixture
+async def robots() -> set[str]:
+    return {"/", "/robot1"}
+
+
+@pytest.fixture
+async def simulators(robots: Any, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Simulators]:
+    Port.closed = []
+    monkeypatch.setattr(module, "SimulatorPort", Port)
+    bridge: Any = None
+    simulators = Simulators(Settings(), bridge, Hub(queue_limit=10, max_subscribers=10), robots)
+    yield simulators
+    await simulators.close()
+
+
+async def test_reports_that_name_no_robot_are_not_kept(simulators: Simulators) -> None:
+    for number in range(100):
+        simulators.on_report(f"/fleet/robot{number}", REPORT)
+    assert simulators.document("/fleet/robot1") is None
+    simulators.on_report("/robot1", REPORT)
+    known = simulators.document("/robot1")
+    assert known is not None
+    assert (known["available"], known["docked"], known["real_time_factor"]) == (True, False, 1.0)
+
+
+async def test_the_simulator_of_a_robot_that_is_gone_leaves_its_topics(
+    simulators: Simulators, robots: set[str]
+) -> None:
+    simulators.on_report("/robot1", REPORT)
+    robots.remove("/robot1")
+    await until(lambda: simulators.document("/robot1") is None)
+    assert Port.closed == ["/robot1/simulator"]
+    with pytest.raises(NotFound):
+        simulators.get("/robot1")
+
+
+async def test_one_that_is_silent_stays_known_but_is_not_available(
+    simulators: Simulators, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "GONE_AFTER", 0.0)
+    simulators.on_report("/robot1", REPORT)
+    await asyncio.wait_for(until(lambda: simulators.find("/robot1") is None), 10)
+    known = simulators.document("/robot1")
+    assert known is not None
+    assert not known["available"]
