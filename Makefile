@@ -31,7 +31,7 @@ TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots format lock interfaces-wheel colcon-workspace clean
+.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots format lock nav2-interfaces interfaces-wheel colcon-workspace clean
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
@@ -122,9 +122,11 @@ $(STAMPS)/interfaces: $(INTERFACE_SOURCES) build-requirements.lock scripts/build
 $(STAMPS)/tf2-msgs: $(TF_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
 	$(call compile-interfaces,message of /tf,tf-wheel,$(TF))
 
-# For the tests only: what other docking servers speak.
+nav2-interfaces: setup $(STAMPS)/test-interfaces ## install the docking actions of nav2 and the Create 3; see docs/nav2.md
+
+# The tests need them, too.
 $(STAMPS)/test-interfaces: $(TEST_INTERFACE_SOURCES) build-requirements.lock scripts/build-interfaces $(STAMPS)/lock
-	$(call compile-interfaces,interface packages of the tests,test-wheel,$(TEST_INTERFACES))
+	$(call compile-interfaces,docking actions of nav2 and the Create 3,test-wheel,$(TEST_INTERFACES))
 
 $(STAMPS)/project: pyproject.toml backend/hatch_build.py $(shell find backend/action_tutorials_py -type f) $(STAMPS)/interfaces $(STAMPS)/tf2-msgs
 	@$(UV) pip install --quiet --python $(BIN)/python --no-deps \

@@ -242,12 +242,13 @@ class Settings(BaseSettings):
         "",
         pattern=r"^(memory:|sqlite:///.+|postgres(ql)?://.*)?$",
         description="URL of the history database: `postgresql://user@host/name`, `sqlite:////path/to/history.db`, or "
-        "`memory:`. Empty: SQLite, `history-<ROS_DOMAIN_ID>.db` in the user's data directory.",
+        "`memory:`. Empty: SQLite, `history-<ROS_DOMAIN_ID>.db` in the user's data directory, or "
+        "`history-<ROS_DOMAIN_ID>-localhost.db` if discovery is limited to this machine.",
     )
     spool_path: Path | None = Field(
         None,
         description="Folder for goals while the database is not available. Empty: `spool-<ROS_DOMAIN_ID>` in the "
-        "user's data directory.",
+        "user's data directory, or `spool-<ROS_DOMAIN_ID>-localhost` if discovery is limited to this machine.",
     )
     stop_path: Path | None = Field(
         None,
