@@ -97,3 +97,11 @@ def test_a_server_that_no_longer_calibrates_answers_and_goes_on(here: Site, obse
     goal = send_dock_goal(observer)
     assert goal.accepted
     assert goal.cancel()
+
+
+def test_a_sensor_that_cannot_be_subscribed_to_is_the_answer(domain: int, observer: Observer) -> None:
+    with docking_servers(domain, "controller:=dock_pose", "qos_overrides./odom.subscription.reliability:=none"):
+        for _ in range(2):
+            answer = calibrate(observer)
+            assert not answer.success
+            assert "reliability" in answer.message

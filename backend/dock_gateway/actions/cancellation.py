@@ -23,8 +23,9 @@ STOP_TIMEOUT = 1.0
 RETRY_INTERVAL = 1.0
 # Maximum number of unwanted goals besides those that are tracked.
 MAX_UNWANTED = 1000
-# action_msgs/CancelGoal: ERROR_UNKNOWN_GOAL_ID and ERROR_GOAL_TERMINATED
-UNKNOWN_GOAL, ENDED_GOAL = 2, 3
+# action_msgs/CancelGoal: ERROR_UNKNOWN_GOAL_ID and ERROR_GOAL_TERMINATED, which also stands for a goal that is being
+# canceled already.
+UNKNOWN_GOAL, NOTHING_TO_CANCEL = 2, 3
 
 TOO_LATE = GoalError(
     "action_server_timeout",
@@ -67,34 +68,35 @@ class Canceler:
         if goal.status is GoalStatus.LOST:
             return
         try:
-            await self._ask(goal)
+            await self._ask(goal, self._settings.cancel_timeout)
         except (ServerTimeout, Unavailable):
             self.mark_unwanted(goal, CANCELED)
             self.seen_again(goal)
             raise
 
-    async def _ask(self, goal: Goal) -> None:
+    async def _ask(self, goal: Goal, timeout: float) -> None:
         for attempt in range(2):
             try:
-                answer = await self._tracker.port.cancel(goal.goal_id, self._settings.cancel_timeout)
+                answer = await self._tracker.port.cancel(goal.goal_id, timeout)
             except TimeoutError:
-                seconds = self._settings.cancel_timeout
-                detail = f"the action server did not answer within {seconds:g} s; retrying"
+                detail = f"the action server did not answer within {timeout:g} s; retrying"
                 raise ServerTimeout(detail, goal_id=goal.goal_id) from None
             self._tracker.heard()
             if goal.goal_id in answer.goal_ids:
                 self._tracker.move(goal, GoalStatus.CANCELING)
                 return
-            if answer.return_code == UNKNOWN_GOAL and attempt == 0 and not goal.status.terminal:
-                await asyncio.sleep(0.1)  # the server may not have received the goal yet
+            if attempt == 0 and answer.return_code in (UNKNOWN_GOAL, NOTHING_TO_CANCEL) and not goal.status.terminal:
+                await asyncio.sleep(0.1)  # the server may not have received the goal yet, or its status is on its way
                 continue
             break
-        if goal.status in (GoalStatus.PENDING, GoalStatus.CANCELING, GoalStatus.LOST):
-            return
         if goal.status.terminal:
             raise Conflict(f"the goal is already {goal.status.value}", code="goal_terminal", goal_id=goal.goal_id)
-        if answer.return_code == ENDED_GOAL:
-            raise Conflict("the goal has just ended", code="goal_terminal", goal_id=goal.goal_id)
+        if answer.return_code == NOTHING_TO_CANCEL or goal.status in (
+            GoalStatus.PENDING,
+            GoalStatus.CANCELING,
+            GoalStatus.LOST,
+        ):
+            return
         self._refused(goal)
         raise Conflict("the action server refuses to cancel the goal", code="cancel_rejected", goal_id=goal.goal_id)
 
@@ -130,7 +132,11 @@ class Canceler:
         for goal_id in answer.goal_ids & self._tracker.live.keys():
             self._tracker.move(self._tracker.live[goal_id], GoalStatus.CANCELING)
         left = [goal for goal in goals if goal.status in (GoalStatus.ACCEPTED, GoalStatus.EXECUTING)]
-        refuses = await asyncio.gather(*map(self._refuses, left))
+        try:
+            refuses = await asyncio.gather(*map(self._refuses, left))
+        except (ServerTimeout, Unavailable):
+            self._insist_on(left)
+            raise
         canceling = sorted(answer.goal_ids | {goal.goal_id for goal in left if goal.status is GoalStatus.CANCELING})
         if refused := [goal for goal, refuses_it in zip(left, refuses, strict=True) if refuses_it]:
             self._insist_on(refused)
@@ -139,13 +145,11 @@ class Canceler:
         return canceling
 
     async def _refuses(self, goal: Goal) -> bool:
-        """Ask about a goal that is not among those to be canceled: the server refuses, or it has just ended."""
+        """Ask about a goal that the server did not name: it refuses, or the goal was canceled before or has ended."""
         try:
-            await self._ask(goal)
+            await self._ask(goal, STOP_TIMEOUT)
         except Conflict as error:
             return error.code == "cancel_rejected"
-        except (ServerTimeout, Unavailable):
-            return True
         return False
 
     @property
@@ -194,7 +198,7 @@ class Canceler:
         try:
             while self._why_unwanted(goal) is not None and not goal.status.terminal:
                 try:
-                    await self._ask(goal)
+                    await self._ask(goal, self._settings.cancel_timeout)
                     if goal.status is GoalStatus.CANCELING:
                         return
                 except Conflict as error:

@@ -98,8 +98,8 @@ class SharedEntries(Generic[EntryT]):
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
+        changes = self._changes  # before `_save`, while which others may be made
         await self._save()
-        changes = self._changes
         stored = await self._store.read()
         if changes == self._changes:  # else what was read may be outdated
             self._known = stored

@@ -238,13 +238,13 @@ class Stopper:
         halt.robots += new
         if new or time.monotonic() - halt.published_at > REST * halt.took:
             halt.publish_zero()
+            self._notify(halt.robots)
         for action in self._actions.under(name):
             cancel = halt.cancels.get(action)
             if cancel is None or (cancel.done() and action.canceler.uncanceled):
                 self._cancel(halt, action)
             else:
                 action.delivery.stop()
-        self._notify(new)
 
     def _notify(self, robots: list[Robot]) -> None:
         for robot in robots:

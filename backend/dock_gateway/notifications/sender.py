@@ -66,9 +66,9 @@ class Sender:
 
     async def send(self, url: str, headers: Mapping[str, str], body: Json) -> Answer:
         """Send an event, and return what came of it. Never raises."""
-        if self._http is None:  # loads the machine's certificates, which takes time
-            self._http = await asyncio.to_thread(_client)
         try:
+            if self._http is None:  # loads the machine's certificates, which takes time
+                self._http = await asyncio.to_thread(_client)
             async with (
                 asyncio.timeout(TIMEOUT),
                 self._http.stream("POST", url, content=body, headers=dict(headers)) as answer,

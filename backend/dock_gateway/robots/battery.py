@@ -156,9 +156,9 @@ class BatteryPublisher:
         """
         message = self._port.codec.parse(value, "state")
         async with self._changing:
+            await self._cancel()
             stamp = _unstamped(message)
             state = fragment(await self._port.publish(message, stamp=stamp))
-            await self._cancel()
             self._publisher = Publisher(True, state, rate_hz, 1, utc_now())
             self._task = asyncio.create_task(self._run(message, 1 / rate_hz, stamp=stamp))
             self._publish_count()

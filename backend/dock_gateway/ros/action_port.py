@@ -14,6 +14,7 @@ from typing import Any
 
 from action_msgs.srv import CancelGoal
 from rclpy.client import Client
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.serialization import serialize_message
 from unique_identifier_msgs.msg import UUID
 
@@ -207,15 +208,21 @@ class ActionPort:
     # ------------------------------------------------------------------ requests
 
     async def presence(self) -> ServerPresence:
-        """Return the servers of the action."""
+        """Return the servers of the action.
+
+        Raises:
+            Unavailable: The gateway has left the action, or the ROS thread is down (`ros_unavailable`).
+        """
         while True:
             link = self._link
             try:
                 presence = await link.bridge.call(link.look)
-            except Exception:
-                if link is self._link:
-                    raise
-                continue  # it was replaced meanwhile
+            except Exception as error:
+                if link is not self._link:
+                    continue  # it was replaced meanwhile
+                if isinstance(error, _rclpy.InvalidHandle):
+                    raise Unavailable("the action has left the ROS graph") from None
+                raise
             if not presence.available:
                 self._ask()
             return presence

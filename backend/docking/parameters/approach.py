@@ -16,7 +16,9 @@ class Gains:
         "",
         "How hard the robot steers towards the line that leads straight onto the dock, as a ratio of rates.",
     )
-    k_delta: float = number(2.0, 0.1, 20.0, "", "Gain of the heading error: how hard the robot turns to the heading that k_phi asks for.")
+    k_delta: float = number(
+        2.0, 0.1, 20.0, "", "Gain of the heading error: how hard the robot turns to the heading that k_phi asks for."
+    )
     beta: float = number(
         0.4,
         0.0,

@@ -105,8 +105,11 @@ class DockCalibrator:
             self._measurement = DockCalibration(control_time(self._node))
             self._ended = Future()
             self._sensors.marker_tilt = self._tilt(dock_type)
-            self._sensors.listen_to(NEEDED)
-            self._timer.reset()
+            try:
+                self._sensors.listen_to(NEEDED)
+                self._timer.reset()
+            except Exception as error:  # noqa: BLE001 - such as a `qos_overrides` parameter that is wrong
+                self._refuse(f"{type(error).__name__}: {error}")
             self._unanswered += 1
             response.success, response.message = await self._ended
             self._unanswered -= 1

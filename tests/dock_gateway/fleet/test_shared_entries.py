@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -53,6 +54,22 @@ async def test_they_hold_while_the_history_is_away() -> None:
     assert not here.unsaved
     assert await there.sync()
     assert there.get("a") == ADA
+
+
+async def test_what_is_put_while_others_are_stored_is_not_undone_by_a_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    store = SharedStore[Acknowledgement]()
+    here = SharedEntries(store)
+    write = store.write
+
+    async def write_slowly(key: str, *rest: Any) -> None:
+        await write(key, *rest)
+        if key == "a":
+            here.put("b", BOB)
+
+    monkeypatch.setattr(store, "write", write_slowly)
+    here.put("a", ADA)
+    assert await here.sync()
+    assert (here.get("a"), here.get("b")) == (ADA, BOB)
 
 
 async def test_what_must_be_stored_first_is_set_then() -> None:

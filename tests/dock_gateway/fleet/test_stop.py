@@ -153,12 +153,15 @@ async def test_a_stop_that_joins_one_stops_what_has_appeared_since(
     report = await fleet.stopper.stop(latch=False)
     assert report.canceling == ["late"]
     assert robot.velocity.zeros == 1
-    assert stopped == ["/", "/robot1", "/robot2"]
+    assert stopped == ["/", "/robot1", "/", "/robot1", "/robot2"]
     first.cancel()
 
 
 async def test_who_goes_on_asking_goes_on_stopping(fleet: FakeFleet, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stop_module, "REPEAT_AFTER", 0.02)
+    monkeypatch.setattr(stop_module, "REST", 0)
+    told: list[str] = []
+    fleet.stopper.on_stop.append(told.append)
     await fleet.stopper.stop(latch=False)
     for zeros in range(2, 5):
         fleet.goals["/"].running = ["late"]
@@ -166,6 +169,7 @@ async def test_who_goes_on_asking_goes_on_stopping(fleet: FakeFleet, monkeypatch
         assert report.failed == []
         await until(lambda: not fleet.goals["/"].running)
         await until(lambda least=zeros: min(fleet.zeros()) >= least)
+        assert len(told) == len(NAMES) * zeros, "a robot that is still being stopped is not left alone"
 
 
 async def test_a_stop_that_joins_one_and_follows_a_release_holds_and_is_told(fleet: FakeFleet) -> None:

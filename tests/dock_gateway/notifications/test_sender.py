@@ -46,6 +46,14 @@ def test_secrets() -> None:
         assert not is_secret(text)
 
 
+async def test_certificates_that_cannot_be_read_are_an_answer(sender: Sender, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SSL_CERT_FILE", "/nowhere/ca.pem")
+    answer = await sender.send("https://127.0.0.1:1/", {}, b"{}")
+    assert answer.status_code is None
+    assert answer.error is not None
+    assert "No such file" in answer.error
+
+
 async def test_an_event_is_sent_once_and_redirects_are_not_followed(sender: Sender, receiver: Receiver) -> None:
     receiver.answers += [200, 302, 500]
     answers = [await sender.send(receiver.url, {"webhook-id": "1"}, b"{}") for _ in range(3)]

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import Json
 from dock_gateway.ros import bridge as bridge_module
 from dock_gateway.ros.action_port import ActionKind, ActionPort
@@ -155,3 +156,13 @@ async def test_participants_are_shared_and_limited(bridge: Bridge, monkeypatch: 
     assert bridge.branches == []
     bridge.release(bridge)
     assert bridge.alive
+
+
+async def test_a_request_that_waits_for_the_servers_of_an_action_that_is_left_is_told(
+    port: ActionPort, bridge: Bridge
+) -> None:
+    port.close()
+    await bridge.call(lambda: None)
+    with pytest.raises(Unavailable) as refused:
+        await port.presence()
+    assert refused.value.code == "action_server_unavailable"
