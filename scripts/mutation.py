@@ -62,6 +62,7 @@ AREAS = {
                 "goal/test_dock_stages",
                 "goal/test_dock_memory",
                 "estimation/test_clearance",
+                "test_charging",
                 "plans/test_undock",
             )
         ],

@@ -1,6 +1,6 @@
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry
-from docking.goal.dock_memory import DockMemory
+from docking.goal.dock_memory import MOVED, TURNED, DockMemory
 from docking.goal.objective import Progress
 from docking.nodes.dock_server import docking_objective
 from docking.parameters import Dock, DockDirection, DockSettings, Staging
@@ -60,3 +60,12 @@ def test_the_dock_of_a_robot_that_was_moved_by_hand_is_that_of_the_next_goal() -
     odometry = Odometry(Pose(3.0), STANDSTILL, 0.0)
     assert not docking.is_reached(Observation(0.0, None, odometry), None, Progress(False, False, None))
     assert (memory.staging, memory.dock_type) == (dock, "back")
+
+
+def test_a_robot_may_have_moved_by_01_m_and_035_rad() -> None:
+    memory = DockMemory()
+    memory.note(True, Pose())
+    for near in (Pose(MOVED), Pose(theta=TURNED)):
+        assert memory.recall(near) is True
+    for far in (Pose(1.01 * MOVED), Pose(theta=-1.01 * TURNED)):
+        assert memory.recall(far) is None

@@ -323,3 +323,20 @@ def test_a_failure_while_backing_off(failed: Failed, error: ErrorCode, message: 
     run.step()
     run.step()
     assert run.step() == Outcome(End.ABORTED, error, message, 1)
+
+
+def test_a_failure_while_the_battery_charges_is_as_far_as_it_gets() -> None:
+    """Pressing on, the robot has reached the charger: it stands still until that has lasted."""
+    plan = Script(CONTROLLING=NO_CHARGE)
+    plan.stages = (Stage.INITIAL_PERCEPTION, Stage.CONTROLLING, Stage.WAIT_FOR_CHARGE)  # type: ignore[assignment]
+    goal = Goal(plan, Docking(timeouts(charge_stable_for=1.0)), START)
+
+    def step(status: int, at: float) -> Command | Outcome:
+        return goal.step(Observation(START + at, reading(status, START + at), Odometry(Pose(), STANDSTILL, START + at)))
+
+    step(3, 0.0)
+    assert plan.stage is Stage.CONTROLLING
+    assert step(1, 0.25) == Command(Stage.WAIT_FOR_CHARGE, STANDSTILL)
+    assert plan.stage is Stage.WAIT_FOR_CHARGE
+    assert step(1, 1.0) == Command(Stage.WAIT_FOR_CHARGE, STANDSTILL)
+    assert step(1, 1.25) == Outcome(End.SUCCEEDED)

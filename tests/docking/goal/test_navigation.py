@@ -1,18 +1,18 @@
 """A goal that begins with a navigation: what is decided, and every way out cancels it."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
 from docking.behaviors.rotate import Rotate
 from docking.core.battery import BatteryReading
-from docking.core.errors import ErrorCode, FailedToDetectDock, Stage
+from docking.core.errors import ErrorCode, FailedToDetectDock, FailedToStage, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry
 from docking.goal.behavior import Behavior
 from docking.goal.dock import Docking
 from docking.goal.engine import Command, End, Goal, Outcome
-from docking.goal.navigation import CannotNavigate, Navigation, RideState
+from docking.goal.navigation import CannotNavigate, Going, Navigation, RideState
 from docking.goal.plan import KnownPoses
 from docking.parameters import DockTimeouts, MotionLimits, NavigationSettings
 
@@ -169,6 +169,51 @@ def test_a_server_that_is_silent_or_slow_is_canceled(accepted: bool, fed: int, r
     ride.feedback = fed
     assert trial.run(40.0) == Outcome(End.ABORTED, ErrorCode.FAILED_TO_STAGE, reason)
     assert ride.canceled
+
+
+def navigation(navigator: Navigator, **settings: float) -> Navigation:
+    return Navigation(navigator, replace(SETTINGS, **settings))  # type: ignore[arg-type]
+
+
+def test_the_way_may_take_max_staging_time() -> None:
+    navigator = Navigator()
+    going = navigation(navigator, max_staging_time=1.0)
+    assert going.step(0.5) is Going.DRIVES
+    navigator.rides[0].state = RideState.DRIVING
+    assert [going.step(0.5) for _ in range(2)] == [Going.DRIVES] * 2
+    with pytest.raises(FailedToStage):
+        going.step(0.5)
+
+
+def test_a_server_may_take_5_s_to_answer() -> None:
+    going = navigation(Navigator())
+    assert [going.step(1.0) for _ in range(6)] == [Going.DRIVES] * 6
+    with pytest.raises(FailedToStage):
+        going.step(1.0)
+
+
+def test_feedback_may_stay_away_for_5_s_from_the_last_one_on() -> None:
+    navigator = Navigator()
+    going = navigation(navigator)
+    going.step(1.0)
+    (ride,) = navigator.rides
+    ride.state, ride.feedback = RideState.DRIVING, 1
+    assert [going.step(1.0) for _ in range(4)] == [Going.DRIVES] * 4
+    ride.feedback = 2
+    assert [going.step(1.0) for _ in range(6)] == [Going.DRIVES] * 6
+    with pytest.raises(FailedToStage):
+        going.step(1.0)
+
+
+def test_after_an_interruption_the_server_is_waited_for_again() -> None:
+    navigator = Navigator(None)
+    going = navigation(navigator)
+    assert [going.step(0.5) for _ in range(3)] == [Going.WAITS] * 3
+    navigator.left = 4.0
+    assert going.step(0.5) is Going.DRIVES
+    going.interrupt()
+    navigator.left = None
+    assert [going.step(0.5) for _ in range(4)] == [Going.WAITS] * 3 + [Going.OVER]
 
 
 def test_every_way_out_cancels_the_navigation() -> None:

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from docking.core.errors import ErrorCode, Stage
+from docking.core.errors import ErrorCode, Obstructed, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Scan, Velocity
 from docking.goal.dock import Docking
@@ -82,6 +82,7 @@ class Drive:
             self.last = step
             if not self.stages or self.stages[-1] is not step.stage:
                 self.stages.append(step.stage)
+            assert step.velocity.finite
             if step.stage is Stage.WAIT_FOR_CLEARANCE:
                 assert step.velocity == STANDSTILL
             if self.gap < 0.3:
@@ -129,6 +130,7 @@ def test_it_is_aborted_where_the_obstacle_stays() -> None:
     assert outcome.error_msg == "the robot has waited for 5 s (obstacle_timeout): an obstacle is in the way"
     assert drive.last is not None
     assert (drive.last.stage, drive.last.error_code) == (Stage.WAIT_FOR_CLEARANCE, ErrorCode.OBSTRUCTED)
+    assert drive.last.error_msg == "an obstacle is in the way: the robot waits"
     assert 0.02 < drive.gap < 0.25
     assert drive.simulation.bumps == 0
 
@@ -257,7 +259,134 @@ def test_a_scanner_that_falls_silent_stops_the_robot() -> None:
     outcome = drive.run()
     assert outcome.error_code is ErrorCode.SCAN_LOST
     assert outcome.error_msg == "the robot has waited for 5 s (obstacle_timeout): there is no scan"
+    assert drive.last is not None
+    assert (drive.last.error_code, drive.last.retries) == (ErrorCode.SCAN_LOST, 0)
+    assert drive.last.error_msg == "no scan for over 0.5 s (scan_timeout): the robot waits"
     assert drive.simulation.time < 3.0 + 0.5 + 5.0 + 1.5
+
+
+SQUARE = ((0.2, 0.2), (-0.2, 0.2), (-0.2, -0.2), (0.2, -0.2))
+FORWARD = Velocity(0.2)
+IN_FRONT = ((0.3, 0.0),)
+TICK = 0.25
+"""Seconds between two looks. Sums of it are exact."""
+
+
+def view(*points: tuple[float, float], now: float = 0.0, age: float = 0.0, robot: Pose | None = None) -> Observation:
+    scan = Scan(np.array(points).reshape(-1, 2), now - age)
+    return Observation(now, odometry=Odometry(robot or Pose(), STANDSTILL, now), scan=scan)
+
+
+def blocked_watch(**settings: float) -> ObstacleWatch:
+    """A robot that has been stopped by an obstacle in front of it."""
+    watch = ObstacleWatch(replace(COLLISION, **settings), SQUARE)  # type: ignore[arg-type]
+    assert watch.look(view(*IN_FRONT), None, TICK)
+    assert watch.stops(FORWARD)
+    return watch
+
+
+def test_before_the_first_scan_nothing_is_in_the_way() -> None:
+    watch = ObstacleWatch(COLLISION, SQUARE)
+    assert (watch.reason, watch.lost, watch.stops(STANDSTILL), watch.stops(FORWARD)) == ("", False, False, False)
+    assert watch.slow_down(FORWARD) == FORWARD
+
+
+def test_the_robot_goes_on_when_the_way_has_been_clear_for_half_a_second() -> None:
+    watch = blocked_watch()
+    for _ in range(4):
+        assert not watch.look(view(*IN_FRONT), None, TICK)
+        assert watch.reason == "an obstacle is in the way: the robot waits"
+    assert not watch.look(view(), None, TICK)
+    assert not watch.look(view(*IN_FRONT), None, TICK), "it is back"
+    assert not watch.look(view(), None, TICK)
+    assert watch.look(view(), None, TICK)
+    assert (watch.reason, watch.lost) == ("", False)
+    assert watch.look(view(), None, TICK)
+
+
+def test_the_robot_waits_for_obstacle_timeout_and_no_longer() -> None:
+    watch = blocked_watch(obstacle_timeout=1.0)
+    for _ in range(4):
+        assert not watch.look(view(*IN_FRONT), None, TICK)
+    with pytest.raises(Obstructed):
+        watch.look(view(*IN_FRONT), None, TICK)
+
+
+@pytest.mark.parametrize(("free", "more"), [(8, 1), (9, 4)])
+def test_the_time_that_it_has_waited_is_forgotten_after_more_than_two_seconds(free: int, more: int) -> None:
+    watch = blocked_watch(obstacle_timeout=1.0)
+    assert not watch.look(view(*IN_FRONT), None, TICK)
+    assert not watch.look(view(), None, TICK)
+    assert watch.look(view(), None, TICK)
+    for _ in range(free - 1):
+        assert watch.look(view(*IN_FRONT), None, TICK)
+    assert watch.stops(FORWARD)
+    for _ in range(more + 1 if free == 8 else more):
+        assert not watch.look(view(*IN_FRONT), None, TICK)
+    with pytest.raises(Obstructed):
+        watch.look(view(*IN_FRONT), None, TICK)
+
+
+def test_a_scan_may_be_as_old_as_scan_timeout() -> None:
+    watch = ObstacleWatch(COLLISION, SQUARE)
+    assert watch.look(view(now=1.0, age=0.5), None, TICK)
+    assert not watch.look(view(now=1.0, age=0.75), None, TICK)
+    assert (watch.lost, watch.reason) == (True, "no scan for over 0.5 s (scan_timeout): the robot waits")
+
+
+def test_the_first_scan_may_take_a_second() -> None:
+    watch = ObstacleWatch(COLLISION, SQUARE)
+    said = []
+    for _ in range(6):
+        assert not watch.look(Observation(0.0), None, TICK)
+        said.append(watch.reason)
+    assert said == [""] * 5 + ["no scan received yet: the robot waits"]
+
+
+@pytest.mark.parametrize(
+    ("along", "aside", "hides"),
+    [
+        (0.5, 0.0, True),
+        (0.5, -0.15, True),
+        (0.5, -0.5, False),
+        (-0.5, 0.0, False),
+        (1.5, 0.0, False),
+    ],
+)
+def test_what_hides_the_dock_is_between_it_and_the_robot(along: float, aside: float, hides: bool) -> None:
+    """The docked pose is 1 m away, 0.5 rad to the left of where the robot looks; the dock is to its left."""
+    robot, towards = Pose(1.0, 2.0, 0.75), Pose(theta=0.5)
+    docked = robot.compose(towards).compose(Pose(1.0, 0.0, math.pi / 2))
+    point = towards.compose(Pose(along, aside))
+    watch = ObstacleWatch(replace(COLLISION, dock_collision_threshold=0.0), SQUARE)
+    world = robot.compose(Pose(point.x, point.y))
+    assert watch.look(view((world.x, world.y), robot=robot), docked, TICK)
+    assert watch.stops(STANDSTILL) is hides
+
+
+def test_the_dock_is_beyond_the_front_of_a_robot_that_is_longer_in_front() -> None:
+    outline = ((0.4, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.4, -0.1))
+    for reach, is_dock in ((0.45, True), (0.2, False)):
+        watch = ObstacleWatch(COLLISION, outline)
+        assert watch.look(view((0.5 + reach, 0.0)), Pose(0.5), TICK)
+        assert watch.stops(Velocity(0.5)) is not is_dock
+
+
+def test_the_way_is_looked_at_from_where_a_command_takes_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+    drive = Drive(settings=Settings(start=Pose(-1.3, 0.0, 0.0), command_delay=0.3))
+    ahead: list[float] = []
+    look = ObstacleWatch.look
+
+    def spy(watch: ObstacleWatch, observation: Observation, docked: Pose | None, dt: float) -> bool:
+        known = drive.simulation.observe().odometry
+        assert known is not None
+        assert observation.odometry is not None
+        ahead.append(observation.odometry.pose.distance_to(known.pose))
+        return look(watch, observation, docked, dt)
+
+    monkeypatch.setattr(ObstacleWatch, "look", spy)
+    assert drive.run() == Outcome(End.SUCCEEDED)
+    assert max(ahead) > 0.03
 
 
 def test_it_is_off_unless_it_is_wanted() -> None:

@@ -4,11 +4,12 @@ from dataclasses import replace
 import pytest
 
 from docking.core.battery import BatteryReading
-from docking.core.errors import ErrorCode, Stage
+from docking.core.errors import DockedUnknown, ErrorCode, FailedToUndock, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Odometry, Velocity
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.objective import Progress
 from docking.goal.undock import Undocking
 from docking.parameters import MotionLimits, UndockTimeouts
 from docking.plans.undock import UndockPlan
@@ -182,3 +183,40 @@ def test_the_first_outcome_stays() -> None:
     assert isinstance(goal.step(simulation.observe()), Command)
     canceled = goal.cancel()
     assert goal.step(simulation.observe()) is canceled
+
+
+def look(objective: Undocking, status: int, at: Pose | None, *, finished: bool = False) -> bool:
+    odometry = None if at is None else Odometry(at, STANDSTILL, 1.0)
+    battery = BatteryReading(status, 1.0)
+    return objective.is_reached(Observation(1.0, battery, odometry), battery, Progress(True, finished, None))
+
+
+def test_once_the_battery_has_charged_the_robot_is_docked_until_it_has_backed_out() -> None:
+    objective = Undocking(UndockTimeouts())
+    assert not look(objective, 1, Pose())
+    assert not look(objective, 3, Pose(-1.0)), "on its way out, although it is where it is not known to be docked"
+    assert not look(objective, 1, Pose(-1.0), finished=True)
+    assert look(objective, 3, Pose(-1.0), finished=True)
+
+
+def test_nothing_is_assumed_unless_it_is_wanted() -> None:
+    with pytest.raises(DockedUnknown):
+        look(Undocking(UndockTimeouts()), 3, Pose())
+
+
+def test_a_robot_off_its_dock_is_that_only_where_odometry_tells_it() -> None:
+    memory = DockMemory()
+    memory.note(False, Pose())
+    objective = Undocking(UndockTimeouts(), memory)
+    assert not look(objective, 3, None)
+    assert look(objective, 3, Pose())
+
+
+@pytest.mark.parametrize(
+    ("finished", "message"),
+    [(True, "the battery is still charging"), (False, "the robot did not get away from the dock")],
+)
+def test_its_time_limit_is_a_parameter(finished: bool, message: str) -> None:
+    deadline = Undocking(UndockTimeouts()).deadline(Stage.UNDOCKING, finished)
+    assert deadline is not None
+    assert (deadline.parameter, deadline.error, deadline.message) == ("undocking_timeout", FailedToUndock, message)
