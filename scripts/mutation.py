@@ -59,6 +59,7 @@ AREAS = {
                 "goal/test_motion_watch",
                 "goal/test_obstacle_watch",
                 "goal/test_navigation",
+                "goal/test_dock",
                 "goal/test_dock_stages",
                 "goal/test_dock_memory",
                 "estimation/test_clearance",
