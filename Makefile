@@ -34,7 +34,7 @@ DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o
 .PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots format lock nav2-interfaces interfaces-wheel colcon-workspace clean
 
 help: ## list the targets
-	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
+	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
 
 run: setup ## start the gateway and a simulated robot, then open http://127.0.0.1:8000 (UP_ARGS=--no-sim: no robot)
 	@exec $(BIN)/dock-gateway up $(UP_ARGS)

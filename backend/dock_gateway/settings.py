@@ -15,7 +15,7 @@ LOOPBACK_HOSTS = frozenset({"127.0.0.1", "::1", "localhost"})
 
 # What ROS takes for the name of a node, for that of a topic or an action, for a namespace, and for an action's type.
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-TOPIC = re.compile(rf"/?{NAME.pattern}(/{NAME.pattern})*")
+TOPIC = re.compile(rf"/?{NAME.pattern}(?:/{NAME.pattern})*")
 NAMESPACE = re.compile(rf"/?|{TOPIC.pattern}/?")
 ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
 

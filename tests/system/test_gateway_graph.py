@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from tests.support.gateway import RunningGateway, running_program, running_talker
+from tests.support.gateway import RunningGateway, running_gateway, running_program, running_talker
 from tests.support.waiting import PATIENCE
 
 pytestmark = pytest.mark.ros
@@ -90,21 +90,22 @@ def test_nodes_of_the_same_name_are_counted(gateway: RunningGateway, shared_doma
         assert talkers.count("/talker0/talker") == 2
 
 
-def test_what_is_known_is_not_sent_again(gateway: RunningGateway, shared_domain: int) -> None:
-    wait_for_graph(gateway, lambda graph: "/talker0/talker" not in names(graph["nodes"]))
-    deadline = time.monotonic() + PATIENCE
-    while True:  # ports of robots that left are closed a little later
-        tag = gateway.http.get("/graph").headers["etag"]
-        time.sleep(1.1)
-        same = gateway.http.get("/graph", headers={"If-None-Match": tag})
-        if same.status_code == 304:
-            break
-        assert time.monotonic() < deadline
-    assert (same.content, same.headers["etag"]) == (b"", tag)
-    with running_talker(shared_domain):
-        wait_for_graph(gateway, lambda graph: "/talker0/talker" in names(graph["nodes"]))
-        changed = gateway.http.get("/graph", headers={"If-None-Match": tag})
-        assert (changed.status_code, changed.headers["etag"] != tag) == (200, True)
+def test_what_is_known_is_not_sent_again(domain: int) -> None:
+    with running_gateway(domain) as gateway:
+        wait_for_graph(gateway, lambda graph: names(graph["nodes"]) == {"/dock_gateway"})
+        deadline = time.monotonic() + PATIENCE
+        while True:  # ports of robots that left are closed a little later
+            tag = gateway.http.get("/graph").headers["etag"]
+            time.sleep(1.1)
+            same = gateway.http.get("/graph", headers={"If-None-Match": tag})
+            if same.status_code == 304:
+                break
+            assert time.monotonic() < deadline
+        assert (same.content, same.headers["etag"]) == (b"", tag)
+        with running_talker(domain):
+            wait_for_graph(gateway, lambda graph: "/talker0/talker" in names(graph["nodes"]))
+            changed = gateway.http.get("/graph", headers={"If-None-Match": tag})
+            assert (changed.status_code, changed.headers["etag"] != tag) == (200, True)
 
 
 def test_topics_that_are_not_there(gateway: RunningGateway) -> None:

@@ -98,7 +98,7 @@ class SharedEntries(Generic[EntryT]):
         Raises:
             Unavailable: The history does not answer (`history_unavailable`).
         """
-        changes = self._changes  # before `_save`, while which others may be made
+        changes = self._changes  # before `_save`: more may be made while it waits
         await self._save()
         stored = await self._store.read()
         if changes == self._changes:  # else what was read may be outdated

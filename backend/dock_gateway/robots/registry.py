@@ -18,13 +18,12 @@ from dock_gateway.ros.graph import Scan, find_presence
 from dock_gateway.ros.latch_port import LatchPort
 from dock_gateway.ros.robot_ports import BatteryPort
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
-from dock_gateway.settings import Settings
+from dock_gateway.settings import NAME, Settings
 
 log = logging.getLogger(__name__)
 
 
-NAME_PART = "[A-Za-z_][A-Za-z0-9_]*"
-NAMESPACE = re.compile(f"/(?:{NAME_PART}(?:/{NAME_PART})*/?)?")
+NAMESPACE = re.compile(f"/(?:{NAME.pattern}(?:/{NAME.pattern})*/?)?")
 
 Ports = tuple[BatteryPort, VelocityPort, LatchPort]
 

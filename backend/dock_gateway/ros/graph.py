@@ -23,12 +23,13 @@ from dock_gateway.core.graph import (
     Service,
     Topic,
 )
+from dock_gateway.settings import NAME
 
 # Seconds of a survey step on the ROS thread.
 PIECE = 0.002
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 INFINITE_NS = 2**63 - 1
-TOPIC_NAME = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
+TOPIC_NAME = re.compile(f"(/{NAME.pattern})+")
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,8 @@ from starlette.responses import Response
 from dock_gateway.core.errors import FieldError, InvalidField, MalformedRequest, got
 from dock_gateway.core.goal import Goal, GoalStatus, encode
 from dock_gateway.gateway import Gateway
-from dock_gateway.robots.registry import NAME_PART, NAMESPACE
+from dock_gateway.robots.registry import NAMESPACE
+from dock_gateway.settings import NAME as ROS_NAME
 
 # The default content type of `curl -d` is accepted as JSON, too. OriginGuard keeps other origins from exploiting it.
 JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
@@ -221,7 +222,7 @@ GraphName = Annotated[
     str,
     Path(
         description="The name on the ROS graph without its leading slash",
-        json_schema_extra={"pattern": f"^{NAME_PART}(?:/{NAME_PART})*$"},
+        json_schema_extra={"pattern": f"^{ROS_NAME.pattern}(?:/{ROS_NAME.pattern})*$"},
     ),
 ]
 ROBOT_PATTERN = {"pattern": f"^{NAMESPACE.pattern}$"}

@@ -210,7 +210,7 @@ async def test_a_stop_tells_which_goals_the_server_refuses_to_cancel(scene: Scen
     assert goal.error is None
     assert scene.canceler.uncanceled
     assert scene.port.asked == [None, A]
-    assert scene.port.timeouts[0] == STOP_TIMEOUT
+    assert scene.port.timeouts == [STOP_TIMEOUT, STOP_TIMEOUT]
 
 
 @pytest.mark.parametrize("status", [S.SUCCEEDED, S.CANCELING])

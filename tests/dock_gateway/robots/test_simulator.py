@@ -1,6 +1,5 @@
 """Which simulators are known: those of robots, until the robot is gone. tests/system has a real one."""
 
-import asyncio
 from collections.abc import AsyncIterator
 from typing import Any
 
@@ -29,7 +28,7 @@ class Port:
 
 
 @pytest.fixture
-async def robots() -> set[str]:
+def robots() -> set[str]:
     return {"/", "/robot1"}
 
 
@@ -69,7 +68,7 @@ async def test_one_that_is_silent_stays_known_but_is_not_available(
 ) -> None:
     monkeypatch.setattr(module, "GONE_AFTER", 0.0)
     simulators.on_report("/robot1", REPORT)
-    await asyncio.wait_for(until(lambda: simulators.find("/robot1") is None), 10)
+    await until(lambda: simulators.find("/robot1") is None)
     known = simulators.document("/robot1")
     assert known is not None
     assert not known["available"]
