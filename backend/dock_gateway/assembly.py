@@ -252,7 +252,7 @@ def _subscribe_on_demand(
     def motion(robot: str) -> ExitStack:
         topic = settings.resolve(settings.cmd_vel_topic, robot)
         listener = robots.velocities.listen(topic, lambda message, _: activity.on_velocity(robot, message))
-        activity.subscribed(robot)
+        activity.subscribed(robot, lambda: listener.complete)
         port = ExitStack()
         port.callback(listener.close)
         port.callback(activity.unsubscribed, robot)

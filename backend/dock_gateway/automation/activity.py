@@ -20,17 +20,22 @@ class Activity:
         self._robots = robots
         self._active_at: dict[str, float] = {}  # on the monotonic clock, as all times here
         self._watched_since: dict[str, float] = {}
-        self._subscribed_at: dict[str, float] = {}
+        self._subscribed: dict[str, tuple[float, Callable[[], bool]]] = {}  # since when, and whether all is heard
         self._person_at: dict[str, float] = {}
         self._changed: Callable[[], None] = lambda: None
 
-    def subscribed(self, robot: str) -> None:
-        """Note that the velocity of a robot is heard from now on. Called on the ROS thread."""
-        self._subscribed_at[robot] = time.monotonic()
+    def subscribed(self, robot: str, hears_all: Callable[[], bool] = lambda: True) -> None:
+        """Note that the velocity of a robot is heard from now on. Called on the ROS thread.
+
+        Args:
+            robot: The robot.
+            hears_all: Tells whether all of it is heard at the moment.
+        """
+        self._subscribed[robot] = time.monotonic(), hears_all
 
     def unsubscribed(self, robot: str) -> None:
         """Note that the velocity of a robot is no longer heard. Called on the ROS thread."""
-        self._subscribed_at.pop(robot, None)
+        self._subscribed.pop(robot, None)
 
     def active(self, robot: str) -> None:
         """Note that a robot moves or runs a goal now."""
@@ -54,11 +59,15 @@ class Activity:
         note(robot.namespace)
 
     def still_since(self, robot: str) -> float | None:
-        """Return since when a robot has been still, as far as seen; None if its velocity is not heard."""
-        watched, subscribed = self._watched_since.get(robot), self._subscribed_at.get(robot)
+        """Return since when a robot has been still, as far as seen; None if its velocity is not heard in full."""
+        watched, subscribed = self._watched_since.get(robot), self._subscribed.get(robot)
         if watched is None or subscribed is None:
             return None
-        return max(watched, subscribed, self._active_at.get(robot, watched))
+        since, hears_all = subscribed
+        if not hears_all():
+            self.active(robot)
+            return None
+        return max(watched, since, self._active_at.get(robot, watched))
 
     def person_at(self, robot: str) -> float | None:
         """Return when a person last intervened; None if never."""

@@ -1,17 +1,19 @@
 """The velocity topics of robots, `cmd_vel`: zero out, what is commanded in.
 
 A base subscribes to geometry_msgs/Twist or geometry_msgs/TwistStamped; one is deaf to the other. A DDS participant has
-one type for each topic, so this one follows the bases, and a branch publishes the other type if there are both.
+one type for each topic, so this one follows the bases, and a branch has the other type if there are both.
 
-`VelocityTopics.update` and `VelocityPort.publish_zero` are called on the loop, all else on the ROS thread.
+`VelocityTopics.update`, `VelocityPort.publish_zero` and properties are called on the loop, what a branch adds on its
+thread, all else on the ROS thread.
 """
 
 import asyncio
 import logging
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
@@ -22,11 +24,14 @@ from rclpy.subscription import Subscription
 from dock_gateway.core.graph import Topic
 from dock_gateway.ros.bridge import Bridge, guard
 from dock_gateway.ros.graph import read_topic
+from dock_gateway.ros.listener import ListeningNode
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.qos import LISTEN, TALK
 from dock_gateway.ros.robot_ports import OnMessage
 
 log = logging.getLogger(__name__)
+
+EndpointT = TypeVar("EndpointT", Publisher, Subscription)
 
 TYPES: dict[str, type] = {"geometry_msgs/msg/Twist": Twist, "geometry_msgs/msg/TwistStamped": TwistStamped}
 PLAIN, STAMPED = TYPES
@@ -34,11 +39,57 @@ PLAIN, STAMPED = TYPES
 SETTLE = 0.05
 
 
+class Endpoints(Generic[EndpointT]):
+    """The publishers or the subscriptions of a topic by type, each on the bridge or on a branch.
+
+    Args:
+        bridge: The bridge. All but `add` is called on its thread.
+        make: Makes one of a type on a node.
+        destroy: Destroys one.
+    """
+
+    def __init__(
+        self,
+        bridge: Bridge,
+        make: Callable[[ListeningNode, type], EndpointT],
+        destroy: Callable[[ListeningNode, EndpointT], object],
+    ) -> None:
+        self.of: dict[str, tuple[Bridge, EndpointT]] = {}  # replaced, never changed: the loop publishes
+        self._bridge = bridge
+        self._make = make
+        self._destroy = destroy
+        self._closed = False
+        self._changing = threading.Lock()
+
+    def add(self, bridge: Bridge, name: str) -> None:
+        """Add one of a type, on a bridge or a branch, on whose thread this is called."""
+        with self._changing:
+            if not self._closed and name not in self.of:
+                self.of = {**self.of, name: (bridge, self._make(bridge.node, TYPES[name]))}
+
+    def drop(self, unwanted: Callable[[str, Bridge], bool] = lambda *_: True) -> None:
+        """Destroy all, or those of unwanted types."""
+        with self._changing:
+            before = self.of
+            self.of = {name: both for name, both in before.items() if not unwanted(name, both[0])}
+        for name in before.keys() - self.of.keys():
+            bridge, endpoint = before[name]
+            if bridge is self._bridge:
+                self._destroy(bridge.node, endpoint)
+            else:
+                bridge.to_ros(partial(self._destroy, bridge.node, endpoint))
+
+    def close(self) -> None:
+        """Destroy all, and take no more."""
+        self._closed = True
+        self.drop()
+
+
 class VelocityTopic:
     """One velocity topic.
 
     Attributes:
-        types: The types that are published, that of the listeners first.
+        types: The types that are published and listened to.
         fault: Why zero velocity reaches no base, if that is known.
         listeners: What listens.
     """
@@ -49,20 +100,27 @@ class VelocityTopic:
         self.listeners: list[VelocityListener] = []
         self._bridge = bridge
         self._name = name
-        self._publishes = False
-        # By type, with the bridge or branch that has it. Replaced, never changed: the loop publishes.
-        self._publishers: dict[str, tuple[Bridge, Publisher]] = {}
+        self._ports = 0
+
+        def make(node: ListeningNode, kind: type) -> Publisher:
+            overrides = QoSOverridingOptions.with_default_policies()
+            return node.create_publisher(kind, name, TALK, qos_overriding_options=overrides)
+
+        self._publishers = Endpoints(bridge, make, ListeningNode.destroy_publisher)
 
     @property
     def used(self) -> bool:
         """Whether it has a publisher or a listener."""
-        return self._publishes or bool(self.listeners)
+        return bool(self._ports or self.listeners)
 
     @property
-    def complete(self) -> bool:
-        """Whether all is published and listened to that should be."""
-        published = not self._publishes or set(self.types) == self._publishers.keys()
-        return published and all(listener.kind == self.types[0] for listener in self.listeners)
+    def missing(self) -> tuple[str, ...]:
+        """The types that are not published and listened to yet."""
+        used = [
+            *([self._publishers.of] if self._ports else []),
+            *(each.subscriptions.of for each in self.listeners),
+        ]
+        return tuple(name for name in self.types if any(name not in endpoints for endpoints in used))
 
     def look(self) -> None:
         """See which types bases subscribe to, and leave the others. `arrange` joins new ones."""
@@ -74,51 +132,42 @@ class VelocityTopic:
         if types == self.types:
             return
         log.info("%s is %s", self._name, " and ".join(types))
-        if types[0] != self.types[0]:
-            for listener in self.listeners:
-                listener.leave()
         self.types = types
-        self._drop(lambda name, bridge: name not in types or (name == types[0] and bridge is not self._bridge))
+
+        def unwanted(name: str, bridge: Bridge) -> bool:
+            return name not in types or (name == types[0] and bridge is not self._bridge)
+
+        for endpoints in (self._publishers, *(listener.subscriptions for listener in self.listeners)):
+            endpoints.drop(unwanted)
 
     def arrange(self) -> tuple[str, ...]:
-        """Publish and listen to the first type; return the types that only a branch can publish."""
-        if self._publishes and self.types[0] not in self._publishers:
-            with suppress(_rclpy.RCLError):  # another part of this process listens to the former type
-                self.add(self._bridge, self.types[0])
-        for listener in self.listeners:
-            if listener.kind is None:
-                with suppress(_rclpy.RCLError):  # the same; it is tried again
-                    listener.subscribe(self.types[0])
-        return tuple(name for name in self.types if self._publishes and name not in self._publishers)
+        """Publish and listen to the first type; return the types that only a branch can have."""
+        with suppress(_rclpy.RCLError):  # another part of this process listens to the former type
+            self.add(self._bridge, self.types[0])
+        return self.missing
 
     def publish(self) -> None:
         """Publish zero velocity from now on."""
-        self._publishes = True
+        self._ports += 1
         self.look()
         self.arrange()
 
     def add(self, bridge: Bridge, name: str) -> None:
-        """Publish a type, too, on a bridge or a branch."""
-        overrides = QoSOverridingOptions.with_default_policies()
-        publisher = bridge.node.create_publisher(TYPES[name], self._name, TALK, qos_overriding_options=overrides)
-        self._publishers = {**self._publishers, name: (bridge, publisher)}
+        """Publish and listen to a type, too, on a bridge or a branch."""
+        if self._ports:
+            self._publishers.add(bridge, name)
+        for listener in tuple(self.listeners):
+            listener.subscriptions.add(bridge, name)
 
     def withdraw(self) -> None:
-        """Remove the publishers."""
-        self._publishes = False
-        self._drop(lambda *_: True)
+        """Publish no longer, unless another port does."""
+        self._ports -= 1
+        if not self._ports:
+            self._publishers.drop()
 
-    def _drop(self, unwanted: Callable[[str, Bridge], bool]) -> None:
-        """Remove the publishers of unwanted types."""
-        before = self._publishers
-        self._publishers = {name: both for name, both in before.items() if not unwanted(name, both[0])}
-        for name, (bridge, publisher) in before.items():
-            if name in self._publishers:
-                continue
-            if bridge is self._bridge:
-                bridge.node.destroy_publisher(publisher)
-            else:
-                bridge.to_ros(partial(bridge.node.destroy_publisher, publisher))
+    def close(self) -> None:
+        """Take no more publishers."""
+        self._publishers.close()
 
     def publish_zero(self) -> None:
         """Command zero velocity in all types.
@@ -127,7 +176,7 @@ class VelocityTopic:
             RuntimeError: No base takes these types, or the publisher is being replaced.
             Exception: ROS does not take the message.
         """
-        publishers = self._publishers
+        publishers = self._publishers.of
         for name, (_, publisher) in publishers.items():
             publisher.publish(self._zero(name))
         if not publishers or self.fault is not None:
@@ -150,15 +199,13 @@ class VelocityListener:
         on_velocity: Called on the loop with a message and its source timestamp in ns.
 
     Attributes:
-        kind: The type that it listens to; None while it listens to none.
+        subscriptions: One for each type of the topic.
     """
 
     def __init__(self, bridge: Bridge, topics: "VelocityTopics", name: str, on_velocity: OnMessage) -> None:
-        self._bridge = bridge
         self._topics = topics
         self._name = name
-        self.kind: str | None = None
-        self._subscription: Subscription | None = None
+        self._topic = topics.at(name)
         twist_codec = codec(Twist)
         inbox = bridge.inbox()
 
@@ -166,29 +213,23 @@ class VelocityListener:
             velocity = twist_codec.encode(message.twist if isinstance(message, TwistStamped) else message)
             inbox.offer(len(velocity), on_velocity, velocity, info["source_timestamp"])
 
-        self._hear = guard(hear)
-        topic = topics.at(name)
-        topic.listeners.append(self)
-        topic.arrange()
+        def make(node: ListeningNode, kind: type) -> Subscription:
+            overrides = QoSOverridingOptions.with_default_policies()
+            return node.create_subscription(kind, name, guard(hear), LISTEN, qos_overriding_options=overrides)
 
-    def subscribe(self, name: str) -> None:
-        """Listen to messages of a type."""
-        overrides = QoSOverridingOptions.with_default_policies()
-        self._subscription = self._bridge.node.create_subscription(
-            TYPES[name], self._name, self._hear, LISTEN, qos_overriding_options=overrides
-        )
-        self.kind = name
+        self.subscriptions = Endpoints(bridge, make, ListeningNode.destroy_subscription)
+        self._topic.listeners.append(self)
+        self._topic.arrange()
 
-    def leave(self) -> None:
-        """Stop listening."""
-        if self._subscription is not None:
-            self._bridge.node.destroy_subscription(self._subscription)
-            self._subscription = self.kind = None
+    @property
+    def complete(self) -> bool:
+        """Whether it hears all that reaches a base."""
+        return self.subscriptions.of.keys() >= set(self._topic.types)
 
     def close(self) -> None:
         """Leave the topic."""
-        self.leave()
-        self._topics.at(self._name).listeners.remove(self)
+        self._topic.listeners.remove(self)
+        self.subscriptions.close()
         self._topics.forget(self._name)
 
 
@@ -235,7 +276,7 @@ class VelocityTopics:
     def forget(self, name: str) -> None:
         """Forget a topic that is no longer used."""
         if not self._topics[name].used:
-            del self._topics[name]
+            self._topics.pop(name).close()
 
     def listen(self, name: str, on_velocity: OnMessage) -> VelocityListener:
         """Listen to a topic."""
@@ -251,15 +292,21 @@ class VelocityTopics:
             Unavailable: The ROS thread is down.
         """
         for name, topic in list(self._topics.items()):
-            if topic.complete and topic.fault is None and set(types.get(name, ())) <= set(topic.types):
+            if not topic.missing and topic.fault is None and set(types.get(name, ())) <= set(topic.types):
                 continue  # whoever is there is reached
-            await self._bridge.call(topic.look)
-            if not topic.complete:
-                await asyncio.sleep(SETTLE)
-            for other in await self._bridge.call(topic.arrange):
-                if self._branch is None:
-                    self._branch = await self._bridge.branch(float("-inf"))
-                await self._branch.call(partial(topic.add, self._branch, other))
+            try:
+                await self._follow(topic)
+            except _rclpy.RCLError:
+                log.exception("the types of %s could not be followed; trying again", name)
+
+    async def _follow(self, topic: VelocityTopic) -> None:
+        await self._bridge.call(topic.look)
+        if topic.missing:
+            await asyncio.sleep(SETTLE)
+        for other in await self._bridge.call(topic.arrange):
+            if self._branch is None:
+                self._branch = await self._bridge.branch(float("-inf"))
+            await self._branch.call(partial(topic.add, self._branch, other))
 
 
 def choose_types(topic: Topic, before: tuple[str, ...], own: str) -> tuple[tuple[str, ...], str | None]:

@@ -1,17 +1,18 @@
 """Zero velocity reaches every base, whichever type it subscribes to."""
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import pytest
-from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
+from geometry_msgs.msg import PoseStamped
 
 from dock_gateway.core.graph import Endpoint, Quality, Topic
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import scan
 from dock_gateway.ros.velocity import PLAIN, STAMPED, VelocityPort, VelocityTopics, choose_types
-from tests.support.observer import Observer, ros_observer
-from tests.support.waiting import until
+from tests.support.observer import Observer
+from tests.support.processes import ForkedProcess, ros_environment
 
 QUALITY = Quality("reliable", "volatile", "keep_last", 10, None, None, "automatic")
 GATEWAY, OTHER_GATEWAY, BASE, SERVER = "/dock_gateway", "/other_gateway", "/base", "/dock_server"
@@ -63,12 +64,12 @@ class Robot:
     def __init__(self, bridge: Bridge) -> None:
         self.heard: list[bytes] = []
         self._bridge = bridge
-        self._topics = VelocityTopics(bridge)
+        self.topics = VelocityTopics(bridge)
 
     async def join(self) -> None:
-        self.port = await self._bridge.call(lambda: VelocityPort(self._topics, "/cmd_vel"))
+        self.port = await self._bridge.call(lambda: VelocityPort(self.topics, "/cmd_vel"))
         self.listener = await self._bridge.call(
-            lambda: self._topics.listen("/cmd_vel", lambda message, _: self.heard.append(message))
+            lambda: self.topics.listen("/cmd_vel", lambda message, _: self.heard.append(message))
         )
 
     async def stop_until(self, holds: Callable[[], object]) -> None:
@@ -76,7 +77,7 @@ class Robot:
 
         async def stopped() -> bool:
             found = await self._bridge.call(lambda: scan(self._bridge.node))
-            await self._topics.update(found.topics)
+            await self.topics.update(found.topics)
             try:
                 self.port.publish_zero()
             except RuntimeError as error:
@@ -89,25 +90,48 @@ class Robot:
                 return
         raise AssertionError("not stopped")
 
+    def heard_of(self, speed: float) -> bool:
+        return any(f'"x":{speed}'.encode() in message for message in self.heard)
+
+
+@contextmanager
+def running_base(domain: int, name: str, speed: float) -> Iterator[Callable[[], int]]:
+    """A base, `stamped` or `plain`, and its driver; yields how often the base was stopped."""
+    command = "-m", "tests.support.base", name, str(speed)
+    with ForkedProcess(*command, env=ros_environment(domain)) as base:
+        yield lambda: base.output.count("stopped")
+        assert "no stamp" not in base.output
+
 
 @pytest.mark.ros
-async def test_a_stop_follows_the_base_from_type_to_type(bridge: Bridge, domain: int, observer: Observer) -> None:
+async def test_a_stop_follows_the_base_from_type_to_type_and_all_drivers_are_heard(bridge: Bridge, domain: int) -> None:
     robot = Robot(bridge)
     await robot.join()
-    stamped = observer.record(TwistStamped, "/cmd_vel")
-    await robot.stop_until(lambda: stamped.messages)
-    assert stamped.messages[0].twist == Twist()
-    assert stamped.messages[0].header.stamp.sec > 0
-    await until(lambda: bool(robot.heard))  # as a Twist, without a header
-    assert robot.heard[0].startswith(b'{"linear":{"x":0.0')
-
-    with ros_observer(domain, "second") as second:  # a base of each type
-        plain = second.record(Twist, "/cmd_vel")
-        await robot.stop_until(lambda: plain.messages)
-        before = len(stamped.messages)
-        await robot.stop_until(lambda: len(stamped.messages) > before)
+    with running_base(domain, "stamped", -0.25) as stamped:
+        await robot.stop_until(lambda: stamped() and robot.heard_of(-0.25))
+        assert robot.heard[-1].startswith(b'{"linear":{"x":')  # as a Twist, without a header
+        with running_base(domain, "plain", 0.25) as plain:
+            await robot.stop_until(lambda: plain() and robot.heard_of(0.25))
+            before = stamped()
+            robot.heard.clear()
+            await robot.stop_until(lambda: stamped() > before and robot.heard_of(-0.25))
+            assert robot.listener.complete
     await bridge.call(robot.listener.close)
     await bridge.call(robot.port.close)
+
+
+@pytest.mark.ros
+async def test_a_robot_that_leaves_a_topic_does_not_take_it_from_another_one(bridge: Bridge, domain: int) -> None:
+    robot, other = Robot(bridge), Robot(bridge)
+    other.topics = robot.topics
+    await robot.join()
+    await other.join()
+    await bridge.call(other.listener.close)
+    await bridge.call(other.port.close)
+    with running_base(domain, "plain", 0.25) as plain:
+        await robot.stop_until(lambda: plain() and robot.heard_of(0.25))
+    await bridge.call(robot.port.close)
+    await bridge.call(robot.listener.close)
 
 
 @pytest.mark.ros
