@@ -70,7 +70,7 @@ class Outbox:
         return [each for each in open_alerts(self._deliveries.all()).values() if each.at < moment]
 
     async def add(self, event_type: EventType, webhook_id: str, alert_id: str, event: Document) -> None:
-        """Store the beginning or the end of an alert to be sent, unless another gateway was first.
+        """Store the beginning or the end of an alert, and send it, unless another gateway was first.
 
         If the history does not answer, it is sent all the same: better twice than never.
         """
@@ -94,6 +94,7 @@ class Outbox:
         webhook = self._webhooks.get(webhook_id)
         name = webhook_id if webhook is None else webhook.name
         log.info("webhook %r: %s, %s", name, event_type.value, event["text"])
+        self._send_mine()
 
     async def tidy(self) -> None:
         """Read what other gateways have stored, and remove what no longer counts."""
@@ -113,10 +114,14 @@ class Outbox:
         self._mine &= self._deliveries.keys()
 
     async def send_due(self) -> None:
-        """Send what is due, in background tasks: one for each webhook, one delivery after the other."""
+        """Send what is due, also for gateways that have ended."""
         # What is not sent long after its time was left by a gateway that has ended, unless that has sent it meanwhile.
         if self._overdue() - self._mine and await self._deliveries.sync():
             self._mine |= self._overdue()
+        self._send_mine()
+
+    def _send_mine(self) -> None:
+        """Send what is due here, in background tasks: one for each webhook, one delivery after the other."""
         for webhook_id in {delivery.webhook_id for _, delivery in self._due()} - self._sending:
             self._sending.add(webhook_id)
             self._tasks.spawn(self._send(webhook_id))

@@ -268,6 +268,25 @@ async def test_alerts_are_sent_without_the_history_too(site: Site, receiver: Rec
     assert len(receiver.bodies) == 1
 
 
+async def test_an_event_does_not_wait_until_the_next_one_is_stored(
+    site: Site, receiver: Receiver, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gateway = site.gateway()
+    await gateway.replace("hook", site.hook())
+    store, answers = site.deliveries.write, asyncio.Event()
+
+    async def write(key: str, entry: Delivery | None, *more: Any) -> None:
+        if entry is not None and entry.alert_id == LOW["id"]:
+            await answers.wait()
+        await store(key, entry, *more)
+
+    monkeypatch.setattr(site.deliveries, "write", write)
+    site.alerts[0] += [STOP, LOW]
+    await until(lambda: receiver.seen() == [(RAISED, "stop")])
+    answers.set()
+    await until(lambda: receiver.seen() == [(RAISED, "stop"), (RAISED, "low")])
+
+
 async def test_a_webhook_is_tested_once_at_a_time(site: Site, receiver: Receiver) -> None:
     gateway = site.gateway()
     await gateway.replace("hook", site.hook(enabled=False))
