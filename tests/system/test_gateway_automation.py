@@ -5,9 +5,11 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from sensor_msgs.msg import BatteryState
 
 from tests.support.domain import ros_domain
 from tests.support.gateway import CHARGING, LOW, RunningGateway, running_dock_server, running_gateway
+from tests.support.observer import ros_observer
 from tests.support.postgresql import binaries, running_postgresql
 from tests.support.waiting import PATIENCE, wait_until
 
@@ -117,6 +119,25 @@ def test_a_stop_holds_a_robot_that_should_dock(domain: int) -> None:
         assert goals(gateway) == []
         assert gateway.http.delete(f"{RULES}/low-battery").status_code == 204
         assert gateway.http.delete(f"{RULES}/low-battery").json()["code"] == "rule_not_found"
+
+
+def test_robots_that_share_a_docking_action_are_not_docked(domain: int) -> None:
+    """Nothing tells which of them a goal would dock. A robot alone is docked, though the default one is known, too."""
+    low = BatteryState(voltage=1.6, percentage=0.1, power_supply_status=BatteryState.POWER_SUPPLY_STATUS_DISCHARGING)
+    with (
+        running_dock_server(domain),
+        running_gateway(domain, dock_action="/connect_to_charging_dock") as gateway,
+        ros_observer(domain) as observer,
+        observer.publishing(low, "/robot2/battery_status"),
+    ):
+        gateway.wait_until_ready()
+        put(gateway, mode="dry_run")
+        wait_until(lambda: outcomes(gateway) == ["dry_run"], "a dry run, as /robot2 is the only robot that is there")
+        with observer.publishing(low, "/robot3/battery_status"):
+            wait_until(lambda: len(gateway.http.get("/robots").json()["robots"]) == 3, "the other robot")
+            put(gateway, mode="on")
+            wait_until(lambda: waits_for(gateway) == ["battery_unknown", "shared_action", "shared_action"], "no goal")
+        assert goals(gateway) == []
 
 
 def test_a_gateway_that_is_killed_while_it_sends_a_goal_sends_no_other(domain: int, tmp_path: Any) -> None:

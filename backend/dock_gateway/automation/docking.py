@@ -4,6 +4,7 @@ import asyncio
 import logging
 import time
 import uuid
+from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from datetime import timedelta
@@ -165,7 +166,7 @@ class AutomaticDocking:
             return
         states = self._fleet.states()
         self._activity.keep({state.name for state in states})
-        facts = [self._facts(state) for state in states]
+        facts = self._facts(states)
         verdict = self._policy.look(self._rules.all(), facts, self.decisions.all(), utc_now(), time.monotonic())
         self._waits = verdict.waits
         self._activity.watch(verdict.watched)
@@ -193,7 +194,11 @@ class AutomaticDocking:
             log.info("the history answers again: automatic docking goes on")
         self._answers = answers
 
-    def _facts(self, state: RobotState) -> RobotFacts:
+    def _facts(self, states: list[RobotState]) -> list[RobotFacts]:
+        servers = Counter(state.dock.action_name for state in states if state.dock is not None and _is_there(state))
+        return [self._facts_of(state, servers) for state in states]
+
+    def _facts_of(self, state: RobotState, servers: Mapping[str, int]) -> RobotFacts:
         name, reading, server = state.name, state.battery.reading, state.dock
         heard = state.battery.age is not None
         fresh = heard and state.battery.stale_since is None
@@ -209,6 +214,7 @@ class AutomaticDocking:
             battery=reading.percentage,
             docked=state.on_dock or (fresh and reading.power_supply in CHARGES),
             reachable=server is not None and server.available and server.answering and not server.duplicate,
+            shares_dock=server is not None and servers.get(server.action_name, 0) > 1,
             goal_running=bool(state.goals),
             goal_lost=bool(state.lost),
             stopped=_stopped(state.stop),
@@ -242,7 +248,7 @@ class AutomaticDocking:
         if not await self._rules.sync():
             return replace(decision, outcome=Outcome.REFUSED, code="history_unavailable")
         # No wait from here to the submission, which notices every stop that comes later.
-        facts = {state.name: self._facts(state) for state in self._fleet.states() if state.name == decision.robot}
+        facts = {robot.name: robot for robot in self._facts(self._fleet.states()) if robot.name == decision.robot}
         obstacle = self._obstacle(decision, facts)
         if obstacle is not None:
             held = obstacle is Wait.STOP_LATCHED
@@ -293,6 +299,11 @@ class AutomaticDocking:
 def _key(identity: str) -> str:
     """Return the idempotency key of a decision's goal."""
     return f"automatic-docking-{identity}"
+
+
+def _is_there(state: RobotState) -> bool:
+    """Return whether a robot is there: the one of the settings is always known."""
+    return not state.default or state.battery.age is not None
 
 
 def _stopped(stop: Mapping[str, Any]) -> str | None:

@@ -38,6 +38,7 @@ class RobotFacts:
         battery: Its charge (0 to 1), if measured.
         docked: Whether it is docked or its battery is being charged.
         reachable: Whether its only docking server answers.
+        shares_dock: Whether its docking action is that of other robots, too.
         goal_running: Whether a goal runs on one of its actions.
         goal_lost: Whether contact was lost during a goal, so that it may run.
         stopped: Which stop is latched for it, in words; None if none is.
@@ -54,6 +55,7 @@ class RobotFacts:
     battery: float | None = None
     docked: bool = False
     reachable: bool = True
+    shares_dock: bool = False
     goal_running: bool = False
     goal_lost: bool = False
     stopped: str | None = None
@@ -242,6 +244,7 @@ def _obstacle(rule: Rule, robot: RobotFacts, low_since: float | None, seconds: f
     obstacles = {
         Wait.DOCKED: robot.docked,
         Wait.SERVER_UNAVAILABLE: not robot.reachable,
+        Wait.SHARED_ACTION: robot.shares_dock,
         Wait.GOAL_RUNNING: robot.goal_running,
         Wait.GOAL_LOST: robot.goal_lost,
         Wait.QUIET_PERIOD: robot.stopped is None

@@ -112,6 +112,7 @@ class Wait(StrEnum):
     NOT_DUE = "not_due"
     DOCKED = "docked"
     SERVER_UNAVAILABLE = "server_unavailable"
+    SHARED_ACTION = "shared_action"
     GOAL_RUNNING = "goal_running"
     GOAL_LOST = "goal_lost"
     QUIET_PERIOD = "quiet_period"

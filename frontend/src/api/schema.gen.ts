@@ -4414,7 +4414,7 @@ export interface components {
          * @description Why a rule does not dock a robot now.
          * @enum {string}
          */
-        Wait: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "goal_running" | "goal_lost" | "quiet_period" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
+        Wait: "off" | "battery_ok" | "battery_unknown" | "not_due" | "docked" | "server_unavailable" | "shared_action" | "goal_running" | "goal_lost" | "quiet_period" | "not_idle" | "retry_later" | "reported" | "stop_latched" | "gave_up" | "deciding" | "history_unavailable";
         /**
          * Webhook
          * @description An address that receives alerts. `pending` counts the deliveries that are still to be sent.

@@ -13,6 +13,7 @@ export const WAITS: Record<Wait, string> = {
   not_due: "Not due now",
   docked: "Docked",
   server_unavailable: "Docking server not available",
+  shared_action: "Its docking action is shared with other robots",
   goal_running: "A goal is running",
   goal_lost: "Contact was lost during a goal",
   quiet_period: "Someone has just stopped it, released it or canceled a goal",

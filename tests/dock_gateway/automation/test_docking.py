@@ -44,6 +44,7 @@ class Robot:
 
     def __init__(self) -> None:
         self.stop: dict[str, Any] = {"latched": False, "since": utc_now(), "by": "Ada"}
+        self.names = [ROBOT]  # with others that share its dock server
         self.sent: list[str | None] = []
         self.refusal: GatewayError | None = None
         self.on_submit: Callable[[], None] = lambda: None
@@ -52,7 +53,8 @@ class Robot:
         battery = SimpleNamespace(reading=Reading(2, 0.1), age=0.1, stale_since=None)
         return [
             SimpleNamespace(
-                name=ROBOT,
+                name=name,
+                default=False,
                 label=NO_LABEL,
                 battery=battery,
                 on_dock=False,
@@ -62,6 +64,7 @@ class Robot:
                 stop=self.stop,
                 last_goal=None,
             )
+            for name in self.names
         ]
 
     async def submit(self, _: object, key: str, *, origin: str) -> Goal:
@@ -124,6 +127,34 @@ async def site(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Site]:
     yield site
     for gateway in site.gateways:
         await gateway.close()
+
+
+async def test_no_goal_is_sent_to_a_server_that_robots_share(site: Site) -> None:
+    gateway = site.gateway()
+    site.robot.names.append("/robot2")
+    await gateway.replace("low", AT_ONCE)
+    await asyncio.sleep(0.2)
+    (rule,) = await gateway.documents()
+    assert [robot["waits_for"] for robot in rule["applies_to"]] == ["shared_action", "shared_action"]
+    assert await site.stored.read() == {}
+    site.robot.names.pop()
+    await site.decided()
+    assert len(site.robot.sent) == 1
+
+
+async def test_a_robot_that_joins_before_the_goal_is_sent_to_its_server_prevents_that(site: Site) -> None:
+    gateway = site.gateway()
+    write = site.stored.write
+
+    async def claim(*args: Any) -> None:
+        site.robot.names = [ROBOT, "/robot2"]
+        await write(*args)
+
+    site.stored.write = claim  # type: ignore[method-assign]
+    await gateway.replace("low", AT_ONCE)
+    (decision,) = await site.decided()
+    assert (decision.outcome, decision.code) == (Outcome.SKIPPED, "shared_action")
+    assert site.robot.sent == []
 
 
 async def test_two_gateways_send_one_goal_and_both_publish_it_once(
@@ -283,6 +314,8 @@ def test_what_counts_as_activity() -> None:
     activity.on_watch("cmd_vel", lambda: changes.append(activity.watched("cmd_vel")))
     activity.watch({ROBOT})
     assert activity.still_since(ROBOT) is None, "it is not subscribed to yet: that may have failed"
+    activity.subscribed(ROBOT, lambda: False)
+    assert activity.still_since(ROBOT) is None, "not all of it is heard"
     activity.subscribed(ROBOT)
     activity.watch({ROBOT})
     since = activity.still_since(ROBOT)

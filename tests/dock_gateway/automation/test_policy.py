@@ -48,6 +48,7 @@ def test_both_conditions_hold_for_the_whole_time(site: Site) -> None:
         ({"battery": 0.2}, Wait.BATTERY_OK),
         ({"docked": True}, Wait.DOCKED),
         ({"reachable": False}, Wait.SERVER_UNAVAILABLE),
+        ({"shares_dock": True}, Wait.SHARED_ACTION),
         ({"goal_running": True}, Wait.GOAL_RUNNING),
         ({"goal_lost": True}, Wait.GOAL_LOST),
         ({"person_at": 1.0}, Wait.QUIET_PERIOD),
