@@ -22,7 +22,7 @@ def withstand(gateway: RunningGateway, name: str, flood: AbstractContextManager[
         time.sleep(SECONDS)
         wait_until(lambda: findings.complete, "an answer to each probe")
     report(name, findings.figures())
-    assert findings.errors == []
+    assert findings.errors == [], findings.errors
     assert quantile(findings.stop, 0.99) < STOPPED_WITHIN
     assert max(findings.health) < 2 * STOPPED_WITHIN
     assert max(findings.gaps) < 2 * STOPPED_WITHIN
