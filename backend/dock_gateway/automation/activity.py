@@ -24,7 +24,7 @@ class Activity:
         self._person_at: dict[str, float] = {}
         self._changed: Callable[[], None] = lambda: None
 
-    def subscribed(self, robot: str, hears_all: Callable[[], bool] = lambda: True) -> None:
+    def subscribed(self, robot: str, hears_all: Callable[[], bool]) -> None:
         """Note that the velocity of a robot is heard from now on. Called on the ROS thread.
 
         Args:
@@ -59,7 +59,10 @@ class Activity:
         note(robot.namespace)
 
     def still_since(self, robot: str) -> float | None:
-        """Return since when a robot has been still, as far as seen; None if its velocity is not heard in full."""
+        """Return since when a robot has been still, as far as seen.
+
+        None if its velocity is not heard in full, which counts as motion.
+        """
         watched, subscribed = self._watched_since.get(robot), self._subscribed.get(robot)
         if watched is None or subscribed is None:
             return None

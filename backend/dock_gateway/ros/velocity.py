@@ -293,7 +293,7 @@ class VelocityTopics:
         """
         for name, topic in list(self._topics.items()):
             if not topic.missing and topic.fault is None and set(types.get(name, ())) <= set(topic.types):
-                continue  # whoever is there is reached
+                continue  # every base is reached
             try:
                 await self._follow(topic)
             except _rclpy.RCLError:

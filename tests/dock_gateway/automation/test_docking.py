@@ -96,7 +96,9 @@ class Site:
 
     def activity(self) -> Activity:
         activity = Activity(cast("RobotRegistry", SimpleNamespace(owner=lambda _: None)))
-        activity.on_watch("cmd_vel", lambda: [activity.subscribed(robot) for robot in activity.watched("cmd_vel")])
+        activity.on_watch(
+            "cmd_vel", lambda: [activity.subscribed(robot, lambda: True) for robot in activity.watched("cmd_vel")]
+        )
         return activity
 
     def gateway(self) -> AutomaticDocking:
@@ -316,7 +318,7 @@ def test_what_counts_as_activity() -> None:
     assert activity.still_since(ROBOT) is None, "it is not subscribed to yet: that may have failed"
     activity.subscribed(ROBOT, lambda: False)
     assert activity.still_since(ROBOT) is None, "not all of it is heard"
-    activity.subscribed(ROBOT)
+    activity.subscribed(ROBOT, lambda: True)
     activity.watch({ROBOT})
     since = activity.still_since(ROBOT)
     assert since is not None

@@ -61,10 +61,10 @@ def test_a_base_of_an_unknown_type_is_a_fault() -> None:
 class Robot:
     """The gateway's ports at a velocity topic, and the graph as it scans it."""
 
-    def __init__(self, bridge: Bridge) -> None:
+    def __init__(self, bridge: Bridge, topics: VelocityTopics | None = None) -> None:
         self.heard: list[bytes] = []
         self._bridge = bridge
-        self.topics = VelocityTopics(bridge)
+        self.topics = topics or VelocityTopics(bridge)
 
     async def join(self) -> None:
         self.port = await self._bridge.call(lambda: VelocityPort(self.topics, "/cmd_vel"))
@@ -122,8 +122,8 @@ async def test_a_stop_follows_the_base_from_type_to_type_and_all_drivers_are_hea
 
 @pytest.mark.ros
 async def test_a_robot_that_leaves_a_topic_does_not_take_it_from_another_one(bridge: Bridge, domain: int) -> None:
-    robot, other = Robot(bridge), Robot(bridge)
-    other.topics = robot.topics
+    robot = Robot(bridge)
+    other = Robot(bridge, robot.topics)
     await robot.join()
     await other.join()
     await bridge.call(other.listener.close)
