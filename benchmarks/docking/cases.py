@@ -1,5 +1,6 @@
 """What real robots do to a docking goal: each case changes the simulation in one way."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from random import Random
@@ -74,6 +75,15 @@ def _mounted(distance: float, angle: float) -> Change:
     return change
 
 
+def _turned(angle: float) -> Change:
+    """The marker is turned on its dock, to the left or to the right."""
+
+    def change(settings: Settings, random: Random) -> Settings:
+        return _set("marker", angle_bias=random.choice((angle, -angle)))(settings, random)
+
+    return change
+
+
 def _push(simulation: Simulation, random: Random) -> None:
     """About once in four seconds, someone pushes the robot."""
     if random.random() < 0.0125:
@@ -98,6 +108,10 @@ CASES = (
     Case("camera off by 5 mm, 1.5°", (DOCK_POSE,), _mounted(0.005, 0.026)),
     Case("detections 0.3 s late", (DOCK_POSE,), _set("marker", delay=0.3)),
     Case("detections 0.15 s late, wrong stamps", (DOCK_POSE,), _set("marker", delay=0.15, honest_stamps=False)),
+    Case("detections stamped 0.2 s ahead", (DOCK_POSE,), _set("marker", stamp_offset=0.2)),
+    Case("detections stamped 0.3 s ahead", (DOCK_POSE,), _set("marker", stamp_offset=0.3)),
+    Case("marker turned by 4°", (DOCK_POSE,), _turned(math.radians(4.0))),
+    Case("marker turned by 6°", (DOCK_POSE,), _turned(math.radians(6.0))),
     Case("commands 0.15 s late", BOTH, _set("", command_delay=0.15)),
     Case("commands 0.2 s late", (INFRARED,), _set("", command_delay=0.2)),
     Case("commands 0.3 s late", BOTH, _set("", command_delay=0.3)),
@@ -122,9 +136,21 @@ CASES = (
     Case("ghost readings 2 %", (INFRARED,), _set("infrared", ghosts=0.02)),
     Case("ghost readings 10 %", (INFRARED,), _set("infrared", ghosts=0.1)),
     Case("odometry without velocity", BOTH, _set("odometry", twist=False)),
+    Case("odometry repeats itself 0.5 s every 3 s", BOTH, _set("odometry", repeat_every=3.0, repeat_for=0.5)),
+    Case(
+        "odometry repeats itself 0.5 s every 3 s, old stamps",
+        BOTH,
+        _set("odometry", repeat_every=3.0, repeat_for=0.5, repeat_stamps=True),
+    ),
+    Case(
+        "odometry repeats itself 0.5 s every 3 s, no velocity",
+        BOTH,
+        _set("odometry", repeat_every=3.0, repeat_for=0.5, twist=False),
+    ),
     Case("control period jitters by 80 %", BOTH, jitter=0.8),
     Case("pushed 4 cm, 6° every 4 s", (DOCK_POSE,), disturb=_push),
     Case("contacts bounce for 1 s", BOTH, _set("dock", bounce=1.0)),
+    Case("charge flickers", BOTH, _set("dock", flickers=True)),
     Case(
         "all at once, milder",
         (DOCK_POSE,),

@@ -19,6 +19,7 @@ COLUMNS = (
     "median time",
     "retries",
     "bumps",
+    "fastest contact",
     "worst lateral error",
     "too fast",
     "other results",
@@ -83,6 +84,7 @@ def _figures(controller: ControllerName, trials: Sequence[Trial]) -> dict[str, s
         f"{seconds[len(seconds) // 2]:.0f} s" if seconds else "-",
         str(sum(trial.retries for trial in trials)),
         str(sum(trial.bumps for trial in trials)),
+        _fastest([speed for trial in trials for speed in trial.contacts]),
         f"{1000.0 * max(trial.aside for trial in docked):.0f} mm" if docked else "-",
         str(sum(not keeps_limits(trial, limits) for trial in trials)),
         ", ".join(f"{end} {count}" for end, count in ends.most_common()) or "none",
@@ -92,6 +94,10 @@ def _figures(controller: ControllerName, trials: Sequence[Trial]) -> dict[str, s
 
 def _end(trial: Trial) -> str:
     return "docked after a bump" if trial.error_code == "NONE" else trial.error_code
+
+
+def _fastest(speeds: Sequence[float]) -> str:
+    return f"{max(speeds):.3f} m/s" if speeds else "-"
 
 
 def _share(part: int, all_of: int) -> str:

@@ -65,6 +65,7 @@ class Trial:
         seconds: Simulated, from the goal's acceptance to its end.
         retries: How often the robot backed off and tried again.
         bumps: How often it ran into the dock outside the contact zone.
+        contacts: The speeds of the wheels when the robot came onto the dock's contacts or ran into the dock, in m/s.
         aside: How far the robot stands to the left or right of the docked pose in the end, in m.
         askew: How far it is turned against the docked pose, in rad.
         v_linear: The highest that was told or driven, in m/s.
@@ -80,6 +81,7 @@ class Trial:
     seconds: float
     retries: int
     bumps: int
+    contacts: tuple[float, ...]
     aside: float
     askew: float
     v_linear: float
@@ -127,6 +129,7 @@ def run_trial(controller: ControllerName, seed: int, case: Case = CASES[0]) -> T
         seconds=simulation.time,
         retries=step.retries,
         bumps=simulation.bumps,
+        contacts=tuple(touch.speed for touch in simulation.touches),
         aside=abs(robot.y - DOCKED.y),
         askew=abs(normalize_angle(robot.theta - DOCKED.theta)),
         v_linear=speeds.v_linear,

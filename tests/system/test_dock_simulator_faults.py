@@ -1,6 +1,7 @@
 """The faults of the dock simulator over DDS, each switched on and off."""
 
 import time
+from itertools import pairwise
 
 import pytest
 from geometry_msgs.msg import PoseStamped
@@ -8,6 +9,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState
 
 from docking.core.geometry import Pose
+from docking.ros.geometry import seconds_of
 from docking.simulation.dock import DOCKED
 from docking.simulation.faults import Fault
 from tests.support.observer import Observer, Recording
@@ -109,3 +111,35 @@ def test_a_percentage_of_a_hundred(domain: int, observer: Observer) -> None:
         battery = observer.record(BatteryState, "battery_status")
         controls.switch("percentage_0_to_100")
         battery.wait_for(lambda state: state.percentage == pytest.approx(24.0, abs=0.1))
+
+
+def test_repeated_odometry_is_published_again_with_new_stamps(domain: int, observer: Observer) -> None:
+    with dock_simulator(domain):
+        controls = SimulatorControls(observer)
+        odometry = observer.record(Odometry, "odom")
+        controls.switch("repeated_odometry")
+        with observer.publishing(velocity(0.1, 0.2), "cmd_vel"):
+            wait_until(lambda: _repeats(odometry) > 10, "repeated odometry")
+
+
+def _repeats(odometry: Recording) -> int:
+    """How many messages while the robot moved say the same as the one before, but later."""
+    return sum(
+        before.pose == after.pose and before.twist == after.twist and before.header.stamp != after.header.stamp
+        for before, after in pairwise(odometry.messages)
+        if before.twist.twist.linear.x > 0.05
+    )
+
+
+def test_future_detections_are_published_with_their_stamps(domain: int, observer: Observer) -> None:
+    with dock_simulator(domain):
+        controls = SimulatorControls(observer)
+        detections = observer.record(PoseStamped, "detected_dock_pose")
+        assert _ahead(detections.wait_for(lambda _: True)) < 0.1
+        controls.switch("future_detections")
+        wait_for_new(detections, lambda message: _ahead(message) > 0.3)
+
+
+def _ahead(message: PoseStamped) -> float:
+    """How far its stamp is in the future, in s."""
+    return seconds_of(message.header.stamp) - time.time()

@@ -18,11 +18,14 @@ pytestmark = pytest.mark.ros
 
 FAULTS = (
     "dead_charger",
+    "flickering_charge",
     "occluded_marker",
     "stuck_wheel",
     "late_commands",
     "worn_wheel",
     "wrong_detections",
+    "future_detections",
+    "repeated_odometry",
     "obstacle",
     "hidden_beacon",
     "infrared_ghosts",

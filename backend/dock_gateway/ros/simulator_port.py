@@ -13,11 +13,14 @@ from dock_gateway.ros.service_client import ServiceClient, until_found
 
 FAULTS = (
     "dead_charger",
+    "flickering_charge",
     "occluded_marker",
     "stuck_wheel",
     "late_commands",
     "worn_wheel",
     "wrong_detections",
+    "future_detections",
+    "repeated_odometry",
     "obstacle",
     "hidden_beacon",
     "infrared_ghosts",

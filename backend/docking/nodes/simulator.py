@@ -1,5 +1,6 @@
 """The node `dock_simulator`: a simulated robot with its dock, battery and sensors, on the topics of a real one."""
 
+import math
 import sys
 import time
 from collections.abc import Sequence
@@ -118,7 +119,7 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
         self._range_messages = [RangeMessage(receiver, infrared) for receiver in RECEIVERS]
         self._scan_message = ScanMessage(self._simulation.settings.laser)
         self._battery_message = BatteryMessage()
-        self._odometry_told = self._marker_told = self._ranges_told = self._scan_told = -1.0
+        self._odometry_told = self._marker_told = self._ranges_told = self._scan_told = -math.inf
 
     def _make_subscriptions(self) -> None:
         def subscribe(message_type: type, topic: str, callback: Any, qos: QoSProfile | int, **more: Any) -> None:
@@ -194,17 +195,18 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
 
     def _publish(self) -> None:
         simulation, stamp = self._simulation, self._now()
-        odometry, robot = simulation.track.latest, simulation.robot
-        if odometry is not None and simulation.reckoned_at > self._odometry_told:
-            self._odometry_told = simulation.reckoned_at
-            reckoned = self._stamp(simulation.reckoned_at)
+        reading, robot = simulation.reading, simulation.robot
+        if reading is not None and reading[1].stamp > self._odometry_told:
+            odometry = reading[1]
+            self._odometry_told = odometry.stamp  # of its arrival: its message may repeat the one before
+            reckoned = self._stamp(reading[0])
             self._odometry.publish(self._odometry_message.fill(odometry.pose, odometry.velocity, reckoned))
             self._frames.publish(odometry.pose, reckoned)
         self._truth.publish(self._truth_message.fill(robot.pose, robot.velocity, stamp))
-        sighting, ranges = simulation.sighting, simulation.ranges
-        if sighting is not None and sighting.stamp > self._marker_told:
-            self._marker_told = sighting.stamp
-            self._marker.publish(self._frames.detection(sighting.marker, self._stamp(sighting.stamp)))
+        detection, ranges = simulation.detection, simulation.ranges
+        if detection is not None and detection[0] != self._marker_told:
+            self._marker_told, marker = detection
+            self._marker.publish(self._frames.detection(marker, self._stamp(self._marker_told)))
         if ranges is not None and ranges.stamp > self._ranges_told:
             self._ranges_told = ranges.stamp
             distances = (ranges.left, ranges.center, ranges.right)

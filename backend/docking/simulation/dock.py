@@ -33,6 +33,7 @@ class DockSettings:
     bounce: float = number(
         0.0, 0.0, 60.0, "s", "Time after the first contact for which the charging current is on and off by chance."
     )
+    flickers: bool = switch(False, "Whether the charging current never becomes stable: it is 0.4 s on, then 0.3 s off.")
 
 
 class Dock:

@@ -58,10 +58,20 @@ class MarkerSettings:
         0.0, 0.0, 3600.0, "s", "Time between the moments at which something begins to hide the marker; 0: never."
     )
     hidden_for: float = number(0.0, 0.0, 3600.0, "s", "Time for which it does.")
+    angle_bias: float = number(
+        0.0, -1.57, 1.57, "rad", "How far each detection is turned to the left, as with a marker that is not flat."
+    )
     mount_error: Pose = EXACT
     delay: float = number(0.0, 0.0, 2.0, "s", "Time from an image to the arrival of its detection.")
     honest_stamps: bool = switch(
         True, "Whether the stamp of a detection is the moment of the image; else it is that of its arrival."
+    )
+    stamp_offset: float = number(
+        0.0,
+        -86400.0,
+        86400.0,
+        "s",
+        "How far the clock of the detections' stamps is ahead of that of the other sensors.",
     )
 
 
@@ -129,7 +139,7 @@ class MarkerCamera:
         seen = Pose(
             marker.x + random.gauss(0.0, noise),
             marker.y + random.gauss(0.0, noise),
-            normalize_angle(marker.theta + random.gauss(0.0, angle_noise)),
+            normalize_angle(marker.theta + settings.angle_bias + random.gauss(0.0, angle_noise)),
         )
         if settings.mount_error != EXACT:
             seen = settings.mount_error.inverse().compose(seen)

@@ -1,10 +1,11 @@
 """Odometry: the robot's own reckoning from its wheels, which drifts."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from random import Random
 
 from docking.core.geometry import Pose, normalize_angle
+from docking.core.observation import Odometry, Velocity
 from docking.core.parameter import number, switch
 
 
@@ -28,6 +29,24 @@ class OdometrySettings:
         True, "Whether the stamp of odometry is the moment of its measurement; else it is that of its arrival."
     )
     twist: bool = switch(True, "Whether odometry has a velocity; else `twist` is empty.")
+    stamp_offset: float = number(
+        0.0, -86400.0, 86400.0, "s", "How far the clock of odometry's stamps is ahead of that of the other sensors."
+    )
+    repeat_every: float = number(
+        0.0, 0.0, 3600.0, "s", "Time between the moments at which odometry begins to repeat its last message; 0: never."
+    )
+    repeat_for: float = number(0.0, 0.0, 3600.0, "s", "Time for which it does.")
+    repeat_stamps: bool = switch(
+        False, "Whether a repeated message has the stamp of the first one, too; else its stamp is new."
+    )
+
+    def repeats(self, now: float) -> bool:
+        """Whether odometry repeats its last message.
+
+        Args:
+            now: Seconds since the start.
+        """
+        return 0.0 < self.repeat_every <= now and now % self.repeat_every < self.repeat_for
 
 
 class DriftingOdometry:
@@ -69,6 +88,15 @@ class DriftingOdometry:
         left, right = left * self._left, right * self._right
         return 0.5 * (left + right), (right - left) / self._separation
 
+    def velocity(self, wheels: Velocity) -> Velocity:
+        """As the wheels seem to turn.
+
+        Args:
+            wheels: What they do.
+        """
+        half = 0.5 * self._separation * wheels.angular_z
+        return Velocity(*self.measure(wheels.linear_x - half, wheels.linear_x + half))
+
     def step(self, left: float, right: float) -> None:
         """Take over the ways, in m, that the wheels have turned."""
         way, turn = self.measure(left, right)
@@ -76,3 +104,27 @@ class DriftingOdometry:
         self.x += way * math.cos(heading)
         self.y += way * math.sin(heading)
         self.theta = normalize_angle(self.theta + turn)
+
+
+class Repeater:
+    """Repeats the last message of odometry while the settings say so."""
+
+    def __init__(self) -> None:
+        self._last: tuple[float, Odometry] | None = None
+
+    def pass_on(
+        self, stamp: float, reading: Odometry, now: float, settings: OdometrySettings
+    ) -> tuple[float, Odometry]:
+        """What is sent now: the stamp, and what odometry says.
+
+        Args:
+            stamp: As it is right.
+            reading: What was measured.
+            now: Seconds since the start.
+            settings: When to repeat what was sent before.
+        """
+        if self._last is None or not settings.repeats(now):
+            self._last = stamp, reading
+            return self._last
+        first, before = self._last
+        return first if settings.repeat_stamps else stamp, replace(before, stamp=reading.stamp)

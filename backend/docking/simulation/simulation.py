@@ -7,6 +7,7 @@ while not simulation.charging:
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from random import Random
 
@@ -24,6 +25,7 @@ from docking.core.observation import (
 from docking.estimation.scan import place, points_of
 from docking.estimation.track import Track
 from docking.simulation.battery import BatteryMeasurement, BatteryPack
+from docking.simulation.collisions import Collisions, Touch
 from docking.simulation.delay import Delay
 from docking.simulation.dock import Dock
 from docking.simulation.faults import Fault
@@ -31,7 +33,7 @@ from docking.simulation.infrared import InfraredReceivers
 from docking.simulation.laser import ANGLE_MIN, LaserScanner
 from docking.simulation.marker import MarkerCamera
 from docking.simulation.obstacle import Obstacle
-from docking.simulation.odometry import DriftingOdometry
+from docking.simulation.odometry import DriftingOdometry, OdometrySettings, Repeater
 from docking.simulation.readings import LaserScan, Ranges, Sighting
 from docking.simulation.robot import Robot
 from docking.simulation.settings import Settings
@@ -50,6 +52,10 @@ WRONG = 1.0 / 3.0
 """The part of the detections that are wrong with the fault `wrong_detections`."""
 GHOSTS = 0.1
 """The part of the infrared distances that are anything with the fault `infrared_ghosts`."""
+AHEAD = 0.5
+"""How far the camera's clock is ahead with the fault `future_detections`, in s."""
+REPEATING = OdometrySettings(repeat_every=3.0, repeat_for=0.5)
+"""What odometry does with the fault `repeated_odometry`."""
 IN_THE_WAY = Obstacle(-0.55, 0.05, 0.08)
 """What stands in front of the dock with the fault `obstacle`."""
 
@@ -65,11 +71,10 @@ class Simulation:
         dock: The dock.
         faults: What is broken now; switch with `set_fault`.
         halted: Whether the robot must not move, whatever it is told.
-        contact: Whether the robot touches the dock's contacts.
-        bumps: How often the robot has run into something, but for the dock while it touches the contacts.
         track: Odometry as it arrived, by its stamps.
-        reckoned_at: The stamp of the last odometry that arrived, in simulated seconds.
-        sighting: The last detection of the marker that arrived.
+        reading: The last odometry that arrived, after its stamp in simulated seconds.
+        detection: The last detection of the marker that arrived: its stamp, and the marker in base_link.
+        sighting: The last one that odometry has a pose for.
         ranges: The last infrared measurement.
         scanning: Whether the laser scanner runs; it costs time.
         scan: The last one.
@@ -104,20 +109,19 @@ class Simulation:
         self._receivers = InfraredReceivers(settings.infrared, self._random("infrared"), self._random("ghosts"))
         self._scanner = LaserScanner(settings.laser, self._random("laser").getrandbits(32))
         self._picture_due = self._scan_due = self._ranges_due = self._measurement_due = 0.0
-        self._bouncing = self._random("bounce")
-        self._touched_at: float | None = None
+        self._collisions = Collisions(self.dock, self._random("bounce"))
         self._commands: Delay[Velocity] = Delay()
         self._readings: Delay[tuple[float, Odometry]] = Delay()
         self._detections: Delay[tuple[float, Pose]] = Delay()
         self.track = Track()
-        self.reckoned_at = 0.0
+        self.reading: tuple[float, Odometry] | None = None
+        self._repeater = Repeater()
+        self.detection: tuple[float, Pose] | None = None
         self.sighting: Sighting | None = None
         self.ranges: Ranges | None = None
         self.scan: LaserScan | None = None
         self.measurement: tuple[BatteryMeasurement, float] | None = None
-        self.contact = False
-        self.bumps = 0
-        self._touching = self._keep_out()
+        self._collide(driven=False)
         self._feed(INSTANT)
         self._sense()
 
@@ -143,10 +147,7 @@ class Simulation:
             stuck=Fault.STUCK_WHEEL in self.faults,
             worn=WORN if Fault.WORN_WHEEL in self.faults else 0.0,
         )
-        touching = self._keep_out()
-        if touching and not self._touching and not self.contact:
-            self.bumps += 1
-        self._touching = touching
+        self._collide()
         self.odometry.step(robot.left, robot.right)
         self._feed(dt)
         self._sense()
@@ -171,7 +172,7 @@ class Simulation:
             pose: base_link in world.
         """
         self.robot.place(pose)
-        self._touching = self._keep_out()
+        self._collide(driven=False)
 
     def push(self, by: Pose) -> None:
         """Push the robot over the ground with its wheels blocked; odometry does not notice.
@@ -193,6 +194,21 @@ class Simulation:
         return self.battery.status in {PowerSupplyStatus.CHARGING, PowerSupplyStatus.FULL}
 
     @property
+    def contact(self) -> bool:
+        """Whether the robot touches the dock's contacts."""
+        return self._collisions.contact
+
+    @property
+    def bumps(self) -> int:
+        """How often the robot has run into something, but for the dock while it touches the contacts."""
+        return self._collisions.bumps
+
+    @property
+    def touches(self) -> Sequence[Touch]:
+        """The contacts with the dock that the robot drove into."""
+        return self._collisions.touches
+
+    @property
     def obstacles(self) -> tuple[Obstacle, ...]:
         """What stands around now."""
         more = (IN_THE_WAY,) if Fault.OBSTACLE in self.faults else ()
@@ -201,11 +217,7 @@ class Simulation:
     @property
     def odometry_velocity(self) -> Velocity:
         """As the wheels seem to turn, in base_link; 0 if odometry has no velocity."""
-        if not self.settings.odometry.twist:
-            return STANDSTILL
-        robot = self.robot
-        half = 0.5 * self.settings.robot.wheel_separation * robot.angular
-        return Velocity(*self.odometry.measure(robot.linear - half, robot.linear + half))
+        return self.odometry.velocity(self.robot.velocity) if self.settings.odometry.twist else STANDSTILL
 
     def observe(self, now: float | None = None) -> Observation:
         """What a docking node knows after it has heard all topics.
@@ -245,21 +257,8 @@ class Simulation:
 
     # How it goes on.
 
-    def _keep_out(self) -> bool:
-        """The dock and obstacles are solid: whether the robot would have been in one."""
-        robot, blocked = self.robot, False
-        solids: tuple[Dock | Obstacle, ...] = (self.dock, *self.obstacles)
-        for solid in solids:
-            obstruction = solid.obstruct(robot.x, robot.y, robot.radius)
-            if obstruction is not None:
-                robot.block(obstruction.x, obstruction.y, obstruction.normal_x, obstruction.normal_y)
-                blocked = True
-        self.contact = self.dock.in_contact(robot.x, robot.y, robot.theta)
-        if not self.contact:
-            self._touched_at = None
-        elif self._touched_at is None:
-            self._touched_at = self.time
-        return blocked
+    def _collide(self, *, driven: bool = True) -> None:
+        self._collisions.look(self.robot, self.obstacles, self.time, driven=driven)
 
     def _random(self, part: str) -> Random:
         return Random(f"{self._seed} {part}")  # noqa: S311 - noise, not secrets
@@ -267,14 +266,8 @@ class Simulation:
     def _feed(self, dt: float) -> None:
         """The charger, or the battery, gives what the robot needs."""
         powered = Fault.DEAD_CHARGER not in self.faults
-        self.battery.step(dt, self._power(dt), connected=self._connected(), powered=powered)
-
-    def _connected(self) -> bool:
-        """Whether current can flow: the contacts bounce at first."""
-        touched_at = self._touched_at
-        if touched_at is None:
-            return False
-        return self.time - touched_at >= self.settings.dock.bounce or self._bouncing.random() < 0.5
+        connected = self._collisions.connected(self.time, flickers=Fault.FLICKERING_CHARGE in self.faults)
+        self.battery.step(dt, self._power(dt), connected=connected, powered=powered)
 
     def _power(self, dt: float) -> float:
         settings, robot = self.settings, self.robot
@@ -305,11 +298,13 @@ class Simulation:
         """Odometry of now is sent, that of earlier arrives."""
         settings, now = self.settings.odometry, self.time
         arrives_at = now + settings.delay
-        stamp = now if settings.honest_stamps else arrives_at
-        self._readings.send((stamp, Odometry(self.odometry.pose, self.odometry_velocity, arrives_at)), arrives_at)
-        for measured_at, reading in self._readings.arrived(now):
-            self.track.add(measured_at, reading)
-            self.reckoned_at = measured_at
+        stamp = (now if settings.honest_stamps else arrives_at) + settings.stamp_offset
+        reading = Odometry(self.odometry.pose, self.odometry_velocity, arrives_at)
+        faulty = REPEATING if Fault.REPEATED_ODOMETRY in self.faults else settings
+        self._readings.send(self._repeater.pass_on(stamp, reading, now, faulty), arrives_at)
+        for arrived in self._readings.arrived(now):
+            self.reading = arrived
+            self.track.add(*arrived)
 
     def _look(self) -> None:
         outliers = WRONG if Fault.WRONG_DETECTIONS in self.faults else 0.0
@@ -317,11 +312,15 @@ class Simulation:
         if marker is not None and Fault.OCCLUDED_MARKER not in self.faults:
             settings = self.settings.marker
             arrives_at = self.time + settings.delay
-            self._detections.send((self.time if settings.honest_stamps else arrives_at, marker), arrives_at)
+            stamp = (self.time if settings.honest_stamps else arrives_at) + settings.stamp_offset
+            self._detections.send(
+                (stamp + (AHEAD if Fault.FUTURE_DETECTIONS in self.faults else 0.0), marker), arrives_at
+            )
 
     def _detect(self) -> None:
         """Detections arrive, and are put where odometry says that the robot was."""
-        for stamp, marker in self._detections.arrived(self.time):
+        for arrived in self._detections.arrived(self.time):
+            self.detection = stamp, marker = arrived
             try:
                 odometry = self.track.at(stamp)
             except LookupError:

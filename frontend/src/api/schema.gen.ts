@@ -9458,7 +9458,7 @@ export interface operations {
             header?: never;
             path: {
                 /** @description What breaks */
-                fault: "dead_charger" | "occluded_marker" | "stuck_wheel" | "late_commands" | "worn_wheel" | "wrong_detections" | "obstacle" | "hidden_beacon" | "infrared_ghosts" | "silent_battery" | "percentage_0_to_100";
+                fault: "dead_charger" | "flickering_charge" | "occluded_marker" | "stuck_wheel" | "late_commands" | "worn_wheel" | "wrong_detections" | "future_detections" | "repeated_odometry" | "obstacle" | "hidden_beacon" | "infrared_ghosts" | "silent_battery" | "percentage_0_to_100";
             };
             cookie?: never;
         };

@@ -14,6 +14,11 @@ export const FAULTS: readonly FaultWords[] = [
     effect: "Contact, but no current: docking retries, then gives up with failed_to_charge.",
   },
   {
+    fault: "flickering_charge",
+    name: "Flickering charge",
+    effect: "The charging current comes and goes: docking retries, then gives up with failed_to_charge.",
+  },
+  {
     fault: "occluded_marker",
     name: "Occluded marker",
     effect: "The camera does not see the dock: failed_to_detect_dock, or lost_marker on the way.",
@@ -38,6 +43,16 @@ export const FAULTS: readonly FaultWords[] = [
     fault: "wrong_detections",
     name: "Wrong detections",
     effect: "A third of the detections are somewhere else: docking leaves them out.",
+  },
+  {
+    fault: "future_detections",
+    name: "Future detections",
+    effect: "The camera's clock is 0.5 s ahead: docking cannot use its detections, and says so.",
+  },
+  {
+    fault: "repeated_odometry",
+    name: "Repeated odometry",
+    effect: "Odometry repeats itself for half a second in each three: docking takes that for silence.",
   },
   {
     fault: "obstacle",

@@ -6,8 +6,11 @@ from statistics import fmean, pstdev
 import pytest
 
 from docking.core.geometry import Pose
+from docking.simulation.faults import Fault
 from docking.simulation.marker import GHOST, OUTLIER_ANGLE, OUTLIER_DISTANCE, MarkerCamera, MarkerSettings
 from docking.simulation.obstacle import Obstacle
+from docking.simulation.settings import Settings
+from docking.simulation.simulation import Simulation
 
 SURE = MarkerSettings(noise=0.0, angle_noise=0.0, drop_outs=0.0)
 
@@ -107,3 +110,21 @@ def test_a_camera_that_is_mounted_wrong_sees_the_marker_elsewhere() -> None:
 def test_what_stands_in_between_hides_the_marker(y: float, seen: bool) -> None:
     assert (camera().look(Pose(-1.2), 0.0, [Obstacle(-0.5, y, 0.1)]) is not None) is seen
     assert camera().look(Pose(-1.2), 0.0, [Obstacle(-2.0, y, 0.1)]) is not None, "behind the robot"
+
+
+def test_a_marker_can_be_turned_on_its_dock() -> None:
+    seen = camera(replace(SURE, angle_bias=0.1)).look(Pose(-1.0, 0.2, 0.0))
+    assert seen is not None
+    assert (seen.x, seen.y, seen.theta) == (pytest.approx(1.0), pytest.approx(-0.2), pytest.approx(0.1))
+
+
+def test_the_clock_of_its_stamps_can_be_ahead() -> None:
+    """The last detection is at most one picture old."""
+    simulation = Simulation(Settings(start=Pose(-1.0), marker=replace(SURE, stamp_offset=0.3)))
+    simulation.run(1.0)
+    assert simulation.detection is not None
+    assert simulation.detection[0] == pytest.approx(1.3, abs=0.08)
+    assert simulation.sighting is None, "odometry knows no pose so far ahead"
+    simulation.set_fault(Fault.FUTURE_DETECTIONS, True)
+    simulation.run(1.0)
+    assert simulation.detection[0] == pytest.approx(2.8, abs=0.08)

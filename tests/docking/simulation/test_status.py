@@ -12,11 +12,14 @@ def values(simulation: Simulation) -> dict[str, str]:
 def test_it_tells_each_fault_and_where_the_robot_is() -> None:
     assert values(Simulation()) == {
         "dead_charger": "false",
+        "flickering_charge": "false",
         "occluded_marker": "false",
         "stuck_wheel": "false",
         "late_commands": "false",
         "worn_wheel": "false",
         "wrong_detections": "false",
+        "future_detections": "false",
+        "repeated_odometry": "false",
         "obstacle": "false",
         "hidden_beacon": "false",
         "infrared_ghosts": "false",

@@ -19,11 +19,14 @@ router = APIRouter(tags=["Simulator"], prefix="/simulator", dependencies=[Depend
 FARTHEST = 100.0
 Fault = Literal[
     "dead_charger",
+    "flickering_charge",
     "occluded_marker",
     "stuck_wheel",
     "late_commands",
     "worn_wheel",
     "wrong_detections",
+    "future_detections",
+    "repeated_odometry",
     "obstacle",
     "hidden_beacon",
     "infrared_ghosts",

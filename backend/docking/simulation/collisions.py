@@ -1,0 +1,101 @@
+"""What the robot runs into: it is kept out of what is solid, and each contact with the dock is recorded."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from random import Random
+
+from docking.simulation.dock import Dock
+from docking.simulation.obstacle import Obstacle
+from docking.simulation.robot import Robot
+
+ON, OFF = 0.4, 0.3
+"""Seconds for which the current of contacts that flicker flows, and does not."""
+APART = 0.035
+"""How far the robot must be from the dock, in m, for the next contact to be another one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """The beginning of a contact between robot and dock.
+
+    Attributes:
+        time: Simulated seconds.
+        speed: Of the wheels just before, in m/s.
+        on_contacts: Whether the robot came onto the dock's contacts; else it ran into the dock beside them.
+    """
+
+    time: float
+    speed: float
+    on_contacts: bool
+
+
+class Collisions:
+    """Keeps the robot out of the dock and of obstacles.
+
+    Attributes:
+        contact: Whether the robot touches the dock's contacts.
+        bumps: How often it has run into something, but for the dock while it touches the contacts.
+        touches: Contacts with the dock, but for those of a robot that was set down there.
+    """
+
+    def __init__(self, dock: Dock, bouncing: Random) -> None:
+        """Begin with nothing touched.
+
+        Args:
+            dock: The dock.
+            bouncing: Decides when a current flows over contacts that bounce.
+        """
+        self.contact = False
+        self.bumps = 0
+        self.touches: list[Touch] = []
+        self._dock = dock
+        self._bouncing = bouncing
+        self._blocked = self._at_dock = False
+        self._contact_since: float | None = None
+
+    def look(self, robot: Robot, obstacles: Sequence[Obstacle], now: float, *, driven: bool = True) -> None:
+        """Keep the robot out of everything solid.
+
+        Args:
+            robot: Where it has got to.
+            obstacles: What stands around beside the dock.
+            now: Simulated seconds.
+            driven: Whether it drove there; else it was set down.
+        """
+        speed, blocked = abs(robot.linear), False
+        solids: tuple[Dock | Obstacle, ...] = (self._dock, *obstacles)
+        for solid in solids:
+            obstruction = solid.obstruct(robot.x, robot.y, robot.radius)
+            if obstruction is not None:
+                robot.block(obstruction.x, obstruction.y, obstruction.normal_x, obstruction.normal_y)
+                blocked = True
+        self.contact = self._dock.in_contact(robot.x, robot.y, robot.theta)
+        if not self.contact:
+            self._contact_since = None
+        elif self._contact_since is None:
+            self._contact_since = now
+        if driven and blocked and not self._blocked and not self.contact:
+            self.bumps += 1
+        self._blocked = blocked
+        self._note_touch(robot, speed, now, driven=driven)
+
+    def _note_touch(self, robot: Robot, speed: float, now: float, *, driven: bool) -> None:
+        distance = self._dock.clearance(robot.x, robot.y) - robot.radius
+        touches = self.contact or distance < 1e-9
+        if touches and not self._at_dock and driven:
+            self.touches.append(Touch(now, speed, self.contact))
+        self._at_dock = touches or (self._at_dock and distance < APART)
+
+    def connected(self, now: float, *, flickers: bool) -> bool:
+        """Whether current can flow: the contacts bounce at first, or flicker for ever.
+
+        Args:
+            now: Simulated seconds.
+            flickers: Whether it never becomes stable.
+        """
+        if self._contact_since is None:
+            return False
+        since = now - self._contact_since
+        if flickers or self._dock.settings.flickers:
+            return since % (ON + OFF) < ON
+        return since >= self._dock.settings.bounce or self._bouncing.random() < 0.5
