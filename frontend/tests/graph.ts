@@ -89,6 +89,7 @@ export function fleetGraph(): Graph {
       types: ["action_tutorials_interfaces/action/ConnectToChargingDock"],
       servers: [`${robot}/docking_server`],
       clients: ["/dock_gateway"],
+      hidden: false,
     })),
   };
 }

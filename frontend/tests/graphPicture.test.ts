@@ -63,7 +63,13 @@ test("nodes alone have one arrow for all that goes from one to the other", () =>
       subscribers: [endpoint("/listener"), endpoint("/talker")],
     }),
   );
-  graph.actions.push({ name: "/fibonacci", types: [], servers: ["/listener"], clients: ["/talker"] });
+  graph.actions.push({
+    name: "/fibonacci",
+    types: [],
+    servers: ["/listener"],
+    clients: ["/talker"],
+    hidden: false,
+  });
   expect(arrows(elementsOf(graph, "nodes"))).toEqual([
     "node:/talker → node:/listener (chatter +1)",
     "node:/talker → node:/listener (fibonacci)",

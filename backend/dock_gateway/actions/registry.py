@@ -16,7 +16,7 @@ from dock_gateway.core.discovery import Discovery
 from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import GatewayError, NotFound, Unavailable
 from dock_gateway.core.event import status_event, utc_now
-from dock_gateway.core.filters import parent_of, prefix_of
+from dock_gateway.core.filters import is_hidden, parent_of, prefix_of
 from dock_gateway.core.goal import LOST_FOR, Goal, GoalError, GoalStatus, Verb
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
@@ -191,7 +191,7 @@ class ActionRegistry:
             self._give_up()
         self._discovery.keep(scan.actions)
         new = [name for name in scan.actions if name not in self._actions]
-        new.sort(key=lambda name: self._catalog.find(name, scan.actions[name]) is None)
+        new.sort(key=lambda name: (self._catalog.find(name, scan.actions[name]) is None, is_hidden(name)))
         try:
             return await self._discovery.take_up(new, self._actions, self._take_up)
         finally:

@@ -25,6 +25,17 @@ def parent_of(name: str) -> str:
     return name.rpartition("/")[0] or "/"
 
 
+def is_hidden(name: str, within: str = "/") -> bool:
+    """Return whether a name is hidden, as ROS calls it: a part of it begins with `_`.
+
+    Args:
+        name: An absolute name.
+        within: A namespace whose own parts do not count for the names in it.
+    """
+    visible = len(within.rstrip("/")) if is_under(name, within) else 0
+    return "/_" in name[visible:]
+
+
 def lineage(name: str) -> Iterator[str]:
     """Yield the namespaces that a name is in, root first, then the name itself: `/`, `/fleet`, `/fleet/robot1`."""
     yield "/"

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from dock_gateway.core.filters import is_hidden
 from dock_gateway.core.goal import encode
 from dock_gateway.core.grant import Grant
 
@@ -126,7 +127,7 @@ class _Nodes:
 
 def is_noise(name: str, types: Iterable[str]) -> bool:
     """Return whether ROS itself uses it (logs, parameters and the like), or a part of its name begins with `_`."""
-    return "/_" in name or (bool(types) and all(text.startswith(OWN_TYPES) for text in types))
+    return is_hidden(name) or (bool(types) and all(text.startswith(OWN_TYPES) for text in types))
 
 
 def graph_document(seen: Seen) -> dict[str, Any]:
@@ -165,6 +166,7 @@ def graph_document(seen: Seen) -> dict[str, Any]:
                 "types": sorted(action.types),
                 "servers": sorted(action.servers),
                 "clients": sorted(action.clients),
+                "hidden": is_hidden(name),
             }
             for name, action in sorted(actions.items())
         ],

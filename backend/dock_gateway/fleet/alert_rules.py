@@ -8,7 +8,7 @@ from enum import StrEnum
 from typing import Any
 
 from dock_gateway.core.automation import Decision
-from dock_gateway.core.filters import lineage, parent_of
+from dock_gateway.core.filters import is_hidden, lineage, parent_of
 from dock_gateway.core.goal import LOST_FOR, Goal
 from dock_gateway.fleet.robot_state import CHARGES, RobotState
 from dock_gateway.history import Acknowledgement, Incident
@@ -211,8 +211,13 @@ def _above(name: str) -> list[str]:
     return [each for each in lineage(name) if each != name]
 
 
+def _seen_once(lost: list[Goal]) -> list[Goal]:
+    """Leave out goals on hidden actions, to which a relay passes on the goals of others, if there are others."""
+    return [goal for goal in lost if not is_hidden(goal.action_name)] or lost
+
+
 def _lost(states: list[RobotState], strays: Iterable[Goal], now: datetime) -> Iterator[Alert]:
-    goals = [(state.name, goal) for state in states for goal in state.lost]
+    goals = [(state.name, goal) for state in states for goal in _seen_once(state.lost)]
     goals += [(parent_of(goal.action_name), goal) for goal in strays]
     for robot, goal in goals:
         since = goal.finished_at or goal.updated_at

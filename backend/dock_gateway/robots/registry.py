@@ -108,7 +108,11 @@ class RobotRegistry:
         suffix = f"/{self._settings.battery_topic}"
         found = [self._catalog.robot_of(name, types) for name, types in scan.actions.items()]
         found += [name.removesuffix(suffix) or "/" for name in scan.topics if name.endswith(suffix)]
-        new = [namespace for namespace in dict.fromkeys(found) if namespace and namespace not in self._robots]
+        new = [
+            namespace
+            for namespace in dict.fromkeys(found)
+            if namespace and namespace not in self._robots and self._catalog.may_be_robot(namespace)
+        ]
 
         async def take_up(namespace: str) -> None:
             if namespace not in self._forgotten or await self.is_there(namespace, scan):

@@ -58,9 +58,14 @@ def scan(node: Node) -> Scan:
             continue
         if not separator:
             result.topics[topic] = list(types)
-        elif part == FEEDBACK and _publishers(node, f"{name}{ACTION_PART}{STATUS}"):
-            result.actions[name] = [text.removesuffix(FEEDBACK_TYPE) for text in types]
+        elif part == FEEDBACK and (found := _action_types(types)) and _publishers(node, f"{name}{ACTION_PART}{STATUS}"):
+            result.actions[name] = found
     return result
+
+
+def _action_types(types: Iterable[str]) -> list[str]:
+    """Return the types of an action by those of its feedback; other topics may have such a name, too."""
+    return [text.removesuffix(FEEDBACK_TYPE) for text in types if text.endswith(FEEDBACK_TYPE)]
 
 
 def _publishers(node: Node, topic: str) -> int:

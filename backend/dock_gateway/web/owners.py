@@ -13,7 +13,11 @@ def owners(gateway: Gateway, action_names: Iterable[str]) -> Callable[[str], str
     A namespace with a label or with goals of a docking action is a robot, too, even if it is not on the graph now.
     """
     docking = gateway.actions.docking
-    gone = {namespace for name in action_names if name in docking.all_names(namespace := parent_of(name))}
+    gone = {
+        namespace
+        for name in action_names
+        if docking.catalog.may_be_robot(namespace := parent_of(name)) and name in docking.all_names(namespace)
+    }
     robots = gone.union(gateway.labels.robots(), (robot.namespace for robot in gateway.robots.all()))
 
     def owner(action_name: str) -> str:

@@ -495,6 +495,8 @@ export interface paths {
         /**
          * List Actions
          * @description List every action on the graph. If an action's interface package is missing, `hint` says what to install.
+         *
+         *     As in ROS, an action is hidden if a part of its name begins with `_`. Those that dock or undock a robot are listed.
          */
         get: operations["list_actions"];
         put?: never;
@@ -2899,7 +2901,7 @@ export interface components {
         GoalStatus: "pending" | "accepted" | "executing" | "canceling" | "succeeded" | "canceled" | "aborted" | "rejected" | "lost";
         /**
          * Graph
-         * @description The ROS graph; `hidden` entries are ROS internals.
+         * @description The ROS graph; `hidden` entries are ROS internals, or a part of their name begins with `_`.
          */
         Graph: {
             /** Nodes */
@@ -2924,6 +2926,8 @@ export interface components {
             servers: string[];
             /** Clients */
             clients: string[];
+            /** Hidden */
+            hidden: boolean;
         };
         /**
          * GraphNode
@@ -6733,7 +6737,10 @@ export interface operations {
     };
     list_actions: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Whether to list hidden actions, too */
+                hidden?: boolean;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -6760,6 +6767,15 @@ export interface operations {
             };
             /** @description Forbidden */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -58,7 +58,9 @@ function withoutNoise(graph: Graph, { hidden, services, gateway, gatewayNode }: 
             (hidden || !service.hidden) && has([...service.servers, ...(clients.get(service.name) ?? [])]),
         )
       : [],
-    actions: graph.actions.filter(({ servers, clients }) => has([...servers, ...clients])),
+    actions: graph.actions.filter(
+      (action) => (hidden || !action.hidden) && has([...action.servers, ...action.clients]),
+    ),
   };
 }
 

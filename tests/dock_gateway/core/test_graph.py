@@ -68,7 +68,7 @@ def test_what_makes_up_an_action_is_one_action() -> None:
     document = graph_document(seen(*topics, services=services, server=1, gateway=1, looker=1))
     assert (document["topics"], document["services"]) == ([], [])
     assert document["actions"] == [
-        {"name": "/fibonacci", "types": [FIBONACCI], "servers": ["/server"], "clients": ["/gateway"]}
+        {"name": "/fibonacci", "types": [FIBONACCI], "servers": ["/server"], "clients": ["/gateway"], "hidden": False}
     ]
     nodes = {node["name"]: node for node in document["nodes"]}
     assert nodes["/server"]["action_servers"] == nodes["/gateway"]["action_clients"] == ["/fibonacci"]
@@ -78,7 +78,9 @@ def test_what_makes_up_an_action_is_one_action() -> None:
 def test_an_action_of_which_only_a_client_is_there_is_known_by_its_services() -> None:
     services = (Service("/fibonacci/_action/send_goal", [f"{FIBONACCI}_SendGoal"], set(), {"/client"}),)
     document = graph_document(seen(services=services, client=1))
-    assert document["actions"] == [{"name": "/fibonacci", "types": [FIBONACCI], "servers": [], "clients": []}]
+    assert document["actions"] == [
+        {"name": "/fibonacci", "types": [FIBONACCI], "servers": [], "clients": [], "hidden": False}
+    ]
 
 
 def test_the_same_graph_gives_the_same_document_in_whatever_order_it_was_seen() -> None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from dock_gateway.core.filters import is_under, lineage, prefix_of
+from dock_gateway.core.filters import is_hidden, is_under, lineage, prefix_of
 
 
 @pytest.mark.parametrize(
@@ -33,3 +33,23 @@ def test_what_names_in_it_begin_with(namespace: str, prefix: str) -> None:
 )
 def test_the_namespaces_that_a_name_is_in(name: str, namespaces: list[str]) -> None:
     assert list(lineage(name)) == namespaces
+
+
+@pytest.mark.parametrize(
+    ("name", "within", "hidden"),
+    [
+        ("/robot2/dock", "/", False),
+        ("/robot_2/dock_", "/", False),
+        ("/robot2/a__b", "/", False),
+        ("/_robot2", "/", True),
+        ("/robot2/_do_not_use/dock", "/", True),
+        ("/robot2/_dock", "/", True),
+        ("/robot2/_private/dock", "/robot2/_private", False),
+        ("/robot2/_private/dock", "/robot2/_private/", False),
+        ("/robot2/_private/_dock", "/robot2/_private", True),
+        ("/robot2/_private_too/dock", "/robot2/_private", True),
+        ("/", "/_private", False),
+    ],
+)
+def test_hidden_names(name: str, within: str, hidden: bool) -> None:
+    assert is_hidden(name, within) is hidden

@@ -100,6 +100,14 @@ def test_a_lost_goal_for_an_hour_at_most() -> None:
     assert stray.robot == "/"
 
 
+def test_a_lost_goal_that_a_relay_passed_on_is_one_alert() -> None:
+    seen, passed_on = goal("/robot1/dock", GoalStatus.LOST), goal("/robot1/_base/dock", GoalStatus.LOST)
+    (alert,) = Looks().alerts(1, robot(lost=[passed_on, seen]))
+    assert "/robot1/dock" in alert.detail
+    (alone,) = Looks().alerts(1, robot(lost=[passed_on]))
+    assert "/robot1/_base/dock" in alone.detail
+
+
 @pytest.mark.parametrize(
     "docked",
     [

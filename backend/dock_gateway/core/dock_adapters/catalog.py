@@ -1,12 +1,13 @@
 """The types of docking actions in their order of preference, and the names under which they are looked for."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
 from dock_gateway.core.dock_adapters import charging_dock, create3, nav2
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
+from dock_gateway.core.filters import is_hidden, parent_of
 from dock_gateway.core.goal import Verb
 from dock_gateway.settings import Settings
 
@@ -47,6 +48,10 @@ class Candidate:
         named = action_name == self.name or action_name.endswith(f"/{self.name}")
         return named and (not self.strict or types is None or self.likely_type in types)
 
+    def namespace_of(self, action_name: str) -> str | None:
+        """Return the namespace of the robot that an action of this name belongs to; None if of all robots."""
+        return None if self.name.startswith("/") else action_name.removesuffix(f"/{self.name}") or "/"
+
     def type_among(self, types: Collection[str] | None) -> str:
         """Return its type: of the types on the graph, the likely one if it is there."""
         return self.likely_type if not types or self.likely_type in types else next(iter(types))
@@ -63,12 +68,16 @@ class DockingCatalog:
     `dock`, `undock` and the like are names that other actions may have, too: there the type has to match. Every
     action with one of our own names, and every configured one, is what its name says.
 
+    A robot's namespace is not hidden, unless it is the configured one: relays such as TurtleBot 4's offer the actions
+    of a robot a second time in a hidden namespace, which is not a second robot.
+
     Attributes:
         shared: The actions that all robots share: those with an absolute name.
     """
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
+        self._configured_namespace = parent_of(settings.resolve("dock"))
         configured: dict[Verb, tuple[str, str]] = {
             "dock": (settings.dock_action, settings.dock_action_type),
             "undock": (settings.undock_action, settings.undock_action_type),
@@ -85,19 +94,28 @@ class DockingCatalog:
             action_name: Absolute name of the action.
             types: Its types on the graph; more than one is a fault there. None if they are not known.
         """
-        for verb, candidates in self._candidates.items():
-            for candidate in candidates:
-                if candidate.matches(action_name, types):
-                    action_type = candidate.type_among(types)
-                    return adapter_for(verb, action_type), action_type
+        for verb, candidate in self._matching(action_name, types):
+            action_type = candidate.type_among(types)
+            return adapter_for(verb, action_type), action_type
         return None
 
     def robot_of(self, action_name: str, types: Collection[str]) -> str | None:
         """Return the namespace of the robot that an action docks or undocks; None if of none, or of all of them."""
-        for candidate in (each for candidates in self._candidates.values() for each in candidates):
-            if candidate.matches(action_name, types) and not candidate.name.startswith("/"):
-                return action_name.removesuffix(f"/{candidate.name}") or "/"
+        for _, candidate in self._matching(action_name, types):
+            return candidate.namespace_of(action_name)
         return None
+
+    def _matching(self, action_name: str, types: Collection[str] | None) -> Iterator[tuple[Verb, Candidate]]:
+        for verb, candidates in self._candidates.items():
+            for candidate in candidates:
+                if candidate.matches(action_name, types):
+                    namespace = candidate.namespace_of(action_name)
+                    if namespace is None or self.may_be_robot(namespace):
+                        yield verb, candidate
+
+    def may_be_robot(self, namespace: str) -> bool:
+        """Return whether what is in a namespace may be a robot: whether the namespace is not hidden, or configured."""
+        return not is_hidden(namespace, self._configured_namespace)
 
     def preferred(self, verb: Verb) -> Candidate:
         """Return the action that is used where there is none."""

@@ -1,9 +1,13 @@
 """`/actions`: the operations of `/dock` for every action on the graph whose interface package is installed."""
 
-from fastapi import APIRouter, Depends, Request
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.actions.action import Action
+from dock_gateway.core.filters import is_hidden
+from dock_gateway.core.goal import Verb
 from dock_gateway.web.access import TheGrant
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
@@ -45,10 +49,20 @@ def describe(action: Action) -> dict[str, object]:
     }
 
 
-@router.get("", response_model=ActionList, dependencies=[NO_QUERY])
-async def list_actions(gateway: TheGateway, grant: TheGrant) -> Response:
-    """List every action on the graph. If an action's interface package is missing, `hint` says what to install."""
-    found = [describe(action) for action in gateway.actions.all() if grant.covers_action(action.name)]
+HiddenQuery = Annotated[bool, Query(description="Whether to list hidden actions, too")]
+
+
+@router.get("", response_model=ActionList, responses=problems(422), dependencies=[Depends(known_query("hidden"))])
+async def list_actions(gateway: TheGateway, grant: TheGrant, *, hidden: HiddenQuery = False) -> Response:
+    """List every action on the graph. If an action's interface package is missing, `hint` says what to install.
+
+    As in ROS, an action is hidden if a part of its name begins with `_`. Those that dock or undock a robot are listed.
+    """
+
+    def listed(name: str, verb: Verb | None) -> bool:
+        return grant.covers_action(name) and (hidden or verb is not None or not is_hidden(name))
+
+    found = [describe(action) for action in gateway.actions.all() if listed(action.name, action.verb)]
     missing = [
         {
             "action_name": entry.name,
@@ -63,7 +77,7 @@ async def list_actions(gateway: TheGateway, grant: TheGrant) -> Response:
             "feedback_dropped": 0,
         }
         for entry in gateway.actions.uninstalled()
-        if grant.covers_action(entry.name)
+        if listed(entry.name, entry.verb)
     ]
     return json_response({"actions": [*found, *missing]})
 

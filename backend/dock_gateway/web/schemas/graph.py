@@ -68,10 +68,11 @@ class GraphAction(Schema):
     types: list[str]
     servers: list[str]
     clients: list[str]
+    hidden: bool
 
 
 class Graph(Schema):
-    """The ROS graph; `hidden` entries are ROS internals."""
+    """The ROS graph; `hidden` entries are ROS internals, or a part of their name begins with `_`."""
 
     nodes: list[GraphNode]
     topics: list[GraphTopic]

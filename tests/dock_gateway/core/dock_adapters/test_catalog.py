@@ -70,3 +70,22 @@ def test_an_absolute_name_is_of_no_robot() -> None:
     assert shared.robot_of("/dock", [CREATE3.action_type]) == "/"
     assert shared.robot_of("/dock", [OTHER]) is None
     assert catalog(dock_action="base/park").robot_of("/robot1/base/park", [OTHER]) == "/robot1"
+
+
+RELAY = "/robot2/_do_not_use/dock"
+
+
+def test_a_hidden_namespace_is_no_robot_unless_configured() -> None:
+    assert catalog().find(RELAY, [CREATE3.action_type]) is None
+    assert catalog().robot_of(RELAY, [CREATE3.action_type]) is None
+    assert catalog().robot_of("/robot2/dock", [CREATE3.action_type]) == "/robot2"
+    named = catalog(namespace="/robot2/_do_not_use")
+    assert named.robot_of(RELAY, [CREATE3.action_type]) == "/robot2/_do_not_use"
+    assert named.robot_of("/robot2/_do_not_use/arm/dock", [CREATE3.action_type]) == "/robot2/_do_not_use/arm"
+    assert named.robot_of("/robot2/_do_not_use/_arm/dock", [CREATE3.action_type]) is None
+    assert catalog(dock_action="_do_not_use/dock").robot_of(RELAY, [CREATE3.action_type]) == "/robot2"
+    assert catalog(dock_action=RELAY).find(RELAY, [CREATE3.action_type]) == (CREATE3, CREATE3.action_type)
+
+
+def test_a_shared_action_makes_no_robot_of_its_namespace() -> None:
+    assert catalog(dock_action="/docking/dock_robot").robot_of("/docking/dock_robot", [NAV2.action_type]) is None
