@@ -152,9 +152,9 @@ class Settings(BaseSettings):
         12.0, gt=0, le=720, description="Hours after which a login with the provider ends at the latest."
     )
     trusted_proxies: Annotated[tuple[str, ...], NoDecode] = Field(
-        ("127.0.0.1", "::1"),
-        description="IP addresses and networks (`10.0.0.0/8`) of proxies, separated by commas. Only their "
-        "`X-Forwarded-Proto` and `X-Forwarded-For` are believed. Empty: none.",
+        (),
+        description="IP addresses and networks (`10.0.0.0/8`) of reverse proxies, separated by commas: "
+        "`127.0.0.1,::1` for one on this machine. Only their `X-Forwarded-Proto` and `X-Forwarded-For` are believed.",
     )
     dashboard_dir: Path | None = Field(
         None,

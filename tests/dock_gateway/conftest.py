@@ -11,7 +11,7 @@ import pytest
 from pwdlib import PasswordHash
 from pwdlib.hashers.argon2 import Argon2Hasher
 
-from dock_gateway.access import logins
+from dock_gateway.access import login_guard
 from dock_gateway.history import immediate, reader, sql, writer
 from tests.support.postgresql import PostgreSQL, binaries, running_postgresql
 
@@ -76,4 +76,4 @@ def quick_hashes(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def stopped_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     """No time goes by between two logins."""
-    monkeypatch.setattr(logins, "time", SimpleNamespace(monotonic=lambda: 1000.0))
+    monkeypatch.setattr(login_guard, "time", SimpleNamespace(monotonic=lambda: 1000.0))

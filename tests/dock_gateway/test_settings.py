@@ -159,7 +159,7 @@ def test_what_is_kept_of_one_robot_is_kept_apart_from_another(monkeypatch: pytes
 
 
 def test_trusted_proxies() -> None:
-    assert Settings().trusted_proxies == ("127.0.0.1", "::1")
+    assert Settings().trusted_proxies == ()
     assert Settings.model_validate({"trusted_proxies": "10.0.0.0/8, ::1"}).trusted_proxies == ("10.0.0.0/8", "::1")
     assert Settings.model_validate({"trusted_proxies": ""}).trusted_proxies == ()
 

@@ -12,6 +12,7 @@ from starlette.types import ASGIApp
 
 from dock_gateway.settings import Settings
 from dock_gateway.web.edge.certificates import load_certificates
+from dock_gateway.web.edge.forwarded import ForwardedHeaders
 from dock_gateway.web.edge.options import edge_options
 from dock_gateway.web.edge.security import SecurityHeaders
 from dock_gateway.web.server import Server
@@ -63,9 +64,8 @@ async def serving(app: ASGIApp, **settings: object) -> AsyncIterator[Edge]:
     """Serve an application, with settings of the gateway's."""
     checked = Settings.model_validate(settings)
     options = edge_options(checked)
-    config = uvicorn.Config(
-        SecurityHeaders(app, tls=checked.tls), port=0, lifespan="off", log_config=None, server_header=False, **options
-    )
+    outermost = ForwardedHeaders(SecurityHeaders(app, tls=checked.tls), checked.trusted_proxies)
+    config = uvicorn.Config(outermost, port=0, lifespan="off", log_config=None, server_header=False, **options)
     config.load()
     server = Server(config, load_certificates(checked))
     server.lifespan = config.lifespan_class(config)

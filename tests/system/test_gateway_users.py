@@ -95,6 +95,35 @@ def test_guessing_is_delayed(shared_domain: int, site: Site) -> None:
         assert try_login(http, "root", address="192.0.2.8").status_code == 200
 
 
+def test_who_fails_at_the_same_address_locks_nobody_out(shared_domain: int, site: Site) -> None:
+    """As behind one router: what counts is where a user has logged in before, by address and by browser."""
+    with site.gateway(shared_domain) as gateway, HttpClient(gateway.url) as browser:
+        browser.post("/session", json={"user": "root", "password": PASSWORD}).raise_for_status()
+        assert {"dock-gateway", "dock-gateway-browser"} <= set(browser.cookies.keys())
+        browser.delete("/session").raise_for_status()
+        assert "dock-gateway-browser" in browser.cookies
+        wrong = [try_login(gateway.http, "root", "wrong") for _ in range(8)]
+        assert {answer.status_code for answer in wrong} == {401}
+        assert try_login(gateway.http, "root").status_code == 200
+        others = [try_login(gateway.http, f"name{number}", "wrong").status_code for number in range(25)]
+        assert others[-1] == 429
+        assert try_login(gateway.http, "root").status_code == 200
+        codes = [try_login(gateway.http, "root", "wrong").status_code for _ in range(110)]
+        assert codes[-1] == 429  # guessing is bounded there, too
+        assert browser.post("/session", json={"user": "root", "password": PASSWORD}).status_code == 200
+
+
+def test_nobody_chooses_the_address_by_a_header(shared_domain: int, site: Site) -> None:
+    secret = site.token("reader", "admin")
+    with site.gateway(shared_domain, trusted_proxies="") as gateway:
+        codes = [try_login(gateway.http, "ada", "wrong", f"198.51.100.{number}").status_code for number in range(10)]
+        assert codes[:5] == [401] * 5
+        assert 429 in codes[5:]
+        entries = gateway.http.get("/audit", headers=bearer(secret)).raise_for_status().json()["records"]
+        assert {entry["client"] for entry in entries} == {"127.0.0.1"}
+        assert "X-Forwarded-For from 127.0.0.1 is ignored" in gateway.process.output
+
+
 def test_a_stream_goes_on_during_fifty_logins(domain: int, site: Site) -> None:
     with running_dock_server(domain), site.gateway(domain) as gateway:
         gateway.wait_until_ready()

@@ -5,8 +5,12 @@ from dataclasses import dataclass
 from ipaddress import IPv6Address, ip_address
 from typing import Any
 
-# A name at an address, a name at all addresses, or an address.
+# A name at a place, which is an address or a browser; a name at all places; or an address.
 Key = tuple[str | None, str | None]
+
+# Those who show no name, and what stands before the name of a user who changes the password: someone who logs in fails
+# elsewhere. Upper case, so that no user has these names.
+TOKENS, PEOPLE, CHANGE = "TOKENS", "PEOPLE", "CHANGE "
 
 # Seconds after which failures are forgotten.
 FORGET = 3600.0
@@ -35,8 +39,9 @@ class Slope:
         return min(self.longest, 2.0 ** min(failures - self.free - 1, MAX_DOUBLINGS))
 
 
-# For a name at an address, for an address, and for a name at all addresses.
-PAIR, ADDRESS, NAME = Slope(4, 300.0), Slope(20, 300.0), Slope(20, 10.0)
+# For a name at an address or in a known browser, at an address from which it has logged in before, for an address, and
+# for a name at all places.
+PAIR, KNOWN, ADDRESS, NAME = Slope(4, 300.0), Slope(100, 300.0), Slope(20, 300.0), Slope(20, 10.0)
 
 
 @dataclass
@@ -50,8 +55,9 @@ class Failures:
 class LoginDelays:
     """The failed logins of the last hour, by name and address.
 
-    An attempt counts as failed until it succeeds, so that many at the same time are no way around. Failures at other
-    addresses do not delay a name where it has logged in before: nobody can be locked out of their usual place.
+    An attempt counts as failed until it succeeds, so that many at the same time are no way around. A name is delayed
+    only by its own failures where it has logged in before: by those in that very browser; and from that address, where
+    someone else may try too, by many. So nobody can be locked out of their usual place.
     """
 
     def __init__(self) -> None:
@@ -61,16 +67,17 @@ class LoginDelays:
     def __len__(self) -> int:
         return max(len(self._failures), len(self._known))
 
-    def attempt(self, name: str, address: str, now: float) -> float:
+    def attempt(self, name: str, address: str, now: float, browser: str | None = None) -> float:
         """Count an attempt and return 0.0, or return the seconds to wait; then it must not be made.
 
         Args:
-            name: The user's name; empty for a token.
+            name: The user's name, `TOKENS` or `PEOPLE`.
             address: The client's address.
             now: Seconds of a clock that never goes back.
+            browser: The id of the browser, if the name has logged in there before.
         """
-        slopes = self._slopes(name, address)
-        wait = max(self._wait(key, slope, now) for key, slope in slopes.items())
+        slopes = self._slopes(name, address, browser)
+        wait = max(self._wait(key, slope, now) for key, slope in slopes.items() if slope is not None)
         if wait > 0.0:
             return wait
         for key in slopes:
@@ -81,28 +88,34 @@ class LoginDelays:
         _shorten(self._failures)
         return 0.0
 
-    def succeed(self, name: str, address: str) -> None:
+    def succeed(self, name: str, address: str, browser: str | None = None) -> None:
         """Forget the failures of a name, and the attempt that was counted for the address."""
-        self.withdraw(name, address)
-        for key in ((name, address), (name, None)):
+        self.withdraw(name, address, browser)
+        for key in ((name, _place(address, browser)), (name, None)):
             self._failures.pop(key, None)
         self._known[name, address] = None
         self._known.move_to_end((name, address))
         _shorten(self._known)
 
-    def withdraw(self, name: str, address: str) -> None:
+    def withdraw(self, name: str, address: str, browser: str | None = None) -> None:
         """Forget an attempt that neither failed nor succeeded."""
-        for key in self._slopes(name, address):
+        for key in self._slopes(name, address, browser):
             failures = self._failures.get(key)
             if failures is not None:
                 failures.count -= 1
                 if failures.count <= 0:
                     del self._failures[key]
 
-    def _slopes(self, name: str, address: str) -> dict[Key, Slope]:
-        slopes: dict[Key, Slope] = {(name, address): PAIR, (None, address): ADDRESS}
-        if name and (name, address) not in self._known:
-            slopes[name, None] = NAME
+    def _slopes(self, name: str, address: str, browser: str | None) -> dict[Key, Slope | None]:
+        """Return where an attempt counts, and by what it is delayed there; None: it is not."""
+        usual = browser is not None or (name, address) in self._known
+        own = KNOWN if usual and browser is None else PAIR
+        slopes: dict[Key, Slope | None] = {
+            (name, _place(address, browser)): own,
+            (None, address): None if usual else ADDRESS,
+        }
+        if name not in (TOKENS, PEOPLE):
+            slopes[name, None] = None if usual else NAME
         return slopes
 
     def _wait(self, key: Key, slope: Slope, now: float) -> float:
@@ -113,6 +126,10 @@ class LoginDelays:
             del self._failures[key]
             return 0.0
         return max(0.0, failures.at + slope.delay(failures.count) - now)
+
+
+def _place(address: str, browser: str | None) -> str:
+    return address if browser is None else f"browser {browser}"
 
 
 def _shorten(remembered: OrderedDict[Key, Any]) -> None:

@@ -2,8 +2,6 @@
 
 import asyncio
 import logging
-import math
-import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -13,7 +11,8 @@ from typing import Any
 from dock_gateway.access.claims import PREFIX as PERSON_NAMES
 from dock_gateway.access.jwt import looks_like_jwt
 from dock_gateway.access.login_attempt import LoginAttempt
-from dock_gateway.access.login_delays import LoginDelays, network_of
+from dock_gateway.access.login_delays import CHANGE, PEOPLE, TOKENS
+from dock_gateway.access.login_guard import LoginGuard
 from dock_gateway.access.passwords import Passwords
 from dock_gateway.access.sessions import MAX_SESSIONS, PERSON_PREFIX, PREFIX, PersonSessions, Sessions
 from dock_gateway.access.single_sign_on import SingleSignOn, no_provider
@@ -24,7 +23,6 @@ from dock_gateway.core.errors import (
     Conflict,
     NotAllowed,
     NotAuthenticated,
-    TooManyRequests,
 )
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant
@@ -56,7 +54,7 @@ class Logins:
         )
         self.sso = sso
         self._passwords = Passwords()
-        self._delays = LoginDelays()
+        self.guard = LoginGuard(self._users.book.get)
         self._streams: dict[Principal, set[Callable[[], None]]] = {}
         self._tasks = Tasks("watching logins")
 
@@ -189,19 +187,28 @@ class Logins:
         self._end_streams()
 
     def identify_token(self, secret: str, address: str) -> Principal:
-        """Return who shows the secret of a token, for a login.
+        """Return who shows the secret of a token, for a login. A valid token is never delayed: none can be guessed.
 
         Raises:
             NotAuthenticated: There is no valid token with it (`invalid_token`).
             TooManyRequests: There were too many failed logins (`too_many_logins`).
         """
-        with self._counted("", address):
+        try:
             return self.tokens.identify(secret)
+        except NotAuthenticated:
+            with self.guard.counted(TOKENS, address):
+                raise
 
     # ------------------------------------------------------------------ sessions
 
-    async def log_in(self, name: str, password: str, address: str) -> tuple[Principal, str]:
+    async def log_in(self, name: str, password: str, address: str, browser: str | None = None) -> tuple[Principal, str]:
         """Log a user in; return who that is, and the secret of the new session, which is not stored.
+
+        Args:
+            name: The user's name.
+            password: The password.
+            address: The client's address.
+            browser: The cookie of `LoginGuard.known_cookie`, if the client has one.
 
         Raises:
             NotAuthenticated: The name or the password is wrong, or the user is disabled (`invalid_login`).
@@ -209,18 +216,18 @@ class Logins:
             Unavailable: The history does not answer (`history_unavailable`).
         """
         wrong = NotAuthenticated("the name or the password is wrong, or the user is disabled", code="invalid_login")
-        with self._counted(name, address):
+        with self.guard.counted(name, address, browser):
             known = (await self._users.read()).get(name)
             right, outdated = await self._passwords.verify(password, None if known is None else known.password)
             if known is None or not right:
                 raise wrong
 
-            def note(user: User | None) -> User:
+            def record(user: User | None) -> User:
                 if user is None or user.disabled or user.era != known.era:
                     raise wrong
                 return replace(user, password=outdated or user.password, logged_in_at=utc_now())
 
-            user = await self._users.change(name, note)
+            user = await self._users.change(name, record)
             assert user is not None
             secret = await self._sessions.create(name, user.era)
         return self._sessions.identify(secret), secret
@@ -252,7 +259,7 @@ class Logins:
         """
         sso = self._require_sso()
         code, attempt = sso.accept(attempt, said)  # not counted: any page can make a browser fail here
-        with self._counted("", address):
+        with self.guard.counted(PEOPLE, address):
             person = await sso.redeem(code, attempt, redirect_uri)
             note(f"{person.name} ({person.subject})")
             grant = sso.grant_of(person)
@@ -309,7 +316,7 @@ class Logins:
             Unavailable: The history does not answer (`history_unavailable`).
         """
         wrong = NotAllowed("the old password is wrong", code="wrong_password")
-        with self._counted(name, address):
+        with self.guard.counted(CHANGE + name, address):
             known = self._require(name, (await self._users.read()).get(name))
             right, _ = await self._passwords.verify(old, known.password)
             if not right:
@@ -325,27 +332,6 @@ class Logins:
         assert user is not None
         # The streams end with the next `look`: by then the browser has the new session.
         return await self._sessions.create(name, user.era)
-
-    @contextmanager
-    def _counted(self, name: str, address: str) -> Iterator[None]:
-        """Refuse an attempt that comes too soon after failed ones, and count it if it fails.
-
-        Raises:
-            TooManyRequests: It does (`too_many_logins`).
-        """
-        network = network_of(address)
-        wait = math.ceil(self._delays.attempt(name, network, time.monotonic()))
-        if wait > 0:
-            detail = f"too many failed logins; try again in {wait} s"
-            raise TooManyRequests(detail, code="too_many_logins", retry_after=wait)
-        try:
-            yield
-        except (NotAuthenticated, NotAllowed):
-            raise
-        except BaseException:
-            self._delays.withdraw(name, network)
-            raise
-        self._delays.succeed(name, network)
 
     # ------------------------------------------------------------------ users
 

@@ -26,6 +26,9 @@ TICKET = "ticket"
 SECURE_COOKIE, COOKIE = "__Host-dock-gateway", "dock-gateway"
 # Seconds after which a browser forgets the token or the session.
 REMEMBERED = 30 * 86_400
+# The cookie of a browser in which a user has logged in before, and the seconds after which a browser forgets it.
+BROWSER = "-browser"
+BROWSER_REMEMBERED = 365 * 86_400
 
 
 async def authorize(connection: HTTPConnection) -> None:
@@ -137,10 +140,23 @@ def cookie_name(connection: HTTPConnection) -> str:
 
 def keep_login(response: Response, request: Request, secret: str, seconds: int = REMEMBERED) -> None:
     """Let the browser keep the secret of a token or a session as a cookie that scripts cannot read."""
+    _set_cookie(response, request, cookie_name(request), secret, seconds)
+
+
+def browser_of(request: Request) -> str | None:
+    """Return the cookie of a browser in which a user has logged in before."""
+    return request.cookies.get(cookie_name(request) + BROWSER)
+
+
+def keep_browser(response: Response, request: Request, cookie: str | None) -> None:
+    """Let the browser keep that a user has logged in, also after they log out."""
+    if cookie is not None:
+        _set_cookie(response, request, cookie_name(request) + BROWSER, cookie, BROWSER_REMEMBERED)
+
+
+def _set_cookie(response: Response, request: Request, name: str, value: str, seconds: int) -> None:
     secure = request.url.scheme == "https"
-    response.set_cookie(
-        cookie_name(request), secret, max_age=seconds, path="/", secure=secure, httponly=True, samesite="strict"
-    )
+    response.set_cookie(name, value, max_age=seconds, path="/", secure=secure, httponly=True, samesite="strict")
 
 
 def forget_login(response: Response, request: Request) -> None:

@@ -20,6 +20,7 @@ from dock_gateway.settings import Settings
 from dock_gateway.web.app import create_app
 from dock_gateway.web.edge.certificates import Certificates, load_certificates
 from dock_gateway.web.edge.connection import Connection
+from dock_gateway.web.edge.forwarded import ForwardedHeaders
 from dock_gateway.web.edge.limits import raise_file_limit
 from dock_gateway.web.edge.listener import Listener
 from dock_gateway.web.edge.options import edge_options
@@ -50,7 +51,8 @@ class Server(uvicorn.Server):
         if self.should_exit:
             return
         self._gateway = gateway
-        self.config.app = RequestId(SecurityHeaders(create_app(settings, gateway), tls=settings.tls))
+        app = RequestId(SecurityHeaders(create_app(settings, gateway), tls=settings.tls))
+        self.config.app = ForwardedHeaders(app, settings.trusted_proxies)
         gc.freeze()  # loaded modules stay: collecting them would block everything for 100 ms now and then
         await self.serve()
 

@@ -4,7 +4,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.access.login_delays import ADDRESS, FORGET, MAX_REMEMBERED, NAME, PAIR, LoginDelays, network_of
+from dock_gateway.access.login_delays import (
+    ADDRESS,
+    FORGET,
+    KNOWN,
+    MAX_REMEMBERED,
+    NAME,
+    PAIR,
+    TOKENS,
+    LoginDelays,
+    network_of,
+)
 
 HOUR = 3600.0
 
@@ -40,7 +50,7 @@ def test_a_success_forgets_the_failures_of_the_name_and_not_those_of_the_address
     now = fail(delays, "ada", "a", 0.0, times=4)
     assert delays.attempt("ada", "a", now) == 0.0
     delays.succeed("ada", "a")
-    assert [delays.attempt("ada", "a", now) for _ in range(5)] == [0.0] * 5
+    assert [delays.attempt("ada", "a", now) for _ in range(KNOWN.free + 1)] == [0.0] * (KNOWN.free + 1)
     assert delays.attempt("ada", "a", now) == 1.0
     # Someone with a login of their own cannot guess the passwords of others between their logins.
     delays = LoginDelays()
@@ -69,8 +79,8 @@ def test_many_addresses_cannot_try_one_name_often() -> None:
 def test_tokens_are_delayed_by_address_alone() -> None:
     delays = LoginDelays()
     for count in range(100):
-        assert delays.attempt("", f"{count}", 0.0) == 0.0
-    assert [delays.attempt("", "0", 0.0) > 0 for _ in range(5)] == [False] * 4 + [True]
+        assert delays.attempt(TOKENS, f"{count}", 0.0) == 0.0
+    assert [delays.attempt(TOKENS, "0", 0.0) > 0 for _ in range(5)] == [False] * 4 + [True]
 
 
 def test_failures_are_forgotten_after_an_hour() -> None:
@@ -82,8 +92,8 @@ def test_failures_are_forgotten_after_an_hour() -> None:
 
 ATTEMPTS = st.lists(
     st.tuples(
-        st.sampled_from(["ada", "bob", ""]),
-        st.sampled_from(["a", "b", "c"]),
+        st.sampled_from(["ada", "bob", TOKENS]),
+        st.sampled_from(["a", "b", "home"]),
         st.floats(0, 400),
         st.sampled_from(["fail", "succeed", "withdraw"]),
     ),
@@ -91,18 +101,69 @@ ATTEMPTS = st.lists(
 )
 
 
-@given(ATTEMPTS)
-def test_the_name_s_usual_address_is_never_delayed_by_others(attempts: list[tuple[str, str, float, str]]) -> None:
+@given(ATTEMPTS, st.sampled_from([None, "browser"]))
+def test_a_name_is_never_delayed_at_its_usual_place_by_others(
+    attempts: list[tuple[str, str, float, str]], browser: str | None
+) -> None:
+    """Whoever fails with whatever name at whatever address, also at that very one."""
     delays = LoginDelays()
-    assert delays.attempt("ada", "home", 0.0) == 0.0
-    delays.succeed("ada", "home")
+    assert delays.attempt("ada", "home", 0.0, browser) == 0.0
+    delays.succeed("ada", "home", browser)
     now = 0.0
     for name, address, later, outcome in attempts:
         now += later
-        if delays.attempt(name, address, now) == 0.0 and outcome != "fail":
+        if delays.attempt(name, address, now) == 0.0 and (
+            outcome == "withdraw" or (outcome, name) == ("succeed", "bob")
+        ):
             getattr(delays, outcome)(name, address)
-        assert delays.attempt("ada", "home", now) == 0.0
-        delays.succeed("ada", "home")
+        assert delays.attempt("ada", "home", now, browser) == 0.0
+        delays.succeed("ada", "home", browser)
+
+
+@given(st.lists(st.tuples(st.sampled_from(["ada", "bob", "eve"]), st.floats(0, 60)), min_size=150, max_size=300))
+def test_a_known_browser_is_delayed_by_itself_alone(attempts: list[tuple[str, float]]) -> None:
+    """Also while someone at the same address uses up what is allowed there, and no login there succeeds."""
+    delays, now = LoginDelays(), 0.0
+    delays.attempt("ada", "home", now)
+    delays.succeed("ada", "home")
+    for name, later in attempts:
+        now += later
+        delays.attempt(name, "home", now)
+    assert [delays.attempt("ada", "home", now, "browser") for _ in range(PAIR.free + 1)] == [0.0] * (PAIR.free + 1)
+    assert delays.attempt("ada", "home", now, "browser") == 1.0
+    assert delays.attempt("ada", "elsewhere", now, "browser") > 0.0
+
+
+def test_at_a_usual_address_a_hundred_failures_of_others_delay_nobody() -> None:
+    delays = LoginDelays()
+    delays.attempt("ada", "home", 0.0)
+    delays.succeed("ada", "home")
+    assert all(delays.attempt("ada", "home", 0.0) == 0.0 for _ in range(KNOWN.free))
+    assert delays.attempt("other", "home", 0.0) > 0.0  # they count for the address
+    assert delays.attempt("ada", "home", 0.0) == 0.0
+    assert delays.attempt("ada", "home", 0.0) == 1.0
+
+
+@given(st.lists(st.tuples(st.integers(0, 3), st.integers(0, 5), st.floats(0, 30)), max_size=400))
+def test_guessing_is_bounded_wherever_it_comes_from(attempts: list[tuple[int, int, float]]) -> None:
+    """For each name, for each address, and for each name at each address, whatever the rhythm."""
+    delays, now = LoginDelays(), 0.0
+    delays.attempt("name0", "address0", now)
+    delays.succeed("name0", "address0")
+    tried: dict[tuple[int | None, int | None], int] = {}
+    for name, address, later in attempts:
+        now += later
+        if delays.attempt(f"name{name}", f"address{address}", now) == 0.0:
+            for key in ((name, None), (None, address), (name, address)):
+                tried[key] = tried.get(key, 0) + 1
+    for (name, address), count in tried.items():  # each doubling lasts as long as all before it
+        usual = KNOWN.free + 10 + now / KNOWN.longest if name in (None, 0) and address in (None, 0) else 0
+        if name is None:
+            assert count <= ADDRESS.free + 10 + now / ADDRESS.longest + usual
+        elif address is None:
+            assert count <= NAME.free + 6 + now / NAME.longest + usual
+        else:
+            assert count <= usual or count <= PAIR.free + 10 + now / PAIR.longest
 
 
 @given(ATTEMPTS)

@@ -294,6 +294,38 @@ async def test_many_addresses_that_guess_lock_nobody_out_of_their_place(logins: 
     assert is_in(logins, await log_in(logins))
 
 
+@pytest.mark.parametrize("failures", [6, 60])
+async def test_others_at_the_same_address_lock_nobody_out(logins: Logins, failures: int) -> None:
+    assert is_in(logins, await log_in(logins))
+    for number in range(failures):
+        with pytest.raises((NotAuthenticated, TooManyRequests)):
+            await log_in(logins, f"name{number}", OTHER)
+        with pytest.raises(NotAuthenticated):
+            await log_in(logins, password=OTHER)
+    assert is_in(logins, await log_in(logins))
+
+
+async def test_in_a_known_browser_only_its_own_failures_count(logins: Logins) -> None:
+    await log_in(logins)
+    known = logins.guard.known_cookie("ada", None)
+    refused = []
+    for _ in range(110):
+        with pytest.raises((NotAuthenticated, TooManyRequests)) as error:
+            await logins.log_in("ada", OTHER, HOME)
+        refused.append(error.value.code)
+    assert refused == ["invalid_login"] * 101 + ["too_many_logins"] * 9
+    for made_up in (None, "a" * 22, f"{'a' * 22}.{'b' * 22}", logins.guard.known_cookie("root", None)):
+        with pytest.raises(TooManyRequests):
+            await logins.log_in("ada", PASSWORD, HOME, made_up)
+    assert is_in(logins, (await logins.log_in("ada", PASSWORD, HOME, known))[1])
+    assert is_in(logins, (await logins.log_in("ada", PASSWORD, "203.0.113.5", known))[1])
+    for _ in range(5):
+        with pytest.raises(NotAuthenticated):
+            await logins.log_in("ada", OTHER, HOME, known)
+    with pytest.raises(TooManyRequests):
+        await logins.log_in("ada", PASSWORD, HOME, known)
+
+
 async def test_an_outage_is_no_failed_login(site: Site, logins: Logins) -> None:
     known = await log_in(logins)
     site.go_away()
@@ -306,14 +338,14 @@ async def test_an_outage_is_no_failed_login(site: Site, logins: Logins) -> None:
     assert is_in(logins, await log_in(logins))
 
 
-async def test_wrong_tokens_are_delayed_like_wrong_passwords(logins: Logins) -> None:
+async def test_wrong_tokens_are_delayed_like_wrong_passwords_and_a_valid_one_is_not(logins: Logins) -> None:
     _, secret = await logins.create_token("cron", VIEWER)
     for _ in range(5):
         with pytest.raises(NotAuthenticated):
-            logins.identify_token("dgw_wrong", "198.51.100.1")
+            logins.identify_token("dgw_wrong", HOME)
     with pytest.raises(TooManyRequests):
-        logins.identify_token(secret, "198.51.100.1")
-    assert logins.identify_token(secret, HOME).name == "cron"
+        logins.identify_token("dgw_wrong", HOME)
+    assert logins.identify_token(secret, HOME).name == "cron"  # whoever has failed at the same address
     assert logins.identify(secret).name == "cron"  # requests with a token never wait
 
 

@@ -4,9 +4,9 @@ import pytest
 from fastapi import FastAPI
 from starlette.testclient import TestClient, WebSocketDenialResponse
 from starlette.websockets import WebSocket
-from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from dock_gateway.settings import Settings
+from dock_gateway.web.edge.forwarded import ForwardedHeaders
 from dock_gateway.web.origin import OriginGuard
 from dock_gateway.web.problems import install_problems
 
@@ -21,7 +21,8 @@ def status(method: str, headers: Headers, scheme: str = "http", **settings: str)
 
     app.add_middleware(OriginGuard, settings=Settings(**settings))  # type: ignore[arg-type]
     install_problems(app)
-    with TestClient(ProxyHeadersMiddleware(app, "*"), base_url=f"{scheme}://127.0.0.1:8000") as client:
+    trusting = ForwardedHeaders(app, ["192.0.2.1"])
+    with TestClient(trusting, base_url=f"{scheme}://127.0.0.1:8000", client=("192.0.2.1", 50000)) as client:
         return client.request(method, "/x", headers=headers).status_code
 
 

@@ -19,7 +19,7 @@ def edge_options(settings: Settings) -> dict[str, Any]:
     edge = Edge(settings, ConnectionLimits(settings))
     return {
         "http": partial(create_connection, edge),
-        "forwarded_allow_ips": list(settings.trusted_proxies),
+        "proxy_headers": False,  # `ForwardedHeaders` reads them
         "h11_max_incomplete_event_size": settings.max_header_bytes,
         "timeout_keep_alive": KEEP_ALIVE,
         "ws": partial(WebSocketProtocol, edge),

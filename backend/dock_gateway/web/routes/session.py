@@ -12,7 +12,16 @@ from dock_gateway.access.tickets import LIFETIME
 from dock_gateway.core.access import ANYBODY, Principal
 from dock_gateway.core.errors import FieldError, GatewayError, InvalidField
 from dock_gateway.gateway import Gateway
-from dock_gateway.web.access import address_of, forget_login, identify, keep_login, principal_of, secret_of
+from dock_gateway.web.access import (
+    address_of,
+    browser_of,
+    forget_login,
+    identify,
+    keep_browser,
+    keep_login,
+    principal_of,
+    secret_of,
+)
 from dock_gateway.web.audit import audited
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
@@ -89,10 +98,12 @@ async def log_in(request: Request, gateway: TheGateway) -> Response:
     if not gateway.settings.authentication:
         request.scope["principal"] = ANYBODY
         return _session(gateway, ANYBODY)
-    principal, secret = await gateway.logins.log_in(name, password, address_of(request))
+    browser = browser_of(request)
+    principal, secret = await gateway.logins.log_in(name, password, address_of(request), browser)
     request.scope["principal"] = principal
     response = _session(gateway, principal)
     keep_login(response, request, secret)
+    keep_browser(response, request, gateway.logins.guard.known_cookie(name, browser))
     return response
 
 

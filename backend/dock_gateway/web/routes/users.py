@@ -10,7 +10,7 @@ from dock_gateway.access.users import NAME
 from dock_gateway.core.access import Kind, Principal
 from dock_gateway.core.errors import Conflict, FieldError, InvalidField, NotFound
 from dock_gateway.core.grant import LIMITS, Grant
-from dock_gateway.web.access import address_of, forget_login, keep_login, principal_of
+from dock_gateway.web.access import address_of, browser_of, forget_login, keep_browser, keep_login, principal_of
 from dock_gateway.web.fields import GRANT_REQUEST, read_flag, read_grant
 from dock_gateway.web.openapi import body
 from dock_gateway.web.problems import problems
@@ -119,6 +119,7 @@ async def change_password(request: Request, gateway: TheGateway) -> Response:
     secret = await gateway.logins.change_password(name, old, new, address_of(request))
     response = Response(status_code=204)
     keep_login(response, request, secret)
+    keep_browser(response, request, gateway.logins.guard.known_cookie(name, browser_of(request)))
     return response
 
 

@@ -91,7 +91,7 @@ async def test_requests(authority: Authority, pair: Pair) -> None:
 
 
 async def test_no_hsts_without_tls() -> None:
-    async with serving(app) as edge, httpx2.AsyncClient(trust_env=False) as http:
+    async with serving(app, trusted_proxies="127.0.0.1") as edge, httpx2.AsyncClient(trust_env=False) as http:
         for scheme in ("http", "https"):  # from a proxy that speaks TLS, whose own matter it is
             answer = await http.get(edge.url, headers={"X-Forwarded-Proto": scheme})
             assert answer.text == scheme
@@ -276,7 +276,8 @@ async def test_the_certificate_of_new_connections(
         assert names == {"gateway", "renewed"}
 
 
-@pytest.mark.parametrize(("proxies", "scheme"), [("127.0.0.1", "https"), ("127.0.0.0/8", "https"), ("", "http")])
-async def test_only_trusted_proxies_say_what_the_scheme_is(proxies: str, scheme: str) -> None:
-    async with serving(app, trusted_proxies=proxies) as edge, httpx2.AsyncClient(trust_env=False) as http:
+@pytest.mark.parametrize(("proxies", "scheme"), [("127.0.0.1", "https"), ("127.0.0.0/8", "https"), (None, "http")])
+async def test_only_trusted_proxies_say_what_the_scheme_is(proxies: str | None, scheme: str) -> None:
+    settings = {} if proxies is None else {"trusted_proxies": proxies}
+    async with serving(app, **settings) as edge, httpx2.AsyncClient(trust_env=False) as http:
         assert (await http.get(edge.url, headers={"X-Forwarded-Proto": "https"})).text == scheme
