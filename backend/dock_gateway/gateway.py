@@ -101,6 +101,7 @@ class Gateway:
         """Ask the action server to cancel a goal of any action, regardless of its sender.
 
         Raises:
+            NotAuthenticated: The login of who cancels it has ended meanwhile (`invalid_token`).
             NotFound: There is no such goal, or its action has no server.
             Conflict: The goal has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
             Unavailable: The action server is gone.

@@ -55,7 +55,7 @@ class Logins:
         self.sso = sso
         self._passwords = Passwords()
         self.guard = LoginGuard(self._users.book.get)
-        self._streams: dict[Principal, set[Callable[[], None]]] = {}
+        self._streams: dict[Principal, set[Callable[[], object]]] = {}
         self._tasks = Tasks("watching logins")
 
     async def open(self) -> None:
@@ -142,7 +142,7 @@ class Logins:
             raise NotAuthenticated("the login has ended or was changed; connect again", code="invalid_token")
 
     @contextmanager
-    def watch(self, principal: Principal, end: Callable[[], None]) -> Iterator[None]:
+    def watch(self, principal: Principal, end: Callable[[], object]) -> Iterator[None]:
         """Call `end` as soon as it is known that `is_valid` is no longer true, while the block runs."""
         ends = self._streams.setdefault(principal, set())
         ends.add(end)

@@ -11,6 +11,7 @@ from dock_gateway.core.access import User
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.core.request import act
 from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.history import Beside
 
@@ -47,6 +48,7 @@ class Users:
             beside: Entries of another kind that are checked at the same moment.
 
         Raises:
+            NotAuthenticated: The login of who changes them has ended meanwhile (`invalid_token`).
             Conflict: There are too many (`too_many_users`), or others change the user all the time (`user_changed`).
             Unavailable: The history does not answer (`history_unavailable`); nothing has changed.
         """
@@ -54,6 +56,7 @@ class Users:
             for _ in range(TRIES):
                 old = (await self.book.read()).get(name)
                 new = change(old)
+                act()
                 try:
                     await self._store(name, old, new, check, beside)
                 except _OvertakenError:

@@ -13,6 +13,7 @@ from dock_gateway.actions.goal_machine import News
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
+from dock_gateway.core.request import act
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.settings import Settings
 
@@ -58,11 +59,13 @@ class Canceler:
         """Ask the server to cancel a goal. If the server cannot be reached, the goal stays unwanted.
 
         Raises:
+            NotAuthenticated: The login of who cancels it has ended meanwhile (`invalid_token`).
             Conflict: The goal has ended (`goal_terminal`), or the server refuses (`cancel_rejected`).
             Unavailable: There is no action server. If the goal is seen again, it is canceled.
             ServerTimeout: The server did not answer in time. The request is repeated.
         """
         require_unfinished(goal)
+        act()
         if goal.status in (GoalStatus.PENDING, GoalStatus.LOST):
             self.mark_unwanted(goal, CANCELED)
         if goal.status is GoalStatus.LOST:

@@ -13,6 +13,7 @@ from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, TooManyRequests, Unavailable
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus, Origin
+from dock_gateway.core.request import act
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import History
 from dock_gateway.latch.interlock import Interlock
@@ -101,6 +102,7 @@ class Delivery:
         Raises:
             Conflict: A stop is latched (`stop_latched`). The task raises it too, also if a stop was requested meanwhile
                 (`stopped`) or the server rejected the goal (`goal_rejected`, `dock_busy`).
+            NotAuthenticated: Raised by the task: the sender's login has ended meanwhile (`invalid_token`).
             Unavailable: There is no action server; raised by the task, too.
             ServerTimeout: Raised by the task: the server did not answer in time. If it accepts the goal later, the goal
                 is canceled at once.
@@ -121,6 +123,7 @@ class Delivery:
         """Store a goal, then send it: if this process dies, a running goal is still known to be ours."""
         port = self._tracker.port
         await self._watch.require()
+        self._act(origin)  # also right before it is sent; but then a goal that was refused is stored
         goal = again or self._tracker.new_goal(str(uuid.uuid4()), utc_now(), origin)
         if again is None:
             goal.goal = port.encode_goal(message)
@@ -130,12 +133,19 @@ class Delivery:
         self._tracker.add(goal)
         try:
             self.require_no_stop_since(stops, goal_id=goal.goal_id)
+            self._act(origin)
             call = port.send(goal.goal_id, message)
         except GatewayError as error:
             self._tracker.end(goal, GoalStatus.REJECTED, error=GoalError(error.code, error.detail))
             raise
         await self._take_answer(goal, call)
         return outcome(goal)
+
+    @staticmethod
+    def _act(origin: Origin) -> None:
+        """Check the login of who sends a goal; what the gateway does by itself needs none."""
+        if origin == "gateway":
+            act()
 
     # ------------------------------------------------------------------ the answer
 

@@ -85,7 +85,7 @@ NO_RESULT = "result_unavailable"
 UNCONFIRMED = "goal_unconfirmed"
 
 # Codes for which the gateway itself rejects a goal before it is sent.
-_UNSENT = frozenset({"action_server_unavailable", "ros_unavailable", "stopped"})
+_UNSENT = frozenset({"action_server_unavailable", "ros_unavailable", "stopped", "invalid_token"})
 
 
 @dataclass(slots=True, eq=False)

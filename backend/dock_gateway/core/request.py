@@ -1,8 +1,14 @@
-"""The request that is being handled: known to the log lines and traces of everything that runs for it."""
+"""The request that is being handled: known to everything that runs for it."""
 
-from collections.abc import Mapping
+import asyncio
+from collections.abc import Callable, Coroutine, Mapping
+from contextlib import AbstractContextManager
 from contextvars import ContextVar
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from datetime import datetime
+from typing import Any, NamedTuple
+
+from dock_gateway.core.event import utc_now
 
 
 class RequestContext(NamedTuple):
@@ -12,5 +18,57 @@ class RequestContext(NamedTuple):
     trace: Mapping[str, str]
 
 
-# A task that is started while a request is handled inherits it.
+Watch = Callable[[Callable[[], object]], AbstractContextManager[None]]
+
+
+@dataclass
+class Permit:
+    """What lets a request or a command act: its login was valid and sufficed when it was authorized.
+
+    Attributes:
+        require: Raises an error if that is no longer true.
+        watch: Calls a function as soon as it is no longer true, while a block runs.
+        acted_at: When the request acted last.
+    """
+
+    require: Callable[[], None]
+    watch: Watch
+    acted_at: datetime = field(default_factory=utc_now)
+
+
+# A task that is started while a request is handled inherits both.
 CURRENT: ContextVar[RequestContext | None] = ContextVar("request", default=None)
+PERMIT: ContextVar[Permit | None] = ContextVar("permit", default=None)
+
+
+def act() -> None:
+    """Check the login of the request again, at the moment at which it acts: what it waited for may have taken seconds.
+
+    Called right before a goal is sent, for example, with nothing awaited in between. A stop never asks.
+
+    Raises:
+        NotAuthenticated: The login has ended, or what it allows has changed (`invalid_token`).
+    """
+    permit = PERMIT.get()
+    if permit is not None:
+        permit.require()
+        permit.acted_at = utc_now()
+
+
+async def wait_while_permitted(waiting: Coroutine[Any, Any, None]) -> None:
+    """Wait for something that a request only watches, as long as its login lasts.
+
+    Raises:
+        NotAuthenticated: The login has ended, or what it allows has changed (`invalid_token`).
+    """
+    permit = PERMIT.get()
+    if permit is None:
+        await waiting
+        return
+    task = asyncio.create_task(waiting)
+    try:
+        with permit.watch(task.cancel):
+            await asyncio.wait({task})
+    finally:
+        task.cancel()
+    permit.require()

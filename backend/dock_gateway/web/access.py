@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from ipaddress import ip_address
 from typing import Annotated, Any
 
@@ -14,12 +15,15 @@ from dock_gateway.core.errors import NotAllowed
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.hub import Subscriber
+from dock_gateway.core.request import PERMIT, Permit
 from dock_gateway.gateway import Gateway
 from dock_gateway.web.limits import require_covered
 from dock_gateway.web.permissions import COMMAND_SCOPES, COMMANDS, PUBLIC, SCOPES, SENDING, Scope, role_for
-from dock_gateway.web.requests import get_gateway, read_json
+from dock_gateway.web.requests import get_gateway, read_body, read_json
 
 SCHEME = "bearer"
+# The route that reads its body itself.
+STOP = "stop"
 # The query parameter of a WebSocket that says who opens it.
 TICKET = "ticket"
 # Browsers accept a cookie of the first name only over TLS, from this very host.
@@ -34,26 +38,44 @@ BROWSER_REMEMBERED = 365 * 86_400
 async def authorize(connection: HTTPConnection) -> None:
     """Identify the user of a request, and refuse what the user's grant does not allow. A dependency of every route.
 
+    A body is read here, so that no route can act on one that was held back until the login had ended: a request is
+    authorized before it, as nobody reads the bodies of strangers, and again once it is there. A stop does not wait for
+    its body: it is authorized by its head alone.
+
     Raises:
         NotAuthenticated: The request needs a login, and has none that is valid.
         NotAllowed: Their role does not suffice (`role_required`), or it is about something beyond their limits
             (`not_covered`).
         TooManyRequests: They have sent too many goals in the last minute (`too_many_goals`).
+        MalformedRequest: The body is too large, too slow or cut off.
     """
+    PERMIT.set(None)  # the connection's earlier request may have left its own
     name = connection.scope["route"].name
     if name in PUBLIC:
         return
+    gateway = get_gateway(connection)
+    principal = await _admit(connection, name)
+    if name == STOP or not isinstance(connection, Request):
+        return
+    await read_body(connection)
+    if principal.credential is not None:
+        if not gateway.logins.is_valid(principal):  # it has ended, or there is another role or limit
+            principal = await _admit(connection, name)
+        _permit(gateway, principal)
+    if name in SENDING:
+        gateway.quotas.spend_goal(principal)
+
+
+async def _admit(connection: HTTPConnection, name: str) -> Principal:
+    """Return who makes a request, if they may make it now."""
     connection.scope["principal"] = principal = await identify(connection)
     role = role_for(name, [connection.scope.get("method", "")])
     if role is None:
         raise NotAllowed(f"no role may use {name}", code="role_required")
     require(principal, role, name)
     names = {**connection.query_params, **connection.path_params}
-    scope = SCOPES.get(name, Scope.EVERY)
-    gateway = get_gateway(connection)
-    await require_covered(gateway, principal.grant, scope, names, name)
-    if name in SENDING:
-        gateway.quotas.spend_goal(principal)
+    await require_covered(get_gateway(connection), principal.grant, SCOPES.get(name, Scope.EVERY), names, name)
+    return principal
 
 
 async def identify(connection: HTTPConnection) -> Principal:
@@ -87,8 +109,19 @@ async def authorize_command(gateway: Gateway, principal: Principal, op: str, fie
     gateway.logins.require_valid(principal)
     require(principal, COMMANDS[op], op)
     await require_covered(gateway, principal.grant, COMMAND_SCOPES[op], fields, op)
+    _permit(gateway, principal)
     if op in SENDING:
         gateway.quotas.spend_goal(principal)
+
+
+def _permit(gateway: Gateway, principal: Principal) -> None:
+    """Let a request or a command act for as long as its login lasts.
+
+    Raises:
+        NotAuthenticated: It has ended already: the history may have been asked what the request is about.
+    """
+    gateway.logins.require_valid(principal)
+    PERMIT.set(Permit(partial(gateway.logins.require_valid, principal), partial(gateway.logins.watch, principal)))
 
 
 def require(principal: Principal, role: Role, what: str) -> None:
@@ -185,9 +218,11 @@ def subscribed(gateway: Gateway, principal: Principal, event_filter: EventFilter
     """Subscribe a reader while the block runs. Its stream ends when the reader's login ends or is changed.
 
     Raises:
+        NotAuthenticated: That has happened already, since it was authorized (`invalid_token`).
         TooManyRequests: There are too many already, or too many of this user (`too_many_streams`).
         Unavailable: The gateway is shutting down.
     """
+    gateway.logins.require_valid(principal)
     subscriber = gateway.hub.subscribe(event_filter)
     try:
         with gateway.quotas.hold(principal, "streams"), gateway.logins.watch(principal, subscriber.expel):

@@ -15,6 +15,7 @@ from dock_gateway.core.audit import MAX_ROBOTS, AuditEntry
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.filters import parent_of
+from dock_gateway.core.request import PERMIT
 from dock_gateway.gateway import Gateway
 from dock_gateway.robots.registry import normalize_namespace
 from dock_gateway.web.access import address_of
@@ -39,6 +40,7 @@ class Trail:
         command: Its fields.
 
     Attributes:
+        at: When the request had arrived. The entry has that, or when the request acted, if it was authorized.
         fields: Of the entry: `robot`, `action_name`, `goal_id`, `subject`.
     """
 
@@ -47,7 +49,7 @@ class Trail:
         self._command = command
         self._scope: Final = scope
         self._what = what
-        self._at = utc_now()
+        self.at = utc_now()
         self._recorded = False
 
     async def record(self, status: int, code: str | None = None) -> None:
@@ -72,9 +74,10 @@ class Trail:
 
     def _entry(self, what: str, status: int, code: str | None, fields: dict[str, Any]) -> AuditEntry:
         principal: Principal | None = self._scope.get("principal")
+        permit = PERMIT.get()
         return AuditEntry(
             entry_id=new_id(),
-            at=self._at,
+            at=self.at if permit is None else permit.acted_at,
             principal=None if principal is None else principal.name,
             role=None if principal is None else principal.grant.role,
             token_id=None if principal is None else principal.credential,
@@ -100,13 +103,19 @@ class AuditTrail:
             return
         trail = scope["audit"] = Trail(scope)
 
+        async def timed_receive() -> Message:
+            message = await receive()
+            if message["type"] == "http.request" and not message.get("more_body"):
+                trail.at = utc_now()
+            return message
+
         async def recorded_send(message: Message) -> None:
             if message["type"] == "http.response.start":
                 await trail.record(message["status"], scope.get("problem"))
             await send(message)
 
         try:
-            await self._app(scope, receive, recorded_send)
+            await self._app(scope, timed_receive, recorded_send)
         except (Exception, asyncio.CancelledError) as error:
             await trail.record(*_failure(error))
             raise

@@ -24,6 +24,8 @@ JSON_TYPES = ("application/json", "application/x-www-form-urlencoded")
 MAX_WAIT = 300.0
 MAX_KEY = 200
 MAX_TAG, MAX_GROUP = 30, 40  # characters
+# Where the scope has the body once it was read.
+BODY = "body"
 MAX_DIGITS = 18  # enough for every number in a header
 # A line of text: no control, bidirectional or invisible characters; not blank.
 _UNSEEN = r"\x00-\x1f\x7f-\x9f\xad\u200b-\u200f\u2028-\u202f\u205f-\u206f\ufeff\ufff9-\uffff"
@@ -74,7 +76,7 @@ async def read_json(request: Request, *, empty: Any = None, within: float | None
         InvalidField: There is no body, and `empty` is None.
         MalformedRequest: The body is not JSON, too large, too slow or cut off, or has another content type.
     """
-    raw = b"" if request.headers.get("content-length") == "0" else await _read_in_time(request, within)
+    raw = await read_body(request, within)
     if not raw:
         if empty is None:
             raise InvalidField([FieldError("", "an object, {} for the defaults", "got no body")])
@@ -90,6 +92,19 @@ async def read_json(request: Request, *, empty: Any = None, within: float | None
         return orjson.loads(raw)
     except orjson.JSONDecodeError as error:
         raise MalformedRequest(f"the body is not JSON: {error}") from None
+
+
+async def read_body(request: Request, within: float | None = None) -> bytes:
+    """Return the whole body. It is read once, and kept. `within` can shorten the timeout, in seconds.
+
+    Raises:
+        MalformedRequest: It is too large, too slow or cut off.
+    """
+    if BODY not in request.scope:
+        empty = request.headers.get("content-length") == "0"
+        request.scope[BODY] = b"" if empty else await _read_in_time(request, within)
+    body: bytes = request.scope[BODY]
+    return body
 
 
 async def _read_in_time(request: Request, within: float | None) -> bytes:

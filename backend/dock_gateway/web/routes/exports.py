@@ -75,13 +75,17 @@ async def export_goal(
 
 
 async def download(request: Request, chunks: AsyncGenerator[bytes], name: str, kind: Format) -> Response:
-    """Return a file as a stream. An error before the first piece becomes an error response."""
+    """Return a file as a stream, which ends with the login.
+
+    An error before the first piece becomes an error response.
+    """
     gateway, principal = get_gateway(request), principal_of(request)
 
     async def counted() -> AsyncGenerator[bytes]:
         async with aclosing(chunks):
             with gateway.quotas.hold(principal, "exports"):
                 async for chunk in chunks:
+                    gateway.logins.require_valid(principal)
                     yield chunk
 
     held = counted()

@@ -10,10 +10,11 @@ from fastapi import APIRouter, Depends, Query, Request
 from starlette.responses import Response
 
 from dock_gateway.actions.action import Action
-from dock_gateway.core.errors import NotFound, Unavailable
+from dock_gateway.core.errors import NotAuthenticated, NotFound, Unavailable
 from dock_gateway.core.event import KINDS, STORED_KINDS
 from dock_gateway.core.filters import parent_of
 from dock_gateway.core.goal import Goal, GoalStatus
+from dock_gateway.core.request import wait_while_permitted
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
 from dock_gateway.web.audit import audited
@@ -65,7 +66,10 @@ async def send_goal(
     trail = audited(request, goal_id=goal.goal_id)
     if wait:
         await trail.record(HTTPStatus.ACCEPTED)  # the gateway may be killed before the goal ends
-        await action.tracker.wait_terminal(goal, wait)
+        try:
+            await wait_while_permitted(action.tracker.wait_terminal(goal, wait))
+        except NotAuthenticated as ended:
+            raise NotAuthenticated(f"{ended.detail}; the goal goes on", code=ended.code, goal_id=goal.goal_id) from None
     return goal_response(goal, f"{base}/{goal.goal_id}", 200 if wait and goal.status.terminal else 202)
 
 
