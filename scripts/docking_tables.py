@@ -1,11 +1,12 @@
 """Writes the tables of parameters in docs/ anew, from the dataclasses that declare the parameters."""
 
-from collections.abc import Iterator
-from itertools import chain
+from collections.abc import Iterable, Iterator
+from itertools import chain, dropwhile
 from pathlib import Path
 
 from docking.core.parameter import NodeSettings, Parameter, named_parameters_of, parameters_of
 from docking.parameters import DockSettings, UndockSettings
+from docking.parameters.nav2_table import NAV2, Meaning, Nav2Parameter
 from docking.simulation.parameters import SimulatorSettings
 from docking.tutorial.fibonacci import FibonacciSettings
 
@@ -19,6 +20,8 @@ PAGES: dict[str, dict[str, type[NodeSettings]]] = {
     "simulator.md": {"dock_simulator": SimulatorSettings},
 }
 HEAD = "| parameter | type | unit | range | default | |\n|---|---|---|---|---|---|\n"
+NAV2_PAGE = "nav2.md"
+NAV2_HEAD = "| nav2's parameter | nav2's default | here |\n|---|---|---|\n"
 TYPES = {bool: "bool", int: "integer", float: "double"}
 
 
@@ -49,19 +52,42 @@ def rows(settings: type[NodeSettings]) -> Iterator[str]:
     yield from map(row, chain(parameters, named_parameters_of(settings, values)))
 
 
+def nav2_row(parameter: Nav2Parameter) -> str:
+    """The line about a parameter of nav2."""
+    default = parameter.default
+    shown = "" if default is None else f"`{str(default).lower() if isinstance(default, bool) else default}`"
+    accepted = " or ".join(f"`{str(one).lower() if isinstance(one, bool) else one}`" for one in parameter.accepted)
+    unless = f", unless it is {accepted.replace('``', 'empty')}" if accepted else ""
+    here = {
+        Meaning.SAME: "the same",
+        Meaning.MAPPED: f"sets `{parameter.ours}`",
+        Meaning.REFUSED: f"refused{unless}",
+        Meaning.IGNORED: f"ignored with a warning{unless}",
+    }[parameter.meaning]
+    parts = [here, parameter.text, parameter.differs and f"here the default is `{parameter.differs}`"]
+    told = parameter.meaning in {Meaning.REFUSED, Meaning.IGNORED}
+    text = (": " if told else "; ").join(part for part in parts if part)
+    return f"| `{parameter.name}` | {shown if default != '' else 'empty'} | {text} |\n".replace("|  |", "| |")
+
+
+def with_table(page: str, heading: str, head: str, lines: Iterable[str]) -> str:
+    """A page, with the table below a heading made anew."""
+    before, heading, after = page.partition(heading)
+    between, _, rest = after.partition(head)
+    after_table = list(dropwhile(lambda line: line.startswith("|"), rest.splitlines(keepends=True)))
+    return "".join([before, heading, between, head, *lines, *after_table])
+
+
 def written(name: str) -> str:
-    """A page, with the table below the heading of each of its nodes made anew."""
+    """A page, with its tables made anew."""
     page = (DOCS / name).read_text()
-    for node, settings in PAGES[name].items():
-        before, heading, after = page.partition(f"## {node}\n")
-        between, _, rest = after.partition(HEAD)
-        lines = rest.splitlines(keepends=True)
-        while lines and lines[0].startswith("|"):
-            del lines[0]
-        page = "".join([before, heading, between, HEAD, *rows(settings), *lines])
+    for node, settings in PAGES.get(name, {}).items():
+        page = with_table(page, f"## {node}\n", HEAD, rows(settings))
+    if name == NAV2_PAGE:
+        page = with_table(page, "## Its parameter files\n", NAV2_HEAD, map(nav2_row, NAV2))
     return page
 
 
 if __name__ == "__main__":
-    for name in PAGES:
+    for name in (*PAGES, NAV2_PAGE):
         (DOCS / name).write_text(written(name))

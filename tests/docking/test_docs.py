@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from scripts.docking_tables import DOCS, PAGES, written
+from scripts.docking_tables import DOCS, NAV2_PAGE, PAGES, written
 
 from docking.clients.session import ExitCode
 from docking.core.errors import ErrorCode, Stage
@@ -21,7 +21,7 @@ def rows(heading: str, page: str = PAGE) -> list[list[str]]:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", [*PAGES, NAV2_PAGE])
 def test_every_parameter_is_documented(name: str) -> None:
     assert written(name) == (DOCS / name).read_text(), "write the tables anew: make format"
 

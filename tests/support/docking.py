@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import takewhile
+from pathlib import Path
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -85,15 +86,19 @@ def docking_servers(
     domain: int,
     *parameters: str,
     make_plan: Callable[[DockSettings], Plan] = make_plan,
+    file: Path | None = None,
 ) -> Iterator[tuple[ActionNode[Any], ActionNode[Any]]]:
     """The docking and the undocking server in the test process, with the battery subscriber.
 
     Args:
         domain: The ROS domain.
         parameters: As on the command line: `name:=value`.
+        file: More parameters, which count less.
         make_plan: In place of what the parameters ask for.
     """
     arguments = [text for parameter in (PATIENT, *parameters) for text in ("-p", parameter)]
+    if file is not None:
+        arguments = ["--params-file", str(file), *arguments]
     with ros_nodes(domain, *arguments) as context:
         battery, active_goal = Battery(), ActiveGoal()
         dock = ActionNode(_with_plan(make_plan), battery, active_goal=active_goal, context=context)

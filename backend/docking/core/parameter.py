@@ -21,6 +21,11 @@ PARAMETER, GROUP, PREFIX, NAMES, INHERITED = "parameter", "group", "prefix", "na
 Value = bool | int | float | str | tuple[str, ...] | tuple[float, ...]
 
 
+def shown(value: object) -> str:
+    """A value as YAML has it."""
+    return str(value).lower() if isinstance(value, bool) else repr(value)
+
+
 def _accept(_value: object) -> None:
     """Find nothing wrong."""
 
@@ -40,7 +45,7 @@ class Parameter:
         read: Reads a string or an array; raises ValueError with a sentence's second half.
         elements: The type of an array's elements; None where it is not an array.
         read_only: Whether it cannot be changed while the node runs.
-        opens: Reads the file that a string names: the defaults of parameters that come later, by their names.
+        opens: Reads the file that a string names.
     """
 
     name: str
@@ -53,12 +58,29 @@ class Parameter:
     read: Callable[[Any], object] = _accept
     elements: type[str] | type[float] | None = None
     read_only: bool = False
-    opens: Callable[[str], Mapping[str, Value]] | None = None
+    opens: "Callable[[str], Contents] | None" = None
 
     @property
     def choices(self) -> tuple[str, ...]:
         """The allowed strings; empty where it is not a choice."""
         return tuple(type(self.default)) if isinstance(self.default, StrEnum) else ()
+
+    def find_misfit(self, value: object) -> str | None:
+        """What is wrong with the type or the range of a value, as a sentence's second half; None if nothing is."""
+        if self.elements is not None:
+            if isinstance(value, tuple) and all(type(one) is self.elements for one in value):
+                return None
+            return f"must be an array of {ELEMENT_NAMES[self.elements]}"
+        if self.choices:
+            return None if isinstance(value, str) else f"must be one of: {', '.join(self.choices)}"
+        kind = type(self.default)
+        if type(value) is not kind:
+            return f"must be {TYPE_NAMES[kind]}"
+        if self.minimum is not None and self.maximum is not None and isinstance(value, (int, float)):
+            unit = f" {self.unit}" if self.unit else ""
+            if not self.minimum <= value <= self.maximum:  # NaN is not
+                return f"must be from {self.minimum:.10g} to {self.maximum:.10g}{unit}"
+        return None
 
     def find_fault(self, value: object) -> str | None:
         """What is wrong with a value of the right type and in range; None where nothing is."""
@@ -71,8 +93,60 @@ class Parameter:
         return None
 
 
+TYPE_NAMES = {
+    bool: "true or false",
+    int: "an integer",
+    float: "a double, with a decimal point",
+    str: "a string, in quotes",
+}
+ELEMENT_NAMES = {str: "strings", float: "doubles, with decimal points"}
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a file says of parameters.
+
+    Attributes:
+        values: Defaults of parameters that come later, by their names.
+        unknown: The names of what else it has.
+        known: Names that are similar, perhaps.
+    """
+
+    values: Mapping[str, Value]
+    unknown: tuple[str, ...] = ()
+    known: tuple[str, ...] = ()
+
+
+@dataclass
+class Meanings:
+    """What parameters mean that have names of another program.
+
+    Attributes:
+        values: By the name here: the value, and the name as it is written.
+        notes: By the name as it is written: what its owner should know, as a sentence; empty if it is honored.
+        remarks: More sentences.
+    """
+
+    values: dict[str, tuple[Value, str]] = field(default_factory=dict)
+    notes: dict[str, str] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
+
+
 class NodeSettings:
     """The base class of all parameters of a node, which is a frozen dataclass of parameters and groups of them."""
+
+    @classmethod
+    def read_given(cls, given: Mapping[str, Value], resolve: Callable[[str], str]) -> Meanings:
+        """What given parameters mean that have names of another program.
+
+        Args:
+            given: The values of all parameters that are given to the node, by their names.
+            resolve: The full name of a topic.
+
+        Raises:
+            ValueError: One of them cannot be honored, and must not be ignored.
+        """
+        return Meanings()
 
     def find_conflict(self) -> str | None:
         """Why these values, each of them in range, cannot work together, with the arithmetic; None where they can."""
@@ -101,7 +175,7 @@ def string(
     return _parameter(default, Parameter("", default, text, form=form, read=read, read_only=read_only))
 
 
-def file(form: str, text: str, opens: Callable[[str], Mapping[str, Value]]) -> str:
+def file(form: str, text: str, opens: Callable[[str], Contents]) -> str:
     """A field that is a parameter: the path of a file which has defaults of later parameters; empty for none."""
     return _parameter("", Parameter("", "", text, form=form, read_only=True, opens=opens))
 

@@ -4,7 +4,7 @@ from docking.parameters.approach import ApproachSettings, Gains
 from docking.parameters.charging import ChargingSettings, ChargingSource
 from docking.parameters.collision import CollisionSettings, Outline
 from docking.parameters.controller import ControllerName
-from docking.parameters.dock import Dock, DockDirection, Staging
+from docking.parameters.dock import Dock, DockDirection, DockType, Staging
 from docking.parameters.dock_database import DockDatabase, DockEntry
 from docking.parameters.dock_server import DockSettings
 from docking.parameters.limits import BACKWARDS, MotionLimits
@@ -27,6 +27,7 @@ __all__ = [
     "DockEntry",
     "DockSettings",
     "DockTimeouts",
+    "DockType",
     "Gains",
     "GoalPolicy",
     "MotionLimits",

@@ -29,6 +29,17 @@ class Gains:
     lambda_: float = number(2.0, 0.1, 10.0, "", "How sharply it slows down in curves, see beta.")
 
 
+def threshold_field() -> float:
+    """The field for how far from the docked pose a docked robot may stand."""
+    return number(
+        0.05,
+        0.005,
+        0.5,
+        "m",
+        "Distance from the docked pose within which a robot whose wheels have stopped is taken to be docked.",
+    )
+
+
 @dataclass(frozen=True, slots=True)
 class ApproachSettings:
     """How the robot drives from the staging pose onto the dock."""
@@ -37,13 +48,7 @@ class ApproachSettings:
     slowdown_radius: float = number(
         0.06, 0.0, 1.0, "m", "The last part of the approach, which is driven at v_linear_min."
     )
-    docking_threshold: float = number(
-        0.05,
-        0.005,
-        0.5,
-        "m",
-        "Distance from the docked pose within which a robot whose wheels have stopped is taken to be docked.",
-    )
+    docking_threshold: float = threshold_field()
     docking_overshoot: float = number(
         0.015,
         0.0,

@@ -5,8 +5,10 @@ import math
 from dataclasses import dataclass
 
 from docking.core.geometry import Pose
-from docking.core.parameter import choice, number, switch
+from docking.core.parameter import choice, group, number, switch
 from docking.core.transform import Transform, tilt
+from docking.parameters.approach import threshold_field
+from docking.parameters.charging import ChargingSettings
 
 
 class DockDirection(enum.StrEnum):
@@ -62,10 +64,10 @@ class Dock(Staging):
         -2.0,
         0.0,
         "m",
-        "Position of the docked robot relative to the marker or the beacon, along the marker's x axis, "
-        "which points into the dock.",
+        "Position of the docked robot relative to the marker or the beacon, along the axis of the dock, which points "
+        "into it: the marker's x axis, turned by external_detection_rotation_yaw.",
     )
-    external_detection_translation_y: float = number(0.0, -1.0, 1.0, "m", "The same, along the marker's y axis.")
+    external_detection_translation_y: float = number(0.0, -1.0, 1.0, "m", "The same, to the left of that axis.")
     external_detection_rotation_roll: float = number(
         0.0,
         -3.1416,
@@ -78,7 +80,11 @@ class Dock(Staging):
         0.0, -3.1416, 3.1416, "rad", "The same about its y axis, before the roll: 1.57 for these AprilTags."
     )
     external_detection_rotation_yaw: float = number(
-        0.0, -3.1416, 3.1416, "rad", "Heading of the docked robot relative to the marker's x axis."
+        0.0,
+        -3.1416,
+        3.1416,
+        "rad",
+        "Heading of the docked robot, as it looks into the dock, relative to the marker's x axis.",
     )
 
     rotate_to_dock: bool = switch(
@@ -87,10 +93,25 @@ class Dock(Staging):
         "odometry alone. Only if dock_direction is `backward`.",
     )
 
+    staging_yaw_offset: float = number(
+        0.0,
+        -3.1416,
+        3.1416,
+        "rad",
+        "Heading with which navigate_to_pose brings the robot to the staging pose, relative to the dock's axis; 0: as "
+        "dock_direction and rotate_to_dock ask for. Only with navigate_to_staging_pose.",
+    )
+
     def base_link_at_staging(self, docked: Pose) -> Pose:
         """base_link at the staging pose: a robot that turns round there comes looking into the dock."""
         staging = self.staging(docked)
         return staging if self.rotate_to_dock else self.base_link(staging)
+
+    def brought_to(self, docked: Pose) -> Pose:
+        """base_link where navigate_to_pose brings the robot."""
+        if self.staging_yaw_offset:
+            return self.staging(docked).compose(Pose(theta=self.staging_yaw_offset))
+        return self.base_link_at_staging(docked)
 
     @property
     def tilt(self) -> Transform:
@@ -102,10 +123,31 @@ class Dock(Staging):
 
         A robot that docks backwards looks the other way: see base_link.
         """
-        return marker.compose(
-            Pose(
-                self.external_detection_translation_x,
-                self.external_detection_translation_y,
-                self.external_detection_rotation_yaw,
-            )
-        )
+        position = Pose(self.external_detection_translation_x, self.external_detection_translation_y)
+        return marker.compose(Pose(theta=self.external_detection_rotation_yaw)).compose(position)
+
+    @staticmethod
+    def offset(docked: Pose) -> Pose:
+        """The translation and the yaw that `docked` gets the pose of a docked robot with, in the marker's frame."""
+        position = Pose(theta=-docked.theta).compose(Pose(docked.x, docked.y))
+        return Pose(position.x, position.y, docked.theta)
+
+
+def detection_timeout_field() -> float:
+    """The field for the time without a detection after which the dock is lost."""
+    return number(
+        2.0,
+        0.1,
+        60.0,
+        "s",
+        "Time without a detection of the marker or the beacon, during the approach, after which the dock is lost.",
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class DockType(Dock):
+    """All that can be set for a type of docks."""
+
+    charging: ChargingSettings = group(ChargingSettings)
+    external_detection_timeout: float = detection_timeout_field()
+    docking_threshold: float = threshold_field()

@@ -4,20 +4,32 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import yaml
 
 from docking.core.errors import DockNotInDb
-from docking.core.parameter import NAME, Value, file, named_groups, names, numbers, string
-from docking.parameters.dock import Dock
+from docking.core.parameter import NAME, Contents, Value, file, named_groups, names, numbers, string
+from docking.core.ros_yaml import entries, read_nodes, read_number, read_text
+from docking.parameters.dock import DockType
 
-KEYS = ("type", "frame", "pose", "id")
+KEYS = frozenset({"type", "frame", "pose", "id"})
+
+
+MOST = 1000
+"""Docks in a file."""
+FARTHEST = 1e7
+"""In m: no map is larger."""
 
 
 def _check_pose(pose: Sequence[float]) -> None:
-    if pose and not (len(pose) == len(("x", "y", "theta")) and all(map(math.isfinite, pose))):
+    if not pose:
+        return
+    if len(pose) != len(("x", "y", "theta")) or not all(map(math.isfinite, pose)):
         raise ValueError(f"is {list(pose)}, but must be [x, y, theta] in m and rad")
+    if max(abs(pose[0]), abs(pose[1])) > FARTHEST:
+        raise ValueError(f"is {list(pose)}, but x and y must be in m, from {-FARTHEST:g} to {FARTHEST:g}")
+    if abs(pose[2]) > math.tau + 0.01:
+        raise ValueError(f"is {list(pose)}, but theta must be in rad, from -2π to 2π: {pose[2]:g} looks like degrees")
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +51,8 @@ class DockEntry:
     )
 
 
-def read_file(path: str) -> Mapping[str, Value]:
-    """The parameters in a file of docks, by their names.
+def read_file(path: str) -> Contents:
+    """The parameters in a file of docks.
 
     Args:
         path: Of a YAML file with `docks: {home: {type: …, frame: …, pose: [x, y, theta], id: …}}`.
@@ -49,35 +61,51 @@ def read_file(path: str) -> Mapping[str, Value]:
         ValueError: There is no such file, or it has something else.
     """
     try:
-        content = yaml.safe_load(Path(path).expanduser().read_text())
-        return _parameters(content)
-    except (OSError, UnicodeDecodeError) as error:
+        return _read(read_nodes(Path(path).expanduser()))
+    except OSError as error:
         raise ValueError(f"dock_database: {error}") from None
-    except yaml.YAMLError as error:
-        raise ValueError(f"dock_database: {path} is not YAML: {' '.join(str(error).split())}") from None
-    except ValueError as error:
+    except (ValueError, RuntimeError) as error:  # the latter for a home that is not known
         raise ValueError(f"dock_database: {path} {error}") from None
 
 
-def _parameters(content: Any) -> dict[str, Value]:
-    docks = content.get("docks") if isinstance(content, dict) else None
-    if not isinstance(docks, dict) or not docks:
+def _read(content: yaml.Node | None) -> Contents:
+    file = {} if content is None else entries(content)
+    docks = file.pop("docks", None)
+    if not isinstance(docks, yaml.MappingNode) or not docks.value:
         raise ValueError("must have docks by name: `docks: {home: {type: …, pose: [x, y, theta]}}`")
-    parameters: dict[str, Value] = {"docks": tuple(map(str, docks))}
-    for name, dock in docks.items():
-        if not NAME.fullmatch(str(name)):
-            raise ValueError(f"has the dock {name!r}, but a name consists of letters, digits, - and _")
-        if not isinstance(dock, dict) or not set(dock) <= set(KEYS):
-            raise ValueError(f"has the dock {name!r}, which must have no other keys than {', '.join(KEYS)}")
-        for key, value in dock.items():
-            parameters[f"{name}.{key}"] = _pose(name, value) if key == "pose" else str(value)
-    return parameters
+    named = entries(docks)
+    if len(named) > MOST:
+        raise ValueError(f"has {len(named)} docks, but at most {MOST} are possible")
+    values: dict[str, Value] = {"docks": tuple(named)}
+    unknown = list(file)
+    for name, dock in named.items():
+        if not NAME.fullmatch(name):
+            raise ValueError(f"has the dock {name!r:.80}, but a name consists of letters, digits, - and _")
+        if not isinstance(dock, yaml.MappingNode):
+            raise ValueError(f"has the dock {name!r}, which must have keys such as type, frame, pose and id")
+        try:
+            keys = entries(dock)
+        except ValueError as error:
+            raise ValueError(f"has the dock {name!r}, which {error}") from None
+        unknown += [f"{name}.{key}" for key in keys if key not in KEYS]
+        for key in sorted(KEYS & keys.keys()):
+            try:
+                values[f"{name}.{key}"] = _read_pose(keys[key]) if key == "pose" else read_text(keys[key])
+            except ValueError as error:
+                raise ValueError(f"has the dock {name!r}, whose {key} {error}") from None
+    return Contents(values, tuple(unknown), ("docks", *(f"{name}.{key}" for name in named for key in sorted(KEYS))))
 
 
-def _pose(name: str, value: Any) -> tuple[float, ...]:
-    if not isinstance(value, list) or not all(type(number) in (int, float) for number in value):
-        raise ValueError(f"has the dock {name!r}, whose pose must be [x, y, theta] in m and rad")
-    return tuple(map(float, value))
+def _read_pose(value: yaml.Node) -> tuple[float, ...]:
+    if isinstance(value, yaml.ScalarNode) and not read_text(value):
+        return ()
+    parts = value.value if isinstance(value, yaml.SequenceNode) else [None]
+    pose = [read_number(part.value) if isinstance(part, yaml.ScalarNode) else None for part in parts]
+    numbers = tuple(number for number in pose if number is not None)
+    if len(numbers) < len(pose) or not numbers:
+        raise ValueError("must be [x, y, theta] in m and rad")
+    _check_pose(numbers)
+    return numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +128,7 @@ class DockDatabase:
         "the type before it: `wall_dock.staging_x_offset`.",
     )
     entries: Mapping[str, DockEntry] = named_groups(DockEntry, "docks")
-    types: Mapping[str, Dock] = named_groups(Dock, "dock_plugins", inherited=True)
+    types: Mapping[str, DockType] = named_groups(DockType, "dock_plugins", inherited=True)
 
     def type_of(self, name: str) -> str:
         """The type of the dock that a goal names; empty where there are no types.

@@ -7,7 +7,7 @@ from docking.core.parameter import group, number, string
 from docking.parameters.approach import ApproachSettings
 from docking.parameters.charging import ChargingSource
 from docking.parameters.controller import ControllerName, check_controller
-from docking.parameters.dock import Dock
+from docking.parameters.dock import Dock, DockType, detection_timeout_field
 from docking.parameters.dock_database import DockDatabase
 from docking.parameters.limits import BACKWARDS
 from docking.parameters.navigation import NavigationSettings, StagingGoal
@@ -39,13 +39,7 @@ class DockSettings(ServerSettings):
     search_speed: float = number(
         0.6, 0.05, 4.0, "rad/s", "Angular velocity while the robot searches for the dock. Not below v_angular_min."
     )
-    external_detection_timeout: float = number(
-        2.0,
-        0.1,
-        60.0,
-        "s",
-        "Time without a detection of the marker or the beacon, during the approach, after which the dock is lost.",
-    )
+    external_detection_timeout: float = detection_timeout_field()
     dock: Dock = group(Dock)
     database: DockDatabase = group(DockDatabase)
     navigation: NavigationSettings = group(NavigationSettings)
@@ -73,8 +67,19 @@ class DockSettings(ServerSettings):
             DockNotInDb: There is no such dock.
         """
         kind = self.database.type_of(name)
-        dock = self.database.types.get(kind, self.dock)
-        return replace(self, dock=dock, dock_type=kind, staging_goal=self._find_staging(dock, name))
+        dock = self.database.types.get(kind)
+        staging = self._find_staging(dock or self.dock, name)
+        return replace(self if dock is None else self._of_type(dock), dock_type=kind, staging_goal=staging)
+
+    def _of_type(self, dock: DockType) -> "DockSettings":
+        """With what depends on the type of a dock."""
+        return replace(
+            self,
+            dock=dock,
+            charging=dock.charging,
+            external_detection_timeout=dock.external_detection_timeout,
+            approach=replace(self.approach, docking_threshold=dock.docking_threshold),
+        )
 
     @property
     def navigates(self) -> bool:
@@ -85,7 +90,7 @@ class DockSettings(ServerSettings):
         found = self.database.entry_of(name)
         if found is None or not self.navigates or not found[1].pose:
             return None
-        pose = dock.base_link_at_staging(Pose(*found[1].pose))
+        pose = dock.brought_to(Pose(*found[1].pose))
         return StagingGoal(found[0], found[1].frame, pose, self.navigation)
 
     def find_conflict(self) -> str | None:
@@ -102,8 +107,12 @@ class DockSettings(ServerSettings):
                 f"infrared_distance_max ({receivers.infrared_distance_max:g} m) must be at least 0.1 m above"
                 f" infrared_distance_min ({receivers.infrared_distance_min:g} m)"
             )
-        if self.controller == ControllerName.ROTATE and self.charging.charging_source is ChargingSource.POSE:
-            conflict = conflict or "charging_source is 'pose', but the controller rotate knows no docked pose"
+        sources = {"": self.charging, **{f"{name}.": dock.charging for name, dock in self.database.types.items()}}
+        for prefix, charging in sources.items() if self.controller == ControllerName.ROTATE else ():
+            if charging.charging_source is ChargingSource.POSE:
+                conflict = conflict or (
+                    f"{prefix}charging_source is 'pose', but the controller rotate knows no docked pose"
+                )
         conflict = conflict or self.database.find_fault()
         if conflict is not None or self.controller not in {ControllerName.DOCK_POSE, ControllerName.INFRARED}:
             return conflict

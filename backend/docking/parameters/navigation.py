@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from docking.core.geometry import Pose
-from docking.core.parameter import number, switch
+from docking.core.parameter import number, string, switch
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +24,9 @@ class NavigationSettings:
     )
     max_staging_time: float = number(
         1000.0, 1.0, 86400.0, "s", "Time limit for navigate_to_pose to drive the robot to the staging pose."
+    )
+    navigator_bt_xml: str = string(
+        "", "path", "Behavior tree that navigate_to_pose drives with; if it is empty, the one of nav2's configuration."
     )
 
 

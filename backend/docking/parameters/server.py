@@ -2,12 +2,14 @@
 
 import enum
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from docking.core.parameter import NodeSettings, choice, group, number, string, switch
+from docking.core.parameter import Meanings, NodeSettings, Value, choice, group, number, string, switch
 from docking.parameters.charging import ChargingSettings
 from docking.parameters.collision import CollisionSettings, Outline
 from docking.parameters.limits import BACKWARDS, MotionLimits
+from docking.parameters.nav2 import read_nav2
 from docking.parameters.timeouts import Timeouts
 
 TOPIC = re.compile(r"/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*")
@@ -81,6 +83,11 @@ class ServerSettings(NodeSettings):
     )
     outline: Outline = group(Outline)
     collision: CollisionSettings = group(CollisionSettings)
+
+    @classmethod
+    def read_given(cls, given: Mapping[str, Value], resolve: Callable[[str], str]) -> Meanings:
+        """What given parameters mean that are those of nav2's docking server."""
+        return read_nav2(given, resolve)
 
     @property
     def control_period(self) -> float:

@@ -1,9 +1,11 @@
 """The parameters of the undocking action server."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from docking.core.parameter import group, switch
+from docking.core.parameter import Meanings, Value, group, switch
 from docking.parameters.dock import Staging
+from docking.parameters.nav2 import read_nav2_for_undocking
 from docking.parameters.server import ServerSettings
 from docking.parameters.timeouts import UndockTimeouts
 
@@ -19,6 +21,11 @@ class UndockSettings(ServerSettings):
         "it charges. If it is false, the goal is aborted (DOCKED_UNKNOWN).",
     )
     staging: Staging = group(Staging)
+
+    @classmethod
+    def read_given(cls, given: Mapping[str, Value], resolve: Callable[[str], str]) -> Meanings:
+        """What given parameters mean that are those of nav2's docking server."""
+        return read_nav2_for_undocking(given, resolve)
 
     def find_conflict(self) -> str | None:
         """Why these values cannot work together."""

@@ -17,7 +17,7 @@ from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.core.transform import Transform, tilt
 from docking.estimation.calibration import Calibration, CalibrationError, DockCalibration
-from docking.parameters import DockDirection
+from docking.parameters import Dock, DockDirection
 from docking.ros.clock import control_time
 from docking.ros.sensors import Sensor, Sensors
 from docking.ros.transforms import Transforms
@@ -143,6 +143,7 @@ class DockCalibrator:
         docked, direction = result.docked, self._names[0].replace(PARAMETERS[0], "dock_direction")
         if self._node.get_parameter(direction).value == DockDirection.BACKWARD:
             docked = docked.compose(Pose(theta=math.pi))  # the parameters describe a robot that faces its dock
+        docked = Dock.offset(docked)
         before = Pose(*(self._node.get_parameter(name).value for name in self._names))
         values = [round(value, DIGITS) for value in (docked.x, docked.y, docked.theta)]
         answer = self._node.set_parameters_atomically(

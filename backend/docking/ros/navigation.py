@@ -112,7 +112,8 @@ class _Ride:
         self._client = client.client
         self._logger = client.node.get_logger()
         pose = stamped_pose(staging.pose, staging.frame, client.node.get_clock().now().to_msg())
-        sent = self._client.send_goal_async(NavigateToPose.Goal(pose=pose), feedback_callback=self._take_feedback)
+        goal = NavigateToPose.Goal(pose=pose, behavior_tree=staging.settings.navigator_bt_xml)
+        sent = self._client.send_goal_async(goal, feedback_callback=self._take_feedback)
         sent.add_done_callback(self._take_answer)
 
     @property

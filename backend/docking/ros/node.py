@@ -41,6 +41,8 @@ Event = TypeVar("Event", Command, Outcome)
 
 FEEDBACK_PERIOD = 0.1
 BASE = "base_link"
+NAV2_NODE = "docking_server"
+"""The name of nav2's node: parameters for it are for the nodes of both actions."""
 DIAGNOSTICS_PERIOD = 1.0
 SENSED = frozenset(
     {
@@ -101,7 +103,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._calibrator = DockCalibrator(
             self, battery, self._transforms, lambda: self._active_goal.running is not None, self._find_dock_type
         )
-        declare_parameters(self, spec.settings, self._take_over)
+        declare_parameters(self, spec.settings, self._take_over, alias=NAV2_NODE)
         self._drive = Drive(self)
         self._diagnostics = Diagnostics(self, spec.action_name)
         self._server = IdentifyingActionServer(

@@ -1,7 +1,7 @@
 """Declares the parameters of a node."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any, TypeVar
 
@@ -9,7 +9,18 @@ from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescri
 from rclpy.node import Node
 from rclpy.parameter import Parameter as RosParameter
 
-from docking.core.parameter import NodeSettings, Parameter, Value, from_values, named_parameters_of, parameters_of
+from docking.core.parameter import (
+    Contents,
+    Meanings,
+    NodeSettings,
+    Parameter,
+    Value,
+    from_values,
+    named_parameters_of,
+    parameters_of,
+    shown,
+)
+from docking.ros.given import given_to, suggest
 
 S = TypeVar("S", bound=NodeSettings)
 
@@ -65,22 +76,76 @@ def _value(value: Any, parameter: Parameter) -> object:
     return str(value).lower() if isinstance(value, bool) and parameter.choices else value
 
 
-def declare_parameters(node: Node, kind: type[S], on_change: Callable[[S], None]) -> None:
+def _given_to(node: Node, alias: str) -> tuple[frozenset[str], dict[str, Value]]:
+    """The names of what rclpy gives to a node, and all values; those for a node of another name count less."""
+    overrides = node._parameter_overrides  # noqa: SLF001 - rclpy tells them only of parameters that are declared
+    own = {name: _tuple(parameter.value) for name, parameter in overrides.items()}
+    if not alias:
+        return frozenset(own), own
+    given = given_to(node.context)
+    full = f"{node.get_namespace().rstrip('/')}/{alias}"
+    given.aliases[node.get_fully_qualified_name()] = full
+    return frozenset(own), given.of_alias(full) | own
+
+
+def _tuple(value: Any) -> Any:
+    return value if isinstance(value, (str, bool, int, float)) or value is None else tuple(value)
+
+
+@dataclass
+class _Defaults:
+    """Values that count where a parameter is not given under its name: those of files, and of other programs' names."""
+
+    values: dict[str, tuple[Value, str]] = field(default_factory=dict)
+
+    def read(self, path: str, contents: Contents) -> list[str]:
+        """Add what a file says; it counts least.
+
+        Returns:
+            What is ignored of it, as sentences.
+        """
+        self.values = {name: (value, f"{path}: {name}") for name, value in contents.values.items()} | self.values
+        return [f"{path}: {name} has no effect{suggest(name, contents.known)}" for name in contents.unknown]
+
+    def apply(self, parameter: Parameter) -> Parameter:
+        """The parameter with the default that is given.
+
+        Raises:
+            ValueError: That is of the wrong type, out of range or not allowed.
+        """
+        if parameter.name not in self.values:
+            return parameter
+        value, written = self.values[parameter.name]
+        if isinstance(value, bool) and set(parameter.choices) >= TRUTH:
+            value = str(value).lower()
+        fault = parameter.find_misfit(value) or parameter.find_fault(value)
+        if fault is not None:
+            raise ValueError(fault if fault.startswith(parameter.name) else f"{written} is {shown(value)}, but {fault}")
+        return replace(parameter, default=value)
+
+
+def _read_given(node: Node, kind: type[NodeSettings], alias: str) -> tuple[Meanings, _Defaults]:
+    own, given = _given_to(node, alias)
+    meanings = kind.read_given(given, node.resolve_topic_name)
+    return meanings, _Defaults({name: (given[name], name) for name in given.keys() - own} | meanings.values)
+
+
+def declare_parameters(node: Node, kind: type[S], on_change: Callable[[S], None], alias: str = "") -> None:
     """Declare all parameters of a dataclass and keep whoever uses them up to date.
 
     Args:
         node: The node they belong to.
         kind: The dataclass; see `core.parameter`.
         on_change: Called with all of them, now and after each change.
+        alias: Another name of the node: what is given to a node of that name in the same namespace is given to it.
 
     Raises:
         rclpy.exceptions.ParameterException: A value from the command line or a file is of the wrong type, out of range
             or not allowed.
-        ValueError: The values cannot work together.
+        ValueError: The values cannot work together, or one cannot be honored.
     """
     values: dict[str, object] = {}
     parameters: dict[str, Parameter] = {}
-    defaults: dict[str, Value] = {}  # from files
     declared = False
 
     def find_fault(changed: dict[str, object]) -> str | None:
@@ -98,14 +163,27 @@ def declare_parameters(node: Node, kind: type[S], on_change: Callable[[S], None]
         if declared:
             on_change(from_values(kind, values))
 
+    meanings, defaults = _read_given(node, kind, alias)
     node.add_on_set_parameters_callback(refuse_faults)
     node.add_post_set_parameters_callback(take_over)
     for parameter in chain(parameters_of(kind), named_parameters_of(kind, values)):
         parameters[parameter.name] = parameter
-        _declare(node, replace(parameter, default=defaults.get(parameter.name, parameter.default)))
+        _declare(node, defaults.apply(parameter))
         if parameter.opens is not None and (path := str(values[parameter.name])):
-            defaults |= parameter.opens(path)
+            meanings.remarks += defaults.read(path, parameter.opens(path))
     declared = True
     if fault := find_fault({}):
         raise ValueError(fault)
+    _keep_notes(node, meanings)
     on_change(from_values(kind, values))
+
+
+def _keep_notes(node: Node, meanings: Meanings) -> None:
+    """Say what is to be said, and keep which of the given parameters are honored, and why others are not."""
+    for remark in meanings.remarks:
+        node.get_logger().warning(remark)
+    notes = given_to(node.context).notes.setdefault(node.get_fully_qualified_name(), {})
+    for written, note in meanings.notes.items():
+        targets = [ours for ours, (_, name) in meanings.values.items() if name == written]
+        if note or not targets or any(node.has_parameter(ours) for ours in targets):
+            notes[written] = note

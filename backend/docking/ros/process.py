@@ -24,6 +24,8 @@ from rclpy.node import Node
 from rclpy.service import Service
 from rclpy.signals import SignalHandlerOptions
 
+from docking.ros.given import given_to, read_arguments
+
 T = TypeVar("T")
 
 JOIN_TIMEOUT = 0.5
@@ -88,6 +90,9 @@ def ros_context(args: Sequence[str] | None = None, *, domain_id: int | None = No
         )
     except (rclpy_implementation.UnknownROSArgsError, rclpy_implementation.RCLInvalidROSArgsError) as error:
         raise ValueError(f"wrong ROS arguments: {error}") from error
+    except rclpy_implementation.RCLError as error:  # such as a parameter file that cannot be read
+        raise ValueError(f"ROS does not start: {error}") from error
+    read_arguments(context, args)
     try:
         yield context
     finally:
@@ -119,6 +124,7 @@ class Spinner:
             for service in node.services:
                 _always_answer(service, node)
             self._executor.add_node(node)
+        given_to(context).warn(nodes)
         self._thread = threading.Thread(target=self._spin, name="ros", daemon=True)
 
     def _spin(self) -> None:

@@ -1,16 +1,20 @@
 import math
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from docking.core.errors import DockNotInDb
 from docking.core.geometry import Pose
 from docking.core.parameter import from_values, named_parameters_of, parameters_of
-from docking.parameters import ControllerName, Dock, DockDatabase, DockDirection, DockEntry, DockSettings
+from docking.parameters import ControllerName, DockDatabase, DockDirection, DockEntry, DockSettings, DockType
 from docking.parameters.dock_database import read_file
 
-NEAR, FAR = Dock(-0.5), Dock(-1.0)
+NEAR, FAR = DockType(-0.5), DockType(-1.0)
 SETTINGS = DockSettings(
     database=DockDatabase(
         docks=("home", "lab"),
@@ -134,6 +138,11 @@ def test_a_database_that_cannot_work_is_told(values: dict[str, Any], conflict: s
         ("docks", ("",), "docks has the name '', but a name consists of letters, digits, - and _"),
         ("home.pose", (1.0, 2.0), "home.pose is [1.0, 2.0], but must be [x, y, theta] in m and rad"),
         ("home.pose", (1.0, 2.0, float("nan")), "home.pose is [1.0, 2.0, nan], but must be [x, y, theta] in m and rad"),
+        (
+            "home.pose",
+            (1.0, 2.0, 90.0),
+            "home.pose is [1.0, 2.0, 90.0], but theta must be in rad, from -2π to 2π: 90 looks like degrees",
+        ),
         ("home.pose", (1.0, 2.0, 3.0), None),
     ],
 )
@@ -147,7 +156,7 @@ def test_a_value_that_is_no_name_or_pose_is_a_fault(name: str, value: Any, fault
 def test_a_file_gives_the_parameters_of_its_docks(tmp_path: Path) -> None:
     path = tmp_path / "docks.yaml"
     path.write_text("docks:\n  home: {type: near, frame: map, pose: [1, 2.5, 0], id: 7}\n  lab: {}\n")
-    assert read_file(str(path)) == {
+    assert read_file(str(path)).values == {
         "docks": ("home", "lab"),
         "home.type": "near",
         "home.frame": "map",
@@ -156,14 +165,129 @@ def test_a_file_gives_the_parameters_of_its_docks(tmp_path: Path) -> None:
     }
 
 
+NUMBERS = st.floats(-6.28, 6.28)
+WAYS = [repr, "{:.17e}".format, "{:+.17E}".format, "'{!r}'".format]
+
+
+@given(numbers=st.tuples(NUMBERS, NUMBERS, NUMBERS), way=st.sampled_from(WAYS))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_numbers_may_be_written_in_any_way(
+    tmp_path: Path, numbers: tuple[float, float, float], way: Callable[[float], str]
+) -> None:
+    assert pose_in(tmp_path, ", ".join(map(way, numbers))) == numbers
+
+
+@pytest.mark.parametrize(
+    ("pose", "numbers"),
+    [
+        ("2.5, 1e-05, 0.0", (2.5, 1e-05, 0.0)),
+        ("1e3, .5, -1E+0", (1000.0, 0.5, -1.0)),
+        ("1_000, 5., +0", (1000.0, 5.0, 0.0)),
+        ("010, -.5, 1.5e0", (10.0, -0.5, 1.5)),
+    ],
+)
+def test_numbers_that_yaml_takes_for_text_are_numbers(tmp_path: Path, pose: str, numbers: tuple[float, ...]) -> None:
+    assert pose_in(tmp_path, pose) == numbers
+
+
+def pose_in(folder: Path, numbers: str) -> object:
+    """The pose of a dock, from a file."""
+    path = folder / "docks.yaml"
+    path.write_text(f"docks: {{home: {{pose: [{numbers}]}}}}\n")
+    return read_file(str(path)).values["home.pose"]
+
+
+@given(text=st.text(alphabet=st.sampled_from("docks:{}[]&*<-?|>'\"\n\t #!~,ab1.")))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_text_is_read_or_refused(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "docks.yaml"
+    path.write_text(text)
+    with suppress(ValueError):
+        read_file(str(path))
+
+
+def test_names_and_texts_are_what_stands_there(tmp_path: Path) -> None:
+    path = tmp_path / "docks.yaml"
+    path.write_text("docks: {1: {id: 007, type: no}, on: {id: 1e-05, frame: ~}, null: {type: 'null', id: }}")
+    assert read_file(str(path)).values == {
+        "docks": ("1", "on", "null"),
+        "1.id": "007",
+        "1.type": "no",
+        "on.id": "1e-05",
+        "on.frame": "",
+        "null.type": "null",
+        "null.id": "",
+    }
+
+
+def test_further_keys_are_named_and_ignored(tmp_path: Path) -> None:
+    path = tmp_path / "docks.yaml"
+    path.write_text(
+        "version: 2\ndocks:\n  home: {type: near, apriltag_id: 7, dock_frame: {a: [1]}, approach_yaw: .nan}\n"
+        "  lab: &lab {typ: far}\n  attic: {<<: *lab, id: 1}\n"
+    )
+    contents = read_file(str(path))
+    assert contents.values == {"docks": ("home", "lab", "attic"), "home.type": "near", "attic.id": "1"}
+    assert contents.unknown == (
+        "version",
+        "home.apriltag_id",
+        "home.dock_frame",
+        "home.approach_yaw",
+        "lab.typ",
+        "attic.typ",
+    )
+    assert {"docks", "lab.type"} <= {*contents.known}
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"docks: {home: {id: \xff}}", "is not UTF-8"),
+        (b"docks: {home: {id: \x00}}", "is not YAML"),
+        (b"docks:\n\thome: {}", "is not YAML"),
+        (b"docks: {home: {}}\n---\ndocks: {lab: {}}", "is not YAML"),
+        (b"docks: " + b"[" * 5000, "nested too deeply"),
+        (b"#" * 1_000_001, "has more than 1000000 bytes"),
+        (b"docks: {" + b",".join(b"d%d: {}" % n for n in range(1001)) + b"}", "has 1001 docks, but at most 1000"),
+    ],
+)
+def test_a_file_that_is_no_text_or_too_large_is_refused(tmp_path: Path, content: bytes, message: str) -> None:
+    path = tmp_path / "docks.yaml"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=message):
+        read_file(str(path))
+
+
+@pytest.mark.parametrize("path", ["/tmp", "/dev/null", "~no-such-user/docks.yaml", "a\0b"])
+def test_what_is_no_file_is_refused(path: str) -> None:
+    with pytest.raises(ValueError, match=r"^dock_database: "):
+        read_file(path)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        ("docks: {home: {pose: [.inf, 0, 0]}}", r"whose pose is \[inf, 0.0, 0.0\], but must be \[x, y, theta\]"),
+        ("docks: {home: {pose: [0, .NaN, 0]}}", r"whose pose is \[0.0, nan, 0.0\], but must be"),
+        ("docks: {home: {pose: [1e400, 0, 0]}}", r"whose pose is \[inf, 0.0, 0.0\], but must be"),
+        ("docks: {home: {pose: [1e9, 0, 0]}}", "x and y must be in m"),
+        ("docks: {home: {pose: [0, 0, 90]}}", "90 looks like degrees"),
+        ("docks: {home: {pose: [0, 0, 0, 0, 0, 0, 1]}}", r"but must be \[x, y, theta\] in m and rad"),
+        ("docks: {home: {pose: {x: 1, y: 2, theta: 0}}}", r"whose pose must be \[x, y, theta\]"),
+        ("docks: {home: {pose: [[1], 2, 3]}}", r"whose pose must be \[x, y, theta\]"),
+        ("docks: {home: {pose: [1:30, 0, 0]}}", r"whose pose must be \[x, y, theta\]"),
+        ("docks: {home: {pose: []}}", r"whose pose must be \[x, y, theta\]"),
+        ("docks: {home: {id: [1, 2]}}", "has the dock 'home', whose id must be a text"),
+        ("docks: {home: {}, home: {}}", "has the key 'home' twice"),
+        ("docks: {home: {id: 1, id: 2}}", "has the dock 'home', which has the key 'id' twice"),
+        ("docks: {home: {}}\ndocks: {}", "has the key 'docks' twice"),
+        ("docks: {'': {}}", "has the dock '', but a name consists of"),
+        ("docks: {? [a] : {}}", "has a key that is no text"),
+        ("", "must have docks by name"),
         ("[", "is not YAML"),
         ("home: {}", "must have docks by name"),
         ("docks: []", "must have docks by name"),
-        ("docks: {home: }", "must have no other keys than type, frame, pose, id"),
-        ("docks: {home: {typ: near}}", "must have no other keys than type, frame, pose, id"),
+        ("docks: {home: }", "has the dock 'home', which must have keys such as type, frame, pose and id"),
         ("docks: {home.x: {}}", "has the dock 'home.x', but a name consists of"),
         ("docks: {home: {pose: here}}", r"whose pose must be \[x, y, theta\]"),
         ("docks: {home: {pose: [true, 1, 2]}}", r"whose pose must be \[x, y, theta\]"),
