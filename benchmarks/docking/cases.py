@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 from random import Random
 from typing import Any
 
-from docking.core.geometry import Pose
+from docking.core.geometry import Pose, normalize_angle
 from docking.parameters import ControllerName
+from docking.simulation.dock import DOCKED
 from docking.simulation.settings import Settings
 from docking.simulation.simulation import Simulation
 
@@ -15,7 +16,39 @@ DOCK_POSE, INFRARED = ControllerName.DOCK_POSE, ControllerName.INFRARED
 BOTH = (DOCK_POSE, INFRARED)
 
 Change = Callable[[Settings, Random], Settings]
-Disturbance = Callable[[Simulation, Random], None]
+Disturbance = Callable[[Simulation], None]
+
+
+def _leave_alone(_random: Random) -> Disturbance:
+    return lambda simulation: None
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """Where a robot may start.
+
+    Attributes:
+        nearest: From the marker, or the beacon, to base_link, in m.
+        farthest: The same.
+        off: How far off the dock's axis it may stand, both ways, in rad.
+        least_off: How far off it stands at least, in rad.
+        turned: How far off the direction to the dock it may look, both ways, in rad; None: as far as `off`.
+    """
+
+    nearest: float
+    farthest: float
+    off: float
+    least_off: float = 0.0
+    turned: float | None = None
+
+    def draw(self, random: Random) -> Pose:
+        """A start in world."""
+        distance, aside = random.uniform(self.nearest, self.farthest), random.uniform(-self.off, self.off)
+        while abs(aside) < self.least_off:
+            aside = random.uniform(-self.off, self.off)
+        x, y = -distance * math.cos(aside), distance * math.sin(aside)
+        turned = self.off if self.turned is None else self.turned
+        return Pose(x, y, normalize_angle(math.atan2(-y, -x) + random.uniform(-turned, turned)))
 
 
 @dataclass(frozen=True)
@@ -26,15 +59,17 @@ class Case:
         name: As in the table.
         controllers: Which it is measured with.
         change: Makes the settings of one trial.
-        disturb: What happens before each control step.
+        disturb: Makes what happens before each control step of one trial.
         jitter: How much longer or shorter a control period is at most, as a fraction of it.
+        region: Where the robot starts; None: in the usual region of the controller.
     """
 
     name: str
     controllers: tuple[ControllerName, ...]
     change: Change = lambda settings, random: settings
-    disturb: Disturbance = lambda simulation, random: None
+    disturb: Callable[[Random], Disturbance] = _leave_alone
     jitter: float = 0.0
+    region: Region | None = None
 
 
 def _set(part: str, **values: Any) -> Change:
@@ -84,10 +119,38 @@ def _turned(angle: float) -> Change:
     return change
 
 
-def _push(simulation: Simulation, random: Random) -> None:
+def _two_tags(settings: Settings, random: Random) -> Settings:
+    """A second tag is 0.5 to 1.5 m to the left or to the right of the dock's."""
+    return _set("marker", second_y=random.choice((1.0, -1.0)) * random.uniform(0.5, 1.5))(settings, random)
+
+
+def _push_often(random: Random) -> Disturbance:
     """About once in four seconds, someone pushes the robot."""
-    if random.random() < 0.0125:
-        simulation.push(Pose(random.uniform(-0.04, 0.04), random.uniform(-0.04, 0.04), random.uniform(-0.1, 0.1)))
+
+    def push(simulation: Simulation) -> None:
+        if random.random() < 0.0125:
+            simulation.push(Pose(random.uniform(-0.04, 0.04), random.uniform(-0.04, 0.04), random.uniform(-0.1, 0.1)))
+
+    return push
+
+
+def _push_once(random: Random) -> Disturbance:
+    """Someone pushes the robot 10 cm to one side when it is less than 20 cm from its dock, but not yet there."""
+    distance, way, pushed = random.uniform(0.03, 0.2), random.choice((0.1, -0.1)), False
+
+    def push(simulation: Simulation) -> None:
+        nonlocal pushed
+        if not pushed and simulation.robot.pose.distance_to(DOCKED) < distance:
+            pushed = True
+            simulation.push(Pose(0.0, way))
+
+    return push
+
+
+BEHIND = Region(0.6, 2.5, math.radians(180.0), math.radians(110.0))
+FAR = Region(4.3, 6.0, math.radians(60.0), turned=math.radians(180.0))
+OFF_AXIS = Region(0.6, 2.5, math.radians(105.0), math.radians(77.0), math.radians(180.0))
+NARROW = _set("marker", field_of_view=math.radians(50.0), range=1.2)
 
 
 CASES = (
@@ -148,9 +211,17 @@ CASES = (
         _set("odometry", repeat_every=3.0, repeat_for=0.5, twist=False),
     ),
     Case("control period jitters by 80 %", BOTH, jitter=0.8),
-    Case("pushed 4 cm, 6° every 4 s", (DOCK_POSE,), disturb=_push),
+    Case("pushed 4 cm, 6° every 4 s", (DOCK_POSE,), disturb=_push_often),
     Case("contacts bounce for 1 s", BOTH, _set("dock", bounce=1.0)),
     Case("charge flickers", BOTH, _set("dock", flickers=True)),
+    Case("camera turned by 4°", (DOCK_POSE,), _mounted(0.0, math.radians(4.0))),
+    Case("camera turned by 6°", (DOCK_POSE,), _mounted(0.0, math.radians(6.0))),
+    Case("pushed 10 cm aside in the last 20 cm", BOTH, disturb=_push_once),
+    Case("two tags on one topic", (DOCK_POSE,), _two_tags),
+    Case("starts behind the dock", BOTH, region=BEHIND),
+    Case("starts 4.3 to 6 m away", BOTH, region=FAR),
+    Case("starts 77° to 105° off the axis", BOTH, region=OFF_AXIS),
+    Case("camera sees 50° and 1.2 m", (DOCK_POSE,), NARROW),
     Case(
         "all at once, milder",
         (DOCK_POSE,),

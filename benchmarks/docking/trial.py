@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass, replace
 from random import Random
 
-from benchmarks.docking.cases import CASES, Case
-from docking.core.geometry import Pose, normalize_angle
+from benchmarks.docking.cases import CASES, Case, Region
+from docking.core.geometry import normalize_angle
 from docking.core.observation import STANDSTILL, Velocity
 from docking.goal.dock import Docking
 from docking.goal.engine import Command, End, Goal, Outcome
@@ -21,28 +21,6 @@ LONGEST = 600.0
 TRAIL_PERIOD = 0.2
 """Simulated seconds between two points of a trail."""
 ROUNDING = 1e-9
-
-
-@dataclass(frozen=True, slots=True)
-class Region:
-    """Where a robot may start.
-
-    Attributes:
-        nearest: From the marker, or the beacon, to base_link, in m.
-        farthest: The same.
-        off: How far off the dock's axis it may stand, and how far off the direction to the dock it may look, both ways,
-            in rad.
-    """
-
-    nearest: float
-    farthest: float
-    off: float
-
-    def draw(self, random: Random) -> Pose:
-        """A start in world."""
-        distance, aside = random.uniform(self.nearest, self.farthest), random.uniform(-self.off, self.off)
-        x, y = -distance * math.cos(aside), distance * math.sin(aside)
-        return Pose(x, y, normalize_angle(math.atan2(-y, -x) + random.uniform(-self.off, self.off)))
 
 
 REGIONS = {
@@ -98,7 +76,7 @@ def settings_of(controller: ControllerName) -> DockSettings:
 
 def simulation_of(controller: ControllerName, seed: int, case: Case = CASES[0]) -> Simulation:
     """A simulated robot at the start of a seed."""
-    start = REGIONS[controller].draw(Random(f"{seed} start"))
+    start = (case.region or REGIONS[controller]).draw(Random(f"{seed} start"))
     settings = Settings(start=start, marker=replace(MarkerSettings(), drop_outs=DROP_OUTS))
     return Simulation(case.change(settings, Random(f"{seed} case")), seed)
 
@@ -107,13 +85,14 @@ def run_trial(controller: ControllerName, seed: int, case: Case = CASES[0]) -> T
     """Dock once."""
     simulation, settings = simulation_of(controller, seed, case), settings_of(controller)
     random = Random(f"{seed} disturbances")
+    disturb = case.disturb(random)
     goal = Goal(make_plan(settings), Docking(settings.timeouts), simulation.time)
     speeds, period = _Speeds(), settings.control_period
     trail = [(simulation.robot.x, simulation.robot.y)]
     step: Command | Outcome = goal.step(simulation.observe())
     while isinstance(step, Command) and simulation.time < LONGEST:
         speeds.told(step.velocity, period)
-        case.disturb(simulation, random)
+        disturb(simulation)
         period = settings.control_period * (1.0 + random.uniform(-case.jitter, case.jitter))
         simulation.run(period, step.velocity)
         speeds.driven(simulation.robot.velocity)

@@ -15,7 +15,8 @@ def test_each_case_has_its_name_and_changes_something() -> None:
     assert len(set(names)) == len(names)
     for case in CASES[1:]:
         changed = case.change(Settings(), Random(1)) != Settings()
-        assert changed or case.jitter > 0.0 or case.disturb is not CASES[0].disturb, case.name
+        elsewhere = case.region is not None
+        assert changed or elsewhere or case.jitter > 0.0 or case.disturb is not CASES[0].disturb, case.name
 
 
 def test_a_case_is_the_same_again_for_a_seed() -> None:

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from docking.simulation.simulation import IN_THE_WAY
+from docking.simulation.faults import IN_THE_WAY
 from tests.support.docking import SUCCEEDED, docking_servers, send_dock_goal
 from tests.support.observer import Observer
 from tests.support.simulator import dock_simulator

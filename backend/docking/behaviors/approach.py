@@ -2,6 +2,7 @@
 
 import math
 
+from docking.behaviors.keep_in_sight import KeepInSight
 from docking.behaviors.moves import bounded, braked
 from docking.behaviors.smooth import steer
 from docking.core.errors import DockingError, FailedToControl
@@ -14,16 +15,16 @@ from docking.parameters import ApproachSettings, MotionLimits
 
 PROJECTION = 0.25
 """How far beyond the dock the way leads, in m, as with nav2: the law explodes where its target is."""
-UNSURE = 0.5
-"""How long the dock may be out of sight, in s, before the robot stands still, farther away than that."""
-MISSED = 2.5
-"""The same in usual periods between two detections, if that is longer."""
 SURE = 0.3
 """Standard deviations with which the docked pose is known well enough, as a part of the tolerances."""
 LOOK = 0.3
 """Where the robot stands still and looks until it is known so well, in m before the docked pose."""
 COMMITTED = 0.06
 """Where it is judged whether the robot comes straight enough, in m before the docked pose."""
+HOPELESS = 1.25
+"""How many times the tolerances the robot may be off there, as foreseen, before it gives this approach up."""
+STRIDE = 0.01
+"""Steps, in m, in which the rest of the way is foreseen."""
 STALLED = 0.5
 """How long the wheels must have stopped, in s."""
 
@@ -66,11 +67,8 @@ class Approach:
         self._aim = aim
         self._motion = motion
         self._settings = settings
-        self._lost = lost
-        self._lost_after = lost_after
         self._until = until
-        self._unseen = 0.0
-        self._seen_at = aim.seen_at
+        self._sight = KeepInSight(aim, motion, settings, lost, lost_after)
         self._stalled = 0.0
         self._looked = 0.0
         self._sure = False
@@ -84,18 +82,23 @@ class Approach:
         left = -off.x
         if left < self._until or self._touches(left, odometry, dt):
             return Done()
-        failure = self._fault(off, left, dt)
+        failure = self._sight.look(left, dt) or self._fault(off, left)
         if failure is not None:
             return Failed(failure)
-        if self._unseen > self._unsure and left > self._settings.blind_distance:
-            return STANDSTILL
-        if left < LOOK and not self._sure and not self._is_sure(dt):
-            return STANDSTILL
+        held = self._hold(left, dt)
+        if held is not None:
+            self._stalled = 0.0
+            return held
         return self._drive(odometry.pose, docked, left)
 
-    @property
-    def _unsure(self) -> float:
-        return max(UNSURE, MISSED * self._aim.period)
+    def _hold(self, left: float, dt: float) -> Velocity | None:
+        """What to do before the robot may drive on; None if it may."""
+        if self._aim.disputed:
+            self._sure = False
+        held = self._sight.hold(left)
+        if held is None and left < LOOK and not self._sure and not self._is_sure(dt):
+            return STANDSTILL
+        return held
 
     def _is_sure(self, dt: float) -> bool:
         """Whether the docked pose is known well enough, or will not be known better."""
@@ -108,21 +111,35 @@ class Approach:
         self._stalled = self._stalled + dt if stopped and left < self._settings.docking_threshold else 0.0
         return left < -self._settings.docking_overshoot or self._stalled > STALLED
 
-    def _fault(self, off: Pose, left: float, dt: float) -> DockingError | None:
-        self._unseen = self._unseen + dt if self._aim.seen_at == self._seen_at else 0.0
-        self._seen_at = self._aim.seen_at
-        lost_after = self._unsure + max(self._lost_after, MISSED * self._aim.period)
-        if self._unseen > lost_after and left > self._settings.blind_distance:
-            return self._lost(f"the dock was out of sight for {lost_after:.1f} s (external_detection_timeout)")
-        if left < COMMITTED and (
-            abs(off.y) > self._settings.docking_lateral_tolerance
-            or abs(off.theta) > self._settings.docking_heading_tolerance
-        ):
+    def _fault(self, off: Pose, left: float) -> DockingError | None:
+        if left < COMMITTED and not self._is_straight(off):
+            return FailedToControl(f"the robot is misaligned: {_describe(off)}")
+        ahead = self._foresee(off) if COMMITTED <= left < LOOK else Pose()
+        if not self._is_straight(ahead, HOPELESS):
             return FailedToControl(
-                f"the robot is misaligned: lateral error {1000 * off.y:.0f} mm,"
-                f" heading error {math.degrees(off.theta):.1f} degrees"
+                f"{left:.2f} m before the dock, the robot is too far off to get straight onto it:"
+                f" {_describe(off)}. It may have been pushed"
             )
         return None
+
+    def _is_straight(self, off: Pose, times: float = 1.0) -> bool:
+        """Whether a pose, as seen from the docked one, is within so many times the tolerances."""
+        settings = self._settings
+        return (
+            abs(off.y) <= times * settings.docking_lateral_tolerance
+            and abs(off.theta) <= times * settings.docking_heading_tolerance
+        )
+
+    def _foresee(self, off: Pose) -> Pose:
+        """Where the robot will be COMMITTED before the docked pose, both as seen from that, if it drives on."""
+        motion, target = self._motion, Pose(PROJECTION)
+        most = motion.v_angular_max / motion.v_linear_min
+        while off.x < -COMMITTED:
+            turn = bounded(steer(off, target, self._settings.gains).curvature, most) * STRIDE
+            if abs(off.theta + turn) > 0.5 * math.pi:
+                break
+            off = off.compose(Pose(STRIDE * math.cos(0.5 * turn), STRIDE * math.sin(0.5 * turn), turn))
+        return off
 
     def _drive(self, robot: Pose, docked: Pose, left: float) -> Velocity:
         motion = self._motion
@@ -133,3 +150,7 @@ class Approach:
         speed = max(slowest, speed)
         curvature = steering.curvature - self._aim.yaw_bias
         return Velocity(speed, bounded(curvature * speed, motion.v_angular_max))
+
+
+def _describe(off: Pose) -> str:
+    return f"lateral error {1000 * off.y:.0f} mm, heading error {math.degrees(off.theta):.1f} degrees"

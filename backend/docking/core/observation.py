@@ -104,6 +104,9 @@ class Observation:
         marker: The latest detection, however old.
         infrared: The latest reading.
         scan: The latest.
+        other_markers: Other detections with the same stamp as `marker`: two tags may be detected in one image.
+        expected_dock: Where base_link is expected to stand when docked at the goal's dock, in odom, by the pose of the
+            dock in the database; None where that is not known.
     """
 
     now: float
@@ -112,3 +115,5 @@ class Observation:
     marker: MarkerDetection | None = None
     infrared: InfraredReading | None = None
     scan: Scan | None = None
+    other_markers: tuple[MarkerDetection, ...] = ()
+    expected_dock: Pose | None = None

@@ -188,10 +188,15 @@ class BeaconFilter:
         view = self._view(self._state, self.heard_at)
         if not self._state.correct_axis(view, side, line_of_sight):
             # One of the two was no edge. This one has just been looked at more than once.
-            self._state.forget_axis()
-            self.edges.clear()
+            self.forget_axis()
             self._state.correct_axis(view, side, line_of_sight, gate=math.inf)
         self.edges.add(side)
+
+    def forget_axis(self) -> None:
+        """Know no edge of the light, and so not the dock's axis."""
+        assert self._state is not None
+        self._state.forget_axis()
+        self.edges.clear()
 
     # What the receivers see.
 

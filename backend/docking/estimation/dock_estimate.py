@@ -48,6 +48,8 @@ RECENT, AGREEING = 8, 6
 """If AGREEING of the last RECENT detections agree on another pose, the robot or the dock was moved."""
 FARTHEST = 30.0
 """In m; no marker is seen from farther away."""
+DISPUTING = 2
+"""Detections in a row that were left out and agree with each other: the robot or the dock may have been moved."""
 LONGEST_PERIOD = 3.0
 """In s; a longer pause between two detections is a gap, not the camera's period."""
 
@@ -107,6 +109,7 @@ class DockEstimate:
         self._errors: tuple[float, float] = (0.0, 0.0)  # YAW and SCALE, which outlast a new beginning
         self._beginning: deque[tuple[float, Pose]] = deque(maxlen=BEGINNING)
         self._recent: deque[Pose] = deque(maxlen=RECENT)  # how far from the estimate, turned into odom
+        self._left_out: deque[Pose] = deque(maxlen=DISPUTING)  # since the last detection that agreed, as `_recent`
         self._periods: deque[float] = deque(maxlen=7)
         self._position_noise: deque[float] = deque(maxlen=MEASURED)
         self._angle_noise: deque[float] = deque(maxlen=MEASURED)
@@ -125,6 +128,15 @@ class DockEstimate:
     def yaw_bias(self) -> float:
         """The curvature of the way, in rad/m, that odometry does not see."""
         return self._errors[0] if self._state is None else float(self._state[YAW])
+
+    @property
+    def disputed(self) -> bool:
+        """Whether the last detections were left out, but agree with each other."""
+        if len(self._left_out) < DISPUTING or self._state is None:
+            return False
+        position, angle = self._noise(math.hypot(*self._state[:2].tolist()))
+        first, *others = self._left_out
+        return all(_squared_distance(_difference(one, first), (2.0 * position, 2.0 * angle)) < GATE for one in others)
 
     def spread(self, docked: Pose) -> Spread:
         """How well the docked pose is known.
@@ -171,6 +183,7 @@ class DockEstimate:
         self._state = None
         self.count = 0
         self._beginning.clear()
+        self._left_out.clear()
 
     # The robot moves.
 
@@ -231,6 +244,7 @@ class DockEstimate:
         self._covariance = np.diag((position, position, angle, YAW_BIAS**2, TURN_SCALE**2))
         self._assumed = self._scales
         self._recent.clear()
+        self._left_out.clear()
         self.count = agreed
         self.seen_at = stamp
 
@@ -253,7 +267,9 @@ class DockEstimate:
             self._restart(moved, robot, AGREEING, stamp)
             return
         if float(innovation**2 @ (1.0 / spread)) > GATE:
+            self._left_out.append(self._recent[-1])
             return
+        self._left_out.clear()
         gain = np.linalg.solve(p[:3, :3] + np.diag(noise), p[:3]).T
         state += gain @ innovation
         self._covariance = p - gain @ p[:3]

@@ -35,6 +35,7 @@ class DockTarget(Protocol):
         period: Seconds between two detections, usually; 0 if that is not known.
         spread: How well the docked pose is known.
         yaw_bias: The curvature of the way, in rad/m, that odometry does not see.
+        disputed: Whether the last detections agree on another pose than what was known before.
     """
 
     @property
@@ -51,6 +52,9 @@ class DockTarget(Protocol):
 
     @property
     def yaw_bias(self) -> float: ...  # noqa: D102
+
+    @property
+    def disputed(self) -> bool: ...  # noqa: D102
 
 
 class Plan(Protocol):

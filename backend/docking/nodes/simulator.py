@@ -203,10 +203,11 @@ class DockSimulator(Node):  # type: ignore[misc] # rclpy has no types
             self._odometry.publish(self._odometry_message.fill(odometry.pose, odometry.velocity, reckoned))
             self._frames.publish(odometry.pose, reckoned)
         self._truth.publish(self._truth_message.fill(robot.pose, robot.velocity, stamp))
-        detection, ranges = simulation.detection, simulation.ranges
-        if detection is not None and detection[0] != self._marker_told:
-            self._marker_told, marker = detection
-            self._marker.publish(self._frames.detection(marker, self._stamp(self._marker_told)))
+        detections, ranges = simulation.detections, simulation.ranges
+        if detections and detections[0][0] != self._marker_told:
+            self._marker_told = detections[0][0]
+            for _, marker in detections:
+                self._marker.publish(self._frames.detection(marker, self._stamp(self._marker_told)))
         if ranges is not None and ranges.stamp > self._ranges_told:
             self._ranges_told = ranges.stamp
             distances = (ranges.left, ranges.center, ranges.right)

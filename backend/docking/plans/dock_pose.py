@@ -100,6 +100,11 @@ class DockPosePlan(SightedPlan):
         return -self.marker.yaw_bias if self.dock.backward else self.marker.yaw_bias
 
     @property
+    def disputed(self) -> bool:
+        """Whether the last detections agree on another place."""
+        return self.marker.disputed
+
+    @property
     def period(self) -> float:
         """Seconds between two detections, usually."""
         return self.marker.period

@@ -50,7 +50,7 @@ class InfraredPlan(SightedPlan):
         self._side = 1
         self._has_axis = False
         self._light: Pose | None = None  # in odom, where the robot has had a good look at the beacon
-        self._waiting = False
+        self._waiting = self._approaching = False
         self._needed = False  # whether the stage needs the receivers
         self._observed_at = self._listens_since = -math.inf
 
@@ -95,6 +95,9 @@ class InfraredPlan(SightedPlan):
 
     def controller(self, stage: Stage) -> Behavior:
         """A new one for a stage."""
+        if stage is Stage.RETRY and self._approaching and self.beacon.known:
+            self.beacon.forget_axis()  # the robot may have been pushed: it looks for the edges of the light again
+        self._approaching = stage is Stage.CONTROLLING
         self._waiting = stage is Stage.WAIT_FOR_CHARGE
         self._needed = stage in {Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING}
         if stage is Stage.INITIAL_PERCEPTION:

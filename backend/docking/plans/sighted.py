@@ -56,6 +56,11 @@ class SightedPlan:
         return 0.0
 
     @property
+    def disputed(self) -> bool:
+        """Whether the last detections agree on another pose of the dock: not, unless a plan knows better."""
+        return False
+
+    @property
     def staging(self) -> Pose | None:
         """Where base_link waits in front of the dock, in odom."""
         docked = self.docked

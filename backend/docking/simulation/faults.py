@@ -2,6 +2,24 @@
 
 import enum
 
+from docking.simulation.obstacle import Obstacle
+from docking.simulation.odometry import OdometrySettings
+
+LATE = 0.3
+"""How much later commands arrive with the fault `late_commands`, in s."""
+WORN = 0.1
+"""How much smaller the right wheel is with the fault `worn_wheel`, as a fraction of its radius."""
+WRONG = 1.0 / 3.0
+"""The part of the detections that are wrong with the fault `wrong_detections`."""
+GHOSTS = 0.1
+"""The part of the infrared distances that are anything with the fault `infrared_ghosts`."""
+AHEAD = 0.5
+"""How far the camera's clock is ahead with the fault `future_detections`, in s."""
+REPEATING = OdometrySettings(repeat_every=3.0, repeat_for=0.5)
+"""What odometry does with the fault `repeated_odometry`."""
+IN_THE_WAY = Obstacle(-0.55, 0.05, 0.08)
+"""What stands in front of the dock with the fault `obstacle`."""
+
 
 class Fault(enum.StrEnum):
     """Something that is broken for as long as it is switched on."""

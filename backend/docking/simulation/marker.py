@@ -62,6 +62,13 @@ class MarkerSettings:
         0.0, -1.57, 1.57, "rad", "How far each detection is turned to the left, as with a marker that is not flat."
     )
     mount_error: Pose = EXACT
+    second_y: float = number(
+        0.0,
+        -5.0,
+        5.0,
+        "m",
+        "Where a second marker is, to the left of the first, on the same topic; 0: there is none.",
+    )
     delay: float = number(0.0, 0.0, 2.0, "s", "Time from an image to the arrival of its detection.")
     honest_stamps: bool = switch(
         True, "Whether the stamp of a detection is the moment of the image; else it is that of its arrival."

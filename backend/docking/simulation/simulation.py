@@ -28,12 +28,12 @@ from docking.simulation.battery import BatteryMeasurement, BatteryPack
 from docking.simulation.collisions import Collisions, Touch
 from docking.simulation.delay import Delay
 from docking.simulation.dock import Dock
-from docking.simulation.faults import Fault
+from docking.simulation.faults import AHEAD, GHOSTS, IN_THE_WAY, LATE, REPEATING, WORN, WRONG, Fault
 from docking.simulation.infrared import InfraredReceivers
 from docking.simulation.laser import ANGLE_MIN, LaserScanner
 from docking.simulation.marker import MarkerCamera
 from docking.simulation.obstacle import Obstacle
-from docking.simulation.odometry import DriftingOdometry, OdometrySettings, Repeater
+from docking.simulation.odometry import DriftingOdometry, Repeater
 from docking.simulation.readings import LaserScan, Ranges, Sighting
 from docking.simulation.robot import Robot
 from docking.simulation.settings import Settings
@@ -44,20 +44,6 @@ STEP = 0.02
 """The longest step, in s, that the model is meant for."""
 BATTERY_RATE = 10.0
 """Measurements of the battery a second."""
-LATE = 0.3
-"""How much later commands arrive with the fault `late_commands`, in s."""
-WORN = 0.1
-"""How much smaller the right wheel is with the fault `worn_wheel`, as a fraction of its radius."""
-WRONG = 1.0 / 3.0
-"""The part of the detections that are wrong with the fault `wrong_detections`."""
-GHOSTS = 0.1
-"""The part of the infrared distances that are anything with the fault `infrared_ghosts`."""
-AHEAD = 0.5
-"""How far the camera's clock is ahead with the fault `future_detections`, in s."""
-REPEATING = OdometrySettings(repeat_every=3.0, repeat_for=0.5)
-"""What odometry does with the fault `repeated_odometry`."""
-IN_THE_WAY = Obstacle(-0.55, 0.05, 0.08)
-"""What stands in front of the dock with the fault `obstacle`."""
 
 
 class Simulation:
@@ -73,8 +59,8 @@ class Simulation:
         halted: Whether the robot must not move, whatever it is told.
         track: Odometry as it arrived, by its stamps.
         reading: The last odometry that arrived, after its stamp in simulated seconds.
-        detection: The last detection of the marker that arrived: its stamp, and the marker in base_link.
-        sighting: The last one that odometry has a pose for.
+        detections: The last of a marker that arrived: stamp, and marker in base_link; two if there is a second marker.
+        sightings: The last ones that odometry has a pose for.
         ranges: The last infrared measurement.
         scanning: Whether the laser scanner runs; it costs time.
         scan: The last one.
@@ -106,18 +92,19 @@ class Simulation:
         self.odometry = DriftingOdometry(settings.odometry, settings.robot.wheel_separation, self._random("odometry"))
         self.battery = BatteryPack(settings.battery, self._random("battery"))
         self._camera = MarkerCamera(settings.marker, self._random("marker"), self._random("outliers"))
+        self._second = MarkerCamera(settings.marker, self._random("second"), self._random("second outliers"))
         self._receivers = InfraredReceivers(settings.infrared, self._random("infrared"), self._random("ghosts"))
         self._scanner = LaserScanner(settings.laser, self._random("laser").getrandbits(32))
         self._picture_due = self._scan_due = self._ranges_due = self._measurement_due = 0.0
         self._collisions = Collisions(self.dock, self._random("bounce"))
         self._commands: Delay[Velocity] = Delay()
         self._readings: Delay[tuple[float, Odometry]] = Delay()
-        self._detections: Delay[tuple[float, Pose]] = Delay()
+        self._detections: Delay[tuple[float, list[Pose]]] = Delay()
         self.track = Track()
         self.reading: tuple[float, Odometry] | None = None
         self._repeater = Repeater()
-        self.detection: tuple[float, Pose] | None = None
-        self.sighting: Sighting | None = None
+        self.detections: tuple[tuple[float, Pose], ...] = ()
+        self.sightings: tuple[Sighting, ...] = ()
         self.ranges: Ranges | None = None
         self.scan: LaserScan | None = None
         self.measurement: tuple[BatteryMeasurement, float] | None = None
@@ -209,6 +196,16 @@ class Simulation:
         return self._collisions.touches
 
     @property
+    def detection(self) -> tuple[float, Pose] | None:
+        """The last of `detections`."""
+        return self.detections[-1] if self.detections else None
+
+    @property
+    def sighting(self) -> Sighting | None:
+        """The last of `sightings`."""
+        return self.sightings[-1] if self.sightings else None
+
+    @property
     def obstacles(self) -> tuple[Obstacle, ...]:
         """What stands around now."""
         more = (IN_THE_WAY,) if Fault.OBSTACLE in self.faults else ()
@@ -227,15 +224,14 @@ class Simulation:
         """
         now = self.time if now is None else now
         offset = now - self.time
-        sighting, ranges, measured = self.sighting, self.ranges, self.measurement
-        odometry = self.track.latest
+        ranges, measured, odometry = self.ranges, self.measurement, self.track.latest
+        markers = [MarkerDetection(one.odometry.compose(one.marker), one.at + offset) for one in self.sightings]
         return Observation(
             now=now,
             battery=None if measured is None else _reading(measured[0], measured[1] + offset),
             odometry=None if odometry is None else replace(odometry, stamp=odometry.stamp + offset),
-            marker=None
-            if sighting is None
-            else MarkerDetection(sighting.odometry.compose(sighting.marker), sighting.at + offset),
+            marker=markers[-1] if markers else None,
+            other_markers=tuple(markers[:-1]),
             scan=self._observe_scan(offset),
             infrared=None
             if ranges is None
@@ -307,25 +303,29 @@ class Simulation:
             self.track.add(*arrived)
 
     def _look(self) -> None:
+        if Fault.OCCLUDED_MARKER in self.faults:
+            return
+        settings, robot = self.settings.marker, self.robot.pose
         outliers = WRONG if Fault.WRONG_DETECTIONS in self.faults else 0.0
-        marker = self._camera.look(self.robot.pose, self.time, self.obstacles, outliers)
-        if marker is not None and Fault.OCCLUDED_MARKER not in self.faults:
-            settings = self.settings.marker
+        seen = [self._camera.look(robot, self.time, self.obstacles, outliers)]
+        if settings.second_y != 0.0:
+            seen.append(self._second.look(robot.relative_to(Pose(y=settings.second_y)), self.time))
+        if markers := [marker for marker in seen if marker is not None]:
             arrives_at = self.time + settings.delay
             stamp = (self.time if settings.honest_stamps else arrives_at) + settings.stamp_offset
-            self._detections.send(
-                (stamp + (AHEAD if Fault.FUTURE_DETECTIONS in self.faults else 0.0), marker), arrives_at
-            )
+            stamp += AHEAD if Fault.FUTURE_DETECTIONS in self.faults else 0.0
+            self._detections.send((stamp, markers), arrives_at)
 
     def _detect(self) -> None:
         """Detections arrive, and are put where odometry says that the robot was."""
-        for arrived in self._detections.arrived(self.time):
-            self.detection = stamp, marker = arrived
+        for stamp, markers in self._detections.arrived(self.time):
+            self.detections = tuple((stamp, marker) for marker in markers)
             try:
                 odometry = self.track.at(stamp)
             except LookupError:
                 continue
-            self.sighting = Sighting(marker, odometry.pose, stamp, min(odometry.stamp, self.time))
+            at = min(odometry.stamp, self.time)
+            self.sightings = tuple(Sighting(marker, odometry.pose, stamp, at) for marker in markers)
 
     def _measure_ranges(self) -> None:
         ranges = self._receivers.measure(

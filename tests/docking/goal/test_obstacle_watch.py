@@ -21,13 +21,13 @@ from docking.plans.registry import make_plan
 from docking.plans.undock import UndockPlan
 from docking.simulation.dock import DOCKED
 from docking.simulation.dock import DockSettings as SimulatedDock
-from docking.simulation.faults import Fault
+from docking.simulation.faults import IN_THE_WAY, Fault
 from docking.simulation.laser import LaserSettings
 from docking.simulation.marker import MarkerSettings
 from docking.simulation.obstacle import Obstacle
 from docking.simulation.robot import RobotSettings
 from docking.simulation.settings import Settings
-from docking.simulation.simulation import IN_THE_WAY, Simulation
+from docking.simulation.simulation import Simulation
 
 PERIOD = 0.05
 COLLISION = CollisionSettings(use_collision_detection=True, obstacle_timeout=5.0)
