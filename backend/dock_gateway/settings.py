@@ -1,7 +1,9 @@
 """What can be set, each by an environment variable `DOCK_GATEWAY_…` or an option of the command line."""
 
+import difflib
 import os
 import re
+from collections.abc import Iterable
 from ipaddress import ip_network
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -31,6 +33,13 @@ Days = Annotated[float, Field(ge=1, le=365_000)]
 Megabytes = Annotated[int, Field(ge=1, le=1_000_000_000)]
 
 
+PREFIX = "DOCK_GATEWAY_"
+# Variables of the commands that are HTTP clients.
+OF_CLIENTS = {"URL", "TOKEN", "CLIENT_CERT"}
+# What Kubernetes sets in each container for a service that is called dock-gateway.
+OF_LINKS = re.compile("SERVICE_|PORT_[0-9]")
+
+
 def scope() -> str:
     """Which robots are met: the ROS domain, and whether only those of this machine.
 
@@ -45,10 +54,28 @@ def data_file(name: str) -> Path:
     return platformdirs.user_data_path("dock-gateway", appauthor=False) / name
 
 
+def unknown_variables(environment: Iterable[str]) -> list[str]:
+    """Return a sentence for each variable that looks like a setting but is none, with a similar setting.
+
+    Args:
+        environment: Names of variables.
+    """
+    settings = [name.upper() for name in Settings.model_fields]
+    sentences = []
+    for variable in sorted(environment):
+        name = variable.upper().removeprefix(PREFIX)
+        if not variable.upper().startswith(PREFIX) or name in OF_CLIENTS or name in settings or OF_LINKS.match(name):
+            continue
+        similar = difflib.get_close_matches(name, settings, n=1, cutoff=0.7)
+        hint = "".join(f". Did you mean {PREFIX}{one}?" for one in similar)
+        sentences.append(f"{variable} is not a setting and has no effect{hint}")
+    return sentences
+
+
 class Settings(BaseSettings):
     """The gateway's settings, fixed once it runs. docs/configuration.md lists them; a test keeps the list complete."""
 
-    model_config = SettingsConfigDict(env_prefix="DOCK_GATEWAY_", frozen=True, extra="forbid")
+    model_config = SettingsConfigDict(env_prefix=PREFIX, frozen=True, extra="forbid")
 
     host: str = Field("127.0.0.1", description="Address to listen on. `0.0.0.0` opens the gateway to the network.")
     port: int = Field(8000, ge=0, le=65535, description="Port to listen on; 0 selects a free port.")

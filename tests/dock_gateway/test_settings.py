@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from dock_gateway.cli import main
 from dock_gateway.cli.options import option_name, read_settings
-from dock_gateway.settings import Settings
+from dock_gateway.settings import Settings, unknown_variables
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "configuration.md"
 
@@ -186,3 +186,12 @@ def test_an_empty_path_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
 )
 def test_who_may_do_everything_without_a_login(options: dict[str, str], open_to: str | None) -> None:
     assert read_settings(dict(options)).open_to == open_to
+
+
+def test_a_variable_that_is_no_setting_is_named_with_a_similar_one() -> None:
+    known = ["PATH", "DOCK_GATEWAY_PORT", "dock_gateway_host", "DOCK_GATEWAY_TOKEN", "DOCK_GATEWAY_SERVICE_HOST"]
+    assert unknown_variables(known) == []
+    assert unknown_variables([*known, "DOCK_GATEWAY_BATERY_TOPIC", "DOCK_GATEWAY_X"]) == [
+        "DOCK_GATEWAY_BATERY_TOPIC is not a setting and has no effect. Did you mean DOCK_GATEWAY_BATTERY_TOPIC?",
+        "DOCK_GATEWAY_X is not a setting and has no effect",
+    ]

@@ -3,6 +3,7 @@
 import asyncio
 import gc
 import logging
+import os
 import signal
 import socket
 import time
@@ -16,7 +17,7 @@ from dock_gateway.assembly import open_gateway
 from dock_gateway.core.log_config import configure_logs
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.gateway import Gateway
-from dock_gateway.settings import Settings
+from dock_gateway.settings import Settings, unknown_variables
 from dock_gateway.web.app import create_app
 from dock_gateway.web.edge.certificates import Certificates, load_certificates
 from dock_gateway.web.edge.connection import Connection
@@ -101,6 +102,8 @@ def run(settings: Settings) -> bool:
     """
     certificates = load_certificates(settings)
     configure_logs(settings)
+    for sentence in unknown_variables(os.environ):
+        log.warning(sentence)
     raise_file_limit()
     _say_who_may_use(settings)
     config = uvicorn.Config(
