@@ -26,6 +26,7 @@ from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.departures import Departures
+from dock_gateway.fleet.graph_watch import GraphWatch
 from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.pose_recorder import PoseRecorder
@@ -111,16 +112,17 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     interlock.on_release.append(activity.intervened)
     _subscribe_on_demand(settings, bridge, hub, robots, activity, stack=stack)
     board = _closed_by(stack, SceneBoard(hub, lambda: [robot.namespace for robot in robots.all()]))
-    _listen_to_poses(settings, bridge, MapPort, board, stack)
+    _listen_to_poses(settings, robots, MapPort, board, stack)
     if settings.store_poses:
         recorder = _closed_by(stack, PoseRecorder(actions.running, robots.owner, history.record_event))
-        _listen_to_poses(settings, bridge, PosePort, recorder, stack)
+        _listen_to_poses(settings, robots, PosePort, recorder, stack)
     graph = _closed_by(stack, GraphCache(bridge))
     echoes = _closed_by(stack, EchoRegistry(bridge, graph))
     await bridge.call(
         lambda: DiagnosticsPort(
-            bridge,
+            robots.topics,
             settings.diagnostics_topic,
+            stop_topic=settings.resolve(settings.stop_topic),
             on_reason=reasons.put,
             on_progress=actions.on_progress,
             on_simulator=simulators.on_report,
@@ -131,6 +133,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     await actions.pin("undock")
     labels = _closed_by(stack, Labels(history.labels, lambda: [robot.namespace for robot in robots.all()]))
     await labels.open()
+    graph_watch = GraphWatch(settings, bridge, robots)
     decisions = DecisionLog(hub, history.automation_decisions)
     alerts = _closed_by(
         stack,
@@ -140,6 +143,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
             low_battery=settings.low_battery,
             incident=lambda: history.incident,
             given_up=decisions.given_up,
+            findings=lambda: graph_watch.findings,
         ),
     )
     fleet = _closed_by(
@@ -173,11 +177,10 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     logins = _closed_by(stack, Logins(history, open_single_sign_on(settings)))
     if settings.authentication:
         await logins.open()
-    parts = Parts(settings, bridge, hub, history, actions, robots, stopper, alerts, notifier)
-    metrics = _observe(parts, stack)
+    metrics = _observe(Parts(settings, bridge, hub, history, actions, robots, stopper, alerts, notifier), stack)
     departures = Departures(robots, actions, interlock, forget_after=settings.forget_robot_after)
     tasks = _closed_by(stack, Tasks("running the gateway"))
-    tasks.spawn(_watch_graph(bridge, actions, robots, departures))
+    tasks.spawn(_watch_graph(bridge, actions, robots, departures, graph_watch))
     tasks.spawn(take_over_unfinished(actions, history))
     stack.callback(hub.close)
     return Gateway(
@@ -241,7 +244,8 @@ def _subscribe_on_demand(
     """Set up the topics that are subscribed to only on demand."""
 
     def scene(robot: str) -> ScenePort:
-        return ScenePort(bridge, robot, partial(settings.resolve, namespace=robot), hub.publish)
+        resolve = partial(settings.resolve, namespace=robot)
+        return ScenePort(robots.topics, robot, resolve, hub.publish, stop_topic=resolve(settings.stop_topic))
 
     def velocity(robot: str) -> VelocityListener:
         def hear(message: Json, stamp_ns: int) -> None:
@@ -264,22 +268,31 @@ def _subscribe_on_demand(
 
 
 def _listen_to_poses(
-    settings: Settings, bridge: Bridge, kind: type[PosePort], ears: PoseRecorder | SceneBoard, stack: AsyncExitStack
+    settings: Settings,
+    robots: RobotRegistry,
+    kind: type[PosePort],
+    ears: PoseRecorder | SceneBoard,
+    stack: AsyncExitStack,
 ) -> None:
     """Subscribe to the poses of the robots that are wanted."""
 
     def port(robot: str) -> PosePort:
-        return kind(bridge, robot, partial(settings.resolve, namespace=robot), ears.hear)
+        resolve = partial(settings.resolve, namespace=robot)
+        return kind(robots.topics, robot, resolve, ears.hear, stop_topic=resolve(settings.stop_topic))
 
-    _closed_by(stack, OnDemand(bridge, ears, "poses", port))
+    _closed_by(stack, OnDemand(robots.topics.bridge, ears, "poses", port))
 
 
-async def _watch_graph(bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, departures: Departures) -> None:
+async def _watch_graph(
+    bridge: Bridge, actions: ActionRegistry, robots: RobotRegistry, departures: Departures, graph_watch: GraphWatch
+) -> None:
     """Scan the graph periodically and update actions and robots."""
     steps: tuple[Callable[[Scan], Awaitable[bool | None]], ...] = (
         actions.update,
         robots.update,
         lambda found: robots.velocities.update(found.topics),
+        lambda found: robots.topics.update(found.topics),
+        graph_watch.update,
         lambda found: departures.look(found, time.monotonic()),
     )
     while True:

@@ -1,7 +1,7 @@
 """The ROS graph as nodes, topics, services and actions, built from one scan. Plain data."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -57,6 +57,10 @@ class Topic:
     def types(self) -> list[str]:
         """Its types, sorted. More than one is a mistake on the graph; none means that the topic is gone."""
         return sorted({endpoint.type for endpoint in (*self.publishers, *self.subscribers)})
+
+    def types_but_of(self, nodes: Container[str | None]) -> set[str]:
+        """Return the types that it has on other nodes than these."""
+        return {endpoint.type for endpoint in (*self.publishers, *self.subscribers) if endpoint.node not in nodes}
 
     def document(self) -> dict[str, Any]:
         """Return the document that the API shows."""

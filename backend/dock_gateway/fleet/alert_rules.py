@@ -10,6 +10,7 @@ from typing import Any
 from dock_gateway.core.automation import Decision
 from dock_gateway.core.filters import is_hidden, lineage, parent_of
 from dock_gateway.core.goal import LOST_FOR, Goal
+from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.fleet.robot_state import CHARGES, RobotState
 from dock_gateway.history import Acknowledgement, Incident
 from dock_gateway.robots.battery import PowerSupply
@@ -39,16 +40,25 @@ class AlertKind(StrEnum):
     HISTORY_LOST = "history_lost"
     DUPLICATE_ACTION_SERVER = "duplicate_action_server"
     AUTOMATIC_DOCKING_FAILED = "automatic_docking_failed"
+    WRONG_TOPIC_TYPE = FindingKind.WRONG_TOPIC_TYPE.value
 
     @property
     def critical(self) -> bool:
-        """Whether an operator must act."""
-        return self not in (AlertKind.LOW_BATTERY, AlertKind.BATTERY_STALE, AlertKind.HISTORY_LOST)
+        """Whether an operator must act, if the alert itself does not say."""
+        return self not in WARNINGS
+
+
+WARNINGS = frozenset(
+    {AlertKind.LOW_BATTERY, AlertKind.BATTERY_STALE, AlertKind.HISTORY_LOST, AlertKind.WRONG_TOPIC_TYPE}
+)
 
 
 @dataclass(frozen=True)
 class Alert:
-    """One alert. `since`: when it began. `detail`: what to do about it. `robot` None: it concerns the gateway."""
+    """One alert. `since`: when it began. `detail`: what to do about it. `robot` None: it concerns the gateway.
+
+    `urgent`: whether it is critical although others of its kind are not.
+    """
 
     kind: AlertKind
     robot: str | None
@@ -56,6 +66,12 @@ class Alert:
     title: str
     detail: str
     goal_id: str | None = None
+    urgent: bool = False
+
+    @property
+    def critical(self) -> bool:
+        """Whether an operator must act."""
+        return self.urgent or self.kind.critical
 
     @property
     def id(self) -> str:
@@ -68,7 +84,7 @@ class Alert:
             "id": self.id,
             "kind": self.kind.value,
             "robot": self.robot,
-            "severity": "critical" if self.kind.critical else "warning",
+            "severity": "critical" if self.critical else "warning",
             "since": self.since,
             "title": self.title,
             "detail": self.detail,
@@ -94,6 +110,7 @@ class AlertRules:
         self._low_since: dict[str, datetime] = {}  # by robot
         self._without_power: dict[str, tuple[datetime, float]] = {}
         self._duplicate_since: dict[str, datetime] = {}  # by robot
+        self._found_since: dict[tuple[str, str | None], datetime] = {}  # by kind and robot
 
     def look(
         self,
@@ -105,6 +122,7 @@ class AlertRules:
         incident: Incident | None = None,
         duplicates: Mapping[str, list[str]] = NO_DUPLICATES,
         given_up: Mapping[str, Decision] = NOT_GIVEN_UP,
+        findings: Iterable[Finding] = (),
     ) -> list[Alert]:
         """Return the alerts, critical ones first, then oldest first.
 
@@ -116,8 +134,10 @@ class AlertRules:
             incident: The incident of the history, if there is one.
             duplicates: By robot, the actions that have more than one server.
             given_up: By robot, the decisions of automatic docking to give up.
+            findings: What is wrong on the ROS graph, once for each kind and robot.
         """
         alerts = [*_stops(states), *_lost(states, strays, now), *self._duplicates(duplicates, now)]
+        alerts += self._found(list(findings), now)
         if incident is not None:
             alerts.append(Alert(AlertKind.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
         for state in states:
@@ -126,7 +146,7 @@ class AlertRules:
             alerts += _stale(state, now)
             if state.name in given_up:
                 alerts.append(_undocked(given_up[state.name]))
-        return sorted(alerts, key=lambda alert: (not alert.kind.critical, alert.since, alert.id))
+        return sorted(alerts, key=lambda alert: (not alert.critical, alert.since, alert.id))
 
     def _duplicates(self, duplicates: Mapping[str, list[str]], now: datetime) -> Iterator[Alert]:
         self._duplicate_since = {robot: self._duplicate_since.get(robot, now) for robot in duplicates}
@@ -139,6 +159,13 @@ class AlertRules:
                 "Two action servers",
                 f"More than one action server serves {names}, and each of them moves the robot. Shut down all but one.",
             )
+
+    def _found(self, findings: list[Finding], now: datetime) -> Iterator[Alert]:
+        keys = ((each.kind.value, each.robot) for each in findings)
+        self._found_since = {key: self._found_since.get(key, now) for key in keys}
+        for each in findings:
+            since = self._found_since[each.kind.value, each.robot]
+            yield Alert(AlertKind(each.kind.value), each.robot, since, each.title, each.detail, urgent=each.critical)
 
     def _discharging(self, state: RobotState, now: datetime, seconds: float) -> Iterator[Alert]:
         reading = state.battery.reading

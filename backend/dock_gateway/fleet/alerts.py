@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from dock_gateway.core.automation import Decision
@@ -14,6 +14,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alert_rules import NO_DUPLICATES, Alert, AlertRules
+from dock_gateway.fleet.findings import Finding
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.fleet.shared_entries import SYNC_INTERVAL, SharedEntries
 from dock_gateway.history import Acknowledgement, Incident
@@ -34,6 +35,7 @@ class AlertBoard:
         low_battery: Charge (0 to 1) below which a battery is low.
         incident: Returns the incident of the history, or None.
         given_up: Returns, by robot, the decisions of automatic docking to give up.
+        findings: Returns what is wrong on the ROS graph, once for each kind and robot.
     """
 
     def __init__(
@@ -44,12 +46,14 @@ class AlertBoard:
         low_battery: float,
         incident: Callable[[], Incident | None] = lambda: None,
         given_up: Callable[[], Mapping[str, Decision]] = dict,
+        findings: Callable[[], Iterable[Finding]] = tuple,
     ) -> None:
         self._hub = hub
         self._acknowledgements = acknowledgements
         self._rules = AlertRules(low_battery)
         self._incident = incident
         self._given_up = given_up
+        self._findings = findings
         self._alerts: dict[str, Alert] = {}
         self._published: bytes | None = None
         self.on_change: list[Callable[[], None]] = []  # called when an alert begins or ends
@@ -73,6 +77,7 @@ class AlertBoard:
             incident=self._incident(),
             duplicates=duplicates,
             given_up=self._given_up(),
+            findings=self._findings(),
         )
         alerts = {alert.id: alert for alert in found}
         for ended in self._alerts.keys() - alerts.keys():

@@ -2,6 +2,7 @@
 
 import logging
 import re
+from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 
@@ -17,6 +18,7 @@ from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, find_presence
 from dock_gateway.ros.latch_port import LatchPort
 from dock_gateway.ros.robot_ports import BatteryPort
+from dock_gateway.ros.typed_topics import TypedTopics
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
 from dock_gateway.settings import NAME, Settings
 
@@ -24,6 +26,8 @@ log = logging.getLogger(__name__)
 
 
 NAMESPACE = re.compile(f"/(?:{NAME.pattern}(?:/{NAME.pattern})*/?)?")
+
+BATTERY_TYPE = "sensor_msgs/msg/BatteryState"
 
 Ports = tuple[BatteryPort, VelocityPort, LatchPort]
 
@@ -40,10 +44,11 @@ class Robot:
 
 
 class RobotRegistry:
-    """The robots: the configured one always, others once their battery topic or a docking action appears.
+    """The robots: the configured one always, others once a battery or a docking action of theirs appears.
 
     Attributes:
         velocities: Their velocity topics.
+        topics: Their other topics.
     """
 
     def __init__(
@@ -58,6 +63,7 @@ class RobotRegistry:
         self._robots: dict[str, Robot] = {}
         self._forgotten: set[str] = set()
         self.velocities = VelocityTopics(bridge)
+        self.topics = TypedTopics(bridge)
         self._discovery = Discovery("robot", settings.max_robots, "max_robots")
         self.default_namespace = normalize_namespace(settings.namespace)
 
@@ -77,12 +83,12 @@ class RobotRegistry:
             velocity_topic = settings.resolve(settings.cmd_vel_topic, namespace)
             stop_topic = settings.resolve(settings.stop_topic, namespace)
             with ExitStack() as undo:
-                battery_port = BatteryPort(self._bridge, battery_topic, battery.on_battery)
+                battery_port = BatteryPort(self.topics, battery_topic, battery.on_battery, stop_topic)
                 undo.callback(battery_port.close)
-                velocity_port = VelocityPort(self.velocities, velocity_topic)
+                velocity_port = VelocityPort(self.velocities, velocity_topic, stop_topic)
                 undo.callback(velocity_port.close)
                 others = [settings.resolve(name, namespace) for name in settings.stop_topics]
-                latch_port = LatchPort(self._bridge, stop_topic, others, on_latch=hear_latch, on_hold=hear_hold)
+                latch_port = LatchPort(self.topics, stop_topic, others, on_latch=hear_latch, on_hold=hear_hold)
                 ports = battery_port, velocity_port, latch_port
                 undo.pop_all()
             return ports
@@ -105,14 +111,9 @@ class RobotRegistry:
         Raises:
             Unavailable: The ROS thread is down.
         """
-        suffix = f"/{self._settings.battery_topic}"
         found = [self._catalog.robot_of(name, types) for name, types in scan.actions.items()]
-        found += [name.removesuffix(suffix) or "/" for name in scan.topics if name.endswith(suffix)]
-        new = [
-            namespace
-            for namespace in dict.fromkeys(found)
-            if namespace and namespace not in self._robots and self._catalog.may_be_robot(namespace)
-        ]
+        found += [namespace for namespace, types in self._batteries(scan) if BATTERY_TYPE in types]
+        new = [namespace for namespace in dict.fromkeys(found) if namespace and namespace not in self._robots]
 
         async def take_up(namespace: str) -> None:
             if namespace not in self._forgotten or await self.is_there(namespace, scan):
@@ -120,6 +121,21 @@ class RobotRegistry:
 
         self._discovery.keep(new)
         return await self._discovery.take_up(new, self._robots, take_up)
+
+    def _batteries(self, scan: Scan) -> Iterator[tuple[str, list[str]]]:
+        """Yield the namespaces with a topic that has the name of a battery's, and its types."""
+        suffix = f"/{self._settings.battery_topic}"
+        for name, types in scan.topics.items():
+            if name.endswith(suffix) and self._catalog.may_be_robot(namespace := name.removesuffix(suffix) or "/"):
+                yield namespace, types
+
+    def unlike(self, scan: Scan) -> list[str]:
+        """Return the namespaces that make no robot, as their battery topic is of another type."""
+        return [
+            namespace
+            for namespace, types in self._batteries(scan)
+            if types and BATTERY_TYPE not in types and namespace not in self._robots
+        ]
 
     async def is_there(self, namespace: str, scan: Scan) -> bool:
         """Return whether anything but gateways is in a namespace, not counting the namespaces of robots below.

@@ -29,6 +29,8 @@ from dock_gateway.settings import NAME
 PIECE = 0.002
 UNKNOWN_NODE = "_NODE_NAME_UNKNOWN_"
 INFINITE_NS = 2**63 - 1
+# The type of stop topics.
+STOP_TYPE = "std_msgs/msg/Bool"
 TOPIC_NAME = re.compile(f"(/{NAME.pattern})+")
 
 
@@ -170,11 +172,23 @@ class Presence:
     at_topics: bool
 
 
+def find_gateways(node: Node, stop_topic: str) -> frozenset[str]:
+    """Return the nodes of gateways: our own, and who publishes on a stop topic and keeps what it said.
+
+    Call it on the ROS thread.
+    """
+    telling = (
+        endpoint.node
+        for endpoint in read_topic(node, stop_topic).publishers
+        if endpoint.qos.durability == "transient_local" and endpoint.type == STOP_TYPE
+    )
+    return frozenset({node.get_fully_qualified_name(), *(name for name in telling if name is not None)})
+
+
 def find_presence(node: Node, topics: Iterable[str], *, stop_topic: str, velocity_topic: str) -> Presence:
     """Find the nodes that may belong to a robot; call it on the ROS thread.
 
-    Who publishes on the robot's stop topic and keeps what it said (transient local) is a gateway. A DDS program that is
-    not a ROS node counts as present.
+    A DDS program that is not a ROS node counts as present.
 
     Args:
         node: Our own node.
@@ -182,12 +196,7 @@ def find_presence(node: Node, topics: Iterable[str], *, stop_topic: str, velocit
         stop_topic: The topic on which gateways publish whether a stop is latched.
         velocity_topic: The topic whose subscribers may move.
     """
-    telling = (
-        endpoint.node
-        for endpoint in read_topic(node, stop_topic).publishers
-        if endpoint.qos.durability == "transient_local"
-    )
-    gateways = {node.get_fully_qualified_name(), *(name for name in telling if name is not None)}
+    gateways = find_gateways(node, stop_topic)
     nodes = {f"{namespace.rstrip('/')}/{name}" for name, namespace in node.get_node_names_and_namespaces()}
     talking = (endpoint for topic in topics for endpoint in read_topic(node, topic).publishers)
     listening = read_topic(node, velocity_topic).subscribers

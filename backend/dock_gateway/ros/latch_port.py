@@ -7,6 +7,7 @@ the loop itself, because a stop must not wait for the ROS thread (docs/decisions
 import threading
 import time
 from collections.abc import Callable, Iterable
+from functools import partial
 
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
@@ -14,10 +15,11 @@ from rclpy.subscription import Subscription
 from std_msgs.msg import Bool
 
 from dock_gateway.core.graph import Endpoint
-from dock_gateway.ros.bridge import Bridge, guard
+from dock_gateway.ros.bridge import guard
 from dock_gateway.ros.graph import read_topic
 from dock_gateway.ros.qos import LATCHED, LISTEN
 from dock_gateway.ros.taking import Taken, take_bool
+from dock_gateway.ros.typed_topics import TypedTopics
 
 # Nanoseconds after the start of a publish call within which a message's stamp may be our own.
 OWN_WITHIN = 1_000_000_000
@@ -36,8 +38,11 @@ class LatchPort:
     Whoever publishes on it without keeping, and everyone on the other topics, such as an emergency stop, holds the
     robot until it says otherwise, each for itself.
 
+    On a topic of another type nothing is published or heard; what was published last is published as soon as its type
+    fits.
+
     Args:
-        bridge: The bridge to the ROS thread.
+        topics: Joins the topics.
         topic: Absolute name.
         others: Absolute names of topics on which only others speak.
         on_latch: Called on the loop with the value from other gateways, and when it arrived, on the monotonic clock.
@@ -47,17 +52,17 @@ class LatchPort:
 
     def __init__(
         self,
-        bridge: Bridge,
+        topics: TypedTopics,
         topic: str,
         others: Iterable[str],
         *,
         on_latch: Callable[[bool, float], None],
         on_hold: Callable[[str | None], None],
     ) -> None:
-        self._bridge = bridge
+        self._bridge = topics.bridge
         self._on_latch = on_latch
         self._on_hold = on_hold
-        self._inbox = bridge.inbox()
+        self._inbox = self._bridge.inbox()
         self._lock = threading.Lock()  # guards what follows, which is written on the listener's and the ROS thread
         self._numbers: dict[Voice, int] = {}  # of the last message of each publisher that is no gateway
         self._nodes: dict[Voice, str] = {}  # where that is known
@@ -65,10 +70,33 @@ class LatchPort:
         self._gateways: set[bytes] = set()
         self._topic = topic
         self._own: tuple[tuple[int, int], ...] = ()  # our publish calls; read on the listener's thread
-        self._publisher = self._make_publisher()
-        self._subscriptions = [
-            self._listen(name, quality) for name in (topic, *others) for quality in (LATCHED, LISTEN)
+        self._latched: bool | None = None  # what we published last; None: nothing, or it was withdrawn
+        self._publisher: Publisher | None = None
+        self._subscriptions: dict[str, list[Subscription]] = {}
+        self._topics = [
+            topics.join(name, Bool, topic, partial(self._join, name), partial(self._leave, name))
+            for name in dict.fromkeys((topic, *others))
         ]
+
+    def _join(self, topic: str) -> None:
+        if topic == self._topic:
+            self._publisher = self._make_publisher()
+        subscriptions: list[Subscription] = []
+        self._subscriptions[topic] = subscriptions
+        try:
+            subscriptions.extend(self._listen(topic, quality) for quality in (LATCHED, LISTEN))
+        except Exception:
+            self._leave(topic)
+            raise
+        if topic == self._topic and (latched := self._latched) is not None:
+            self.publish(latched=latched)
+
+    def _leave(self, topic: str) -> None:
+        for subscription in self._subscriptions.pop(topic):
+            self._bridge.node.destroy_subscription(subscription)
+        if topic == self._topic:
+            publisher, self._publisher = self._publisher, None
+            self._bridge.node.destroy_publisher(publisher)
 
     def _listen(self, topic: str, quality: QoSProfile) -> Subscription:
         latched = topic == self._topic and quality is LATCHED
@@ -150,10 +178,9 @@ class LatchPort:
         return self._bridge.node.create_publisher(Bool, self._topic, LATCHED)
 
     def close(self) -> None:
-        """Leave the topic."""
-        for subscription in self._subscriptions:
-            self._bridge.node.destroy_subscription(subscription)
-        self._bridge.node.destroy_publisher(self._publisher)
+        """Leave the topics."""
+        for topic in self._topics:
+            topic.close()
 
     def publish(self, *, latched: bool) -> None:
         """Publish the latch immediately; late subscribers get the last message.
@@ -161,11 +188,14 @@ class LatchPort:
         Raises:
             Exception: ROS does not take the message.
         """
+        self._latched, publisher = latched, self._publisher
+        if publisher is None:
+            return  # the topic is of another type
         first = time.time_ns()
         before = tuple(own for own in self._own if own[1] > first - OWN_REMEMBERED)
         self._own = (*before, (first, first + OWN_WITHIN))  # it may arrive before the end is known
         try:
-            self._publisher.publish(Bool(data=latched))
+            publisher.publish(Bool(data=latched))
         finally:
             self._own = (*before, (first, time.time_ns()))
 
@@ -177,6 +207,9 @@ class LatchPort:
         """
 
         def withdraw() -> None:
+            self._latched = None
+            if self._publisher is None:
+                return
             # Create the new publisher first: the loop may publish at any time.
             old, self._publisher = self._publisher, self._make_publisher()
             self._bridge.node.destroy_publisher(old)

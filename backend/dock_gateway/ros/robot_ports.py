@@ -8,13 +8,17 @@ from functools import partial
 from typing import Any
 
 from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import BatteryState
 
+from dock_gateway.core.errors import Conflict
 from dock_gateway.core.goal import GoalError, Json
-from dock_gateway.ros.bridge import Bridge, guard
+from dock_gateway.ros.bridge import guard
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.qos import LISTEN, TALK
+from dock_gateway.ros.typed_topics import TypedTopics
 
 # The maximum number of facts about goals and simulators taken from one message.
 MAX_FACTS = 100
@@ -34,33 +38,64 @@ ENDS = frozenset({"SUCCEEDED", "CANCELED", "ABORTED", "REJECTED"})
 
 
 class BatteryPort:
-    """`sensor_msgs/BatteryState`, subscribed to and published."""
+    """`sensor_msgs/BatteryState`, subscribed to and published.
 
-    def __init__(self, bridge: Bridge, topic: str, on_battery: OnMessage) -> None:
-        self._bridge = bridge
+    Args:
+        topics: Joins the topic.
+        topic: Absolute name.
+        on_battery: Called on the loop with a message and its source timestamp in ns.
+        stop_topic: The topic that tells who is a gateway.
+    """
+
+    def __init__(self, topics: TypedTopics, topic: str, on_battery: OnMessage, stop_topic: str) -> None:
+        self._bridge = topics.bridge
         self.codec = codec(BatteryState)
-        overrides = QoSOverridingOptions.with_default_policies()
-        self._publisher = bridge.node.create_publisher(BatteryState, topic, TALK, qos_overriding_options=overrides)
-
-        inbox = bridge.inbox()
+        self._publisher: Publisher | None = None
+        self._subscription: Subscription | None = None
+        inbox = self._bridge.inbox()
 
         def hear(message: BatteryState, info: dict[str, Any]) -> None:
             state = self.codec.encode(message)
             inbox.offer(len(state), on_battery, state, info["source_timestamp"])
 
-        self._subscription = bridge.node.create_subscription(
-            BatteryState, topic, guard(hear), LISTEN, qos_overriding_options=overrides
-        )
+        def make() -> None:
+            overrides = QoSOverridingOptions.with_default_policies()
+            node = self._bridge.node
+            self._publisher = node.create_publisher(BatteryState, topic, TALK, qos_overriding_options=overrides)
+            try:
+                self._subscription = node.create_subscription(
+                    BatteryState, topic, guard(hear), LISTEN, qos_overriding_options=overrides
+                )
+            except Exception:
+                self._leave()
+                raise
+
+        self._topic = topics.join(topic, BatteryState, stop_topic, make, self._leave)
+
+    def _leave(self) -> None:
+        publisher, self._publisher = self._publisher, None
+        subscription, self._subscription = self._subscription, None
+        if subscription is not None:
+            self._bridge.node.destroy_subscription(subscription)
+        if publisher is not None:
+            self._bridge.node.destroy_publisher(publisher)
 
     def close(self) -> None:
         """Leave the topic."""
-        self._bridge.node.destroy_subscription(self._subscription)
-        self._bridge.node.destroy_publisher(self._publisher)
+        self._topic.close()
 
     async def publish(self, message: BatteryState, *, stamp: bool) -> Json:
-        """Publish a message, with the current time if `stamp`; return it as published."""
+        """Publish a message, with the current time if `stamp`; return it as published.
+
+        Raises:
+            Conflict: `wrong_topic_type`: the topic is of another type.
+            Unavailable: The ROS thread is down.
+        """
 
         def publish() -> Json:
+            if self._publisher is None:
+                detail = f"{self._topic.name} is of another type than {self._topic.type} on the ROS graph"
+                raise Conflict(f"{detail}; see the alerts", code="wrong_topic_type")
             if stamp:
                 message.header.stamp = self._bridge.node.get_clock().now().to_msg()
             self._publisher.publish(message)
@@ -77,23 +112,25 @@ class DiagnosticsPort:
     a goal counts, not what a running one waits for. Simulators publish their state here, too.
 
     Args:
-        bridge: The bridge to the ROS thread.
+        topics: Joins the topic.
         topic: Absolute name.
         on_reason: Called on the loop with a goal id and why the goal was rejected or aborted.
         on_progress: Called on the loop with a goal id, stage, retries, and the source timestamp in ns.
         on_simulator: Called on the loop with the namespace of a simulator and its key values.
+        stop_topic: The topic that tells who is a gateway.
     """
 
     def __init__(
         self,
-        bridge: Bridge,
+        topics: TypedTopics,
         topic: str,
         *,
         on_reason: OnReason,
         on_progress: OnProgress,
         on_simulator: OnSimulator,
+        stop_topic: str,
     ) -> None:
-        inbox = bridge.inbox()
+        inbox = topics.bridge.inbox()
 
         def tell(facts: list[Callable[[], None]]) -> None:
             for fact in facts:
@@ -115,7 +152,7 @@ class DiagnosticsPort:
             if facts:
                 inbox.offer(len(facts), tell, facts)
 
-        bridge.node.create_subscription(DiagnosticArray, topic, guard(hear), LISTEN)
+        topics.subscribe(topic, DiagnosticArray, stop_topic, guard(hear), LISTEN)
 
 
 def _read_error(values: dict[str, str], message: str) -> GoalError | None:

@@ -12,19 +12,29 @@ from geometry_msgs.msg import Pose as RosPose
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
-from rclpy.subscription import Subscription
 from sensor_msgs.msg import Range
 
 from dock_gateway.core.event import Event, moment, scene_event
 from dock_gateway.core.footprint import footprint_document
 from dock_gateway.core.scene import BASE, FOOTPRINT_FRAMES, ODOM, PLACED_FOR, WORLD, Pace, Pose, Scene, Seen
-from dock_gateway.ros.bridge import Bridge, guard
+from dock_gateway.ros.bridge import guard
+from dock_gateway.ros.messages.types import type_name
 from dock_gateway.ros.qos import LATCHED
+from dock_gateway.ros.typed_topics import TypedTopic, TypedTopics
 
 log = logging.getLogger(__name__)
 
 # The stamp of a message, which its header begins with, in little-endian CDR.
 STAMP, CDR_HEADER = struct.Struct("<iI"), 4
+
+# The types of the topics.
+TYPES = {
+    Odometry: ("odom", "ground_truth"),
+    PoseStamped: ("true_dock_pose", "detected_dock_pose", "filtered_dock_pose", "staging_pose"),
+    PolygonStamped: ("footprint",),
+    Range: ("infrared/left", "infrared/center", "infrared/right"),
+}
+SCENE_TYPES = {topic: type_name(kind) for kind, topics in TYPES.items() for topic in topics}
 
 # Only the newest message counts.
 LATEST = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
@@ -39,50 +49,58 @@ class ScenePort:
     It is created and closed on the ROS thread.
 
     Args:
-        bridge: The bridge to the ROS thread.
+        topics: Joins the topics.
         namespace: Namespace of the robot.
         resolve: Makes a name absolute.
         on_scene: Called on the loop with an event, at most 20 times a second.
+        stop_topic: The topic that tells who is a gateway.
     """
 
     # Topic of a pose → its name in the scene.
     poses: ClassVar = {"detected_dock_pose": "marker", "filtered_dock_pose": "docked", "staging_pose": "staging"}
     receivers: ClassVar[tuple[str, ...]] = ("left", "center", "right")
     max_rate = 20.0  # Hz
+    raw = False  # whether odometry is heard as bytes
 
     def __init__(
-        self, bridge: Bridge, namespace: str, resolve: Callable[[str], str], on_scene: Callable[..., None]
+        self,
+        topics: TypedTopics,
+        namespace: str,
+        resolve: Callable[[str], str],
+        on_scene: Callable[..., None],
+        *,
+        stop_topic: str,
     ) -> None:
-        self._bridge = bridge
+        self._bridge = topics.bridge
         self._namespace = namespace
         self._on_scene = on_scene
         self._scene = Scene()
         self._pace = Pace(self.max_rate)
         self._truth_at = time.monotonic()  # wait for ground truth before odometry alone is shown
-        listen = bridge.node.create_subscription
-        self._subscriptions: list[Subscription] = [
-            # The true pose is read first: after a pause, odometry would be taken for all that there is.
-            self._listen_to_odometry(resolve("ground_truth"), self._hear_truth),
-            self._listen_to_odometry(resolve("odom"), self._hear_odometry),
-            listen(PoseStamped, resolve("true_dock_pose"), guard(self._hear_dock), LATCHED),
-            listen(PolygonStamped, resolve("footprint"), guard(self._hear_footprint), LATCHED),
-            *(
-                listen(PoseStamped, resolve(topic), guard(self._hear_pose(name)), LATEST)
-                for topic, name in self.poses.items()
-            ),
-            *(
-                listen(Range, resolve(f"infrared/{name}"), guard(self._hear_range(name)), LATEST)
-                for name in self.receivers
-            ),
-        ]
+        self._topics: list[TypedTopic] = []
 
-    def _listen_to_odometry(self, topic: str, hear: OnOdometry) -> Subscription:
-        return self._bridge.node.create_subscription(Odometry, topic, guard(hear), LATEST)
+        def listen(kind: type, name: str, callback: Callable[..., None], quality: QoSProfile, **options: Any) -> None:
+            topic = topics.subscribe(resolve(name), kind, stop_topic, guard(callback), quality, **options)
+            self._topics.append(topic)
+
+        # The true pose is read first: after a pause, odometry would be taken for all that there is.
+        for name, hear in (("ground_truth", self._hear_truth), ("odom", self._hear_odometry)):
+            listen(Odometry, name, self._reader(hear), LATEST, raw=self.raw)
+        listen(PoseStamped, "true_dock_pose", self._hear_dock, LATCHED)
+        listen(PolygonStamped, "footprint", self._hear_footprint, LATCHED)
+        for topic, name in self.poses.items():
+            listen(PoseStamped, topic, self._hear_pose(name), LATEST)
+        for name in self.receivers:
+            listen(Range, f"infrared/{name}", self._hear_range(name), LATEST)
+
+    def _reader(self, hear: OnOdometry) -> Callable[..., None]:
+        """Return what is called with each message of odometry."""
+        return hear
 
     def close(self) -> None:
         """Leave the topics."""
-        for subscription in self._subscriptions:
-            self._bridge.node.destroy_subscription(subscription)
+        for topic in self._topics:
+            topic.close()
 
     def _hear_odometry(self, message: Odometry, info: dict[str, Any]) -> None:
         now = time.monotonic()
@@ -145,9 +163,10 @@ class PosePort(ScenePort):
     poses: ClassVar = {"filtered_dock_pose": "docked", "staging_pose": "staging"}
     receivers: ClassVar[tuple[str, ...]] = ()
     max_rate = 10.0
+    raw = True
     slot_ns = 100_000_000
 
-    def _listen_to_odometry(self, topic: str, hear: OnOdometry) -> Subscription:
+    def _reader(self, hear: OnOdometry) -> Callable[..., None]:
         """Decode one message in each slot: decoding is what odometry costs.
 
         They are chosen by their stamps, so that those of both topics belong together.
@@ -162,7 +181,7 @@ class PosePort(ScenePort):
                 last = slot
                 hear(deserialize_message(raw, Odometry), info)
 
-        return self._bridge.node.create_subscription(Odometry, topic, guard(hear_some), LATEST, raw=True)
+        return hear_some
 
     def _tell(self, document: dict[str, Any], source_ns: int) -> None:
         self._bridge.to_loop(self._on_scene, self._namespace, document, source_ns)

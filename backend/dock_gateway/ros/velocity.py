@@ -21,9 +21,9 @@ from rclpy.publisher import Publisher
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 
-from dock_gateway.core.graph import Topic
+from dock_gateway.core.velocity_types import PLAIN, STAMPED, choose_types
 from dock_gateway.ros.bridge import Bridge, guard
-from dock_gateway.ros.graph import read_topic
+from dock_gateway.ros.graph import find_gateways, read_topic
 from dock_gateway.ros.listener import ListeningNode
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.qos import LISTEN, TALK
@@ -33,8 +33,7 @@ log = logging.getLogger(__name__)
 
 EndpointT = TypeVar("EndpointT", Publisher, Subscription)
 
-TYPES: dict[str, type] = {"geometry_msgs/msg/Twist": Twist, "geometry_msgs/msg/TwistStamped": TwistStamped}
-PLAIN, STAMPED = TYPES
+TYPES: dict[str, type] = {PLAIN: Twist, STAMPED: TwistStamped}
 # Seconds in which a listener's thread lets go of a subscription, which keeps the participant from another type.
 SETTLE = 0.05
 
@@ -89,7 +88,8 @@ class VelocityTopic:
     """One velocity topic.
 
     Attributes:
-        types: The types that are published and listened to.
+        types: The types that are published and listened to: none while others use it with other types only.
+        stop_topics: The topics that tell who is a gateway.
         fault: Why zero velocity reaches no base, if that is known.
         listeners: What listens.
     """
@@ -97,6 +97,7 @@ class VelocityTopic:
     def __init__(self, bridge: Bridge, name: str) -> None:
         self.types: tuple[str, ...] = (PLAIN,)
         self.fault: str | None = None
+        self.stop_topics: set[str] = set()
         self.listeners: list[VelocityListener] = []
         self._bridge = bridge
         self._name = name
@@ -124,14 +125,18 @@ class VelocityTopic:
 
     def look(self) -> None:
         """See which types bases subscribe to, and leave the others. `arrange` joins new ones."""
-        topic = read_topic(self._bridge.node, self._name)
-        types, fault = choose_types(topic, self.types, self._bridge.node.get_fully_qualified_name())
+        node = self._bridge.node
+        topic, own = read_topic(node, self._name), node.get_fully_qualified_name()
+        gateways = {own}
+        if topic.types_but_of({own}) - TYPES.keys():
+            gateways = gateways.union(*(find_gateways(node, name) for name in self.stop_topics))
+        types, fault = choose_types(topic, self.types, own, gateways)
         if fault != self.fault and fault is not None:
             log.warning("%s", fault)
         self.fault = fault
         if types == self.types:
             return
-        log.info("%s is %s", self._name, " and ".join(types))
+        log.info("%s is %s", self._name, " and ".join(types) or "left, as it is of another type")
         self.types = types
 
         def unwanted(name: str, bridge: Bridge) -> bool:
@@ -142,8 +147,9 @@ class VelocityTopic:
 
     def arrange(self) -> tuple[str, ...]:
         """Publish and listen to the first type; return the types that only a branch can have."""
-        with suppress(_rclpy.RCLError):  # another part of this process listens to the former type
-            self.add(self._bridge, self.types[0])
+        for name in self.types[:1]:
+            with suppress(_rclpy.RCLError):  # another part of this process listens to the former type
+                self.add(self._bridge, name)
         return self.missing
 
     def publish(self) -> None:
@@ -180,7 +186,8 @@ class VelocityTopic:
         for name, (_, publisher) in publishers.items():
             publisher.publish(self._zero(name))
         if not publishers or self.fault is not None:
-            raise RuntimeError(self.fault or f"{self._name} is changing its type")
+            reason = "is changing its type" if self.types else "is of another type"
+            raise RuntimeError(self.fault or f"{self._name} {reason}")
 
     def _zero(self, name: str) -> Any:
         message = TYPES[name]()
@@ -234,12 +241,19 @@ class VelocityListener:
 
 
 class VelocityPort:
-    """Publishes zero velocity, to stop a robot."""
+    """Publishes zero velocity, to stop a robot.
 
-    def __init__(self, topics: "VelocityTopics", name: str) -> None:
+    Args:
+        topics: Knows the topic.
+        name: Absolute name of the topic.
+        stop_topic: The topic that tells who is a gateway.
+    """
+
+    def __init__(self, topics: "VelocityTopics", name: str, stop_topic: str) -> None:
         self._topics = topics
         self._name = name
         self._topic = topics.at(name)
+        self._topic.stop_topics.add(stop_topic)
         self._topic.publish()
 
     def close(self) -> None:
@@ -292,7 +306,8 @@ class VelocityTopics:
             Unavailable: The ROS thread is down.
         """
         for name, topic in list(self._topics.items()):
-            if not topic.missing and topic.fault is None and set(types.get(name, ())) <= set(topic.types):
+            known = topic.types and topic.fault is None and set(types.get(name, ())) <= set(topic.types)
+            if known and not topic.missing:
                 continue  # every base is reached
             try:
                 await self._follow(topic)
@@ -307,30 +322,3 @@ class VelocityTopics:
             if self._branch is None:
                 self._branch = await self._bridge.branch(float("-inf"))
             await self._branch.call(partial(topic.add, self._branch, other))
-
-
-def choose_types(topic: Topic, before: tuple[str, ...], own: str) -> tuple[tuple[str, ...], str | None]:
-    """Choose the types to publish: what bases subscribe to, else what others publish, else as before.
-
-    A node that publishes on the topic is no base, but for example another gateway.
-
-    Args:
-        topic: The endpoints of the topic.
-        before: The types that are published now.
-        own: Name of our node.
-
-    Returns:
-        The types, and why they reach no base, if they do not.
-    """
-    talking = {endpoint.node for endpoint in topic.publishers} | {own}
-    bases = {endpoint.type: endpoint.node for endpoint in topic.subscribers if endpoint.node not in talking}
-    wanted = bases.keys() & TYPES.keys()
-    if not wanted:
-        published = {endpoint.type for endpoint in topic.publishers if endpoint.node != own} & TYPES.keys()
-        wanted = {before[0]} & published or published or {before[0]}
-        wanted = {min(wanted)}
-    fault = None
-    if bases and not bases.keys() & TYPES.keys():
-        kind, node = min(bases.items())
-        fault = f"{topic.name} is subscribed to by {node} as {kind}, which is neither {PLAIN} nor {STAMPED}"
-    return tuple(sorted(wanted, key=lambda name: (name != before[0], name))), fault

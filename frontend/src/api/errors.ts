@@ -168,6 +168,11 @@ const WORDS: Record<string, Words> = {
     title: "The gateway is too busy",
     advice: "Too many goals wait for an answer. Try again in some seconds.",
   },
+  wrong_topic_type: {
+    title: "The battery topic is of another type",
+    advice:
+      "The alert names the type and the node that uses it. Set DOCK_GATEWAY_BATTERY_TOPIC to another topic.",
+  },
 };
 
 export function adviceFor(code: string): string | null {

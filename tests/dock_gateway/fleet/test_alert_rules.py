@@ -10,6 +10,7 @@ from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.automation import Decision, Outcome
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.fleet.alert_rules import Alert, AlertKind, AlertRules, alert_id
+from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.history import Acknowledgement, Incident
@@ -250,3 +251,20 @@ def test_automatic_docking_that_gave_up_is_an_alert_of_a_robot_that_is_here() ->
     assert (alert.kind, alert.robot, alert.since) == (AlertKind.AUTOMATIC_DOCKING_FAILED, "/robot1", NOON)
     assert alert.kind.critical
     assert "'Low battery' could not dock /robot1" in alert.detail
+
+
+def test_a_finding_is_an_alert_since_it_was_first_seen() -> None:
+    rules = AlertRules(0.2)
+
+    def look(seconds: float, *findings: Finding) -> list[Alert]:
+        return rules.look([], [], NOON + timedelta(seconds=seconds), seconds, findings=findings)
+
+    wrong = Finding(FindingKind.WRONG_TOPIC_TYPE, "/", "Wrong", "One.")
+    (alert,) = look(0, wrong)
+    assert (alert.kind, alert.robot, alert.since, alert.critical) == (AlertKind.WRONG_TOPIC_TYPE, "/", NOON, False)
+    (worse,) = look(5, Finding(FindingKind.WRONG_TOPIC_TYPE, "/", "Wrong", "Two.", critical=True))
+    assert (worse.id, worse.since, worse.detail) == (alert.id, NOON, "Two.")
+    assert worse.document(None)["severity"] == "critical"
+    assert look(6) == []
+    (again,) = look(7, wrong)
+    assert again.since == NOON + timedelta(seconds=7)

@@ -52,7 +52,7 @@ def test_an_action_belongs_to_the_nearest_robot(action: str, owner: str) -> None
     assert (robots.owner(action) is None) is (owner == "/")
 
 
-BATTERY = Scan(topics={"/robot1/battery_status": []})
+BATTERY = Scan(topics={"/robot1/battery_status": ["sensor_msgs/msg/BatteryState"]})
 DOCK = Scan(actions={"/robot1/connect_to_charging_dock": []})
 
 

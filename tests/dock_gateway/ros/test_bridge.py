@@ -20,6 +20,7 @@ from dock_gateway.ros.action_port import ActionPort
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.robot_ports import BatteryPort
 from dock_gateway.ros.threads import MAX_CRASHES
+from dock_gateway.ros.typed_topics import TypedTopics
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
 from tests.support.observer import Observer
 from tests.support.processes import ros_environment
@@ -127,7 +128,9 @@ async def test_a_call_that_fails_says_why(bridge: Bridge) -> None:
 
 async def test_a_battery_state_answered_with_503_is_not_published_later(bridge: Bridge, observer: Observer) -> None:
     heard = observer.record(BatteryState, "/battery_status")
-    port = await bridge.call(lambda: BatteryPort(bridge, "/battery_status", lambda *_: None))
+    port = await bridge.call(
+        lambda: BatteryPort(TypedTopics(bridge), "/battery_status", lambda *_: None, "/stop_latched")
+    )
     await until(lambda: bool(port._publisher.get_subscription_count() == 2))
     await port.publish(BatteryState(voltage=1.0), stamp=False)
     await asyncio.to_thread(heard.wait_for, lambda message: message.voltage == 1)
@@ -140,7 +143,7 @@ async def test_a_battery_state_answered_with_503_is_not_published_later(bridge: 
 
 async def test_zero_velocity_does_not_wait_for_the_ros_thread(bridge: Bridge, observer: Observer) -> None:
     heard = observer.record(Twist, "/cmd_vel")
-    port = await bridge.call(lambda: VelocityPort(VelocityTopics(bridge), "/cmd_vel"))
+    port = await bridge.call(lambda: VelocityPort(VelocityTopics(bridge), "/cmd_vel", "/stop_latched"))
 
     def stopped() -> bool:
         port.publish_zero()

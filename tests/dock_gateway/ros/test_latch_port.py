@@ -21,7 +21,8 @@ def test_the_one_that_holds_on_is_named_when_the_other_lets_go(monkeypatch: pyte
     node = SimpleNamespace(create_publisher=lambda *_: None, create_subscription=lambda *_: None)
     bridge: Any = SimpleNamespace(inbox=lambda: inbox, node=node)
     names: list[str | None] = []
-    port = LatchPort(bridge, "/stop_latched", [], on_latch=lambda *_: None, on_hold=names.append)
+    topics: Any = SimpleNamespace(bridge=bridge, join=lambda *_: None)
+    port = LatchPort(topics, "/stop_latched", [], on_latch=lambda *_: None, on_hold=names.append)
 
     def say(topic: str, number: int, *, latched: bool) -> None:
         port._hear_other(topic, Taken(latched, number, 0, topic.encode()))

@@ -8,9 +8,10 @@ import pytest
 from geometry_msgs.msg import PoseStamped
 
 from dock_gateway.core.graph import Endpoint, Quality, Topic
+from dock_gateway.core.velocity_types import PLAIN, STAMPED, choose_types
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import scan
-from dock_gateway.ros.velocity import PLAIN, STAMPED, VelocityPort, VelocityTopics, choose_types
+from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
 from tests.support.observer import Observer
 from tests.support.processes import ForkedProcess, ros_environment
 
@@ -36,7 +37,12 @@ def endpoints(*pairs: tuple[str, str]) -> list[Endpoint]:
         ([(OTHER_GATEWAY, PLAIN)], [(OTHER_GATEWAY, PLAIN), (BASE, STAMPED)], (PLAIN,), (STAMPED,)),
         ([(SERVER, STAMPED)], [(GATEWAY, PLAIN)], (PLAIN,), (STAMPED,)),
         ([(SERVER, STAMPED), ("/joystick", PLAIN)], [], (PLAIN,), (PLAIN,)),
-        ([(SERVER, WRENCH)], [], (PLAIN,), (PLAIN,)),
+        ([(SERVER, WRENCH)], [], (PLAIN,), ()),
+        ([(SERVER, WRENCH), (GATEWAY, PLAIN)], [(GATEWAY, PLAIN)], (PLAIN,), ()),
+        ([(SERVER, WRENCH), (OTHER_GATEWAY, PLAIN)], [], (PLAIN,), ()),
+        ([(SERVER, WRENCH), ("/joystick", STAMPED)], [], (PLAIN,), (STAMPED,)),
+        ([], [], (), (PLAIN,)),
+        ([], [(BASE, STAMPED)], (), (STAMPED,)),
         ([], [(BASE, STAMPED), ("/logger", WRENCH)], (PLAIN,), (STAMPED,)),
     ],
 )
@@ -47,12 +53,12 @@ def test_the_types_are_those_of_the_bases(
     types: tuple[str, ...],
 ) -> None:
     topic = Topic("/cmd_vel", endpoints(*publishers), endpoints(*subscribers))
-    assert choose_types(topic, before, GATEWAY) == (types, None)
+    assert choose_types(topic, before, GATEWAY, [OTHER_GATEWAY]) == (types, None)
 
 
 def test_a_base_of_an_unknown_type_is_a_fault() -> None:
     types, fault = choose_types(Topic("/cmd_vel", [], endpoints((BASE, WRENCH))), (PLAIN,), GATEWAY)
-    assert types == (PLAIN,)
+    assert types == ()
     assert fault is not None
     assert BASE in fault
     assert WRENCH in fault
@@ -67,7 +73,7 @@ class Robot:
         self.topics = topics or VelocityTopics(bridge)
 
     async def join(self) -> None:
-        self.port = await self._bridge.call(lambda: VelocityPort(self.topics, "/cmd_vel"))
+        self.port = await self._bridge.call(lambda: VelocityPort(self.topics, "/cmd_vel", "/stop_latched"))
         self.listener = await self._bridge.call(
             lambda: self.topics.listen("/cmd_vel", lambda message, _: self.heard.append(message))
         )

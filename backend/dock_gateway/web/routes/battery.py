@@ -50,7 +50,7 @@ async def get_battery(gateway: TheGateway, robot: RobotQuery = None) -> Response
 @router.post(
     "/battery",
     response_model=Published,
-    responses=problems(400, 404, 413, 415, 422, 503),
+    responses=problems(400, 404, 409, 413, 415, 422, 503),
     openapi_extra=battery_body(required=True),
 )
 async def publish_battery(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
@@ -68,7 +68,7 @@ async def get_publisher(gateway: TheGateway, robot: RobotQuery = None) -> Respon
 @router.put(
     "/battery/publisher",
     response_model=Publisher,
-    responses=problems(400, 404, 413, 415, 422, 503),
+    responses=problems(400, 404, 409, 413, 415, 422, 503),
     openapi_extra=body(PUBLISHER_REQUEST, required=True),
 )
 async def start_publisher(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:

@@ -1,0 +1,154 @@
+"""Topics that the gateway uses with one type each, with endpoints only while that type fits what others have there.
+
+A topic with endpoints of two types is a mistake on the graph: `ros2 topic echo` refuses it, and the two never meet.
+What others call `battery_status` may be something else, so nothing is made there before a type fits.
+
+Topics are joined and left on the ROS thread; `update` is called on the loop.
+"""
+
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+
+from dock_gateway.ros.bridge import Bridge
+from dock_gateway.ros.graph import find_gateways, read_topic
+from dock_gateway.ros.messages.types import type_name
+
+log = logging.getLogger(__name__)
+
+
+class TypedTopic:
+    """A topic and our endpoints on it.
+
+    Args:
+        topics: All such topics.
+        name: Absolute name.
+        kind: The message class.
+        stop_topic: The topic that tells who is a gateway.
+        make: Makes our endpoints.
+        destroy: Destroys them.
+
+    Attributes:
+        open: Whether we have our endpoints.
+    """
+
+    def __init__(
+        self,
+        topics: "TypedTopics",
+        name: str,
+        kind: type,
+        stop_topic: str,
+        *,
+        make: Callable[[], None],
+        destroy: Callable[[], object],
+    ) -> None:
+        self.name = name
+        self.type = type_name(kind)
+        self.open = False
+        self._topics = topics
+        self._stop_topic = stop_topic
+        self._make = make
+        self._destroy = destroy
+        self._mixed = self._failed = False
+
+    def is_settled(self, types: Sequence[str]) -> bool:
+        """Return whether nothing has to be done if these are the topic's types on the graph."""
+        return self.open and not self._mixed and set(types) <= {self.type}
+
+    def follow(self, types: Sequence[str] | None) -> None:
+        """Make our endpoints if their type fits, destroy them if it does not.
+
+        Args:
+            types: The topic's types on the graph; None if they are not known.
+        """
+        self._mixed = False
+        fits = self._look() if types is None or set(types) - {self.type} else True
+        if self.open and not fits:
+            log.warning("%s is left, as it is not of type %s", self.name, self.type)
+            self.open = False
+            self._destroy()
+        elif fits and not self.open:
+            try:
+                self._make()
+            except _rclpy.RCLError as error:  # another part of this process uses the topic with another type
+                if not self._failed:
+                    log.warning("%s cannot be used yet: %s", self.name, error)
+                self._failed = True
+            else:
+                self.open, self._failed = True, False
+
+    def _look(self) -> bool:
+        """Return whether our type fits: whether others have it there, too, or there are none."""
+        node = self._topics.bridge.node
+        topic = read_topic(node, self.name)
+        types = topic.types_but_of(frozenset({node.get_fully_qualified_name()}))
+        self._mixed = bool(types - {self.type})
+        return not self._mixed or self.type in topic.types_but_of(find_gateways(node, self._stop_topic))
+
+    def close(self) -> None:
+        """Leave the topic for good."""
+        self._topics.leave(self)
+        if self.open:
+            self.open = False
+            self._destroy()
+
+
+class TypedTopics:
+    """The topics that are joined.
+
+    Args:
+        bridge: The bridge to the ROS thread.
+    """
+
+    def __init__(self, bridge: Bridge) -> None:
+        self.bridge = bridge
+        self._topics: dict[TypedTopic, None] = {}  # in their order
+        self._types: Mapping[str, Sequence[str]] | None = None  # at the last scan
+
+    def join(
+        self, name: str, kind: type, stop_topic: str, make: Callable[[], None], destroy: Callable[[], object]
+    ) -> TypedTopic:
+        """Join a topic as soon as its type fits; parameters as those of `TypedTopic`."""
+        topic = TypedTopic(self, name, kind, stop_topic, make=make, destroy=destroy)
+        topic.follow(None if self._types is None else self._types.get(name, ()))
+        self._topics[topic] = None
+        return topic
+
+    def subscribe(
+        self, name: str, kind: type, stop_topic: str, hear: Callable[..., None], quality: QoSProfile, **options: Any
+    ) -> TypedTopic:
+        """Join a topic with one subscription; `hear` is called with each message."""
+        node, subscriptions = self.bridge.node, list[Subscription]()
+
+        def make() -> None:
+            subscriptions.append(node.create_subscription(kind, name, hear, quality, **options))
+
+        return self.join(name, kind, stop_topic, make, lambda: node.destroy_subscription(subscriptions.pop()))
+
+    def leave(self, topic: TypedTopic) -> None:
+        """Forget a topic."""
+        self._topics.pop(topic, None)
+
+    async def update(self, types: Mapping[str, Sequence[str]]) -> None:
+        """Follow the graph.
+
+        Args:
+            types: The types of all topics, by name, as a scan found them.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+        self._types = types
+        for topic in list(self._topics):
+            seen = types.get(topic.name, ())
+            if not topic.is_settled(seen):
+                await self.bridge.call(partial(self._follow, topic, seen))
+
+    def _follow(self, topic: TypedTopic, types: Sequence[str]) -> None:
+        if topic in self._topics:
+            topic.follow(types)
