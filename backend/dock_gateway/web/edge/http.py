@@ -13,16 +13,18 @@ from dock_gateway.core.errors import GatewayError, MalformedRequest, Unavailable
 from dock_gateway.web.edge.connection import LINGER_BYTES, Connection, ConnectionTransport, Edge
 from dock_gateway.web.edge.limits import Priority
 from dock_gateway.web.edge.refusal import http_answer, refusal
+from dock_gateway.web.edge.strict import StrictConnection
+from dock_gateway.web.edge.targets import begins_stop
 
 # Client errors are answered but not logged: a flood would fill the disk. The gateway's own errors are logged.
 log = logging.getLogger("uvicorn.error.http")
 log.setLevel(logging.ERROR)
+log.addFilter(lambda record: "without completing response" not in record.getMessage())  # PacedResponse says why
 
 # The limit of the WebSocket library. Each header costs time.
 MAX_HEADERS = 128
 # Stops are handled before everything else, as long as they are short: at most STOP_PIECES pieces.
 STOP = ("POST", "/stop")
-STOP_LINE = b"POST /stop"
 STOP_PIECES = 4
 # Seconds that a request costs in addition to reading it: routing, validation, response.
 REQUEST_COST = 0.001
@@ -37,14 +39,23 @@ def create_connection(edge: Edge, **options: Any) -> Connection:
     return Connection(edge, HttpProtocol(edge, **options))
 
 
+def host_of(address: tuple[str, int | None] | None) -> bytes:
+    """Return what a client would name a server with this address."""
+    host, port = address or ("localhost", None)
+    name = f"[{host}]" if ":" in host else host
+    return (name if port is None else f"{name}:{port}").encode()
+
+
 class HttpProtocol(H11Protocol):
     """The HTTP protocol of a connection, until the client asks for a WebSocket."""
 
     transport: ConnectionTransport  # type: ignore[assignment]
+    conn: StrictConnection
 
     def __init__(self, edge: Edge, **options: Any) -> None:
         super().__init__(**options)
         self.logger = log
+        self.conn = StrictConnection(edge.settings.max_header_bytes)
         self._edge = edge
         self._deadline: asyncio.TimerHandle | None = None  # for the rest of incomplete input
         self._unwanted = 0  # body bytes received after the answer
@@ -55,6 +66,7 @@ class HttpProtocol(H11Protocol):
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Wait for the first request. A gateway with TLS answers none without."""
         super().connection_made(transport)
+        self.conn.host = host_of(self.server)
         if self._edge.settings.tls and not self._secure:
             self._answer(MalformedRequest("this port speaks TLS: use https:// or wss://", code="tls_required"))
         else:
@@ -83,7 +95,7 @@ class HttpProtocol(H11Protocol):
     def is_urgent(self, data: bytes) -> bool:
         """Whether this piece begins or continues a stop."""
         if self.conn.their_state is h11.IDLE:
-            self._stop_pieces = STOP_PIECES if data.startswith(STOP_LINE) else 0
+            self._stop_pieces = STOP_PIECES if begins_stop(data) else 0
         self._stop_pieces -= 1
         return self._stop_pieces >= 0
 

@@ -195,6 +195,8 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         """Send a message of the application. A client that was cut off counts as disconnected."""
         try:
             await super().send(message)
+            if message["type"] == "websocket.http.response.body" and self.close_sent:
+                self.handshake_complete = True  # refused, which is no error of the application
         except RuntimeError:
             if self._failed or self.transport.is_closing():
                 raise ClientDisconnected from None

@@ -6,6 +6,7 @@ Each field of a message is a column, named by its dotted path: `current_battery_
 import csv
 import io
 import re
+import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 from typing import Any
@@ -14,9 +15,11 @@ import orjson
 
 from dock_gateway.core.goal import Goal, encode
 
-NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
-# Characters that spreadsheets take for the start of a formula.
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
+NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+# Characters that spreadsheets take for the start of a formula, also where these are wide, small or raised ones.
+FORMULA = frozenset("=+-@\N{MINUS SIGN}")
+# What they do not show, and some leave out before they look for a formula: spaces, control and format characters.
+UNSEEN = ("Z", "C")
 # Items. Longer arrays are one column, as JSON.
 MAX_ITEMS = 1000
 
@@ -58,7 +61,15 @@ def cell(value: object) -> str:
     if isinstance(value, bool | int | float | datetime):
         return encode(value).decode().strip('"')
     text = value.decode() if isinstance(value, bytes) else str(value)
-    return f"'{text}" if text.startswith(FORMULA) and not NUMBER.fullmatch(text) else text
+    return f"'{text}" if looks_like_formula(text) else text
+
+
+def looks_like_formula(text: str) -> bool:
+    """Return whether a spreadsheet could run a text. A plain number is none."""
+    if text.startswith(("\t", "\r", "\n")):
+        return True
+    first = next((each for each in text if not unicodedata.category(each).startswith(UNSEEN)), "")
+    return unicodedata.normalize("NFKC", first)[:1] in FORMULA and not NUMBER.fullmatch(text)
 
 
 def goal_row(goal: Goal, tags: Sequence[str]) -> list[object]:

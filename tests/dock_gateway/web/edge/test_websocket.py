@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 from starlette.applications import Starlette
+from starlette.responses import PlainTextResponse
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 from websockets.asyncio.client import connect
@@ -268,3 +269,15 @@ async def test_floods_of_a_few_do_not_keep_others_waiting() -> None:
             answer = await edge.ask(b"GET /http HTTP/1.1\r\nConnection: close\r\n" + HOST + b"\r\n")
             assert answer.endswith(b"GET /http")
         assert time.monotonic() - began < 5
+
+
+async def refuse(websocket: WebSocket) -> None:
+    await websocket.send_denial_response(PlainTextResponse("no", 403))
+
+
+async def test_a_websocket_that_is_refused_is_no_error(caplog: pytest.LogCaptureFixture) -> None:
+    async with serving(Starlette(routes=[WebSocketRoute("/", refuse)])) as edge:
+        answer = await edge.ask(b"GET / HTTP/1.1\r\n" + HOST + UPGRADE + KEY + b"\r\n")
+    assert answer.startswith(b"HTTP/1.1 403 ")
+    assert answer.endswith(b"no")
+    assert not [record for record in caplog.records if record.levelname in ("WARNING", "ERROR")]

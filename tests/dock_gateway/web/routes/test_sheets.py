@@ -2,14 +2,26 @@
 
 import csv
 import io
+import unicodedata
 from datetime import timedelta
 from typing import Any
 
 import orjson
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from dock_gateway.core.goal import GoalError, GoalStatus
-from dock_gateway.web.routes.sheets import GOAL_COLUMNS, MAX_ITEMS, FeedbackSheet, cell, flatten, goal_row, rows_of
+from dock_gateway.web.routes.sheets import (
+    GOAL_COLUMNS,
+    MAX_ITEMS,
+    NUMBER,
+    FeedbackSheet,
+    cell,
+    flatten,
+    goal_row,
+    rows_of,
+)
 from tests.support.history import NOW, make_goal
 
 
@@ -40,6 +52,31 @@ def event(number: int, **feedback: Any) -> bytes:
         ("-1_0", "'-1_0"),
         ("-", "'-"),
         ("a=1", "a=1"),
+        ("\uff1d1+1", "'\uff1d1+1"),
+        ("\uff0b1", "'\uff0b1"),
+        ("\uff0d1", "'\uff0d1"),
+        ("\uff20SUM(1)", "'\uff20SUM(1)"),
+        ("\ufe661", "'\ufe661"),
+        ("\ufe621", "'\ufe621"),
+        ("\ufe631", "'\ufe631"),
+        ("\ufe6bSUM(1)", "'\ufe6bSUM(1)"),
+        ("\u207c1", "'\u207c1"),
+        ("\u208a1", "'\u208a1"),
+        ("\u207b1", "'\u207b1"),
+        ("\N{MINUS SIGN}1+2", "'\N{MINUS SIGN}1+2"),
+        (" =1", "' =1"),
+        (" \u00a0\u3000=1", "' \u00a0\u3000=1"),
+        ("\u200b\ufeff\u202e\uff1d1", "'\u200b\ufeff\u202e\uff1d1"),
+        ("\n=1", "'\n=1"),
+        ("\x00\x1b=1", "'\x00\x1b=1"),
+        ("\tnot one", "'\tnot one"),
+        (" -1", "' -1"),
+        ("-\uff11", "'-\uff11"),
+        (" a", " a"),
+        ("\u200b", "\u200b"),
+        ("\u2a751", "'\u2a751"),
+        ("≠1", "≠1"),
+        ("½", "½"),
         (b'{"order":5}', '{"order":5}'),
         (NOW, "2026-11-21T00:00:00Z"),
     ],
@@ -47,6 +84,19 @@ def event(number: int, **feedback: Any) -> bytes:
 def test_cells(value: object, text: str) -> None:
     assert cell(value) == text
     assert read(rows_of([[value, 7]])) == [[text, "7"]]
+
+
+@given(st.text())
+def test_no_cell_is_a_formula(text: str) -> None:
+    """However a spreadsheet normalizes it, and whatever it leaves out before."""
+    written = cell(text.encode(errors="replace"))
+    plain = unicodedata.normalize("NFKC", written).strip().replace("\N{MINUS SIGN}", "-")
+    assert not plain.startswith(("=", "+", "-", "@")) or NUMBER.fullmatch(written)
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False) | st.integers())
+def test_numbers_stay_numbers(number: float) -> None:
+    assert cell(str(number)) == str(number)
 
 
 def test_a_row_of_a_goal() -> None:
