@@ -4,6 +4,7 @@ import difflib
 import os
 import re
 from collections.abc import Iterable
+from fnmatch import fnmatchcase
 from ipaddress import ip_network
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -19,6 +20,8 @@ LOOPBACK_HOSTS = frozenset({"127.0.0.1", "::1", "localhost"})
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TOPIC = re.compile(rf"/?{NAME.pattern}(?:/{NAME.pattern})*")
 NAMESPACE = re.compile(rf"/?|{TOPIC.pattern}/?")
+# A namespace in which `*` stands for any text.
+ROBOTS = re.compile(r"/?|/?[A-Za-z0-9_*]+(?:/[A-Za-z0-9_*]+)*/?")
 ACTION_TYPE = re.compile(rf"{NAME.pattern}/action/{NAME.pattern}")
 
 # Signatures that a provider publishes keys for: neither `none` nor those with a shared secret are among them.
@@ -264,6 +267,16 @@ class Settings(BaseSettings):
         lt=1,
         description="Charge (0 to 1) below which a robot that is not charging raises an alert; 0: never.",
     )
+    percentage_0_to_100: Annotated[tuple[str, ...], NoDecode] = Field(
+        (),
+        description="Robots whose battery driver counts `percentage` from 0 to 100, not to 1: namespaces such as "
+        "`/robot1` or `/hall_a/*`, separated by commas; `*` for all.",
+    )
+    charging_current_negative: Annotated[tuple[str, ...], NoDecode] = Field(
+        (),
+        description="Robots whose battery driver counts a charging `current` as negative; as for "
+        "`PERCENTAGE_0_TO_100`. It counts where `power_supply_status` is UNKNOWN.",
+    )
 
     database_url: str = Field(
         "",
@@ -400,7 +413,14 @@ class Settings(BaseSettings):
             return value
         return tuple(part.lower() if isinstance(part, str) else part for part in parts)
 
-    @field_validator("stop_topics", "oidc_algorithms", "oidc_roles", mode="before")
+    @field_validator(
+        "stop_topics",
+        "oidc_algorithms",
+        "oidc_roles",
+        "percentage_0_to_100",
+        "charging_current_negative",
+        mode="before",
+    )
     @classmethod
     def _split_exactly(cls, value: object) -> object:
         return _split(value)
@@ -485,6 +505,14 @@ class Settings(BaseSettings):
     def _check_topics(cls, value: tuple[str, ...]) -> tuple[str, ...]:
         return tuple(map(cls._check_topic, value))
 
+    @field_validator("percentage_0_to_100", "charging_current_negative")
+    @classmethod
+    def _check_robots(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        for part in value:
+            if not ROBOTS.fullmatch(part):
+                raise ValueError(f"{part[:100]!r} is not a namespace such as /robot1 or /hall_a/*, and not * for all")
+        return value
+
     @field_validator("dock_action", "undock_action")
     @classmethod
     def _check_action(cls, value: str) -> str:
@@ -562,10 +590,23 @@ class Settings(BaseSettings):
         """Where goals go that the database does not take at once."""
         return self.spool_path or data_file(f"spool-{scope()}")
 
+    def counts_to_100(self, namespace: str) -> bool:
+        """Whether the battery driver of a robot counts percentage to 100."""
+        return _named(namespace, self.percentage_0_to_100)
+
+    def charges_negative(self, namespace: str) -> bool:
+        """Whether the battery driver of a robot counts a charging current as negative."""
+        return _named(namespace, self.charging_current_negative)
+
     def resolve(self, name: str, namespace: str | None = None) -> str:
         """A ROS name as the graph has it: absolute, under the namespace (the configured one) where it was relative."""
         under = self.namespace if namespace is None else namespace
         return name if name.startswith("/") else f"/{under.strip('/')}/{name}".replace("//", "/")
+
+
+def _named(namespace: str, patterns: tuple[str, ...]) -> bool:
+    """Return whether a robot is one of those that a setting names."""
+    return any(fnmatchcase(namespace, f"/{pattern.strip('/')}") for pattern in patterns)
 
 
 def _split(value: object) -> object:

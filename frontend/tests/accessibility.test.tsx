@@ -64,6 +64,8 @@ describe("axe finds nothing", () => {
       goals: [goal("a", { status: "lost", error }), goal("b", { stalled: true, origin: "external" })],
       battery: {
         state: { ...battery, cell_voltage: [3.9, null] },
+        percentage: null,
+        implausible: [{ field: "percentage", value: 12, expected: "0 to 1" }],
         age_s: 0,
         stale: false,
         stale_after_s: 2,

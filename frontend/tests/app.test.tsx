@@ -235,6 +235,8 @@ describe("battery", () => {
     renderPage(fakeGateway(), {
       battery: {
         state: { ...battery, current: -1.5 },
+        percentage: 0.24,
+        implausible: [],
         age_s: 9,
         stale: true,
         stale_after_s: 4.5,
@@ -249,9 +251,28 @@ describe("battery", () => {
     expect(screen.getByText(/no battery message for more than 4.5 s/)).toBeDefined();
   });
 
+  it("says what of it cannot be right, and does not use it", async () => {
+    const { store } = renderPage(fakeGateway(), {}, "/ui/robot");
+    const implausible = [{ field: "percentage", value: 12, expected: "0 to 1" }];
+    act(() => store.onEvent({ ...batteryEvent({ percentage: 12 }), percentage: null, implausible }));
+    expect(await screen.findByText(/percentage is 12, but should be 0 to 1/)).toBeDefined();
+    const card = screen.getByRole("region", { name: "Battery" });
+    expect(card.textContent).not.toMatch(/%/);
+    expect(within(card).getByText("not measured")).toBeDefined();
+  });
+
   it("says of its card and of its plots the same: stale, no data, not live", async () => {
     const received_at = new Date(Date.now() - 9000).toISOString();
-    const old = { state: battery, age_s: 9, stale: true, stale_after_s: 4.5, low_below: 0.2, received_at };
+    const old = {
+      state: battery,
+      percentage: 0.24,
+      implausible: [],
+      age_s: 9,
+      stale: true,
+      stale_after_s: 4.5,
+      low_below: 0.2,
+      received_at,
+    };
     const { store } = renderPage(fakeGateway(), { battery: old }, "/ui/robot");
     const badge = (card: string) =>
       within(screen.getByRole("region", { name: card })).queryByText(/^(Live|Stale|No data|Not live)$/)
@@ -268,7 +289,16 @@ describe("battery", () => {
   it("says what is no longer measured", async () => {
     const measured = { ...battery, current: -1.5 };
     const received_at = new Date().toISOString();
-    const first = { state: measured, age_s: 0, stale: false, stale_after_s: 5, low_below: 0.2, received_at };
+    const first = {
+      state: measured,
+      percentage: 0.24,
+      implausible: [],
+      age_s: 0,
+      stale: false,
+      stale_after_s: 5,
+      low_below: 0.2,
+      received_at,
+    };
     const { store } = renderPage(fakeGateway(), { battery: first }, "/ui/robot");
     expect(screen.getByText("−1.50 A")).toBeDefined();
     hearBattery(store);
@@ -278,7 +308,16 @@ describe("battery", () => {
   it("is stale when the gateway says so, not before", () => {
     const received_at = new Date(Date.now() - 9000).toISOString();
     renderPage(fakeGateway(), {
-      battery: { state: battery, age_s: 9, stale: false, stale_after_s: 30, low_below: 0.2, received_at },
+      battery: {
+        state: battery,
+        percentage: 0.24,
+        implausible: [],
+        age_s: 9,
+        stale: false,
+        stale_after_s: 30,
+        low_below: 0.2,
+        received_at,
+      },
     });
     expect(screen.queryByText("Stale")).toBeNull();
   });

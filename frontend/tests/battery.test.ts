@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { GraphTopic } from "../src/api/topics";
 import type { BatteryHistory, BatteryState } from "../src/api/types";
+import { believed, implausibleWords } from "../src/battery/believed";
 import { PRESETS, sameForm, toMessage } from "../src/battery/form";
 import { describe as describeQuantity, fromHistory, gapLimit, join, noPoints } from "../src/battery/points";
 import { whoPublishes } from "../src/battery/publishers";
@@ -233,6 +234,37 @@ describe("the plots' scales", () => {
       false,
       false,
       false,
+    ]);
+  });
+
+  it("are believed as far as the gateway does", () => {
+    const state = {
+      ...battery,
+      percentage: 12,
+      voltage: 12_400,
+      cell_voltage: [3.7, -1],
+      power_supply_status: 9,
+    };
+    const fields = ["percentage", "voltage", "cell_voltage.1", "power_supply_status", "header.stamp"];
+    const implausible = fields.map((field) => ({ field, value: -1, expected: "another value" }));
+    expect(believed({ state, percentage: null, implausible })).toEqual({
+      ...state,
+      percentage: null,
+      voltage: null,
+      cell_voltage: [3.7, null],
+      power_supply_status: 0,
+    });
+    expect(believed({ state: battery, percentage: 0.12 })).toEqual({ ...battery, percentage: 0.12 });
+    expect(believed({ state: battery })).toEqual(battery); // as older gateways stored it
+    expect(formatPercentage(12)).toBe("implausible (12)");
+    expect(formatPercentage(-0.01)).toBe("implausible (-0.01)");
+    expect([formatPercentage(1.02), formatPercentage(-0.0001)]).toEqual(["100 %", "0 %"]);
+    const words = (value: number | string) => implausibleWords({ field: "f", value, expected: "0 to 1" });
+    expect([words(12), words(-0.01), words("inf"), words(1e30)]).toEqual([
+      "f is 12, but should be 0 to 1",
+      "f is −0.01, but should be 0 to 1",
+      "f is inf, but should be 0 to 1",
+      "f is 1.00000e+30, but should be 0 to 1",
     ]);
   });
 

@@ -104,8 +104,11 @@ export function robot(name: string, change: Partial<Robot> = {}): Robot {
     default: name === "/",
     docked: false,
     simulated: false,
+    charging: null,
     battery: {
       state: battery,
+      percentage: battery.percentage,
+      implausible: [],
       received_at: new Date().toISOString(),
       stale: false,
       stale_after_s: 2,
@@ -181,7 +184,16 @@ export function snapshot(change: Partial<EventOf<"snapshot">> = {}): EventOf<"sn
     type: "snapshot",
     time: at(0),
     goals: [],
-    battery: { state: null, age_s: null, stale: false, stale_after_s: 2, low_below: 0.2, received_at: null },
+    battery: {
+      state: null,
+      percentage: null,
+      implausible: [],
+      age_s: null,
+      stale: false,
+      stale_after_s: 2,
+      low_below: 0.2,
+      received_at: null,
+    },
     battery_publisher: idlePublisher,
     action_server: server,
     undock_server: undockServer,
@@ -232,6 +244,8 @@ export function batteryEvent(change: Partial<BatteryState> = {}, seconds = 1): E
     time: at(seconds),
     robot: "/",
     battery: { ...battery, ...change },
+    percentage: { ...battery, ...change }.percentage,
+    implausible: [],
   };
 }
 

@@ -1,5 +1,6 @@
 import { act, cleanup, screen, waitFor, within } from "@testing-library/react";
 import { beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
+import type { BatteryState } from "../src/api/types";
 import type { Robot } from "../src/fleet/types";
 import { listed, readView, writeView } from "../src/overview/list";
 import { alert, at, battery, goal, latched, robot, server } from "./events";
@@ -14,13 +15,19 @@ const one = robot("/robot1", {
 });
 const two = robot("/robot2", {
   goals: [goal("g", { action_name: "/robot2/dock", stage: "CONTROLLING" })],
-  battery: { ...one.battery, state: { ...battery, percentage: 0.81, power_supply_status: 1 } },
+  battery: {
+    ...one.battery,
+    state: { ...battery, percentage: 0.81, power_supply_status: 1 },
+    percentage: 0.81,
+  },
 });
 const ten = robot("/robot10", {
   stop: latched("Ada"),
   dock: { ...server, action_name: "/robot10/dock", answering: false },
   battery: {
     state: { ...battery, percentage: null },
+    percentage: null,
+    implausible: [],
     received_at: at(-60),
     stale: true,
     stale_after_s: 2,
@@ -30,7 +37,15 @@ const ten = robot("/robot10", {
 const empty = robot("/", {
   dock: { ...server, available: false, answering: false },
   undock: null,
-  battery: { state: null, received_at: null, stale: false, stale_after_s: 2, low_below: 0.2 },
+  battery: {
+    state: null,
+    percentage: null,
+    implausible: [],
+    received_at: null,
+    stale: false,
+    stale_after_s: 2,
+    low_below: 0.2,
+  },
 });
 const robots = [empty, one, two, ten];
 
@@ -56,7 +71,7 @@ describe("the overview of several robots", () => {
   it("calls a battery low below the gateway's limit, unless it charges", () => {
     const at35 = (name: string, low_below: number, power_supply_status = 2) => {
       const state = { ...battery, percentage: 0.35, power_supply_status };
-      return robot(name, { battery: { ...one.battery, state, low_below } });
+      return robot(name, { battery: { ...one.battery, state, percentage: 0.35, low_below } });
     };
     renderPage(fakeGateway(), { robots: [at35("/a", 0.4), at35("/b", 0.3), at35("/c", 0.4, 1)] });
     expect(["/a", "/b", "/c"].map((name) => /low/.test(row(name).textContent ?? ""))).toEqual([
@@ -64,6 +79,21 @@ describe("the overview of several robots", () => {
       false,
       false,
     ]);
+  });
+
+  it("shows no percentage that cannot be right, and what charges without a status", () => {
+    const battery = { ...one.battery, percentage: null };
+    const wrong = { ...battery.state, percentage: 12 } as BatteryState;
+    const quiet = { ...battery.state, percentage: 0.1, power_supply_status: 0 } as BatteryState;
+    const robots = [
+      robot("/wrong", { battery: { ...battery, state: wrong } }),
+      robot("/quiet", { charging: true, battery: { ...battery, state: quiet, percentage: 0.1 } }),
+    ];
+    renderPage(fakeGateway(), { robots });
+    expect(row("/wrong").textContent).toMatch(/2.16 V/);
+    expect(row("/wrong").textContent).not.toMatch(/%/);
+    expect(row("/quiet").textContent).toMatch(/10 %.*charging/);
+    expect(row("/quiet").textContent).not.toMatch(/low/);
   });
 
   it("calls a robot unreachable that was switched off, and counts it so", () => {
@@ -171,7 +201,7 @@ describe("the overview of several robots", () => {
     for (const percentage of [0.5, 0.6]) {
       const changed = many.map((each) => ({
         ...each,
-        battery: { ...each.battery, state: { ...battery, percentage } },
+        battery: { ...each.battery, state: { ...battery, percentage }, percentage },
       }));
       act(() => store.onEvent({ type: "robots", time: new Date().toISOString(), robots: changed, gone: [] }));
       await waitFor(() => expect(row("/other49").textContent).toMatch(`${percentage * 100} %`));

@@ -42,6 +42,8 @@ describe("snapshot", () => {
         goals: [goal("a")],
         battery: {
           state: battery,
+          percentage: 0.24,
+          implausible: [],
           age_s: 1,
           stale: false,
           stale_after_s: 5,
@@ -54,6 +56,7 @@ describe("snapshot", () => {
     expect(state.goals.get("a")?.status).toBe("executing");
     expect(state.battery).toEqual({
       state: battery,
+      implausible: [],
       receivedAt: START - 1000,
       staleAfterS: 5,
       lowBelow: 0.2,

@@ -184,8 +184,9 @@ def describe(message: dict[str, Any]) -> str:
         return orjson.dumps(message).decode()
     status = state["power_supply_status"]
     parts = [POWER_SUPPLY_STATUS.get(status, str(status))]
-    if state["percentage"] is not None:
-        parts.append(f"{state['percentage']:.0%}")
+    percentage = message.get("percentage", state["percentage"])
+    if percentage is not None:
+        parts.append(f"{percentage:.0%}" if 0 <= percentage <= 1 else f"percentage {percentage:g}, not 0 to 1")
     if state["voltage"] is not None:
         parts.append(f"{state['voltage']:g} V")
     return ", ".join(parts)
@@ -340,6 +341,8 @@ def battery(
             click.echo("no battery state yet")
         else:
             click.echo(f"{describe(answer)} ({answer['age_s']:.1f} s ago{', stale' if answer['stale'] else ''})")
+            for wrong in answer["implausible"]:
+                click.echo(f"not used: {wrong['field']} is {wrong['value']}, but should be {wrong['expected']}")
     else:
         state = {"power_supply_status": status, "voltage": voltage, "percentage": percentage}
         if rate is None:

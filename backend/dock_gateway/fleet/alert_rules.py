@@ -8,12 +8,12 @@ from enum import StrEnum
 from typing import Any
 
 from dock_gateway.core.automation import Decision
+from dock_gateway.core.battery import CHARGES_NEGATIVE
 from dock_gateway.core.filters import is_hidden, lineage, parent_of
 from dock_gateway.core.goal import LOST_FOR, Goal
 from dock_gateway.fleet.findings import Finding, FindingKind
-from dock_gateway.fleet.robot_state import CHARGES, RobotState
+from dock_gateway.fleet.robot_state import DRAINS, RobotState
 from dock_gateway.history import Acknowledgement, Incident
-from dock_gateway.robots.battery import PowerSupply
 
 # Seconds that a docked robot may be without power: contacts bounce, chargers start slowly.
 WITHOUT_POWER = 10.0
@@ -23,6 +23,8 @@ FULL = 0.99
 STALE_FOR = timedelta(seconds=5)
 # Hysteresis: how far (0 to 1) a low battery must rise above the limit before its alert ends.
 MARGIN = 0.05
+# Seconds for which an alert about a low battery lasts while its charge is unknown.
+UNKNOWN_FOR = 30.0
 
 
 NO_DUPLICATES: Mapping[str, list[str]] = {}
@@ -36,6 +38,7 @@ class AlertKind(StrEnum):
     GOAL_LOST = "goal_lost"
     DISCHARGING_ON_DOCK = "discharging_on_dock"
     LOW_BATTERY = "low_battery"
+    BATTERY_IMPLAUSIBLE = "battery_implausible"
     BATTERY_STALE = "battery_stale"
     HISTORY_LOST = "history_lost"
     DUPLICATE_ACTION_SERVER = "duplicate_action_server"
@@ -49,7 +52,13 @@ class AlertKind(StrEnum):
 
 
 WARNINGS = frozenset(
-    {AlertKind.LOW_BATTERY, AlertKind.BATTERY_STALE, AlertKind.HISTORY_LOST, AlertKind.WRONG_TOPIC_TYPE}
+    {
+        AlertKind.LOW_BATTERY,
+        AlertKind.BATTERY_IMPLAUSIBLE,
+        AlertKind.BATTERY_STALE,
+        AlertKind.HISTORY_LOST,
+        AlertKind.WRONG_TOPIC_TYPE,
+    }
 )
 
 
@@ -108,6 +117,8 @@ class AlertRules:
     def __init__(self, low_battery: float) -> None:
         self._low_battery = low_battery
         self._low_since: dict[str, datetime] = {}  # by robot
+        self._low_at: dict[str, float] = {}  # when it was known last
+        self._implausible_since: dict[str, datetime] = {}
         self._without_power: dict[str, tuple[datetime, float]] = {}
         self._duplicate_since: dict[str, datetime] = {}  # by robot
         self._found_since: dict[tuple[str, str | None], datetime] = {}  # by kind and robot
@@ -142,7 +153,8 @@ class AlertRules:
             alerts.append(Alert(AlertKind.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
         for state in states:
             alerts += self._discharging(state, now, seconds)
-            alerts += self._low(state, now)
+            alerts += self._low(state, now, seconds)
+            alerts += self._implausible(state, now)
             alerts += _stale(state, now)
             if state.name in given_up:
                 alerts.append(_undocked(given_up[state.name]))
@@ -168,10 +180,8 @@ class AlertRules:
             yield Alert(AlertKind(each.kind.value), each.robot, since, each.title, each.detail, urgent=each.critical)
 
     def _discharging(self, state: RobotState, now: datetime, seconds: float) -> Iterator[Alert]:
-        reading = state.battery.reading
-        discharges = reading.power_supply in (PowerSupply.DISCHARGING, PowerSupply.NOT_CHARGING)
-        full = reading.percentage is not None and reading.percentage >= FULL
-        if full or not discharges or not state.on_dock or state.docking(state.dock, state.undock):
+        full = state.battery.reading.percentage is not None and state.battery.reading.percentage >= FULL
+        if full or state.charging is not False or not state.on_dock or state.docking(state.dock, state.undock):
             self._without_power.pop(state.name, None)
             return
         since, began = self._without_power.setdefault(state.name, (now, seconds))
@@ -182,25 +192,57 @@ class AlertRules:
                 since,
                 "Not charging on the dock",
                 f"{state.name} is docked, but its battery is not charging. Check the contacts and the charger, or "
-                "undock the robot and dock it again.",
+                f"undock the robot and dock it again.{_about_current(state)}",
             )
 
-    def _low(self, state: RobotState, now: datetime) -> Iterator[Alert]:
-        reading, limit = state.battery.reading, self._low_battery
-        if state.name in self._low_since:
+    def _low(self, state: RobotState, now: datetime, seconds: float) -> Iterator[Alert]:
+        reading, name, limit = state.battery.reading, state.name, self._low_battery
+        if name in self._low_since:
             limit += MARGIN
         low = reading.percentage is not None and reading.percentage < limit and self._low_battery > 0
-        if not low or reading.power_supply in CHARGES or state.docking(state.dock):
-            self._low_since.pop(state.name, None)
+        if low:
+            self._low_at[name] = seconds
+        elif reading.percentage is None and reading.doubts and name in self._low_since:  # one wrong value ends nothing
+            low = seconds - self._low_at[name] < UNKNOWN_FOR
+        # A docked robot whose battery does not tell what it does is where it should be.
+        helped = state.charging or (state.charging is None and state.on_dock)
+        if not low or helped or state.docking(state.dock):
+            self._low_since.pop(name, None)
+            self._low_at.pop(name, None)
             return
+        on_dock = f"Check the contacts and the charger.{_about_current(state)}"
         yield Alert(
             AlertKind.LOW_BATTERY,
-            state.name,
-            self._low_since.setdefault(state.name, now),
+            name,
+            self._low_since.setdefault(name, now),
             "Low battery",
-            f"The battery of {state.name} has fallen below {self._low_battery:.0%} and is not charging. Send the "
-            "robot to its dock.",
+            f"The battery of {name} has fallen below {self._low_battery:.0%} and is not charging"
+            f"{f', although it is docked. {on_dock}' if state.on_dock else '. Send the robot to its dock.'}",
         )
+
+    def _implausible(self, state: RobotState, now: datetime) -> Iterator[Alert]:
+        named = state.battery.reading.named
+        if not named:
+            self._implausible_since.pop(state.name, None)
+            return
+        yield Alert(
+            AlertKind.BATTERY_IMPLAUSIBLE,
+            state.name,
+            self._implausible_since.setdefault(state.name, now),
+            "Implausible battery state",
+            f"Values on {state.battery_topic} cannot be right and are not used. "
+            f"{' '.join(doubt.sentence for doubt in named)}",
+        )
+
+
+def _about_current(state: RobotState) -> str:
+    """Return what tells that a docked robot is not charging, if it is its current alone."""
+    if state.battery.reading.power_supply in DRAINS:
+        return ""
+    return (
+        " Its status is UNKNOWN, but current flows out of it. If its driver counts a charging current as negative, "
+        f"name the robot in {CHARGES_NEGATIVE}."
+    )
 
 
 def _undocked(decision: Decision) -> Alert:

@@ -4,12 +4,16 @@ from dataclasses import dataclass
 from typing import Any
 
 from dock_gateway.actions.liveness import ServerState
+from dock_gateway.core.battery import PowerSupply
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.history import RobotLabel
-from dock_gateway.robots.battery import Battery, BatteryPublisher, PowerSupply
+from dock_gateway.robots.battery import Battery, BatteryPublisher
 
 CHARGES = frozenset({PowerSupply.CHARGING, PowerSupply.FULL})
+DRAINS = frozenset({PowerSupply.DISCHARGING, PowerSupply.NOT_CHARGING})
+# A current in A below which it tells nothing: drivers that measure none send 0, and those that do have an offset.
+NO_CURRENT = 0.05
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,22 @@ class RobotState:
         """Whether it is docked or, according to a simulator, at least touches its dock."""
         return bool(self.docked or (self.simulator and self.simulator["contact"]))
 
+    @property
+    def charging(self) -> bool | None:
+        """Whether its battery is being charged or full; None if unknown.
+
+        If the status is UNKNOWN, as it always is on a Create 3, the current of a docked robot tells it. Elsewhere it
+        does not: a robot that brakes also charges.
+        """
+        reading = self.battery.reading
+        if reading.power_supply in CHARGES:
+            return True
+        if reading.power_supply in DRAINS:
+            return False
+        if not self.on_dock or reading.current is None or abs(reading.current) < NO_CURRENT:
+            return None
+        return reading.current > 0
+
     def docking(self, *servers: ServerState | None) -> bool:
         """Return whether a goal runs on one of these actions, `dock` or `undock`."""
         names = {server.action_name for server in servers if server is not None}
@@ -83,6 +103,7 @@ class RobotState:
             "groups": self.label.groups,
             "default": self.default,
             "docked": self.docked,
+            "charging": self.charging,
             "simulated": self.simulator is not None,
             "battery": self.battery.lasting(),
             "battery_topic": self.battery_topic,

@@ -7,6 +7,7 @@ from typing import Any
 import orjson
 import sqlalchemy as sa
 
+from dock_gateway.core.battery import BOUNDS, PERCENTAGE, fraction, measured
 from dock_gateway.core.event import STAMP_DIGITS, Event, time_id
 from dock_gateway.history.rows import event_of
 from dock_gateway.history.tables import IS_BATTERY, events
@@ -18,13 +19,15 @@ FIELDS = ("voltage", "percentage", "current", "temperature")
 class BatterySpan:
     """A robot, a time span from `since` to before `until`, and a bucket length; in nanoseconds since 1970.
 
-    Buckets start at multiples of their length, so that overlapping spans have the same buckets.
+    Buckets start at multiples of their length, so that overlapping spans have the same buckets. `counts_to_100`:
+    whether the robot's percentages are 0 to 100.
     """
 
     robot: str
     since: int
     until: int
     step: int
+    counts_to_100: bool = False
 
     @property
     def ids(self) -> tuple[str, str]:
@@ -78,17 +81,21 @@ class Bucket:
 Buckets = dict[int, Bucket]
 
 
-def add_events(buckets: Buckets, events: Iterable[Event], step: int) -> list[Bucket]:
-    """Add events to their buckets; return the buckets in order of time."""
+def add_events(buckets: Buckets, events: Iterable[Event], span: BatterySpan) -> list[Bucket]:
+    """Add events to their buckets; return the buckets in order of time. Values that cannot be right are left out."""
     for event in events:
         stamp = int((event.id or "")[:STAMP_DIGITS])
         state = orjson.loads(event.data)["battery"]
-        tallies = {name: _measured(state[name]) for name in FIELDS}
-        buckets.setdefault(stamp // step, Bucket()).add(Bucket(stamp, state["power_supply_status"], tallies))
+        tallies = {name: _tally(_believed(state, name, span)) for name in FIELDS}
+        buckets.setdefault(stamp // span.step, Bucket()).add(Bucket(stamp, state["power_supply_status"], tallies))
     return [bucket for _, bucket in sorted(buckets.items())]
 
 
-def _measured(value: float | None) -> Tally:
+def _believed(state: dict[str, Any], name: str, span: BatterySpan) -> float | None:
+    return fraction(state, counts_to_100=span.counts_to_100) if name == "percentage" else measured(state, name)
+
+
+def _tally(value: float | None) -> Tally:
     return Tally() if value is None else Tally(1, value, value, value)
 
 
@@ -103,18 +110,31 @@ def battery(connection: sa.Connection, span: BatterySpan, until: str) -> tuple[B
     of_robot = (IS_BATTERY, events.c.robot == span.robot)
     early = sa.and_(*of_robot, events.c.id >= first, events.c.id < min(last, until))
     late = sa.select(events).where(*of_robot, events.c.id >= max(first, until), events.c.id < last)
-    buckets = {row[0]: _bucket(row) for row in connection.execute(_reckoning(connection, early, span.step))}
+    buckets = {row[0]: _bucket(row) for row in connection.execute(_reckoning(connection, early, span))}
     return buckets, [event_of(row) for row in connection.execute(late).mappings()]
 
 
-def _reckoning(connection: sa.Connection, chosen: "sa.ColumnElement[bool]", step: int) -> "sa.Select[Any]":
+def _reckoning(connection: sa.Connection, chosen: "sa.ColumnElement[bool]", span: BatterySpan) -> "sa.Select[Any]":
     read = _read_in_postgresql if connection.dialect.name == "postgresql" else _read_in_sqlite
-    bucket = sa.cast(_STAMP, sa.BigInteger) // sa.literal(step, sa.BigInteger)
-    sample = read(_STAMP.label("stamp"), bucket.label("bucket")).where(chosen).subquery()
+    bucket = sa.cast(_STAMP, sa.BigInteger) // sa.literal(span.step, sa.BigInteger)
+    sent = read(_STAMP.label("stamp"), bucket.label("bucket")).where(chosen).subquery()
+    believed = [_believed_column(sent.c, name, span).label(name) for name in FIELDS]
+    sample = sa.select(sent.c.stamp, sent.c.bucket, sent.c[_STATUS], *believed).subquery()
     # The last status is that of the greatest stamp; all stamps have the same length.
     last = sa.func.max(sample.c.stamp.concat(sample.c[_STATUS]))
     reckoned = [reckon(sample.c[name]) for name in FIELDS for reckon in _RECKON]
     return sa.select(sample.c.bucket, last, *reckoned).group_by(sample.c.bucket)
+
+
+def _believed_column(sent: Any, name: str, span: BatterySpan) -> "sa.ColumnElement[Any]":
+    """Return `_believed` as SQL."""
+    value = sent[name]
+    if name != "percentage":
+        return sa.case((value.between(BOUNDS[name].low, BOUNDS[name].high), value))
+    share = value / 100.0 if span.counts_to_100 else value
+    unmeasured = sa.and_(value == 0, sa.func.coalesce(sent["voltage"], 1.0) == 0)
+    outside = sa.or_(value < PERCENTAGE.low, share > PERCENTAGE.high)
+    return sa.case((sa.or_(unmeasured, outside), sa.null()), (share < 0, 0.0), (share > 1, 1.0), else_=share)
 
 
 def _read_in_sqlite(*columns: "sa.ColumnElement[Any]") -> "sa.Select[Any]":

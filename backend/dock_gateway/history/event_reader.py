@@ -86,7 +86,7 @@ class EventReader:
         # From the first pending event on, events are read one by one: one written meanwhile must count once.
         stored, late = await self._reader.read_much(battery.battery, span, min(waiting, default=NEVER))
         waiting |= {event.id or "": event for event in late}
-        return await asyncio.to_thread(add_events, stored, waiting.values(), span.step)
+        return await asyncio.to_thread(add_events, stored, waiting.values(), span)
 
 
 def _joined(waiting: dict[str, Event], stored: list[Event], limit: int) -> list[Event]:

@@ -221,7 +221,7 @@ class MemoryHistory:
     async def battery(self, span: BatterySpan) -> list[Bucket]:
         """Return the battery states of a span in buckets, oldest first."""
         covered = [event for event in self._events.values() if span.covers(event)]
-        return await asyncio.to_thread(add_events, {}, covered, span.step)
+        return await asyncio.to_thread(add_events, {}, covered, span)
 
     async def tally(self, wanted: GoalFilter, spans: Sequence[Span], *, by_action: bool) -> list[Tallies]:
         """Return how the wanted goals ended, for each span of the time when they were created."""

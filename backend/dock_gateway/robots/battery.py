@@ -3,42 +3,27 @@
 import asyncio
 import logging
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from enum import IntEnum
 from typing import Any
 
 import orjson
 
+from dock_gateway.core.battery import Reading
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import message_event, system_event, utc_now
 from dock_gateway.core.goal import Json, fragment
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
+from dock_gateway.robots.plausibility import Plausibility
 from dock_gateway.ros.robot_ports import BatteryPort
 
 log = logging.getLogger(__name__)
 
 # Minimum seconds between two events with the count of published messages.
 COUNT_INTERVAL = 1.0
-
-
-class PowerSupply(IntEnum):
-    """sensor_msgs/BatteryState, power_supply_status."""
-
-    UNKNOWN = 0
-    CHARGING = 1
-    DISCHARGING = 2
-    NOT_CHARGING = 3
-    FULL = 4
-
-
-@dataclass(frozen=True)
-class Reading:
-    """The fields of a battery state that the gateway evaluates. `percentage` is 0 to 1, or None if not measured."""
-
-    power_supply: int = PowerSupply.UNKNOWN
-    percentage: float | None = None
+NOTHING: Mapping[str, Any] = {}
 
 
 @dataclass
@@ -60,25 +45,38 @@ class Battery:
         stale_after: Age in seconds above which the state is stale.
         robot: The namespace.
         low_below: Charge (0 to 1) below which it is low; 0 means never.
+        plausibility: Judges what can be believed.
     """
 
-    def __init__(self, hub: Hub, stale_after: float, robot: str, *, low_below: float) -> None:
+    def __init__(
+        self, hub: Hub, stale_after: float, robot: str, *, low_below: float, plausibility: Plausibility | None = None
+    ) -> None:
         self._robot = robot
         self._hub = hub
         self._low_below = low_below
         self._stale_after = stale_after
         self._state: Json | None = None
-        self._reading: Reading | None = Reading()
+        self._plausibility = plausibility or Plausibility()
+        self._reading = Reading()
         self._heard_at = 0.0
         self._received_at: datetime | None = None
 
-    def on_battery(self, state: Json, stamp_ns: int) -> None:
-        """Handle a message of the battery topic."""
+    def on_battery(self, state: Json, stamp_ns: int, infinite: Mapping[str, Any] = NOTHING) -> None:
+        """Handle a message of the battery topic.
+
+        Args:
+            state: The message.
+            stamp_ns: Its source timestamp.
+            infinite: Its fields that are infinite, as texts: in `state` they are null.
+        """
         self._state = state
-        self._reading = None
         self._heard_at = time.monotonic()
         self._received_at = utc_now()
-        self._hub.publish(message_event("battery", state, self._hub.clock.stamp(stamp_ns), stamp_ns, robot=self._robot))
+        fields = {**orjson.loads(state), **infinite}
+        self._reading = self._plausibility.judge(fields, self._heard_at, self._received_at.timestamp())
+        stamp = self._hub.clock.stamp(stamp_ns)
+        event = message_event("battery", state, stamp, stamp_ns, robot=self._robot, more=self._believed())
+        self._hub.publish(event)
 
     @property
     def stale_since(self) -> datetime | None:
@@ -95,17 +93,19 @@ class Battery:
 
     @property
     def reading(self) -> Reading:
-        """The last message, decoded once and only on demand."""
-        if self._reading is None:
-            state = orjson.loads(self._state or b"{}")
-            self._reading = Reading(state["power_supply_status"], state["percentage"])
+        """The last message, as far as it is believed."""
         return self._reading
 
+    def _believed(self) -> dict[str, Any]:
+        reading = self._reading
+        return {"percentage": reading.percentage, "implausible": [doubt.document() for doubt in reading.doubts]}
+
     def lasting(self) -> dict[str, Any]:
-        """Return the state, whether it is stale and the limits, without the age, ready for `orjson`."""
+        """Return the state, what is believed of it, whether it is stale and the limits, without the age."""
         age = self.age
         return {
             "state": fragment(self._state),
+            **self._believed(),
             "received_at": self._received_at,
             "stale": age is None or age > self._stale_after,
             "stale_after_s": self._stale_after,

@@ -14,6 +14,7 @@ from dock_gateway.core.hub import Hub
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.battery import Battery, BatteryPublisher
 from dock_gateway.robots.last_goals import LastGoals
+from dock_gateway.robots.plausibility import Plausibility
 from dock_gateway.ros.bridge import Bridge
 from dock_gateway.ros.graph import Scan, find_presence
 from dock_gateway.ros.latch_port import LatchPort
@@ -70,7 +71,16 @@ class RobotRegistry:
     async def open(self, namespace: str) -> Robot:
         """Join the topics of a robot."""
         settings, hub = self._settings, self._hub
-        battery = Battery(hub, settings.battery_stale_after, namespace, low_below=settings.low_battery)
+        battery = Battery(
+            hub,
+            settings.battery_stale_after,
+            namespace,
+            low_below=settings.low_battery,
+            plausibility=Plausibility(
+                counts_to_100=settings.counts_to_100(namespace),
+                charges_negative=settings.charges_negative(namespace),
+            ),
+        )
 
         def hear_latch(latched: bool, received: float) -> None:
             self._interlock.heard(namespace, latched=latched, received=received)

@@ -13,6 +13,7 @@ from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.subscription import Subscription
 from sensor_msgs.msg import BatteryState
 
+from dock_gateway.core.battery import BOUNDS, CELL_BOUNDS, infinities
 from dock_gateway.core.errors import Conflict
 from dock_gateway.core.goal import GoalError, Json
 from dock_gateway.ros.bridge import guard
@@ -25,7 +26,11 @@ MAX_FACTS = 100
 # The maximum number of digits in a number of retries.
 MAX_DIGITS = 6
 
+# The fields of a BatteryState that are floats, or lists of them.
+FLOATS = ("percentage", *BOUNDS, *CELL_BOUNDS)
+
 OnMessage = Callable[[Json, int], None]
+OnBattery = Callable[[Json, int, dict[str, Any]], None]
 OnReason = Callable[[str, GoalError], None]
 OnSimulator = Callable[[str, dict[str, str]], None]
 OnProgress = Callable[[str, str | None, int | None, int], None]
@@ -43,11 +48,11 @@ class BatteryPort:
     Args:
         topics: Joins the topic.
         topic: Absolute name.
-        on_battery: Called on the loop with a message and its source timestamp in ns.
+        on_battery: Called on the loop with a message, its source timestamp in ns, and its fields that are infinite.
         stop_topic: The topic that tells who is a gateway.
     """
 
-    def __init__(self, topics: TypedTopics, topic: str, on_battery: OnMessage, stop_topic: str) -> None:
+    def __init__(self, topics: TypedTopics, topic: str, on_battery: OnBattery, stop_topic: str) -> None:
         self._bridge = topics.bridge
         self.codec = codec(BatteryState)
         self._publisher: Publisher | None = None
@@ -56,7 +61,8 @@ class BatteryPort:
 
         def hear(message: BatteryState, info: dict[str, Any]) -> None:
             state = self.codec.encode(message)
-            inbox.offer(len(state), on_battery, state, info["source_timestamp"])
+            infinite = infinities({name: getattr(message, name) for name in FLOATS})
+            inbox.offer(len(state), on_battery, state, info["source_timestamp"], infinite)
 
         def make() -> None:
             overrides = QoSOverridingOptions.with_default_policies()

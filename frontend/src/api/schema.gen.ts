@@ -1818,7 +1818,7 @@ export interface components {
          * @description The kinds of alerts.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_stale" | "history_lost" | "duplicate_action_server" | "automatic_docking_failed" | "wrong_topic_type";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "duplicate_action_server" | "automatic_docking_failed" | "wrong_topic_type";
         /**
          * AlertList
          * @description The active alerts: critical ones first, then oldest first.
@@ -1922,9 +1922,16 @@ export interface components {
         /**
          * Battery
          * @description The latest battery state and its age. A charge below `low_below` (0 to 1) is low.
+         *
+         *     `state` is as it was sent. `percentage` is its charge (0 to 1) as the gateway uses it; null if it is not measured
+         *     or is `implausible`. What is `implausible` stays so until it has been right for 10 seconds.
          */
         Battery: {
             state: components["schemas"]["BatteryState"] | null;
+            /** Percentage */
+            percentage: number | null;
+            /** Implausible */
+            implausible: components["schemas"]["Implausible"][];
             /** Age S */
             age_s: number | null;
             /** Stale */
@@ -1948,7 +1955,9 @@ export interface components {
         };
         /**
          * BatteryEvent
-         * @description A message of the battery topic.
+         * @description A message of the battery topic, as it was sent, and what the gateway makes of it, as in `GET /battery`.
+         *
+         *     Events that an older gateway stored lack `percentage` and `implausible`.
          */
         BatteryEvent: {
             /**
@@ -1966,6 +1975,13 @@ export interface components {
             /** Robot */
             robot: string;
             battery: components["schemas"]["BatteryState"];
+            /**
+             * Percentage
+             * @default null
+             */
+            percentage: number | null;
+            /** Implausible */
+            implausible?: components["schemas"]["Implausible"][];
         };
         /**
          * BatteryHistory
@@ -3040,6 +3056,18 @@ export interface components {
             last_error: string | null;
         };
         /**
+         * Implausible
+         * @description A value of a battery state that cannot be right, so that it is not used. An infinity is a text, such as `inf`.
+         */
+        Implausible: {
+            /** Field */
+            field: string;
+            /** Value */
+            value: number | string;
+            /** Expected */
+            expected: string;
+        };
+        /**
          * Infrared
          * @description Readings of the infrared receivers at the robot's front, in m; null if nothing is detected.
          */
@@ -3549,8 +3577,9 @@ export interface components {
          * @description Summary of a robot.
          *
          *     `name` is its namespace; `display_name` and `groups` are the label that `PUT /robots/label` sets.
-         *     `docked` is null if unknown; `dock` and `undock` are null if the robot has no such action. `goals` are those running
-         *     on its actions; `last_goal` is the last docking or undocking goal that ended.
+         *     `docked` is null if unknown, and so is `charging`: whether its battery is charged or full. `dock` and `undock` are
+         *     null if the robot has no such action. `goals` are those running on its actions; `last_goal` is the last docking or
+         *     undocking goal that ended.
          */
         Robot: {
             /** Name */
@@ -3563,6 +3592,8 @@ export interface components {
             default: boolean;
             /** Docked */
             docked: boolean | null;
+            /** Charging */
+            charging: boolean | null;
             /** Simulated */
             simulated: boolean;
             battery: components["schemas"]["RobotBattery"];
@@ -3578,10 +3609,14 @@ export interface components {
         };
         /**
          * RobotBattery
-         * @description The latest battery state, with the time of reception instead of its age. A charge below `low_below` is low.
+         * @description The latest battery state, with the time of reception instead of its age; otherwise as `GET /battery`.
          */
         RobotBattery: {
             state: components["schemas"]["BatteryState"] | null;
+            /** Percentage */
+            percentage: number | null;
+            /** Implausible */
+            implausible: components["schemas"]["Implausible"][];
             /** Received At */
             received_at: string | null;
             /** Stale */

@@ -18,6 +18,7 @@ export type Verb = NonNullable<AnyGoal["verb"]>;
 export type GoalStatus = Schemas["GoalStatus"];
 export type GoalError = Schemas["GoalError"];
 export type BatteryState = Schemas["BatteryState"];
+export type Implausible = Schemas["Implausible"];
 export type BatteryStateInput = Schemas["BatteryStateInput"];
 export type Publisher = Schemas["Publisher"];
 export type ActionServer = Schemas["ActionServer"];

@@ -10,6 +10,7 @@ import { Fact, FactList } from "../ui/Fact";
 import { FreshnessBadge } from "../ui/FreshnessBadge";
 import { formatDuration } from "../ui/time";
 import classes from "./battery.module.css";
+import { implausibleWords } from "./believed";
 import { ChargeBar, chargeOf } from "./ChargeBar";
 import {
   formatCells,
@@ -64,6 +65,7 @@ export function BatteryCard() {
         )}
       </div>
       {freshness === "stale" && <StaleWarning />}
+      <ImplausibleWarning />
       <div id={moreId} hidden={!moreOpen}>
         {moreOpen && (
           <Box mt="sm">
@@ -122,6 +124,16 @@ function StaleWarning() {
     <Text size="sm" role="status">
       <strong>Stale:</strong> no battery message for more than {staleAfterS} s. A docking server keeps the
       robot still until one comes.
+    </Text>
+  );
+}
+
+function ImplausibleWarning() {
+  const words = useTopicPart("battery", ({ implausible }) => implausible.map(implausibleWords).join("; "));
+  if (words === "") return null;
+  return (
+    <Text size="sm" role="status">
+      <strong>Implausible, not used:</strong> {words}.
     </Text>
   );
 }

@@ -3,13 +3,18 @@ import { CHARGING, FULL, isLow } from "./words";
 
 export type Charge = "charging" | "low" | "ok";
 
-/** What the colour of a battery's bar says. */
+/**
+ * What the colour of a battery's bar says.
+ *
+ * @param charging What the gateway knows beyond the status; null where that is nothing.
+ */
 export function chargeOf(
   state: { percentage: number | null; power_supply_status: number },
   lowBelow: number,
+  charging: boolean | null = null,
 ): Charge {
   const status = state.power_supply_status;
-  if (status === CHARGING || status === FULL) return "charging";
+  if (charging || status === CHARGING || status === FULL) return "charging";
   return isLow(state, lowBelow) ? "low" : "ok";
 }
 

@@ -55,9 +55,15 @@ export function formatQuantity(value: number | null | undefined, unit: string): 
   return value === null || value === undefined ? NOT_MEASURED : `${digits(value, unit)} ${unit}`;
 }
 
-/** `percentage` is 0 to 1. */
+/** What real drivers send for an empty and for a full battery. */
+const LEAST = -0.001;
+const MOST = 1.02;
+
+/** `percentage` is 0 to 1; one that cannot be is shown as it was sent. */
 export function formatPercentage(percentage: number | null | undefined): string {
-  return percentage === null || percentage === undefined ? NOT_MEASURED : `${fixed(percentage * 100, 0)} %`;
+  if (percentage === null || percentage === undefined) return NOT_MEASURED;
+  if (percentage < LEAST || percentage > MOST) return `implausible (${percentage})`;
+  return `${fixed(Math.min(100, Math.max(0, percentage * 100)), 0)} %`;
 }
 
 /** `24 %, 2.16 V, not charging` */

@@ -1,5 +1,6 @@
 import { VisuallyHidden } from "@mantine/core";
 import { memo } from "react";
+import { believed } from "../battery/believed";
 import { type Charge, ChargeBar, chargeOf } from "../battery/ChargeBar";
 import { CHARGING, FULL, formatQuantity, statusWords } from "../battery/words";
 import { useFleetLive } from "../fleet/context";
@@ -10,18 +11,19 @@ import { freshnessOf } from "../store/freshness";
 import classes from "./overview.module.css";
 
 /** A robot's battery: how full, whether it charges, and how old that is. */
-export function BatteryMeter({ battery }: { battery: Robot["battery"] }) {
+export function BatteryMeter({ battery, charging }: Pick<Robot, "battery" | "charging">) {
   const { state, received_at, stale_after_s, low_below } = battery;
   if (state === null || received_at === null) return <span className={classes.empty}>No data</span>;
-  const { percentage, voltage, power_supply_status: status } = state;
+  const known = believed({ ...battery, state });
+  const { percentage, voltage, power_supply_status: status } = known;
   const filled = percentage === null ? null : Math.round(percentage * 100);
   return (
     <div className={classes.battery}>
       <Level
         text={filled === null ? formatQuantity(voltage, "V") : `${filled} %`}
         filled={filled === null ? null : Math.min(100, Math.max(0, filled))}
-        charge={chargeOf(state, low_below)}
-        status={status}
+        charge={chargeOf(known, low_below, charging)}
+        status={charging && status === 0 ? CHARGING : status}
       />
       <Age receivedAt={Date.parse(received_at)} staleAfterMs={stale_after_s * 1000} />
     </div>

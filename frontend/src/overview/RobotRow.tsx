@@ -94,7 +94,7 @@ export const RobotRow = memo(function RobotRow({
       )}
       {shown.has("battery") && (
         <Table.Td>
-          <BatteryMeter battery={robot.battery} />
+          <BatteryMeter battery={robot.battery} charging={robot.charging} />
         </Table.Td>
       )}
       {shown.has("goal") && (

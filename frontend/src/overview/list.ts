@@ -120,8 +120,8 @@ function placeRank({ docked }: Robot): number {
 }
 
 /** Whole percents, so that robots do not change places all the time; unmeasured ones come last. */
-function chargeOf({ battery: { state } }: Robot): number {
-  return state === null || state.percentage === null ? 1000 : Math.round(state.percentage * 100);
+function chargeOf({ battery: { percentage } }: Robot): number {
+  return percentage === null ? 1000 : Math.round(percentage * 100);
 }
 
 function goalRank({ goals: [goal], stop }: Robot): number {

@@ -1,5 +1,6 @@
 import { createGateway } from "../api/client";
 import type { Http } from "../api/http";
+import { believed } from "../battery/believed";
 import { BatterySeries } from "../battery/series";
 import { SceneBuffer } from "../scene/buffer";
 import type { Services } from "../store/context";
@@ -16,7 +17,7 @@ export function openRobot(location: StreamLocation, http: Http, robot: string | 
   const store = new Store();
   const series = new BatterySeries();
   store.onBattery((event) => {
-    series.push(Date.parse(event.time), event.battery);
+    series.push(Date.parse(event.time), believed({ ...event, state: event.battery }));
   });
   const scene = new SceneBuffer();
   store.onScene((event) => scene.push(event.scene, performance.now(), Date.parse(event.time)));

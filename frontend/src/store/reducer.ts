@@ -1,4 +1,5 @@
 import type { EventOf, GatewayEvent } from "../api/types";
+import { believed } from "../battery/believed";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "./goals";
 import { MAX_FEEDBACK, type State } from "./state";
 import { takeUp } from "./streamStore";
@@ -40,7 +41,12 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
     case "battery":
       return {
         ...state,
-        battery: { ...state.battery, state: event.battery, receivedAt: Date.parse(event.time) },
+        battery: {
+          ...state.battery,
+          state: believed({ ...event, state: event.battery }),
+          implausible: event.implausible ?? [],
+          receivedAt: Date.parse(event.time),
+        },
       };
     case "cmd_vel":
       return { ...state, cmdVel: { twist: event.cmd_vel, receivedAt: Date.parse(event.time) } };
@@ -66,13 +72,14 @@ function applyEvent(state: State, event: GatewayEvent, now: number): State {
 }
 
 function applySnapshot(state: State, event: EventOf<"snapshot">, now: number): State {
-  const { state: battery, received_at, stale_after_s, low_below } = event.battery;
+  const { state: battery, implausible, received_at, stale_after_s, low_below } = event.battery;
   const servers = { actionServer: event.action_server, undockServer: event.undock_server };
   return snapshotGoals(
     {
       ...state,
       battery: {
-        state: battery,
+        state: battery === null ? null : believed({ ...event.battery, state: battery }),
+        implausible,
         receivedAt: received_at === null ? null : Date.parse(received_at),
         staleAfterS: stale_after_s,
         lowBelow: low_below,

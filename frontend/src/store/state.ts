@@ -3,6 +3,7 @@ import type {
   BatteryState,
   EventOf,
   Goal,
+  Implausible,
   Publisher,
   Simulator,
   StopState,
@@ -23,8 +24,10 @@ export const MAX_ARRIVALS = 32;
 export const MAX_FEEDBACK = 12;
 
 export interface Battery {
-  /** Null until a first message has come. */
+  /** As far as it is believed; null until a first message has come. */
   state: BatteryState | null;
+  /** What of the last message cannot be right. */
+  implausible: readonly Implausible[];
   /** When it came, in the gateway's time (ms). */
   receivedAt: number | null;
   /** After this silence (s) it is stale: what the gateway says of it, and what makes a docking server stop the wheels. */
@@ -79,7 +82,13 @@ export const initialState: State = {
   goals: new Map(),
   arrivals: new Map(),
   stages: new Map(),
-  battery: { state: null, receivedAt: null, staleAfterS: Number.POSITIVE_INFINITY, lowBelow: 0 },
+  battery: {
+    state: null,
+    implausible: [],
+    receivedAt: null,
+    staleAfterS: Number.POSITIVE_INFINITY,
+    lowBelow: 0,
+  },
   cmdVel: { twist: null, receivedAt: null },
   feedback: [],
   publisher: null,

@@ -2,6 +2,7 @@ import { Badge } from "@mantine/core";
 import { memo } from "react";
 import type { Attention } from "../alerts/order";
 import { SeverityMark } from "../alerts/SeverityMark";
+import { believed } from "../battery/believed";
 import { ChargeBar, chargeOf } from "../battery/ChargeBar";
 import { formatQuantity } from "../battery/words";
 import { robotName } from "../fleet/names";
@@ -34,7 +35,7 @@ export const Tile = memo(function Tile({ robot, attention, live }: TileProps) {
         <h2>{robotName(robot)}</h2>
       </div>
       <div className={classes.place}>{placeWords(robot.docked)}</div>
-      <Battery battery={robot.battery} live={live} />
+      <Battery battery={robot.battery} charging={robot.charging} live={live} />
       <div className={classes.now}>
         {latched ? (
           <Badge color="red" className={classes.badge ?? ""}>
@@ -55,7 +56,7 @@ export const Tile = memo(function Tile({ robot, attention, live }: TileProps) {
   );
 });
 
-function Battery({ battery, live }: { battery: Robot["battery"]; live: boolean }) {
+function Battery({ battery, charging, live }: Pick<Robot, "battery" | "charging"> & { live: boolean }) {
   const { state, received_at, stale_after_s, low_below } = battery;
   const stale = useAtTime(
     (now) =>
@@ -63,9 +64,10 @@ function Battery({ battery, live }: { battery: Robot["battery"]; live: boolean }
       freshnessOf(live, now - Date.parse(received_at), stale_after_s * 1000) === "stale",
   );
   if (state === null) return <div className={classes.battery}>No battery data</div>;
-  const { percentage, voltage } = state;
+  const known = believed({ ...battery, state });
+  const { percentage, voltage } = known;
   const filled = percentage === null ? null : Math.min(100, Math.max(0, Math.round(percentage * 100)));
-  const charge = chargeOf(state, low_below);
+  const charge = chargeOf(known, low_below, charging);
   return (
     <div className={classes.battery}>
       <ChargeBar filled={filled} charge={charge} old={stale} />

@@ -17,6 +17,7 @@ from dock_gateway.automation.activity import Activity
 from dock_gateway.automation.decisions import DecisionLog
 from dock_gateway.automation.docking import AutomaticDocking
 from dock_gateway.core.automation import Decision, Mode, Outcome, Rule
+from dock_gateway.core.battery import Reading
 from dock_gateway.core.dock_adapters.catalog import DockingPair
 from dock_gateway.core.errors import Conflict, GatewayError, Unavailable
 from dock_gateway.core.event import utc_now
@@ -28,7 +29,6 @@ from dock_gateway.fleet.overview import Fleet
 from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.history import History
 from dock_gateway.history.memory import MemoryHistory
-from dock_gateway.robots.battery import Reading
 from dock_gateway.robots.registry import RobotRegistry
 from tests.dock_gateway.automation.examples import LOW_BATTERY
 from tests.support.entries import SharedStore

@@ -8,16 +8,17 @@ import pytest
 
 from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.automation import Decision, Outcome
+from dock_gateway.core.battery import CHARGES_NEGATIVE, Doubt, Reading
 from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.fleet.alert_rules import Alert, AlertKind, AlertRules, alert_id
 from dock_gateway.fleet.findings import Finding, FindingKind
 from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.history import Acknowledgement, Incident
-from dock_gateway.robots.battery import Reading
 
 NOON = datetime(2026, 1, 1, 12, tzinfo=UTC)
-CHARGING, DISCHARGING, NOT_CHARGING, FULL = 1, 2, 3, 4
+UNKNOWN, CHARGING, DISCHARGING, NOT_CHARGING, FULL = 0, 1, 2, 3, 4
+WRONG = Doubt("percentage", 12.0, "0 to 1", "Name the robot.")
 
 
 def goal(action: str, status: GoalStatus = GoalStatus.EXECUTING, at: datetime = NOON) -> Goal:
@@ -31,13 +32,16 @@ def robot(
     *,
     supply: int = DISCHARGING,
     percentage: float | None = 0.5,
+    current: float | None = None,
+    doubts: tuple[Doubt, ...] = (),
+    named: tuple[Doubt, ...] = (),
     stale_since: datetime | None = None,
     latched: bool = False,
     persisted: bool = True,
     contact: bool | None = None,
     **more: Any,
 ) -> RobotState:
-    battery = SimpleNamespace(reading=Reading(supply, percentage), stale_since=stale_since)
+    battery = SimpleNamespace(reading=Reading(supply, percentage, current, doubts, named), stale_since=stale_since)
     known: dict[str, Any] = {
         "label": NO_LABEL,
         "default": False,
@@ -161,6 +165,59 @@ def test_a_low_battery_that_somebody_sees_to(excuse: dict[str, Any]) -> None:
     assert looks.kinds(0, robot(percentage=0.1)) == ["low_battery"]
     assert looks.kinds(1, robot(**({"percentage": 0.1} | excuse))) == []
     assert looks.kinds(2, robot(percentage=0.1, goals=[goal("/robot1/undock")])) == ["low_battery"]
+
+
+CREATE3 = {"supply": UNKNOWN, "left_docked": True}
+
+
+@pytest.mark.parametrize(
+    ("change", "kinds"),
+    [
+        ({**CREATE3, "current": 1.1}, []),
+        ({**CREATE3, "current": None}, []),  # it is where it should be
+        ({**CREATE3, "current": 0.0}, []),  # it measures none
+        ({**CREATE3, "current": -0.4}, ["discharging_on_dock", "low_battery"]),
+        ({"supply": UNKNOWN, "left_docked": False, "current": 1.1}, ["low_battery"]),  # it brakes
+        ({"supply": UNKNOWN, "left_docked": None, "current": 1.1}, ["low_battery"]),
+        ({"supply": NOT_CHARGING, "left_docked": True, "current": 1.1}, ["discharging_on_dock", "low_battery"]),
+        ({"supply": UNKNOWN, "contact": True, "current": 2.0}, []),
+        ({"supply": UNKNOWN, "contact": True, "current": -2.0}, ["discharging_on_dock", "low_battery"]),
+    ],
+)
+def test_whether_a_robot_charges_is_told_by_status_current_and_dock(change: dict[str, Any], kinds: list[str]) -> None:
+    looks = Looks()
+    looks.kinds(0, robot(percentage=0.1, **change))
+    alerts = looks.alerts(60, robot(percentage=0.1, **change))
+    assert [alert.kind.value for alert in alerts] == kinds
+    by_current = change["supply"] == UNKNOWN and change["current"] and change["current"] < 0
+    assert all((CHARGES_NEGATIVE in alert.detail) == bool(by_current) for alert in alerts if "docked" in alert.detail)
+    sent_away = [alert for alert in alerts if "Send the robot to its dock" in alert.detail]
+    assert not (sent_away and robot(**change).on_dock)
+
+
+def test_an_implausible_battery_is_one_warning_and_no_low_battery() -> None:
+    looks = Looks()
+    wrong = robot(percentage=None, doubts=(WRONG,), named=(WRONG,))
+    (alert,) = looks.alerts(0, wrong)
+    assert (alert.kind, alert.since, alert.kind.critical) == (AlertKind.BATTERY_IMPLAUSIBLE, NOON, False)
+    assert "/robot1/battery_status" in alert.detail
+    assert "percentage is 12, but should be 0 to 1. Name the robot." in alert.detail
+    assert looks.alerts(60, wrong) == [alert]
+    assert looks.kinds(61, robot()) == []
+    assert looks.alerts(62, wrong)[0].since == NOON + timedelta(seconds=62)
+    assert looks.kinds(63, robot(percentage=None, doubts=(WRONG,))) == []  # it may have just started
+
+
+def test_one_wrong_value_does_not_end_a_low_battery() -> None:
+    looks = Looks()
+    low, wrong = robot(percentage=0.1), robot(percentage=None, doubts=(WRONG,), named=(WRONG,))
+    (alert,) = looks.alerts(0, low)
+    assert alert in looks.alerts(29, wrong)
+    assert alert in looks.alerts(40, low)
+    assert alert in looks.alerts(69, wrong)
+    assert looks.kinds(70, wrong) == ["battery_implausible"]
+    assert looks.kinds(71, low) == ["low_battery"]
+    assert looks.kinds(72, robot(percentage=None)) == []
 
 
 def test_no_battery_is_low_where_nobody_wants_to_know() -> None:

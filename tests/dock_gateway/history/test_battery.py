@@ -3,6 +3,7 @@
 import asyncio
 import random
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +52,7 @@ async def test_buckets(place: str, tmp_path: Path) -> None:
             state(0.9, voltage=11.0, status=1),
             state(0.5, voltage=16.0, status=4),
             state(3.0, status=3),
-            state(4.0, voltage=-2.5, status=0),
+            state(4.0, voltage=2.5, status=0),
             state(2.0, robot="/robot1", voltage=99.0),
             make_event(1, "cmd_vel"),
         ):
@@ -61,7 +62,7 @@ async def test_buckets(place: str, tmp_path: Path) -> None:
         assert rows(found) == [
             (0.9, 1, 13.0, 11.0, 16.0),
             (3.0, 3, None, None, None),
-            (4.0, 0, -2.5, -2.5, -2.5),
+            (4.0, 0, 2.5, 2.5, 2.5),
         ]
         assert rows(found, "percentage")[0] == (0.9, 1, 0.5, 0.5, 0.5)
         assert rows(found, "temperature")[0] == (0.9, 1, None, None, None)
@@ -71,6 +72,26 @@ async def test_buckets(place: str, tmp_path: Path) -> None:
         assert rows(await history.battery(span(0, 10, robot="/robot1"))) == [(2.0, 2, 99.0, 99.0, 99.0)]
         assert await history.battery(span(5, 10)) == []
         assert await history.battery(span(0, 10, robot="/robot2")) == []
+
+
+async def test_what_cannot_be_right_is_not_drawn(place: str, tmp_path: Path) -> None:
+    async with open_place(place, tmp_path) as history:
+        for event in (
+            state(0.0, voltage=12.0, percentage=12.0, current=-2000.0, temperature=300.0),
+            state(0.1, voltage=-1.0, percentage=-0.01, current=-1.0, temperature=-300.0),
+            state(0.2, voltage=12_000.0, percentage=1.02, current=3.0, temperature=20.0),
+            state(0.3, voltage=0.0, percentage=0.0),  # a driver before its first measurement
+            state(0.4, percentage=-0.0005),
+        ):
+            history.record_event(event)
+        await settled(history)
+        found = await history.battery(span(0, 1))
+        assert rows(found) == [(0.4, 2, 6.0, 0.0, 12.0)]
+        assert rows(found, "percentage") == [(0.4, 2, 0.5, 0.0, 1.0)]
+        assert rows(found, "current") == [(0.4, 2, 1.0, -1.0, 3.0)]
+        assert rows(found, "temperature") == [(0.4, 2, 20.0, 20.0, 20.0)]
+        to_100 = rows(await history.battery(replace(span(0, 1), counts_to_100=True)), "percentage")
+        assert to_100 == [(0.4, 2, pytest.approx((0.12 + 0.0102) / 3), 0.0, pytest.approx(0.12))]
 
 
 async def test_what_waits_counts_and_counts_once(database_url: str, tmp_path: Path) -> None:

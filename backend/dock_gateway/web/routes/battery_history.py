@@ -42,11 +42,11 @@ async def battery_history(
     namespace = gateway.robots.default_namespace if robot is None else read_namespace(robot)
     until = until or utc_now()
     since = since or until - DEFAULT_SPAN
-    span = divide(namespace, since, until, points)
+    span = divide(namespace, since, until, points, counts_to_100=gateway.settings.counts_to_100(namespace))
     return json_response(describe(span, since, until, await gateway.history.battery(span)))
 
 
-def divide(robot: str, since: datetime, until: datetime, points: int) -> BatterySpan:
+def divide(robot: str, since: datetime, until: datetime, points: int, *, counts_to_100: bool = False) -> BatterySpan:
     """Divide a time span into at most `points` buckets.
 
     Raises:
@@ -56,7 +56,7 @@ def divide(robot: str, since: datetime, until: datetime, points: int) -> Battery
     if first >= last:
         raise InvalidField([FieldError("query.since", "a time before `until`", f"got {since.isoformat()}")])
     # One bucket less: the first may begin before the span, and the last may end after it.
-    return BatterySpan(robot, first, last, max(MIN_STEP, -((first - last) // (points - 1))))
+    return BatterySpan(robot, first, last, max(MIN_STEP, -((first - last) // (points - 1))), counts_to_100)
 
 
 def describe(span: BatterySpan, since: datetime, until: datetime, buckets: list[Bucket]) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from dock_gateway.web.schemas.goals import (
     GoalError,
     GoalSummary,
 )
-from dock_gateway.web.schemas.robots import Alert, Battery, Publisher, Robot, Simulator, StopState
+from dock_gateway.web.schemas.robots import Alert, Battery, Implausible, Publisher, Robot, Simulator, StopState
 from dock_gateway.web.schemas.scene import Scene
 
 
@@ -87,13 +87,20 @@ class ResultEvent(Schema):
 
 
 class BatteryEvent(Schema):
-    """A message of the battery topic."""
+    """A message of the battery topic, as it was sent, and what the gateway makes of it, as in `GET /battery`.
+
+    Events that an older gateway stored lack `percentage` and `implausible`.
+    """
+
+    model_config = ConfigDict(json_schema_serialization_defaults_required=False)
 
     type: Literal["battery"]
     id: str
     time: datetime
     robot: str
     battery: BatteryState
+    percentage: float | None = None
+    implausible: list[Implausible] = Field(default_factory=list)
 
 
 class CmdVelEvent(Schema):

@@ -57,10 +57,24 @@ class StopProblem(Problem):
     stop: StopState | None = None
 
 
+class Implausible(Schema):
+    """A value of a battery state that cannot be right, so that it is not used. An infinity is a text, such as `inf`."""
+
+    field: str
+    value: float | str
+    expected: str
+
+
 class Battery(Schema):
-    """The latest battery state and its age. A charge below `low_below` (0 to 1) is low."""
+    """The latest battery state and its age. A charge below `low_below` (0 to 1) is low.
+
+    `state` is as it was sent. `percentage` is its charge (0 to 1) as the gateway uses it; null if it is not measured
+    or is `implausible`. What is `implausible` stays so until it has been right for 10 seconds.
+    """
 
     state: BatteryState | None
+    percentage: float | None
+    implausible: list[Implausible]
     age_s: float | None
     stale: bool
     stale_after_s: float
@@ -85,9 +99,11 @@ class Publisher(Schema):
 
 
 class RobotBattery(Schema):
-    """The latest battery state, with the time of reception instead of its age. A charge below `low_below` is low."""
+    """The latest battery state, with the time of reception instead of its age; otherwise as `GET /battery`."""
 
     state: BatteryState | None
+    percentage: float | None
+    implausible: list[Implausible]
     received_at: datetime | None
     stale: bool
     stale_after_s: float
@@ -105,8 +121,9 @@ class Robot(Schema):
     """Summary of a robot.
 
     `name` is its namespace; `display_name` and `groups` are the label that `PUT /robots/label` sets.
-    `docked` is null if unknown; `dock` and `undock` are null if the robot has no such action. `goals` are those running
-    on its actions; `last_goal` is the last docking or undocking goal that ended.
+    `docked` is null if unknown, and so is `charging`: whether its battery is charged or full. `dock` and `undock` are
+    null if the robot has no such action. `goals` are those running on its actions; `last_goal` is the last docking or
+    undocking goal that ended.
     """
 
     name: str
@@ -114,6 +131,7 @@ class Robot(Schema):
     groups: list[str]
     default: bool
     docked: bool | None
+    charging: bool | None
     simulated: bool
     battery: RobotBattery
     battery_topic: str
