@@ -74,8 +74,8 @@ class FakeProvider:
         self._codes[code] = asked
         return {"code": code, "state": asked["state"]}
 
-    def access_token(self, **changes: Any) -> str:
-        return sign(self.key, self._signed({"aud": AUDIENCE, **changes}))
+    def access_token(self, kind: str | None = None, **changes: Any) -> str:
+        return sign(self.key, self._signed({"aud": AUDIENCE, **changes}), typ=kind)
 
     def _signed(self, changes: dict[str, Any]) -> dict[str, Any]:
         now = int(time.time())

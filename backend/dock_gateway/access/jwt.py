@@ -26,6 +26,11 @@ MAX_KEYS = 50
 MIN_RSA_BITS = 2048
 # The year 9999, in seconds since 1970: what a datetime can hold.
 END_OF_TIME = 253_402_300_000
+# The kind of an access token, if it says so (RFC 9068). Others do not end so: `JWT`, or what a provider makes up.
+ACCESS_TOKEN = "at+jwt"  # noqa: S105 - it is none
+# What Keycloak calls its tokens that are no access tokens, and claims that only ID tokens and events have.
+OTHER_TOKENS = ("ID", "Refresh", "Offline", "Logout")
+OTHER_CLAIMS = ("at_hash", "c_hash", "events")
 # Kinds of keys by how the names of their algorithms begin.
 KINDS = {"RS": "RSA", "PS": "RSA", "ES": "EC", "Ed": "OKP"}
 
@@ -37,10 +42,12 @@ class Header:
     Attributes:
         algorithm: The algorithm.
         key_id: Which key; None if it does not say.
+        kind: What kind of JWT it is, in lower case; empty if it does not say.
     """
 
     algorithm: str
     key_id: str | None
+    kind: str
 
 
 @dataclass(frozen=True)
@@ -141,10 +148,12 @@ def read_header(token: str) -> Header:
         NotAuthenticated: It is not a JWT (`invalid_token`).
     """
     fields = _decode_part(token, 0)
-    algorithm, key_id = fields.get("alg"), fields.get("kid")
-    if not isinstance(algorithm, str) or not isinstance(key_id, str | None):
+    algorithm, key_id, kind = fields.get("alg"), fields.get("kid"), fields.get("typ", "")
+    if not isinstance(algorithm, str) or not isinstance(key_id, str | None) or not isinstance(kind, str):
         raise _refusal("it names no algorithm")
-    return Header(algorithm, key_id)
+    if "crit" in fields:
+        raise _refusal("it asks for an extension")
+    return Header(algorithm, key_id, kind.lower().removeprefix("application/"))
 
 
 def read_unverified(token: str) -> Mapping[str, Any]:
@@ -218,6 +227,17 @@ def check_claims(claims: Mapping[str, Any], issuer: str, audience: str, now: dat
         if begins is not None and at < begins - AHEAD:
             raise _refusal("it is not valid yet; compare the clocks")
     return datetime.fromtimestamp(expires + BEHIND, UTC)
+
+
+def require_access_token(header: Header, claims: Mapping[str, Any]) -> None:
+    """Refuse what a provider signs with the same key for another purpose (RFC 8725, 3.11): ID tokens, logout tokens.
+
+    Raises:
+        NotAuthenticated: It is no access token (`invalid_token`).
+    """
+    other_kind = header.kind.endswith("+jwt") and header.kind != ACCESS_TOKEN
+    if other_kind or claims.get("typ") in OTHER_TOKENS or any(name in claims for name in OTHER_CLAIMS):
+        raise _refusal("it is no access token")
 
 
 def _seconds(claims: Mapping[str, Any], name: str) -> float | None:

@@ -11,7 +11,7 @@ from urllib.parse import urlencode, urlsplit
 
 from dock_gateway.access.claims import ClaimRules, Claims, find_claim, subject_of
 from dock_gateway.access.credentials import ID_DIGITS, digest_of
-from dock_gateway.access.jwt import check_claims, read_header, read_unverified, verify
+from dock_gateway.access.jwt import check_claims, read_header, read_unverified, require_access_token, verify
 from dock_gateway.access.login_attempt import LIFETIME, LoginAttempt
 from dock_gateway.access.provider import Provider, error_code
 from dock_gateway.core.access import Kind, Principal
@@ -235,6 +235,7 @@ class SingleSignOn:
             )
         signed = verify(token, self.provider.keys, self._algorithms)
         expires_at = check_claims(signed.claims, self.issuer, self.audience, utc_now())
+        require_access_token(read_header(token), signed.claims)
         try:
             name = self.rules.name_of(signed.claims)
         except NotAuthenticated as error:

@@ -110,8 +110,10 @@ def test_without_an_id_there_must_be_one_key_only() -> None:
 
 
 def test_critical_extensions_are_refused() -> None:
-    token = f"{encode({'alg': 'RS256', 'kid': 'first', 'crit': ['exp'], 'exp': 1})}.{encode(CLAIMS)}.{encode(b'x')}"
-    assert refusal(token) == "its signature is wrong"
+    for extension in ({"crit": ["exp"], "exp": 1}, {"crit": ["b64"], "b64": False}, {"crit": []}, {"crit": None}):
+        head = encode({"alg": "RS256", "kid": "first", **extension})
+        token = f"{head}.{encode(CLAIMS)}.{encode(b'x')}"
+        assert refusal(token) == "it asks for an extension"
 
 
 @given(st.text(max_size=80) | st.tuples(st.binary(), st.binary(), st.binary()).map(lambda p: ".".join(map(encode, p))))

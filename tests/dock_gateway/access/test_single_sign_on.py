@@ -433,6 +433,33 @@ async def test_access_tokens_that_are_refused(logins: Logins, fake: FakeProvider
     assert fake.asked == [DISCOVERY, "/keys"]
 
 
+@pytest.mark.parametrize(
+    ("kind", "claims"),
+    [
+        ("JWT", {"typ": "ID", "aud": [CLIENT, AUDIENCE]}),
+        ("JWT", {"at_hash": "x", "aud": [CLIENT, AUDIENCE]}),
+        ("JWT", {"c_hash": "x"}),
+        ("JWT", {"typ": "Refresh"}),
+        ("JWT", {"events": {"http://schemas.openid.net/event/backchannel-logout": {}}}),
+        ("logout+jwt", {}),
+        ("application/secevent+jwt", {}),
+        ("DPoP+jwt", {}),
+    ],
+)
+async def test_what_is_signed_for_another_purpose(
+    logins: Logins, fake: FakeProvider, kind: str, claims: dict[str, Any]
+) -> None:
+    """The same provider, the same key, and the audience among others."""
+    assert await refusal(logins, fake.access_token(kind, **claims)) == "invalid_token"
+
+
+@pytest.mark.parametrize("kind", ["at+jwt", "application/at+JWT", "JWT", "jwt", "okta-internal-at+token", None])
+async def test_kinds_of_access_tokens(logins: Logins, fake: FakeProvider, kind: str | None) -> None:
+    audiences = ["account", AUDIENCE]
+    principal = await identify(logins, fake.access_token(kind, aud=audiences, typ="Bearer", nonce="x"))
+    assert principal.name == "oidc:ada"
+
+
 async def test_without_an_audience_there_are_no_services(site: Site, fake: FakeProvider) -> None:
     async with site.gateway(oidc_audience=None) as logins:
         assert await refusal(logins, fake.access_token()) == "invalid_token"
