@@ -14,6 +14,7 @@ import orjson
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, InvalidURI
 from websockets.sync.client import connect
 
+from dock_gateway.core.log_config import printable
 from dock_gateway.settings import LOOPBACK_HOSTS
 
 TIMEOUT = 15.0
@@ -120,9 +121,8 @@ def call(url: str, method: str, path: str, body: object = None, headers: Mapping
         raise click.ClickException(f"{url} is not a dock-gateway") from None
     if response.is_error:
         answer = answer if isinstance(answer, dict) else {}
-        raise click.ClickException(
-            f"{answer.get('code', response.status_code)}: {answer.get('detail', 'no reason given')}"
-        )
+        code, detail = answer.get("code", response.status_code), answer.get("detail", "no reason given")
+        raise click.ClickException(printable(f"{code}: {detail}"))
     return answer
 
 
@@ -168,11 +168,11 @@ def show(event: dict[str, Any], *, as_json: bool) -> None:
         running = event["status"] == "executing" and event["stage"]
         stage = f", {event['stage'].lower().replace('_', ' ')}" if running else ""
         error = f": {event['error']['detail']}" if event["error"] else ""
-        click.echo(f"{goal_id} {event['status']}{stage}{error}")
+        click.echo(printable(f"{goal_id} {event['status']}{stage}{error}"))
     elif kind == "feedback":
-        click.echo(f"{goal_id} feedback {describe(event['feedback'])}")
+        click.echo(printable(f"{goal_id} feedback {describe(event['feedback'])}"))
     elif kind == "result":
-        click.echo(f"{goal_id} result {describe(event['result'] or {})}")
+        click.echo(printable(f"{goal_id} result {describe(event['result'] or {})}"))
     elif kind in ("dropped", "closing"):
         click.echo(orjson.dumps(event))
 
@@ -278,11 +278,11 @@ def stop(url: str, robots: tuple[str, ...], no_latch: bool, by: str | None) -> N
     report = call(url, "POST", f"/stop{query}", body, {"Prefer": "wait=2"})
     click.echo(f"zero velocity published; canceling {', '.join(report['canceling']) or 'no goal'}")
     if warning := report.get("warning"):
-        click.echo(f"warning: {warning['detail']}", err=True)
+        click.echo(printable(f"warning: {warning['detail']}"), err=True)
     if report["stop"]["latched"]:
         click.echo("goals are refused until the stop is released: dock-gateway release")
     for failure in report["failed"]:
-        click.echo(f"{failure['action_name'] or failure['robot']}: {failure['detail']}", err=True)
+        click.echo(printable(f"{failure['action_name'] or failure['robot']}: {failure['detail']}"), err=True)
     for name in report["unconfirmed"]:
         click.echo(f"{name}: the action server has not answered yet", err=True)
     if report["failed"] or report["unconfirmed"]:

@@ -6,6 +6,7 @@ import re
 import sys
 import threading
 from datetime import UTC, datetime
+from typing import Any
 
 from dock_gateway.core.log_limit import LogLimit
 from dock_gateway.core.request import CURRENT
@@ -13,11 +14,18 @@ from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
 
-# What could begin another line, or change a terminal.
-CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f-\x9f\u2028\u2029]")
+# What could begin another line, change a terminal or turn the direction of the text; surrogates cannot be written.
+CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+# What a line of a traceback must not begin with, as it would look like the next record.
+RECORD = re.compile(r"^(?=\[[A-Z]+\] \[)", re.MULTILINE)
 HUMAN = "[%(levelname)s] [%(asctime)s] [%(name)s]: %(message)s"
 # Libraries whose lines below a warning are of no interest, not even with `debug`.
 NOISY = ("asyncio", "httpcore", "httpx2", "urllib3", "websockets")
+
+
+def printable(text: str) -> str:
+    """Return a text that stays in its line and leaves a terminal as it is: control characters are escaped."""
+    return CONTROL.sub(lambda match: match[0].encode("unicode_escape").decode(), text)
 
 
 class HumanFormatter(logging.Formatter):
@@ -28,8 +36,13 @@ class HumanFormatter(logging.Formatter):
 
     def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 - its name in `logging`
         """Return the line, with control characters escaped."""
-        record.message = CONTROL.sub(lambda match: match[0].encode("unicode_escape").decode(), record.message)
+        record.message = printable(record.message)
         return super().formatMessage(record)
+
+    def formatException(self, ei: Any) -> str:  # noqa: N802 - its name in `logging`
+        """Return the traceback. What clients have sent may be in the error's text, but makes no line of its own."""
+        lines = super().formatException(ei).split("\n")
+        return RECORD.sub(" ", "\n".join(map(printable, lines)))
 
 
 class JsonFormatter(logging.Formatter):

@@ -87,6 +87,7 @@ def test_stop_and_release(
         ("executing", "NAV_TO_STAGING_POSE", None, "7d9c1c9e executing, nav to staging pose"),
         ("executing", None, None, "7d9c1c9e executing"),
         ("aborted", "RETRY", {"code": "blocked", "detail": "it does not move"}, "7d9c1c9e aborted: it does not move"),
+        ("aborted", None, {"code": "blocked", "detail": "a\n\x1b[2Kb\u202e"}, r"7d9c1c9e aborted: a\n\x1b[2Kb\u202e"),
     ],
 )
 def test_what_is_shown_of_a_status(

@@ -2,6 +2,7 @@
 
 import json
 import logging
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -9,8 +10,10 @@ from datetime import datetime, timedelta
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from dock_gateway.core.log_config import HumanFormatter, JsonFormatter
+from dock_gateway.core.log_config import CONTROL, HumanFormatter, JsonFormatter
 from dock_gateway.core.request import CURRENT, RequestContext
 
 
@@ -63,6 +66,25 @@ def test_a_line_for_people_is_one_line_whatever_is_in_it() -> None:
     line = HumanFormatter().format(record)
     assert line.endswith("[any]: got x\\n[INFO] [forged]: a line\\x1b[2K\\r\\u2028\té")
     assert line.startswith("[INFO] [2")
+
+
+@given(st.text(st.characters(codec=None), max_size=60), st.text(max_size=60))
+def test_no_text_makes_a_line_of_its_own(text: str, name: str) -> None:
+    """Neither in a message nor in a traceback; and none of them reaches the terminal."""
+    forged = f"{text}\n[ERROR] [2026-11-21 00:00:00,000] [forged]: {name}\x1b]0;x\x07\u202e"
+    try:
+        raise ValueError(forged)
+    except ValueError:
+        record = logging.LogRecord("any", logging.INFO, "", 0, "got %s", (forged,), sys.exc_info())
+    written = HumanFormatter().format(record)
+    assert len(re.findall(r"^\[[A-Z]+\] \[", written, re.MULTILINE)) == 1
+    assert not CONTROL.search(written.replace("\n", ""))
+    written.encode()
+    record = logging.LogRecord("any", logging.INFO, "", 0, "got %s", (forged,), record.exc_info)
+    (line,) = JsonFormatter().format(record).splitlines()
+    message = json.loads(line)["message"]
+    assert message.encode("utf-16", "surrogatepass") == f"got {forged}".encode("utf-16", "surrogatepass")
+    assert line.isascii()
 
 
 def test_a_traceback_has_its_own_lines() -> None:
