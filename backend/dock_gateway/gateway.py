@@ -14,6 +14,7 @@ from dock_gateway.automation.docking import AutomaticDocking
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound, Unavailable
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, Verb
+from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
 from dock_gateway.fleet.alerts import AlertBoard
 from dock_gateway.fleet.labels import Labels
@@ -71,14 +72,16 @@ class Gateway:
         """
         return await self.actions.find_docking(verb, self.robots.get(robot).namespace)
 
-    async def goal(self, goal_id: str) -> Goal:
+    async def goal(self, goal_id: str, grant: Grant = UNLIMITED) -> Goal:
         """Return a goal of any action.
 
         Raises:
-            NotFound: There is no such goal.
+            NotFound: There is no such goal, or the grant does not cover it, which is the same to who asks.
         """
-        goal = self.actions.goal(goal_id) or await self.history.get(goal_id)
-        if goal is None:
+        goal = self.actions.goal(goal_id)
+        if goal is None or not grant.covers_action(goal.action_name):  # if the history is away, that is the same, too
+            goal = await self.history.get(goal_id) or goal
+        if goal is None or not grant.covers_action(goal.action_name):
             raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
         return goal
 
@@ -88,12 +91,14 @@ class Gateway:
         """Return a page of goals, newest first, and the cursor of the next page.
 
         Raises:
-            InvalidField: There is no goal `before`.
+            InvalidField: There is no goal `before` on these actions.
         """
+        if before is not None:
+            last = self.actions.goal(before) or await self.history.get(before)
+            if last is None or not wanted.includes(last.action_name):
+                unknown = "there is no such goal in this list"
+                raise InvalidField([FieldError("cursor", "`next_cursor` of an earlier answer", unknown)])
         goals = await self.history.page(wanted, limit=limit + 1, before=before)
-        unknown = not goals and before is not None and self.actions.goal(before) is None
-        if unknown and await self.history.get(before or "") is None:
-            raise InvalidField([FieldError("cursor", "`next_cursor` of an earlier answer", "there is no such goal")])
         current = [self.actions.goal(goal.goal_id) or goal for goal in goals[:limit]]
         return current, goals[limit - 1].goal_id if len(goals) > limit else None
 

@@ -17,6 +17,7 @@ from tests.support.waiting import wait_until
 pytestmark = [pytest.mark.ros, pytest.mark.timeout(150)]
 
 ONE, TWO = "/robot1", "/robot2"
+MISSING = "7d9c1c9e-0000-4000-8000-00000000000a"
 
 
 class Robots:
@@ -39,6 +40,13 @@ class Robots:
     def refused(self, who: str, method: str, path: str, body: object = None) -> bool:
         answer = self.answer(who, method, path, body)
         return answer.status_code == 403 and answer.json()["code"] == "not_covered"
+
+    def unknown(self, who: str, method: str, path: str, goal_id: str, body: object = None) -> bool:
+        """Whether a goal is answered like one that there is not."""
+        there, missing = (self.answer(who, method, path.format(each), body) for each in (goal_id, MISSING))
+        alike = there.text.replace(goal_id, MISSING) == missing.text
+        headers = [{*answer.headers} for answer in (there, missing)]
+        return alike and headers[0] == headers[1] and there.status_code == 404 == missing.status_code
 
     def names(self, who: str) -> list[str]:
         return [robot["name"] for robot in self.ask(who, "GET", "/robots")["robots"]]
@@ -114,12 +122,8 @@ def test_the_other_robot_is_out_of_reach(robots: Robots, goals: dict[str, str]) 
         ("POST", f"/dock?robot={TWO}"),
         ("POST", f"/undock?robot={TWO}"),
         ("POST", f"/actions{TWO}/connect_to_charging_dock/goals"),
-        ("POST", f"/dock/{other}/cancel"),
-        ("POST", f"/goals/{other}/cancel"),
-        ("GET", f"/goals/{other}"),
-        ("GET", f"/goals/{other}/events"),
-        ("GET", f"/goals/{other}/history"),
-        ("GET", f"/actions{ONE}/connect_to_charging_dock/goals/{other}/events"),
+        ("GET", f"/actions{TWO}/connect_to_charging_dock/goals/{goals[ONE]}"),
+        ("GET", f"/actions{TWO}/no_such_action/goals/{goals[ONE]}"),
         ("GET", f"/robots?robot={TWO}"),
         ("GET", f"/battery?robot={TWO}"),
         ("GET", f"/battery/history?robot={TWO}"),
@@ -130,7 +134,27 @@ def test_the_other_robot_is_out_of_reach(robots: Robots, goals: dict[str, str]) 
     ):
         assert robots.refused(robots.one, method, path), (method, path)
     assert robots.refused(robots.one, "PUT", f"/battery/publisher?robot={TWO}", {"state": LOW})
-    assert robots.refused(robots.one, "POST", f"/goals/{other}/notes", {"by": "x", "text": "x"})
+    for method, path, body in (
+        ("POST", "/dock/{}/cancel", None),
+        ("POST", "/goals/{}/cancel", None),
+        ("GET", "/dock/{}", None),
+        ("GET", "/goals/{}", None),
+        ("GET", "/goals/{}/events", None),
+        ("GET", "/goals/{}/history", None),
+        ("GET", "/goals/{}/notes", None),
+        ("GET", "/goals/{}/export?format=csv", None),
+        ("GET", f"/actions{ONE}/connect_to_charging_dock/goals/{{}}", None),
+        ("GET", f"/actions{ONE}/connect_to_charging_dock/goals/{{}}/events", None),
+        ("POST", f"/actions{ONE}/connect_to_charging_dock/goals/{{}}/cancel", None),
+        ("POST", "/goals/{}/notes", {"by": "x", "text": "x"}),
+        ("PUT", "/goals/{}/tags", {"tags": ["x"]}),
+    ):
+        assert robots.unknown(robots.one, method, path, other, body), (method, path)
+    for path in ("/goals?cursor={}", f"/dock?robot={ONE}&cursor={{}}"):
+        pages = [robots.answer(robots.one, "GET", path.format(each)) for each in (other, MISSING)]
+        assert pages[0].status_code == pages[1].status_code == 422
+        assert pages[0].text == pages[1].text
+    assert robots.ask(robots.one, "GET", f"/goals?cursor={goals[ONE]}")["goals"] == []
     assert robots.ask(robots.admin, "GET", f"/goals/{other}")["status"] == "executing"
 
 
@@ -141,18 +165,57 @@ def test_commands_of_a_socket_have_the_same_limits(robots: Robots, goals: dict[s
                 {"op": "send_goal"},
                 {"op": "send_goal", "robot": TWO},
                 {"op": "send_goal", "action": f"{TWO}/connect_to_charging_dock", "goal": {}},
-                {"op": "cancel_goal", "goal_id": goals[TWO]},
+                {"op": "send_goal", "action": f"{ONE}/connect_to_charging_dock", "goal": {}, "robot": TWO},
+                {"op": "send_goal", "action": f"{ONE}/connect_to_charging_dock", "goal": {}, "robot": "/no_such_robot"},
                 {"op": "publish_battery", "robot": TWO, "state": {}},
                 {"op": "stop_publishing", "robot": TWO},
                 {"op": "release_stop", "robot": TWO},
                 {"op": "release_stop"},
                 {"op": "subscribe", "robot": TWO},
-                {"op": "subscribe", "goal_id": goals[TWO]},
+                {"op": "subscribe", "robot": "/no_such_robot"},
             )
         ):
             socket.send(orjson.dumps({"id": str(number), **command}).decode())
             answer = orjson.loads(socket.recv())
             assert (answer["op"], answer["id"], answer.get("code")) == ("error", str(number), "not_covered"), command
+
+
+def test_commands_about_another_goal_are_answered_like_those_about_none(robots: Robots, goals: dict[str, str]) -> None:
+    with stream(robots.gateway, "/ws", robots.one) as socket:
+        for op in ("cancel_goal", "subscribe"):
+            answers = []
+            for goal_id in (goals[TWO], MISSING):
+                socket.send(orjson.dumps({"op": op, "id": "1", "goal_id": goal_id}).decode())
+                answers.append(str(socket.recv()).replace(goal_id, MISSING))
+            assert answers[0] == answers[1]
+            assert orjson.loads(answers[0])["code"] == "goal_not_found"
+
+
+def test_an_idempotency_key_belongs_to_its_user(robots: Robots, goals: dict[str, str]) -> None:
+    """The same key of another user is another key: neither their goal nor that there is one can be seen."""
+    action, body = f"{ONE}/connect_to_charging_dock", {"desired_battery_state": {"power_supply_status": 1}}
+
+    full = {"desired_battery_state": {"power_supply_status": 4}}
+
+    def send(who: str, body: object, key: str = "night shift") -> Any:
+        headers = bearer(who) | {"Idempotency-Key": key}
+        return robots.gateway.http.post(f"/actions{action}/goals", json=body, headers=headers)
+
+    robots.ask(robots.admin, "POST", f"/goals/{goals[ONE]}/cancel")
+    wait_until(lambda: robots.ask(robots.admin, "GET", f"/goals/{goals[ONE]}")["status"] == "canceled", "the end")
+    goals[ONE] = send(robots.admin, body).raise_for_status().json()["goal_id"]
+    assert send(robots.admin, body).json()["goal_id"] == goals[ONE]
+    assert send(robots.admin, full).json()["code"] == "idempotency_key_reused"
+
+    own = send(robots.one, body).json()  # the busy server rejects the goal of another user
+    assert (own["code"], own["goal_id"] != goals[ONE]) == ("dock_busy", True)
+    assert send(robots.one, body).json()["goal_id"] == own["goal_id"]
+    send(robots.one, body, "day shift")
+    assert send(robots.admin, full, "day shift").json()["code"] == "dock_busy"
+    with stream(robots.gateway, "/ws", robots.one) as socket:
+        command = {"op": "send_goal", "action": action, "goal": body, "idempotency_key": "night shift"}
+        socket.send(orjson.dumps({"id": "1", **command}).decode())
+        assert orjson.loads(socket.recv())["goal_id"] == own["goal_id"]
 
 
 def test_a_stream_carries_the_own_robot_only(robots: Robots, goals: dict[str, str]) -> None:
@@ -195,10 +258,10 @@ def texts_for(socket: Any, seconds: float) -> str:
 
 
 def test_a_stream_of_the_other_robot_is_refused(robots: Robots, goals: dict[str, str]) -> None:
-    for query in (f"?robot={TWO}", f"?goal_id={goals[TWO]}"):
+    for query, status in ((f"?robot={TWO}", 403), ("?robot=/no_such_robot", 403), (f"?goal_id={goals[TWO]}", 404)):
         with pytest.raises(InvalidStatus) as refused, stream(robots.gateway, f"/ws/feedback{query}", robots.one):
             pass
-        assert refused.value.response.status_code == 403
+        assert refused.value.response.status_code == status
 
 
 def test_a_stream_that_resumes_has_the_same_limits(robots: Robots, goals: dict[str, str]) -> None:
@@ -242,7 +305,12 @@ def test_everyone_stops_every_robot_and_releases_the_own_one(robots: Robots) -> 
         ],
         "the alert of the stop",
     )
-    assert robots.refused(robots.one, "PUT", f"/alerts/{latched[0]}/acknowledgement", {"by": "x"})
+    answers = [
+        robots.answer(robots.one, "PUT", f"/alerts/{each}/acknowledgement", {"by": "x"}).text.replace(each, "x")
+        for each in (latched[0], "0123456789abcdef")
+    ]
+    assert answers[0] == answers[1]
+    assert "alert_not_found" in answers[0]
     robots.ask(robots.admin, "DELETE", f"/stop?robot={TWO}")
 
 

@@ -1,5 +1,7 @@
 """Who uses the gateway, and what they may do. Plain data."""
 
+import hashlib
+import json
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from enum import StrEnum
@@ -183,6 +185,16 @@ class Principal:
     credential: str | None
     expires_at: datetime | None = None
     key: str | None = None
+
+    def own(self, idempotency_key: str) -> str:
+        """Return the idempotency key that is stored for one of theirs: the same key of someone else is another one.
+
+        It follows from their name, so it stays the same after another login. Where the gateway does not ask who makes a
+        request, all share their keys.
+        """
+        if self.name is None:
+            return idempotency_key
+        return hashlib.sha256(json.dumps([self.name, idempotency_key]).encode()).hexdigest()
 
 
 # Everybody, where the gateway does not ask who it is.

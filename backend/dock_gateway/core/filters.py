@@ -137,13 +137,19 @@ class GoalFilter:
     def matches(self, goal: Goal) -> bool:
         """Return whether a goal meets all conditions but the tags, which only the history has."""
         return (
-            (not self.action_names or goal.action_name in self.action_names)
-            and goal.action_name.startswith(self.prefix)
+            self.includes(goal.action_name)
             and (not self.statuses or goal.status in self.statuses)
             and (not self.error_codes or (goal.error is not None and goal.error.code in self.error_codes))
             and self.origin in (None, goal.origin)
             and (self.since is None or goal.created_at >= self.since)
             and (self.until is None or goal.created_at < self.until)
             and goal.goal_id.startswith(self.id_prefix)
-            and (self.among is None or goal.action_name in self.among)
+        )
+
+    def includes(self, action_name: str) -> bool:
+        """Return whether goals on an action can meet the conditions."""
+        return (
+            (not self.action_names or action_name in self.action_names)
+            and action_name.startswith(self.prefix)
+            and (self.among is None or action_name in self.among)
         )

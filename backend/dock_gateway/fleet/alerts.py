@@ -96,14 +96,14 @@ class AlertBoard:
         """Return the alerts of a grant as `GET /alerts` shows them: critical ones first, then oldest first."""
         return [self._document(alert) for alert in self._alerts.values() if grant.covers_alert(alert.robot)]
 
-    def get(self, alert_id: str) -> Alert:
+    def get(self, alert_id: str, grant: Grant = UNLIMITED) -> Alert:
         """Return an alert.
 
         Raises:
-            NotFound: `alert_not_found`.
+            NotFound: There is none, or the grant does not cover it (`alert_not_found`).
         """
         alert = self._alerts.get(alert_id)
-        if alert is None:
+        if alert is None or not grant.covers_alert(alert.robot):
             raise NotFound(f"there is no alert {alert_id}; it may have cleared", code="alert_not_found")
         return alert
 

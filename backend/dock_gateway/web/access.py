@@ -19,7 +19,7 @@ from dock_gateway.core.request import PERMIT, Permit
 from dock_gateway.gateway import Gateway
 from dock_gateway.web.limits import require_covered
 from dock_gateway.web.permissions import COMMAND_SCOPES, COMMANDS, PUBLIC, SCOPES, SENDING, Scope, role_for
-from dock_gateway.web.requests import get_gateway, read_body, read_json
+from dock_gateway.web.requests import get_gateway, read_body, read_json, read_key
 
 SCHEME = "bearer"
 # The route that reads its body itself.
@@ -211,6 +211,16 @@ async def read_signed_json(request: Request) -> Any:
         InvalidField, MalformedRequest: As `read_json`.
     """
     return signed(principal_of(request), await read_json(request))
+
+
+def read_own_key(request: Request) -> str | None:
+    """Return the `Idempotency-Key` header as it is stored for who makes the request.
+
+    Raises:
+        InvalidField: It is not a key.
+    """
+    key = read_key(request)
+    return None if key is None else principal_of(request).own(key)
 
 
 @contextmanager

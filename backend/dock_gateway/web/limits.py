@@ -20,7 +20,7 @@ async def require_covered(gateway: Gateway, grant: Grant, scope: Scope, names: N
     Raises:
         NotAllowed: It is (`not_covered`).
         InvalidField: A name is not valid.
-        NotFound: There is no such goal or alert.
+        NotFound: There is no such goal or alert, or it is beyond the grant, which is the same to who asks.
     """
     if scope is Scope.TOPIC:
         covered = grant.covers_topic(topic := _topic(gateway, names))
@@ -77,21 +77,25 @@ async def _action(_: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
 
 
 async def _goal(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
-    goal = await gateway.goal(read_goal_id(str(names.get("goal_id"))))
-    return grant.covers_action(goal.action_name), f"goals on {goal.action_name}"
+    if "name" in names and not grant.covers_action(name := f"/{names['name']}"):
+        return False, f"the action {name[:100]}"
+    await gateway.goal(read_goal_id(str(names.get("goal_id"))), grant)  # an unknown goal and another's: the same answer
+    return True, ""
 
 
 async def _command_goal(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
     if names.get("action") is None:
         return await _dock(gateway, grant, names)
     namespace = None if names.get("robot") is None else _namespace(gateway, names)
+    if namespace is not None and not grant.covers_robot(namespace):
+        return False, _describe_robot(namespace, names)
     name = gateway.settings.resolve(str(names["action"]), namespace)
     return grant.covers_action(name), f"the action {name[:100]}"
 
 
 async def _alert(gateway: Gateway, grant: Grant, names: Names) -> tuple[bool, str]:
-    robot = gateway.alerts.get(names["alert_id"]).robot
-    return grant.covers_alert(robot), f"alerts of {robot}"
+    gateway.alerts.get(names["alert_id"], grant)
+    return True, ""
 
 
 _CHECKS: dict[Scope, Callable[[Gateway, Grant, Names], Awaitable[tuple[bool, str]]]] = {

@@ -184,8 +184,8 @@ async def read_event_filter(gateway: Gateway, query: Mapping[str, str], grant: G
 
     Raises:
         InvalidField: A value is invalid.
-        NotFound: There is no such goal or robot.
-        NotAllowed: The grant does not cover the goal or the robot (`not_covered`).
+        NotFound: There is no such goal or robot, or the grant does not cover the goal.
+        NotAllowed: The grant does not cover the robot (`not_covered`).
     """
     robot, action, goal_id = query.get("robot"), query.get("action"), query.get("goal_id")
     namespace = "/" if robot is None else read_namespace(robot)
@@ -195,9 +195,7 @@ async def read_event_filter(gateway: Gateway, query: Mapping[str, str], grant: G
     if unknown := [name for name in names if name not in INCLUDES]:
         raise InvalidField([FieldError("query.include", f"any of {', '.join(INCLUDES)}", f"got {unknown[0][:60]!r}")])
     kind = EventFilter if read_feedback(query) else WithoutFeedback
-    goal = None if goal_id is None else await gateway.goal(read_goal_id(goal_id))
-    if goal is not None and not grant.covers_action(goal.action_name):
-        raise not_covered(f"goals on {goal.action_name}")
+    goal = None if goal_id is None else await gateway.goal(read_goal_id(goal_id), grant)
     return kind(
         topics=frozenset({"goals", *names}),
         goal_id=None if goal is None else goal.goal_id,
@@ -209,10 +207,13 @@ async def read_event_filter(gateway: Gateway, query: Mapping[str, str], grant: G
 
 
 def _read_robot(gateway: Gateway, robot: str | None, grant: Grant) -> str:
+    # Whether there is such a robot or not.
+    if robot is not None and not grant.covers_robot(name := read_namespace(robot)):
+        raise not_covered(f"the robot {name}")
     found = gateway.robots.get(robot).namespace
     if grant.covers_robot(found):
         return found
     covered = [each.namespace for each in gateway.robots.all() if grant.covers_robot(each.namespace)]
-    if robot is not None or not covered:
+    if not covered:
         raise not_covered(f"the robot {found}")
     return min(covered)

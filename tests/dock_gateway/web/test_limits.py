@@ -22,11 +22,20 @@ from tests.dock_gateway.web.test_access import REQUESTS, path_of
 from tests.support.audit import audit_parts
 
 SETTINGS = Settings(authentication=True, database_url="sqlite:////nowhere")
-GOAL = "00000000-0000-4000-8000-000000000000"
+GOAL, UNKNOWN = "00000000-0000-4000-8000-000000000000", "00000000-0000-4000-8000-000000000001"
+ALERT = "x1"
 
 
-async def _goal(_: str) -> Any:
-    return SimpleNamespace(action_name="/robot2/connect_to_charging_dock")
+async def _goal(goal_id: str, grant: Grant) -> Any:
+    if goal_id != GOAL or not grant.covers_action(action := "/robot2/connect_to_charging_dock"):
+        raise NotFound(f"there is no goal {goal_id}", code="goal_not_found")
+    return SimpleNamespace(action_name=action)
+
+
+def _alert(alert_id: str, grant: Grant) -> Any:
+    if alert_id != ALERT or not grant.covers_alert("/robot2"):
+        raise NotFound(f"there is no alert {alert_id}", code="alert_not_found")
+    return SimpleNamespace(robot="/robot2")
 
 
 class Other:
@@ -36,7 +45,7 @@ class Other:
         self.settings = SETTINGS
         self.logins = Logins(MemoryHistory(10))
         self.robots = SimpleNamespace(default_namespace="/robot2")
-        self.alerts = SimpleNamespace(get=lambda _: SimpleNamespace(robot="/robot2"))
+        self.alerts = SimpleNamespace(get=_alert)
         self.goal = _goal
         parts = audit_parts()
         parts["actions"].docking = DockingActions(DockingCatalog(Settings()), {})
@@ -74,7 +83,14 @@ def test_every_route_about_another_robot_is_refused(limits: dict[str, tuple[str,
             if scope in (Scope.ROBOT, Scope.ROBOTS, Scope.ALERT, Scope.TOPIC) and "actions" in limits:
                 continue  # they are about a robot, not about one of its actions
             answer = client.request(method, path_of(template))
-            assert answer.json()["code"] == "not_covered", name
+            if scope is Scope.GOAL and "{name" not in template:
+                unknown = client.request(method, path_of(template).replace(GOAL, UNKNOWN))
+                assert (answer.status_code, answer.json()["code"]) == (404, "goal_not_found"), name
+                assert answer.text.replace(GOAL, UNKNOWN) == unknown.text, name
+            elif scope is Scope.ALERT:
+                assert (answer.status_code, answer.json()["code"]) == (404, "alert_not_found"), name
+            else:
+                assert answer.json()["code"] == "not_covered", name
 
 
 ROBOT1 = Grant(Role.SUPERVISOR, robots=("/robot1",))
@@ -98,11 +114,11 @@ OTHERS: dict[Scope, list[dict[str, Any]]] = {
         {"robot": "/robot2"},
         {"action": "fibonacci"},
         {"action": "/robot2/fibonacci", "robot": "/robot1"},
+        {"action": "/robot1/fibonacci", "robot": "/robot2"},
         {"action": "robot2/fibonacci"},
     ],
     Scope.TOPIC: [{"topic": "/robot2/odom"}, {"topic": "odom"}, {}, {"name": "rosout"}],
-    Scope.GOAL: [{"goal_id": GOAL}],
-    Scope.ALERT: [{"alert_id": "x"}],
+    Scope.GOAL: [{"goal_id": GOAL, "name": "robot2/fibonacci"}],
     Scope.EVERY: [{}, {"robot": "/robot1"}],
 }
 
@@ -115,6 +131,21 @@ def test_what_is_about_the_own_robot_is_allowed(gateway: Gateway, scope: Scope) 
 @pytest.mark.parametrize(("scope", "names"), [(scope, names) for scope, many in OTHERS.items() for names in many])
 def test_what_is_about_another_one_is_not(gateway: Gateway, scope: Scope, names: dict[str, Any]) -> None:
     assert refused(gateway, ROBOT1, scope, names)
+
+
+@pytest.mark.parametrize(
+    ("scope", "name", "ids"),
+    [(Scope.GOAL, "goal_id", (GOAL, UNKNOWN)), (Scope.ALERT, "alert_id", (ALERT, "low_battery:/x"))],
+)
+def test_what_is_another_s_is_as_unknown_as_what_there_is_not(
+    gateway: Gateway, scope: Scope, name: str, ids: tuple[str, str]
+) -> None:
+    problems = []
+    for each in ids:
+        with pytest.raises(NotFound) as error:
+            asyncio.run(require_covered(gateway, ROBOT1, scope, {name: each}, "it"))
+        problems.append(str(error.value.problem()).replace(each, "ID"))
+    assert problems[0] == problems[1]
 
 
 @pytest.mark.parametrize("scope", list(Scope))
@@ -144,4 +175,4 @@ def test_a_list_of_topics_alone_limits_nothing_else(gateway: Gateway) -> None:
 def test_every_scope_is_used_and_known() -> None:
     used = {*SCOPES.values(), *COMMAND_SCOPES.values()}
     assert used == set(Scope)
-    assert used - NAMES.keys() - OTHERS.keys() == {Scope.ANY, Scope.LISTED}
+    assert used - NAMES.keys() - OTHERS.keys() == {Scope.ANY, Scope.LISTED, Scope.ALERT}

@@ -17,6 +17,7 @@ from dock_gateway.core.goal import Goal, GoalStatus
 from dock_gateway.core.request import wait_while_permitted
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
+from dock_gateway.web.access import read_own_key
 from dock_gateway.web.audit import audited
 from dock_gateway.web.problems import problems
 from dock_gateway.web.queries import EVENT_ID, QUERY, GoalFilterQuery
@@ -29,7 +30,6 @@ from dock_gateway.web.requests import (
     json_response,
     known_query,
     read_json,
-    read_key,
     read_wait,
 )
 from dock_gateway.web.schemas.goals import ActionGoal, GoalHistory, TaggedGoalPage
@@ -54,7 +54,7 @@ async def send_goal(
             be a pose to drive to.
     """
     audited(request, action_name=action.name, robot=parent_of(action.name))
-    wait, key = read_wait(request), read_key(request)
+    wait, key = read_wait(request), read_own_key(request)
     if pick is None:
         message = action.port.goal_codec.parse(await read_json(request))
         goal = await action.submitter.submit(message, key)

@@ -68,8 +68,9 @@ async def _send_goal(gateway: Gateway, principal: Principal, fields: Fields) -> 
         namespace = None if robot is None else gateway.robots.get(robot).namespace
         action = await gateway.actions.find(gateway.settings.resolve(name, namespace))
         message = action.port.goal_codec.parse(goal, "goal")
-    key = fields.get("idempotency_key")
-    return {"goal": (await action.submitter.submit(message, check_key(key, "idempotency_key"))).document()}
+    key = check_key(fields.get("idempotency_key"), "idempotency_key")
+    own = None if key is None else principal.own(key)
+    return {"goal": (await action.submitter.submit(message, own)).document()}
 
 
 async def _cancel_goal(gateway: Gateway, _: Principal, fields: Fields) -> Fields:

@@ -18,6 +18,7 @@ from dock_gateway.actions.registry import DockingServers
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
+from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.gateway import Gateway
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
@@ -153,7 +154,7 @@ class OneGoal:
         server = ServerState("/dock", "pkg/action/Dock", available=True, answering=True)
         self.actions = SimpleNamespace(servers_of=lambda _: DockingServers(server, server))
 
-    async def goal(self, _: str) -> Goal:
+    async def goal(self, _: str, __: Grant = UNLIMITED) -> Goal:
         self._looks += 1
         found = copy(self._goal)
         if self._looks == self._ends_at:

@@ -15,6 +15,7 @@ from dock_gateway.access.quotas import Quotas
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.event import Event, notice, utc_now
 from dock_gateway.core.filters import EventFilter
+from dock_gateway.core.grant import Grant
 from dock_gateway.core.hub import Hub, Subscriber
 from dock_gateway.gateway import Gateway
 from dock_gateway.history.memory import MemoryHistory
@@ -89,7 +90,7 @@ class Lookups:
         self.settings = SimpleNamespace(subscriber_timeout=1.0)
         self.robots = SimpleNamespace(get=lambda _: SimpleNamespace(namespace="/"))
 
-    async def goal(self, goal_id: str) -> Any:
+    async def goal(self, goal_id: str, _: Grant) -> Any:
         await asyncio.sleep(0.05)
         return SimpleNamespace(goal_id=goal_id, action_name="/dock")
 
