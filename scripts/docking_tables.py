@@ -64,7 +64,8 @@ def nav2_row(parameter: Nav2Parameter) -> str:
         Meaning.REFUSED: f"refused{unless}",
         Meaning.IGNORED: f"ignored with a warning{unless}",
     }[parameter.meaning]
-    parts = [here, parameter.text, parameter.differs and f"here the default is `{parameter.differs}`"]
+    differs = parameter.differs if parameter.meaning is not Meaning.REFUSED else ""
+    parts = [here, parameter.text, differs and f"here the default is `{differs}`"]
     told = parameter.meaning in {Meaning.REFUSED, Meaning.IGNORED}
     text = (": " if told else "; ").join(part for part in parts if part)
     return f"| `{parameter.name}` | {shown if default != '' else 'empty'} | {text} |\n".replace("|  |", "| |")

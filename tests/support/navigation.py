@@ -39,12 +39,14 @@ class Nav2(Server):
         answers: While it is not set, no goal is answered.
         rejects: Whether it rejects goals.
         gives_up: Whether it aborts goals as soon as the robot moves.
+        trees: Their behavior trees.
         ends: How the goals have ended.
     """
 
     def __init__(self, node: Node, start: Pose) -> None:
         super().__init__(node)
         self.poses: list[tuple[str, Pose]] = []
+        self.trees: list[str] = []
         self.ends: list[str] = []
         self.driving = self.rejects = self.gives_up = False
         self.asked = 0
@@ -76,6 +78,7 @@ class Nav2(Server):
         target = pose_from(handle.request.pose.pose)
         frame = handle.request.pose.header.frame_id
         self.poses.append((frame, target))
+        self.trees.append(handle.request.behavior_tree)
         if frame == "odom":
             target = self._start.compose(target)
         result = NavigateToPose.Result()

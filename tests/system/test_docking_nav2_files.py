@@ -206,6 +206,12 @@ def test_what_would_move_the_robot_otherwise_is_refused(domain: int, tmp_path: P
         ("fibonacci_action_client", ("-p", "order:=3"), "order has no effect"),
         ("connect_to_charging_dock_client", ("-p", "voltage:=3.0"), "voltage has no effect"),
         ("connect_to_charging_dock_server", ("-p", "docking_servr:a:=1"), "Did you mean docking_server?"),
+        (
+            "docking_server",
+            ("-p", "controller:=dock_pose", "-p", "connect_to_charging_dock_action_server:dock_direction:=backward"),
+            "until a goal has docked it, it undocks as if it had docked forward",
+        ),
+        ("docking_server", ("--params-file", "/dev/fd/0"), "/dev/fd/0: what has no effect in it is not told"),
         ("docking_server", ("-p", "battery_state_subscriber:x:=1"), "/battery_state_subscriber has no such parameter"),
         (
             "docking_server",
@@ -219,6 +225,24 @@ def test_every_program_tells_what_has_no_effect(
 ) -> None:
     with Process(program, "--ros-args", *arguments, env=ros_environment(domain)) as process:
         process.wait_for(told)
+
+
+def test_a_key_that_comes_twice_is_refused(domain: int, tmp_path: Path) -> None:
+    file = write(tmp_path, "docking_server:\n  ros__parameters:\n    max_retries: 1\n    max_retries: 2\n")
+    with Process("docking_server", "--ros-args", "--params-file", str(file), env=ros_environment(domain)) as server:
+        assert server.wait() == 2
+        assert server.own_lines == [f"error: --params-file: {file} has the key 'max_retries' twice"]
+
+
+@pytest.mark.parametrize(("program", "file"), [("docking_server", "docking_server"), ("dock_simulator",) * 2])
+def test_our_own_files_have_nothing_without_effect(domain: int, observer: Observer, program: str, file: str) -> None:
+    path = Path(__file__).parents[2] / "backend/action_tutorials_py/config" / f"{file}.yaml"
+    with Process(program, "--ros-args", "--params-file", str(path), env=ros_environment(domain)) as process:
+        last = {"docking_server": "battery_state_subscriber"}.get(program, program)
+        wait_until(lambda: last in observer.node.get_node_names(), "the nodes")
+        if program == "docking_server":
+            assert send_dock_goal(observer).accepted
+        assert "[WARN]" not in process.output
 
 
 NAMESPACED = """

@@ -53,11 +53,12 @@ def robot(domain: int) -> Iterator[Nav2]:
 
 @pytest.mark.timeout(240)
 def test_a_robot_far_from_its_dock_is_driven_to_the_staging_pose_and_docks(domain: int, observer: Observer) -> None:
-    with robot(domain) as server, docking_servers(domain, *DATABASE):
+    with robot(domain) as server, docking_servers(domain, *DATABASE, "navigator_bt_xml:=slowly.xml"):
         site = look_at(observer)
         goal = send_dock_goal(observer, dock="home")
         site.wait_for_stage(goal, "NAV_TO_STAGING_POSE")
         wait_until(lambda: server.ends, "the end of the navigation", 60.0)
+        assert server.trees == ["slowly.xml"]
         assert driven_by_us(site) == 0
         assert (server.ends, [frame for frame, _ in server.poses]) == (["succeeded"], ["map"])
         assert server.poses[0][1].distance_to(STAGING) < 0.01

@@ -9,6 +9,7 @@ from rclpy.context import Context
 from docking.core.battery import Battery
 from docking.nodes.dock_server import DOCK
 from docking.nodes.undock_server import UNDOCK
+from docking.parameters import ControllerName, DockSettings, UndockSettings
 from docking.ros.active_goal import ActiveGoal
 from docking.ros.node import ActionNode
 from docking.ros.process import run_process
@@ -23,10 +24,29 @@ def make_servers(battery: Battery, context: Context) -> list[ActionNode[Any]]:
         context: The ROS context.
     """
     active_goal = ActiveGoal()
-    return [
-        ActionNode(DOCK, battery, active_goal=active_goal, context=context),
-        ActionNode(UNDOCK, battery, active_goal=active_goal, context=context),
-    ]
+    dock = ActionNode(DOCK, battery, active_goal=active_goal, context=context)
+    undock = ActionNode(UNDOCK, battery, active_goal=active_goal, context=context)
+    if sentence := compare_directions(dock.settings, undock.settings):
+        undock.get_logger().warning(sentence)
+    return [dock, undock]
+
+
+def compare_directions(docking: DockSettings, undocking: UndockSettings) -> str | None:
+    """Why a robot that is on a dock at the start may leave it the wrong way, as a sentence; None if it does not.
+
+    Args:
+        docking: The parameters of the docking node.
+        undocking: Those of the undocking node, which knows the dock only after a goal has docked the robot.
+    """
+    directions = {dock.dock_direction for dock in docking.database.types.values() or [docking.dock]}
+    own = undocking.staging.dock_direction
+    if docking.controller == ControllerName.ROTATE or directions == {own}:
+        return None
+    others = " and ".join(sorted(directions))
+    return (
+        f"The robot docks {others}, but until a goal has docked it, it undocks as if it had docked {own}: set"
+        f" dock_direction of {UNDOCK.node_name}"
+    )
 
 
 def _run(args: Sequence[str] | None) -> int:

@@ -52,7 +52,7 @@ def read_nav2_for_undocking(given: Mapping[str, Value], resolve: Callable[[str],
             continue
         if len(set(values)) == 1 and values[0] is not None:
             meanings.values[name] = values[0], written[0]
-        elif name in {"staging_x_offset", "dock_direction"}:
+        elif name == "staging_x_offset":
             meanings.remarks.append(
                 f"{', '.join(written)} differ: undocking goes by {name} until a goal has docked the robot"
             )

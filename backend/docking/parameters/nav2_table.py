@@ -53,8 +53,10 @@ def _mapped(name: str, default: Value | None, ours: str = "", text: str = "", di
     return Nav2Parameter(name, default, Meaning.MAPPED, ours or name.rpartition(".")[2], text, differs=differs)
 
 
-def _refused(name: str, default: Value | None, accepted: tuple[Value, ...], text: str) -> Nav2Parameter:
-    return Nav2Parameter(name, default, Meaning.REFUSED, text=text, accepted=accepted)
+def _refused(
+    name: str, default: Value | None, accepted: tuple[Value, ...], text: str, differs: str = ""
+) -> Nav2Parameter:
+    return Nav2Parameter(name, default, Meaning.REFUSED, text=text, accepted=accepted, differs=differs)
 
 
 def _ignored(name: str, default: Value | None, text: str, *accepted: Value) -> Nav2Parameter:
@@ -139,6 +141,7 @@ NAV2: tuple[Nav2Parameter, ...] = (
         False,
         (True,),
         "The robot docks only where the dock is detected. Write true, and publish detected_dock_pose.",
+        differs="true",
     ),
     *_same(1.0, "<type>.external_detection_timeout"),
     *_same(-0.2, "<type>.external_detection_translation_x"),

@@ -5,6 +5,7 @@ import re
 import sys
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 from weakref import WeakKeyDictionary
 
@@ -17,7 +18,7 @@ from docking.core.ros_yaml import entries, parse, read_nodes, read_value
 
 PARAMETERS = "ros__parameters"
 FILE, RULE = "--params-file", ("-p", "--param")
-EVERYWHERE = "/**"
+EVERYWHERE, NOWHERE = "/**", ""
 QOS = "qos_overrides."
 """What begins so is declared when the topic is used, and is not told."""
 PROGRAMS = frozenset(
@@ -88,7 +89,12 @@ class Given:
                 if sentence := self._judge(section, name, nodes):
                     told.add(name)
                     nodes[0].get_logger().warning(sentence)
-        for source in dict.fromkeys(section.source for section in self.sections):
+        for source in [section.source for section in self.sections if section.nodes == NOWHERE]:
+            nodes[0].get_logger().warning(
+                f"{source}: what has no effect in it is not told, and parameters of other nodes than"
+                f" {', '.join(node.get_fully_qualified_name() for node in nodes)} have none: it is no file"
+            )
+        for source in dict.fromkeys(section.source for section in self.sections if section.nodes != NOWHERE):
             if strangers := self._strangers([one for one in self.sections if one.source == source], nodes):
                 nodes[0].get_logger().warning(self._describe(source, strangers, nodes))
 
@@ -163,13 +169,16 @@ def read_arguments(context: Context, args: Sequence[str] | None) -> None:
     Args:
         context: The context, whose initialization has found nothing wrong with it.
         args: None is the command line of the process.
+
+    Raises:
+        ValueError: A file has a key twice, or is too large.
     """
     _given[context] = Given([*_read(sys.argv if args is None else args)])
 
 
 def _read(args: Sequence[str]) -> Iterator[Section]:
     ours = False
-    for argument, following in zip(args, [*args[1:], ""], strict=True):
+    for argument, following in pairwise([*args, ""]):
         if argument in {"--ros-args", "--"}:
             ours = argument == "--ros-args"
         elif ours and argument == FILE:
@@ -189,11 +198,13 @@ def _read_rule(rule: str) -> Iterator[Section]:
 
 
 def _read_file(path: str) -> Iterator[Section]:
+    if not Path(path).is_file():  # a pipe, which rcl has emptied
+        yield Section(path, NOWHERE, {})
+        return
     try:
-        content = read_nodes(Path(path))  # a pipe, which rcl has emptied, is no file
-        yield from _sections(path, content, "")
-    except (OSError, ValueError):
-        return  # rcl has read it
+        yield from _sections(path, read_nodes(Path(path)), "")
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{FILE}: {path} {error}") from None
 
 
 def _sections(source: str, node: yaml.Node | None, name: str) -> Iterator[Section]:

@@ -157,6 +157,11 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         """The name of the node unless it is renamed."""
         return self._spec.node_name
 
+    @property
+    def settings(self) -> S:
+        """The parameters."""
+        return self._settings
+
     # Parameters and equipment.
 
     def _take_over(self, settings: S) -> None:

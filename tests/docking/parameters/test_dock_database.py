@@ -1,6 +1,7 @@
 import math
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,16 @@ from hypothesis import strategies as st
 from docking.core.errors import DockNotInDb
 from docking.core.geometry import Pose
 from docking.core.parameter import from_values, named_parameters_of, parameters_of
-from docking.parameters import ControllerName, DockDatabase, DockDirection, DockEntry, DockSettings, DockType
+from docking.parameters import (
+    ChargingSettings,
+    ChargingSource,
+    ControllerName,
+    DockDatabase,
+    DockDirection,
+    DockEntry,
+    DockSettings,
+    DockType,
+)
 from docking.parameters.dock_database import read_file
 
 NEAR, FAR = DockType(-0.5), DockType(-1.0)
@@ -60,6 +70,26 @@ def test_a_type_has_what_it_does_not_set_from_the_parameter_without_prefix() -> 
     assert settings.database.types == {"near": NEAR, "far": FAR}
 
 
+def test_a_goal_has_all_that_depends_on_the_type_of_its_dock() -> None:
+    values: dict[str, Any] = {
+        "far.docking_threshold": 0.1,
+        "far.external_detection_timeout": 5.0,
+        "far.charging_source": ChargingSource.CURRENT,
+        "far.charging_threshold": 1.5,
+    }
+    settings = settings_from(docks=("home", "lab"), dock_plugins=("near", "far"), **values, **{"lab.type": "far"})
+    lab = settings.at_dock("lab")
+    assert lab.approach.docking_threshold == 0.1
+    assert lab.external_detection_timeout == 5.0
+    assert lab.charging == ChargingSettings(ChargingSource.CURRENT, 1.5)
+    home = replace(settings, database=replace(settings.database, docks=())).at_dock("")
+    assert (home.approach, home.external_detection_timeout, home.charging) == (
+        settings.approach,
+        settings.external_detection_timeout,
+        settings.charging,
+    )
+
+
 NAVIGATES: dict[str, Any] = {
     "controller": ControllerName.DOCK_POSE,
     "navigate_to_staging_pose": True,
@@ -75,6 +105,8 @@ NAVIGATES: dict[str, Any] = {
         ({}, math.pi / 2),
         ({"dock_direction": DockDirection.BACKWARD}, -math.pi / 2),
         ({"dock_direction": DockDirection.BACKWARD, "rotate_to_dock": True}, math.pi / 2),
+        ({"staging_yaw_offset": 0.5}, math.pi / 2 + 0.5),
+        ({"dock_direction": DockDirection.BACKWARD, "staging_yaw_offset": math.pi}, -math.pi / 2),
     ],
 )
 def test_the_staging_pose_lies_in_front_of_the_docked_pose(values: dict[str, Any], heading: float) -> None:
