@@ -40,8 +40,9 @@ def stands_docked(robot: Pose | None, docked: Pose | None, settings: ChargingSet
 
 
 def current_in(battery: BatteryReading, settings: ChargingSettings) -> float:
-    """The current into the battery, in A; NaN if it is not measured."""
-    return -battery.current if settings.charging_current_negative else battery.current
+    """The current into the battery, in A; NaN if it is not measured or cannot be right."""
+    current = battery.believed_current
+    return -current if settings.charging_current_negative else current
 
 
 def describe_charging(battery: BatteryReading, settings: ChargingSettings) -> str:

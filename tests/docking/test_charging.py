@@ -53,8 +53,8 @@ def test_by_its_status_the_current_does_not_count(current: float, status: int) -
 @given(EVERYTHING, st.integers(0, 4))
 def test_by_its_current_the_status_does_not_count(current: float, status: int) -> None:
     battery = BatteryReading(status, 0.0, current=current)
-    assert tells_charging(battery, CURRENT) == (current > 0.5)
-    assert tells_charging(battery, NEGATIVE) == (current < -0.5)
+    assert tells_charging(battery, CURRENT) == (0.5 < current <= 1000.0)
+    assert tells_charging(battery, NEGATIVE) == (-1000.0 <= current < -0.5)
     assert not tells_charging(battery, POSE)
 
 

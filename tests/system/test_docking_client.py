@@ -66,6 +66,17 @@ def test_an_aborted_goal_is_explained(domain: int) -> None:
         assert client.wait() == 1
 
 
+def test_a_goal_without_a_battery_names_the_batteries_that_there_are(domain: int, observer: Observer) -> None:
+    parameters = ("battery_stale_after:=0.1", "battery_lost_after:=8.0")
+    with (
+        dock_server(domain, *parameters),
+        observer.publishing(LOW, "/robot1/battery_state", heard=False),
+        Process(CLIENT, env=ros_environment(domain)) as client,
+    ):
+        expected = "nothing comes on /battery_status, but batteries are on /robot1/battery_state: remap battery_status"
+        assert expected in client.wait_for("The goal was aborted: ")
+
+
 def test_a_cancel_by_someone_else_is_told(domain: int, observer: Observer) -> None:
     with dock_server(domain), Process(CLIENT, env=ros_environment(domain)) as client:
         client.wait_for("Goal accepted...")

@@ -155,3 +155,14 @@ def test_a_docked_robot_whose_battery_has_no_status(domain: int, negative: bool)
         wait_until(lambda: "discharging_on_dock" in alerts(gateway), "the alert of a dead charger")
         assert robot(gateway)["charging"] is False
         assert "although it is docked" in alerts(gateway)["low_battery"]["detail"]
+
+
+def test_a_battery_that_never_came_names_the_others(gateway: RunningGateway, driver: Observer) -> None:
+    state = BatteryState(voltage=12.0, percentage=0.5, power_supply_status=2)
+    driver.record(BatteryState, "/docking/battery_status")  # who only listens has no battery
+    assert battery(gateway)["other_topics"] == []
+    with driver.publishing(state, "/base/battery_state", heard=False), driver.publishing(state, "/a/battery_status"):
+        wait_until(lambda: battery(gateway)["other_topics"] == ["/a/battery_status", "/base/battery_state"], "both")
+        assert battery(gateway, "/a")["other_topics"] == []
+        driver.publish(state, "/battery_status")
+        wait_until(lambda: battery(gateway)["other_topics"] == [], "none, as there is a battery")

@@ -1,5 +1,6 @@
 """Since when robots stand still, and when a person last intervened."""
 
+import logging
 import time
 from collections.abc import Callable, Collection
 
@@ -7,6 +8,8 @@ import orjson
 
 from dock_gateway.core.goal import Goal, GoalStatus, Json
 from dock_gateway.robots.registry import RobotRegistry
+
+log = logging.getLogger(__name__)
 
 
 class Activity:
@@ -22,6 +25,7 @@ class Activity:
         self._watched_since: dict[str, float] = {}
         self._subscribed: dict[str, tuple[float, Callable[[], bool]]] = {}  # since when, and whether all is heard
         self._person_at: dict[str, float] = {}
+        self._not_numbers: set[str] = set()  # robots whose velocity was no number, which is logged once
         self._changed: Callable[[], None] = lambda: None
 
     def subscribed(self, robot: str, hears_all: Callable[[], bool]) -> None:
@@ -42,8 +46,15 @@ class Activity:
         self._active_at[robot] = time.monotonic()
 
     def on_velocity(self, robot: str, message: Json) -> None:
-        """Note a message of a robot's velocity topic, unless it commands the robot to stand still."""
-        if any(value for vector in orjson.loads(message).values() for value in vector.values()):
+        """Note a message of a robot's velocity topic, unless it commands the robot to stand still.
+
+        What is no number, null here, is not standing still: nobody knows what a base makes of it.
+        """
+        values = [value for vector in orjson.loads(message).values() for value in vector.values()]
+        if None in values and robot not in self._not_numbers:
+            self._not_numbers.add(robot)
+            log.warning("velocities of %s are NaN or infinite, which counts as motion: no rule docks it", robot)
+        if any(value is None or value for value in values):
             self.active(robot)
 
     def intervened(self, robot: str) -> None:
@@ -81,6 +92,7 @@ class Activity:
         for times in (self._active_at, self._person_at):
             for gone in times.keys() - robots:
                 del times[gone]
+        self._not_numbers.intersection_update(robots)
 
     # ------------------------------------------------------------------ whose velocity is subscribed to
 

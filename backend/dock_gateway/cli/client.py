@@ -338,10 +338,11 @@ def battery(
             raise click.UsageError("--status is needed to publish a battery state")
         answer = call(url, "GET", "/battery")
         if answer["state"] is None:
-            click.echo("no battery state yet")
+            others = ", ".join(answer.get("other_topics", ()))
+            click.echo(f"no battery state yet{f'; there are batteries on {others}' if others else ''}")
         else:
             click.echo(f"{describe(answer)} ({answer['age_s']:.1f} s ago{', stale' if answer['stale'] else ''})")
-            for wrong in answer["implausible"]:
+            for wrong in answer.get("implausible", ()):
                 click.echo(f"not used: {wrong['field']} is {wrong['value']}, but should be {wrong['expected']}")
     else:
         state = {"power_supply_status": status, "voltage": voltage, "percentage": percentage}

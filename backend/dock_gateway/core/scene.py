@@ -19,6 +19,12 @@ SEEN_FOR = 0.5
 KNOWN_FOR = 1.5
 # Seconds for which a robot's pose is valid.
 PLACED_FOR = 1.0
+# Metres from the origin: map projections count to 10,000 km. A pose beyond is none.
+FARTHEST = 1e8
+# Lengths of a quaternion that can be meant as a rotation; all zeros is one that was never set.
+MIN_LENGTH, MAX_LENGTH = 0.1, 10.0
+# Metres: an infrared receiver does not see farther (REP-117: infinite).
+MAX_RANGE = 1000.0
 # Number of poses kept, to relate an observation to the robot's pose at that time.
 REMEMBERED = 60
 
@@ -30,10 +36,19 @@ class Pose(NamedTuple):
     y: float
     theta: float
 
-    @property
-    def finite(self) -> bool:
-        """Whether all values are finite."""
-        return all(map(math.isfinite, self))
+    @classmethod
+    def in_plane(cls, x: float, y: float, turn: tuple[float, float, float, float]) -> "Pose":
+        """Return the pose of a position in metres and a quaternion (x, y, z, w), which need not be of length 1.
+
+        Raises:
+            ValueError: It cannot be right; the error says why.
+        """
+        if not all(abs(value) <= FARTHEST for value in (x, y)):  # nor does a NaN
+            raise ValueError(f"its position is ({x:g}, {y:g}), not within {FARTHEST:g} m")
+        if not MIN_LENGTH <= math.hypot(*turn) <= MAX_LENGTH:
+            raise ValueError(f"its orientation is ({', '.join(f'{part:g}' for part in turn)}), which is no rotation")
+        i, j, k, w = turn
+        return cls(x, y, math.atan2(2 * (w * k + i * j), w**2 + i**2 - j**2 - k**2))
 
     def compose(self, other: "Pose") -> "Pose":
         """Transform `other` from this pose's frame to the frame that this pose is given in."""
@@ -125,8 +140,11 @@ class Scene:
         self._footprint = footprint
 
     def set_range(self, receiver: str, distance: float, heard_at: float) -> None:
-        """Store an infrared receiver's range (`left`, `center`, `right`) in metres; infinite if too far (REP-117)."""
-        self._ranges[receiver] = (distance if math.isfinite(distance) else None, heard_at)
+        """Store an infrared receiver's range (`left`, `center`, `right`) in metres; infinite if too far (REP-117).
+
+        What cannot be right, such as NaN or a negative range, is none, too.
+        """
+        self._ranges[receiver] = (distance if 0.0 <= distance <= MAX_RANGE else None, heard_at)
 
     def document(self, now: float) -> dict[str, Any] | None:
         """Return the scene for JSON, in one frame, or None if the robot's pose is not known."""

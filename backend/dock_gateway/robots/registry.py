@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from dock_gateway.core.discovery import Discovery
 from dock_gateway.core.dock_adapters.catalog import ADAPTERS, DockingCatalog
 from dock_gateway.core.errors import FieldError, InvalidField, NotFound
-from dock_gateway.core.filters import is_under, prefix_of
+from dock_gateway.core.filters import is_hidden, is_under, prefix_of
 from dock_gateway.core.hub import Hub
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.robots.battery import Battery, BatteryPublisher
@@ -63,6 +63,7 @@ class RobotRegistry:
         self._catalog = DockingCatalog(settings)
         self._robots: dict[str, Robot] = {}
         self._forgotten: set[str] = set()
+        self._battery_topics: list[str] = []  # all on the graph
         self.velocities = VelocityTopics(bridge)
         self.topics = TypedTopics(bridge)
         self._discovery = Discovery("robot", settings.max_robots, "max_robots")
@@ -121,6 +122,7 @@ class RobotRegistry:
         Raises:
             Unavailable: The ROS thread is down.
         """
+        self._battery_topics = sorted(name for name, types in scan.topics.items() if BATTERY_TYPE in types)
         found = [self._catalog.robot_of(name, types) for name, types in scan.actions.items()]
         found += [namespace for namespace, types in self._batteries(scan) if BATTERY_TYPE in types]
         new = [namespace for namespace in dict.fromkeys(found) if namespace and namespace not in self._robots]
@@ -131,6 +133,21 @@ class RobotRegistry:
 
         self._discovery.keep(new)
         return await self._discovery.take_up(new, self._robots, take_up)
+
+    async def other_batteries(self, robot: Robot) -> list[str]:
+        """Return the topics that batteries are published on, if that of a robot has sent nothing.
+
+        Raises:
+            Unavailable: The ROS thread is down.
+        """
+        if robot.battery.age is not None:
+            return []
+        resolve, name = self._settings.resolve, self._settings.battery_topic
+        # We may publish on those of robots ourselves.
+        silent = {resolve(name, each.namespace) for each in self._robots.values() if each.battery.age is None}
+        topics = [topic for topic in self._battery_topics if topic not in silent and not is_hidden(topic)]
+        node = self._bridge.node
+        return await self._bridge.call(lambda: [topic for topic in topics if node.count_publishers(topic)])
 
     def _batteries(self, scan: Scan) -> Iterator[tuple[str, list[str]]]:
         """Yield the namespaces with a topic that has the name of a battery's, and its types."""

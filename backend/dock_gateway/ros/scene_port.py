@@ -1,7 +1,6 @@
 """The topics with the poses of a robot and its dock. They are many and fast; subscribed to only while watched."""
 
 import logging
-import math
 import struct
 import time
 from collections.abc import Callable
@@ -35,6 +34,8 @@ TYPES = {
     Range: ("infrared/left", "infrared/center", "infrared/right"),
 }
 SCENE_TYPES = {topic: type_name(kind) for kind, topics in TYPES.items() for topic in topics}
+
+TRUTH, ODOMETRY, DOCK = "ground_truth", "odom", "true_dock_pose"
 
 # Only the newest message counts.
 LATEST = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT, durability=DurabilityPolicy.VOLATILE)
@@ -75,6 +76,7 @@ class ScenePort:
         self._namespace = namespace
         self._on_scene = on_scene
         self._scene = Scene()
+        self._doubted: set[str] = set()  # topics whose poses were not used
         self._pace = Pace(self.max_rate)
         self._truth_at = time.monotonic()  # wait for ground truth before odometry alone is shown
         self._topics: list[TypedTopic] = []
@@ -84,12 +86,12 @@ class ScenePort:
             self._topics.append(topic)
 
         # The true pose is read first: after a pause, odometry would be taken for all that there is.
-        for name, hear in (("ground_truth", self._hear_truth), ("odom", self._hear_odometry)):
+        for name, hear in ((TRUTH, self._hear_truth), (ODOMETRY, self._hear_odometry)):
             listen(Odometry, name, self._reader(hear), LATEST, raw=self.raw)
-        listen(PoseStamped, "true_dock_pose", self._hear_dock, LATCHED)
+        listen(PoseStamped, DOCK, self._hear_dock, LATCHED)
         listen(PolygonStamped, "footprint", self._hear_footprint, LATCHED)
         for topic, name in self.poses.items():
-            listen(PoseStamped, topic, self._hear_pose(name), LATEST)
+            listen(PoseStamped, topic, self._hear_pose(name, topic), LATEST)
         for name in self.receivers:
             listen(Range, f"infrared/{name}", self._hear_range(name), LATEST)
 
@@ -113,8 +115,19 @@ class ScenePort:
             self._truth_at = now
             self._show(now, info)
 
+    def _read_pose(self, pose: RosPose, topic: str) -> Pose | None:
+        """Return the pose in the plane; None if it cannot be right, which is logged once for each topic."""
+        turn = pose.orientation
+        try:
+            return Pose.in_plane(pose.position.x, pose.position.y, (turn.x, turn.y, turn.z, turn.w))
+        except ValueError as error:
+            if topic not in self._doubted:
+                self._doubted.add(topic)
+                log.warning("poses on %s of %s are not used: %s", topic, self._namespace, error)
+            return None
+
     def _place(self, message: Odometry, frame: str, now: float) -> bool:
-        pose = read_pose(message.pose.pose)
+        pose = self._read_pose(message.pose.pose, TRUTH if frame == WORLD else ODOMETRY)
         if pose is not None:
             self._scene.place(Seen(pose, frame, read_stamp(message), now))
         return pose is not None
@@ -127,7 +140,7 @@ class ScenePort:
         self._bridge.to_loop(self._on_scene, scene_event(document, moment(source_ns), robot=self._namespace))
 
     def _hear_dock(self, message: PoseStamped, _: dict[str, Any]) -> None:
-        if message.header.frame_id in (WORLD, "") and (pose := read_pose(message.pose)) is not None:
+        if message.header.frame_id in (WORLD, "") and (pose := self._read_pose(message.pose, DOCK)) is not None:
             self._scene.set_dock(pose)
 
     def _hear_footprint(self, message: PolygonStamped, _: dict[str, Any]) -> None:
@@ -139,9 +152,9 @@ class ScenePort:
         except ValueError as error:
             log.warning("the footprint of %s is ignored: %s", self._namespace, error)
 
-    def _hear_pose(self, name: str) -> Callable[[PoseStamped, dict[str, Any]], None]:
+    def _hear_pose(self, name: str, topic: str) -> Callable[[PoseStamped, dict[str, Any]], None]:
         def hear(message: PoseStamped, _: dict[str, Any]) -> None:
-            if (pose := read_pose(message.pose)) is not None:
+            if (pose := self._read_pose(message.pose, topic)) is not None:
                 frame = message.header.frame_id.lstrip("/")
                 self._scene.say(name, Seen(pose, frame, read_stamp(message), time.monotonic()))
 
@@ -192,14 +205,6 @@ class MapPort(PosePort):
 
     poses: ClassVar = {}
     slot_ns = 200_000_000
-
-
-def read_pose(pose: RosPose) -> Pose | None:
-    """Return the pose in the plane, None if it is not finite."""
-    turn = pose.orientation
-    theta = math.atan2(2 * (turn.w * turn.z + turn.x * turn.y), turn.w**2 + turn.x**2 - turn.y**2 - turn.z**2)
-    found = Pose(pose.position.x, pose.position.y, theta)
-    return found if found.finite else None
 
 
 def read_stamp(message: Any) -> float:

@@ -2,7 +2,7 @@
 
 import enum
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 
@@ -16,8 +16,32 @@ class PowerSupplyStatus(enum.IntEnum):
     FULL = 4
 
 
+BATTERY_TYPE = "sensor_msgs/msg/BatteryState"
+STATUSES = frozenset(PowerSupplyStatus)
+MAX_NAMED = 5
+"""Of the topics that are named."""
 CONNECTED = frozenset({PowerSupplyStatus.CHARGING, PowerSupplyStatus.FULL})
 """The states of a battery that is connected to its charger; every other number, known or not, is none."""
+
+
+MAX_CURRENT = 1000.0
+"""In A; the battery of a robot has no more."""
+
+
+def describe_absence(topic: str, types: Iterable[str], others: Iterable[str]) -> str:
+    """What the graph has instead of battery messages, as half a sentence.
+
+    Args:
+        topic: Where they are expected.
+        types: What is published there.
+        others: Other topics with battery messages.
+    """
+    wrong, found = sorted(set(types) - {BATTERY_TYPE}), sorted(others)
+    where = f"{topic} is {' and '.join(wrong)}, not {BATTERY_TYPE}" if wrong else f"nothing comes on {topic}"
+    if not found:
+        return where
+    more = f" and {len(found) - MAX_NAMED} more" if len(found) > MAX_NAMED else ""
+    return f"{where}, but batteries are on {', '.join(found[:MAX_NAMED])}{more}: remap battery_status to the robot's"
 
 
 def describe_status(status: int) -> str:
@@ -54,9 +78,19 @@ class BatteryReading:
     @property
     def fault(self) -> str | None:
         """What its publisher gets wrong, as a sentence's second half; docking can do without it."""
-        if math.isnan(self.percentage) or 0.0 <= self.percentage <= 1.0:
-            return None
-        return f"has a percentage of {self.percentage:g}, but it must be from 0 to 1"
+        faults = []
+        if not (math.isnan(self.percentage) or 0.0 <= self.percentage <= 1.0):
+            faults.append(f"has a percentage of {self.percentage:g}, but it must be from 0 to 1")
+        if abs(self.current) > MAX_CURRENT:
+            faults.append(f"has a current of {self.current:g} A, but one above {MAX_CURRENT:g} A is not believed")
+        if self.status not in STATUSES:
+            faults.append(f"has the power_supply_status {describe_status(self.status)}")
+        return ", and ".join(faults) or None
+
+    @property
+    def believed_current(self) -> float:
+        """The current in A; NaN if it is not measured or cannot be right, as in mA."""
+        return math.nan if abs(self.current) > MAX_CURRENT else self.current
 
     def age(self, now: float) -> float:
         """Seconds since it was received; negative if it is ahead of the clock."""

@@ -9,11 +9,13 @@ from rclpy.node import Node
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from sensor_msgs.msg import BatteryState
 
-from docking.core.battery import Battery, BatteryReading, received_at
+from docking.core.battery import BATTERY_TYPE, Battery, BatteryReading, describe_absence, received_at
 from docking.ros.clock import control_time
 from docking.ros.qos import LATEST
 
 BATTERY_TOPIC = "battery_status"
+SEARCH_PERIOD = 1.0
+"""Seconds between two searches for batteries."""
 
 
 def battery_message(battery: Battery) -> BatteryState:
@@ -23,6 +25,34 @@ def battery_message(battery: Battery) -> BatteryState:
         return latest.message
     unmeasured = ("voltage", "temperature", "current", "charge", "capacity", "design_capacity", "percentage")
     return BatteryState(**dict.fromkeys(unmeasured, math.nan))
+
+
+class BatterySearch:
+    """Finds out why no battery messages come."""
+
+    def __init__(self, node: Node) -> None:
+        """Nothing is read yet.
+
+        Args:
+            node: Who expects them on `battery_status`.
+        """
+        self._node = node
+        self._read_at = -math.inf
+        self._words = ""
+
+    def describe(self) -> str:
+        """What the graph has instead, as half a sentence; read once a second at most, as it takes its time."""
+        if time.monotonic() - self._read_at > SEARCH_PERIOD:
+            node, topic = self._node, self._node.resolve_topic_name(BATTERY_TOPIC)
+            types = [info.topic_type for info in node.get_publishers_info_by_topic(topic)]
+            others = [
+                name
+                for name, kinds in node.get_topic_names_and_types()
+                if BATTERY_TYPE in kinds and name != topic and "/_" not in name and node.count_publishers(name)
+            ]
+            self._words = describe_absence(topic, types, others)
+            self._read_at = time.monotonic()
+        return self._words
 
 
 class BatteryStateSubscriber(Node):  # type: ignore[misc] # rclpy has no types

@@ -24,7 +24,7 @@ from docking.parameters import read_topics
 from docking.ros.action_server import IdentifyingActionServer, goal_id_text
 from docking.ros.action_spec import ActionSpec, S
 from docking.ros.active_goal import ActiveGoal, Execution
-from docking.ros.battery_subscriber import BATTERY_TOPIC, battery_message
+from docking.ros.battery_subscriber import BATTERY_TOPIC, BatterySearch, battery_message
 from docking.ros.clock import ClockWatch, control_time
 from docking.ros.diagnostics import Diagnostics
 from docking.ros.dock_calibrator import DockCalibrator
@@ -88,6 +88,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         super().__init__(spec.node_name, context=context, **options)
         self._spec = spec
         self._battery = battery
+        self._battery_search = BatterySearch(self)
         self._active_goal = active_goal or ActiveGoal()
         self._running: Execution | None = None  # None also while a goal of another server runs
         self._closing = self._active = False
@@ -352,7 +353,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
     # What is told.
 
     def _explained(self, event: Event) -> Event:
-        """With what is wrong with the sensors, where that may be the cause."""
+        """With what is wrong with the sensors, or why there is no battery, where that may be the cause."""
+        if event.error_code in (ErrorCode.BATTERY_STALE, ErrorCode.BATTERY_LOST) and self._battery.latest is None:
+            return replace(event, error_msg=f"{event.error_msg}; {self._battery_search.describe()}")
         if event.error_code not in SENSED or not self._sensors.faults:
             return event
         return replace(event, error_msg="; ".join([event.error_msg, *self._sensors.faults.values()]))

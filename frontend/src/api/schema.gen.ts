@@ -682,7 +682,7 @@ export interface paths {
         };
         /**
          * Get Battery
-         * @description Return the latest battery state, its age, and whether it is stale.
+         * @description Return the latest battery state, its age, whether it is stale, and without one which batteries there are.
          */
         get: operations["get_battery"];
         put?: never;
@@ -1942,6 +1942,29 @@ export interface components {
             low_below: number;
             /** Received At */
             received_at: string | null;
+        };
+        /**
+         * BatteryAnswer
+         * @description The answer to `GET /battery`. `other_topics` have batteries, if that of the robot has sent nothing.
+         */
+        BatteryAnswer: {
+            state: components["schemas"]["BatteryState"] | null;
+            /** Percentage */
+            percentage: number | null;
+            /** Implausible */
+            implausible: components["schemas"]["Implausible"][];
+            /** Age S */
+            age_s: number | null;
+            /** Stale */
+            stale: boolean;
+            /** Stale After S */
+            stale_after_s: number;
+            /** Low Below */
+            low_below: number;
+            /** Received At */
+            received_at: string | null;
+            /** Other Topics */
+            other_topics: string[];
         };
         /**
          * BatteryCondition
@@ -7503,7 +7526,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Battery"];
+                    "application/json": components["schemas"]["BatteryAnswer"];
                 };
             };
             /** @description Unauthorized */
@@ -7535,6 +7558,15 @@ export interface operations {
             };
             /** @description Unprocessable Entity */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Service Unavailable */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

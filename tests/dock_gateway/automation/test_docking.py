@@ -308,7 +308,7 @@ async def test_an_old_decision_that_counts_is_kept(site: Site, monkeypatch: pyte
     assert sorted(await site.stored.read()) == ["2", "3"]
 
 
-def test_what_counts_as_activity() -> None:
+def test_what_counts_as_activity(caplog: pytest.LogCaptureFixture) -> None:
     robots = SimpleNamespace(owner=lambda _: SimpleNamespace(namespace=ROBOT))
     activity = Activity(cast("RobotRegistry", robots))
     assert activity.still_since(ROBOT) is None
@@ -322,13 +322,18 @@ def test_what_counts_as_activity() -> None:
     activity.watch({ROBOT})
     since = activity.still_since(ROBOT)
     assert since is not None
-    still = b'{"linear":{"x":-0.0,"y":0.0,"z":null},"angular":{"x":0.0,"y":0.0,"z":0.0}}'
+    still = b'{"linear":{"x":-0.0,"y":0.0,"z":0},"angular":{"x":0.0,"y":0.0,"z":0.0}}'
     activity.on_velocity(ROBOT, still)
     assert activity.still_since(ROBOT) == since
-    activity.on_velocity(ROBOT, still.replace(b"null", b"0.1"))
-    moved = activity.still_since(ROBOT)
-    assert moved is not None
-    assert moved > since
+    moved = since
+    for value in (b"0.1", b"1e-300", b"-1e300", b"null"):  # nobody knows what a base makes of NaN
+        before = moved
+        activity.on_velocity(ROBOT, still.replace(b'"z":0}', b'"z":%b}' % value))
+        moved = activity.still_since(ROBOT) or 0.0
+        assert moved > before
+    assert [record.message for record in caplog.records] == [
+        f"velocities of {ROBOT} are NaN or infinite, which counts as motion: no rule docks it"
+    ]
     goal = Goal("a", f"{ROBOT}/dock", "pkg/action/Dock", utc_now())
     goal.advance(GoalStatus.SUCCEEDED, utc_now())
     activity.on_end(goal)

@@ -1,12 +1,14 @@
 """Poses of several frames become one picture."""
 
 import math
+import re
 
+import orjson
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from dock_gateway.core.scene import BASE, ODOM, WORLD, Pace, Pose, Scene, Seen
+from dock_gateway.core.scene import BASE, FARTHEST, ODOM, WORLD, Pace, Pose, Scene, Seen
 
 numbers = st.floats(-10, 10)
 poses = st.builds(Pose, numbers, numbers, st.floats(-3.1, 3.1))
@@ -137,3 +139,52 @@ def test_the_pace_is_kept_whatever_comes(rate: float) -> None:
     sent = [now for tick in range(int(10 * rate)) if pace.due(now := tick / rate)]
     assert len(sent) <= 201
     assert len(sent) >= 9.8 * min(rate, 20.0)
+
+
+@given(
+    x=st.floats(),
+    y=st.floats(),
+    turn=st.tuples(st.floats(), st.floats(), st.floats(), st.floats()),
+    distance=st.floats(),
+)
+def test_what_cannot_be_right_is_never_shown(
+    x: float, y: float, turn: tuple[float, float, float, float], distance: float
+) -> None:
+    scene = Scene()
+    scene.set_range("left", distance, 0.0)
+    try:
+        pose = Pose.in_plane(x, y, turn)
+    except ValueError:
+        pose = Pose(1.0, 2.0, 0.0)
+    scene.place(Seen(pose, "odom", 0.0, 0.0))
+    scene.say("docked", Seen(pose, "base_link", 0.0, 0.0))
+    document = scene.document(0.0)
+    assert document is not None
+    assert abs(document["robot"]["x"]) <= FARTHEST
+    assert orjson.loads(orjson.dumps(document)) == document  # no NaN, no infinity
+    left = document["infrared"]["left"]
+    assert left is None or 0.0 <= left <= 1000.0
+
+
+@pytest.mark.parametrize(
+    ("x", "turn", "why"),
+    [
+        (math.nan, (0.0, 0.0, 0.0, 1.0), "its position is (nan, 0)"),
+        (math.inf, (0.0, 0.0, 0.0, 1.0), "its position is (inf, 0)"),
+        (1e30, (0.0, 0.0, 0.0, 1.0), "its position is (1e+30, 0)"),
+        (0.0, (0.0, 0.0, 0.0, 0.0), "its orientation is (0, 0, 0, 0), which is no rotation"),
+        (0.0, (0.0, 0.0, math.nan, 1.0), "its orientation is (0, 0, nan, 1), which is no rotation"),
+        (0.0, (1e30, 0.0, 0.0, 1.0), "its orientation is"),
+    ],
+)
+def test_a_pose_that_cannot_be_right(x: float, turn: tuple[float, float, float, float], why: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(why)):
+        Pose.in_plane(x, 0.0, turn)
+
+
+@given(theta=st.floats(-math.pi, math.pi), length=st.floats(0.2, 5.0))
+def test_a_quaternion_of_another_length_is_the_same_rotation(theta: float, length: float) -> None:
+    turn = (0.0, 0.0, length * math.sin(theta / 2), length * math.cos(theta / 2))
+    found = Pose.in_plane(500_000.0, 9_000_000.0, turn)  # UTM
+    assert found[:2] == (500_000.0, 9_000_000.0)
+    assert math.remainder(found.theta - theta, math.tau) == pytest.approx(0.0, abs=1e-9)

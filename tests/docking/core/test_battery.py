@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from docking.core.battery import Battery, BatteryReading, describe_status, received_at
+from docking.core.battery import BATTERY_TYPE, Battery, BatteryReading, describe_absence, describe_status, received_at
 
 SECONDS = st.floats(min_value=0.0, max_value=1e9)
 
@@ -64,3 +64,32 @@ def test_a_percentage_from_0_to_1_or_none_is_right(percentage: float) -> None:
 def test_any_other_percentage_is_not(percentage: float) -> None:
     fault = BatteryReading(3, 0.0, percentage=percentage).fault
     assert fault == f"has a percentage of {percentage:g}, but it must be from 0 to 1"
+
+
+@pytest.mark.parametrize(
+    ("current", "believed"),
+    [(1.5, 1.5), (-80.0, -80.0), (math.nan, None), (1100.0, None), (-math.inf, None), (math.inf, None), (1e30, None)],
+)
+def test_a_current_that_cannot_be_right_is_as_if_not_measured(current: float, believed: float | None) -> None:
+    reading = BatteryReading(3, 0.0, current=current)
+    assert reading.believed_current == believed if believed is not None else math.isnan(reading.believed_current)
+    named = believed is None and not math.isnan(current)
+    assert reading.fault == (f"has a current of {current:g} A, but one above 1000 A is not believed" if named else None)
+
+
+def test_an_unknown_status_is_named_with_all_else() -> None:
+    fault = BatteryReading(9, 0.0, percentage=12.0).fault
+    assert fault == (
+        "has a percentage of 12, but it must be from 0 to 1, and has the power_supply_status 9 (no known status)"
+    )
+
+
+def test_what_there_is_instead_of_a_battery() -> None:
+    assert describe_absence("/battery_status", [], []) == "nothing comes on /battery_status"
+    assert describe_absence("/battery_status", [BATTERY_TYPE], ["/b", "/a"]) == (
+        "nothing comes on /battery_status, but batteries are on /a, /b: remap battery_status to the robot's"
+    )
+    assert describe_absence("/b", ["px4_msgs/msg/BatteryStatus"], []) == (
+        f"/b is px4_msgs/msg/BatteryStatus, not {BATTERY_TYPE}"
+    )
+    assert "/t4 and 2 more: remap" in describe_absence("/b", [], [f"/t{number}" for number in range(7)])

@@ -5,14 +5,17 @@ from starlette.responses import Response
 
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.goal import fragment
+from dock_gateway.web.access import TheGrant
 from dock_gateway.web.openapi import battery_body, body
 from dock_gateway.web.problems import problems
 from dock_gateway.web.requests import RobotQuery, TheGateway, json_response, known_query, read_json, read_object
-from dock_gateway.web.schemas.robots import Battery, Published, Publisher
+from dock_gateway.web.schemas.robots import BatteryAnswer, Published, Publisher
 
 router = APIRouter(tags=["Battery"], dependencies=[Depends(known_query("robot"))])
 
 MIN_RATE, MAX_RATE, USUAL_RATE = 0.1, 100.0, 1.0
+# Topics with batteries that are named, if that of a robot has none.
+MAX_TOPICS = 20
 PUBLISHER_REQUEST = {
     "type": "object",
     "required": ["state"],
@@ -41,10 +44,12 @@ def read_rate(value: object) -> float:
     return float(value)
 
 
-@router.get("/battery", response_model=Battery, responses=problems(404, 422))
-async def get_battery(gateway: TheGateway, robot: RobotQuery = None) -> Response:
-    """Return the latest battery state, its age, and whether it is stale."""
-    return json_response(gateway.robots.get(robot).battery.document())
+@router.get("/battery", response_model=BatteryAnswer, responses=problems(404, 422, 503))
+async def get_battery(gateway: TheGateway, grant: TheGrant, robot: RobotQuery = None) -> Response:
+    """Return the latest battery state, its age, whether it is stale, and without one which batteries there are."""
+    known = gateway.robots.get(robot)
+    others = [topic for topic in await gateway.robots.other_batteries(known) if grant.covers_topic(topic)]
+    return json_response({**known.battery.document(), "other_topics": others[:MAX_TOPICS]})
 
 
 @router.post(

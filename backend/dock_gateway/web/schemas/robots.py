@@ -82,6 +82,12 @@ class Battery(Schema):
     received_at: datetime | None
 
 
+class BatteryAnswer(Battery):
+    """The answer to `GET /battery`. `other_topics` have batteries, if that of the robot has sent nothing."""
+
+    other_topics: list[str]
+
+
 class Published(Schema):
     """The message as published."""
 
