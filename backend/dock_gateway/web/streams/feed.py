@@ -2,7 +2,7 @@
 
 import asyncio
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterable, Iterator
 
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.event import Event, fleet_event, notice, system_event, utc_now
@@ -93,7 +93,7 @@ async def follow(gateway: Gateway, subscriber: Subscriber, max_rate: float | Non
         if dropped:
             yield notice("dropped", utc_now(), count=dropped)
         now = time.monotonic()
-        for event in throttle.let_through(events, now):
+        for event in permitted(subscriber, throttle.let_through(events, now)):
             yield event
         if now >= next_heartbeat:
             yield notice("heartbeat", utc_now())
@@ -119,15 +119,24 @@ async def begin(gateway: Gateway, subscriber: Subscriber, after: str | None) -> 
         if missed.complete:
             over = await _ended_before(gateway, subscriber.event_filter, after)
             yield notice("resumed", utc_now(), ends_goal=over, after=after, count=len(missed.events))
-            for event in (*missed.events, *present(gateway, subscriber.event_filter)):
+            for event in permitted(subscriber, (*missed.events, *present(gateway, subscriber.event_filter))):
                 yield event
             return
         yield notice("gap", utc_now(), after=after, count=len(missed.events))
-        for event in missed.events:
+        for event in permitted(subscriber, missed.events):
             yield event
     elif after is not None:
         yield notice("gap", utc_now(), after=after, count=0)
-    yield await snapshot(gateway, subscriber.event_filter)
+    if not subscriber.expelled:
+        yield await snapshot(gateway, subscriber.event_filter)
+
+
+def permitted(subscriber: Subscriber, events: Iterable[Event]) -> Iterator[Event]:
+    """Yield events as long as their reader may read: one that reads slowly takes a while for all of them."""
+    for event in events:
+        if subscriber.expelled:
+            return
+        yield event
 
 
 async def _ended_before(gateway: Gateway, event_filter: EventFilter, after: str) -> bool:

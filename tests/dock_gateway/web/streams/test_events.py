@@ -18,7 +18,7 @@ from dock_gateway.actions.registry import DockingServers
 from dock_gateway.core.access import ANYBODY
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal
-from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.core.grant import UNLIMITED, Grant, Role
 from dock_gateway.gateway import Gateway
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
@@ -200,3 +200,27 @@ async def test_who_has_had_the_end_of_a_goal_gets_nothing_more(scene: Scene) -> 
     async with asyncio.timeout(5):
         told = [chunk async for chunk in _sse_chunks(cast("Gateway", gateway), ANYBODY, {"goal_id": A}, end, None)]
     assert [orjson.loads(chunk.partition(b"data: ")[2])["type"] for chunk in told] == ["resumed"]
+
+
+@pytest.mark.parametrize("resumes", [False, True])
+async def test_a_reader_whose_login_ends_gets_none_of_what_was_already_there(scene: Scene, resumes: bool) -> None:
+    """However slowly it reads: missed events, and those that wait in its queue."""
+    gateway = OneGoal(scene, LATER)
+    executing = (await scene.subscriber.take(1))[0][-1].id
+    token, secret = await gateway.logins.create_token("cron", Grant(Role.VIEWER))
+    principal = gateway.logins.identify(secret)
+    if resumes:
+        for number in range(50):
+            scene.feedback(number)
+    chunks = _sse_chunks(cast("Gateway", gateway), principal, {"goal_id": A}, executing if resumes else None, None)
+    told = [await anext(chunks)]
+    if not resumes:
+        for number in range(50):
+            scene.feedback(number)
+    told.append(await anext(chunks))
+    await gateway.logins.revoke_token(token["id"])
+    async with asyncio.timeout(5):
+        told += [chunk async for chunk in chunks]
+    types = [orjson.loads(chunk.partition(b"data: ")[2])["type"] for chunk in told]
+    assert types == ["resumed" if resumes else "snapshot", "feedback", "closing"]
+    assert b"invalid_token" in told[-1]
