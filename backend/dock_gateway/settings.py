@@ -18,6 +18,8 @@ LOOPBACK_HOSTS = frozenset({"127.0.0.1", "::1", "localhost"})
 
 # What ROS takes for the name of a node, for that of a topic or an action, for a namespace, and for an action's type.
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+# Characters that the whole of it may have on the ROS graph.
+LONGEST_NAME = 255
 TOPIC = re.compile(rf"/?{NAME.pattern}(?:/{NAME.pattern})*")
 NAMESPACE = re.compile(rf"/?|{TOPIC.pattern}/?")
 # A namespace in which `*` stands for any text.

@@ -21,6 +21,9 @@ from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any
 
+# Characters of a sentence, which may repeat what a client has sent.
+MAX_DETAIL = 8000
+
 
 @dataclass(frozen=True)
 class FieldError:
@@ -56,6 +59,7 @@ class GatewayError(Exception):
     code = "internal_error"
 
     def __init__(self, detail: str, *, code: str | None = None, status: HTTPStatus | None = None, **extra: Any) -> None:
+        detail = detail if len(detail) <= MAX_DETAIL else f"{detail[:MAX_DETAIL]}…"
         super().__init__(detail)
         self.detail = detail
         self.code = code or self.code

@@ -21,7 +21,7 @@ from dock_gateway.ros.latch_port import LatchPort
 from dock_gateway.ros.robot_ports import BatteryPort
 from dock_gateway.ros.typed_topics import TypedTopics
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
-from dock_gateway.settings import NAME, Settings
+from dock_gateway.settings import LONGEST_NAME, NAME, Settings
 
 log = logging.getLogger(__name__)
 
@@ -251,8 +251,9 @@ def read_namespace(namespace: str, path: str = "query.robot") -> str:
     """Validate and normalize a namespace from a client; `path` says where it was.
 
     Raises:
-        InvalidField: It is not a ROS namespace.
+        InvalidField: It is not a ROS namespace, or longer than one can be.
     """
-    if not NAMESPACE.fullmatch(namespace):
-        raise InvalidField([FieldError(path, "a ROS namespace such as /robot1", f"got {namespace[:60]!r}")])
+    if len(namespace) > LONGEST_NAME or not NAMESPACE.fullmatch(namespace):
+        detail = f"got {len(namespace)} characters" if len(namespace) > LONGEST_NAME else f"got {namespace!r:.60}"
+        raise InvalidField([FieldError(path, "a ROS namespace such as /robot1", detail)])
     return normalize_namespace(namespace)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
+from rclpy.exceptions import InvalidTopicNameException
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
@@ -75,7 +76,9 @@ class TypedTopic:
         elif fits and not self.open:
             try:
                 self._make()
-            except _rclpy.RCLError as error:  # another part of this process uses the topic with another type
+            # Another part of this process uses the topic with another type, or the robot's namespace is so long that
+            # the topic's name would be longer than ROS allows.
+            except (_rclpy.RCLError, InvalidTopicNameException) as error:
                 if not self._failed:
                     log.warning("%s cannot be used yet: %s", self.name, error)
                 self._failed = True

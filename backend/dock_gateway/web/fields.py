@@ -8,9 +8,10 @@ from fastapi import Path
 from dock_gateway.core.errors import FieldError, InvalidField, got
 from dock_gateway.core.grant import LIMITS, MAX_PATTERN, MAX_PATTERNS, PATTERN, Grant, Role
 from dock_gateway.robots.registry import read_namespace
+from dock_gateway.settings import LONGEST_NAME
 from dock_gateway.web.requests import MAX_GROUP, ROBOT_PATTERN, name_schema, read_name
 
-MAX_ROBOT = 255  # the longest name on the ROS graph
+MAX_ROBOT = LONGEST_NAME
 MAX_GROUPS = 20
 MAX_ROBOTS = 500
 SLUG = re.compile(r"[a-z0-9](?:[a-z0-9-]{0,38}[a-z0-9])?")

@@ -15,7 +15,7 @@ from dock_gateway.core.grant import Grant
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
 from dock_gateway.robots.registry import read_namespace
-from dock_gateway.settings import TOPIC
+from dock_gateway.settings import LONGEST_NAME, TOPIC
 from dock_gateway.web.access import TheGrant
 from dock_gateway.web.limits import not_covered
 from dock_gateway.web.owners import choose_actions
@@ -43,7 +43,7 @@ def _in_utc(time: datetime) -> datetime:
 
 
 Time = Annotated[AwareDatetime, BeforeValidator(_as_documented), AfterValidator(_in_utc)]
-ActionName = Annotated[str, StringConstraints(pattern=f"^{TOPIC.pattern}$")]
+ActionName = Annotated[str, StringConstraints(pattern=f"^{TOPIC.pattern}$", max_length=LONGEST_NAME)]
 TIME_PATTERN = {"pattern": f"^{RFC_3339.pattern}$"}
 SinceQuery = Annotated[
     Time | None, Query(description="At this time or later, RFC 3339", json_schema_extra=TIME_PATTERN)
@@ -189,7 +189,7 @@ async def read_event_filter(gateway: Gateway, query: Mapping[str, str], grant: G
     """
     robot, action, goal_id = query.get("robot"), query.get("action"), query.get("goal_id")
     namespace = "/" if robot is None else read_namespace(robot)
-    if action is not None and not TOPIC.fullmatch(action):
+    if action is not None and (len(action) > LONGEST_NAME or not TOPIC.fullmatch(action)):
         raise InvalidField([FieldError("query.action", "the name of an action", got(action))])
     names = [name.strip() for name in query.get("include", "").split(",") if name.strip()]
     if unknown := [name for name in names if name not in INCLUDES]:

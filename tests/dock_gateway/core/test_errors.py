@@ -34,3 +34,7 @@ def test_a_field_error_says_where_what_and_what_instead() -> None:
 
 def test_a_full_queue_says_when_to_come_back() -> None:
     assert problem_response(errors.TooManyRequests("full")).headers["retry-after"] == "1"
+
+
+def test_a_sentence_does_not_repeat_all_that_a_client_sends() -> None:
+    assert len(GatewayError("x" * 100_000).detail) == errors.MAX_DETAIL + 1

@@ -23,7 +23,9 @@ def test_clients_name_a_namespace(text: str, namespace: str) -> None:
     assert read_namespace(text) == namespace
 
 
-@pytest.mark.parametrize("text", ["", "robot1", "/robot 1", "/1robot", "/a//b", "/a/../b", "/röbot", "/a\0"])
+@pytest.mark.parametrize(
+    "text", ["", "robot1", "/robot 1", "/1robot", "/a//b", "/a/../b", "/röbot", "/a\0", "/a" * 128]
+)
 def test_anything_else_is_refused(text: str) -> None:
     with pytest.raises(InvalidField):
         read_namespace(text)
