@@ -36,6 +36,7 @@ from dock_gateway.fleet.shared_entries import SharedEntries
 from dock_gateway.fleet.stop import Stopper
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import AuditSpool, History, open_history
+from dock_gateway.history.database import display
 from dock_gateway.latch.interlock import Interlock
 from dock_gateway.latch.latch_file import LatchFile
 from dock_gateway.notifications.notifier import MAX_WEBHOOKS, Notifier
@@ -174,7 +175,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     webhooks = SharedBook(history.webhooks, "webhook", MAX_WEBHOOKS)
     outbox = Outbox(webhooks, SharedEntries(history.webhook_deliveries))
     notifier = _closed_by(stack, Notifier(alerts, labels, webhooks=webhooks, outbox=outbox))
-    logins = _closed_by(stack, Logins(history, open_single_sign_on(settings)))
+    logins = _closed_by(stack, Logins(history, open_single_sign_on(settings), display(settings.database)))
     if settings.authentication:
         await logins.open()
     metrics = _observe(Parts(settings, bridge, hub, history, actions, robots, stopper, alerts, notifier), stack)

@@ -43,10 +43,12 @@ class Logins:
     Args:
         history: Stores them.
         sso: An identity provider, where people and services log in as well.
+        where: The database, for the log.
     """
 
-    def __init__(self, history: History, sso: SingleSignOn | None = None) -> None:
-        self.tokens = Tokens(SharedBook(history.tokens, "token", MAX_TOKENS))
+    def __init__(self, history: History, sso: SingleSignOn | None = None, where: str = "") -> None:
+        self.tokens = Tokens(SharedBook(history.tokens, "token", MAX_TOKENS), where)
+        self._where = where
         self._users = Users(SharedBook(history.users, "user", MAX_USERS))
         self._sessions = Sessions(SharedBook(history.sessions, "session", MAX_SESSIONS), self._users.book)
         self.people = PersonSessions(
@@ -64,7 +66,11 @@ class Logins:
         if self.sso is not None:
             self.sso.provider.open()
         elif await self._users.book.sync() and not self._users.book.keys() | self.tokens.book.keys():
-            log.warning("nobody can log in yet: `dock-gateway user add NAME --role admin` adds the first user")
+            log.warning(
+                "nobody can log in yet: there are no users and tokens in %s. `dock-gateway user add NAME --role admin` "
+                "adds the first user, and says in which database: --database-url chooses it",
+                self._where or "the database",
+            )
         self._tasks.spawn(self._run())
 
     async def _run(self) -> None:

@@ -1,5 +1,7 @@
 """Tokens, which gateways share through the history, and who shows them."""
 
+import logging
+import time
 from collections.abc import Mapping
 from dataclasses import asdict
 from datetime import datetime
@@ -7,13 +9,18 @@ from typing import Any
 
 from dock_gateway.access.credentials import ID_DIGITS, Credentials, new_secret
 from dock_gateway.core.access import Kind, Principal, Token
-from dock_gateway.core.errors import Conflict
+from dock_gateway.core.errors import Conflict, NotAuthenticated
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.fleet.shared_book import SharedBook
 from dock_gateway.history import Beside
+
+log = logging.getLogger(__name__)
 
 MAX_TOKENS = 500
 PREFIX = "dgw_"
+# Seconds between two log lines that a token is not known here.
+SAID_EVERY = 600.0
 
 
 class Tokens(Credentials[Token]):
@@ -21,9 +28,41 @@ class Tokens(Credentials[Token]):
 
     Revocations and changes at other gateways are known after `SYNC_INTERVAL` seconds. While the history does not
     answer, the tokens that were valid before go on.
+
+    Args:
+        book: Stores them.
+        where: The database, for the log.
     """
 
     refusal = "the token is not known, was revoked or has expired"
+
+    def __init__(self, book: SharedBook[Token], where: str = "") -> None:
+        super().__init__(book)
+        self._where = where
+        self._said_at: float | None = None
+
+    def identify(self, secret: str) -> Principal:
+        """Return who shows the secret of a token.
+
+        Raises:
+            NotAuthenticated: There is no valid token with it (`invalid_token`). If it is not known at all, the log says
+                where this gateway's are: it may have been created in another database.
+        """
+        try:
+            return super().identify(secret)
+        except NotAuthenticated:
+            if secret.startswith(PREFIX) and self.find(secret) is None:
+                self._say_unknown(time.monotonic())
+            raise
+
+    def _say_unknown(self, now: float) -> None:
+        if self._where and (self._said_at is None or now - self._said_at >= SAID_EVERY):
+            self._said_at = now
+            log.warning(
+                "a token was shown that is not in %s. It was removed, or created in another database: `dock-gateway "
+                "token create` says where it stores one, and --database-url names the database (docs/access.md)",
+                self._where,
+            )
 
     def principal(self, key: str) -> Principal | None:
         """Return who shows a token, if it is valid."""

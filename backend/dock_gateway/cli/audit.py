@@ -5,6 +5,7 @@ import sys
 
 import click
 
+from dock_gateway.cli.databases import Choice
 from dock_gateway.cli.logins import database_option
 from dock_gateway.cli.options import read_settings
 from dock_gateway.core.audit import START, Verdict
@@ -26,7 +27,9 @@ def verify_audit(expect: str | None, database_url: str | None) -> None:
     settings = read_settings({"database_url": database_url})
     if settings.database_url == "memory:":
         raise click.UsageError("the history `memory:` keeps no audit log: name a database with --database-url")
+    choice = Choice(settings)
     verdict = asyncio.run(_check(settings.database, expect and expect.strip().lower()))
+    choice.report("read")
     if verdict.intact:
         first = verdict.last.sequence - verdict.intact + 1
         click.echo(f"{verdict.intact} rows are intact: {first} to {verdict.last.sequence}")

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from dock_gateway.cli.databases import Choice
 from dock_gateway.cli.options import read_settings
 from dock_gateway.core.errors import GatewayError
 from dock_gateway.core.grant import LIMITS, PATTERN, Grant, Role
@@ -59,8 +60,13 @@ def describe_limits(document: dict[str, Any]) -> str:
     return "".join(f", only {noun} {' '.join(document[noun])}" for noun in LIMITS if document[noun])
 
 
-def with_logins(database_url: str | None, use: Callable[[Any], Awaitable[Any]]) -> Any:
-    """Open the users and tokens, use them, and return what that returns.
+def with_logins(database_url: str | None, use: Callable[[Any], Awaitable[Any]], *, changed: bool = True) -> Any:
+    """Open the users and tokens, use them, say in which database they are, and return what that returns.
+
+    Args:
+        database_url: The gateway's database; None: that of the environment.
+        use: Uses them.
+        changed: Whether that changes them.
 
     Raises:
         click.ClickException: The database does not answer, or refuses. The message says why.
@@ -76,7 +82,11 @@ def with_logins(database_url: str | None, use: Callable[[Any], Awaitable[Any]]) 
         async with open_history(settings) as history:
             return await use(Logins(history))
 
+    choice = Choice(settings)
     try:
-        return asyncio.run(run())
+        done = asyncio.run(run())
     except GatewayError as error:
+        choice.report("looked")
         raise click.ClickException(f"{error.code}: {error.detail}") from None
+    choice.report("stored" if changed else "read")
+    return done

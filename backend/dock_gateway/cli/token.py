@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from dock_gateway.cli.logins import database_option, describe_limits, grant_options, make_grant, with_logins
+from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 
 
@@ -34,7 +35,7 @@ def create(name: str, role: str, days: int | None, database_url: str | None, **l
 @database_option
 def list_tokens(database_url: str | None) -> None:
     """List all tokens."""
-    for each in with_logins(database_url, lambda logins: logins.tokens.documents()):
+    for each in with_logins(database_url, lambda logins: logins.tokens.documents(), changed=False):
         expires = "" if each["expires_at"] is None else f", until {each['expires_at']:%Y-%m-%d %H:%M} UTC"
         used = "never used" if each["used_at"] is None else f"used {each['used_at']:%Y-%m-%d %H:%M} UTC"
         state = "" if each["valid"] else ", expired"
@@ -50,7 +51,7 @@ def revoke(name: str, database_url: str | None) -> None:
     async def find_and_revoke(logins: Any) -> None:
         found = [each["id"] for each in await logins.tokens.documents() if name in (each["id"], each["name"])]
         if not found:
-            raise click.ClickException(f"there is no token {name}")
+            raise NotFound(f"there is no token {name}", code="token_not_found")
         await logins.revoke_token(found[0])
 
     with_logins(database_url, find_and_revoke)

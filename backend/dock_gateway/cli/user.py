@@ -102,7 +102,7 @@ def remove(name: str, database_url: str | None) -> None:
 @database_option
 def list_users(database_url: str | None) -> None:
     """List all users."""
-    for each in with_logins(database_url, lambda logins: logins.documents()):
+    for each in with_logins(database_url, lambda logins: logins.documents(), changed=False):
         last = each["logged_in_at"]
         login = "never logged in" if last is None else f"logged in {last:%Y-%m-%d %H:%M} UTC"
         state = ", disabled" if each["disabled"] else ""

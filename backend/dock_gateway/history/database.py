@@ -73,3 +73,8 @@ def brief(error: Exception) -> str:
     """Return the error in one line, without the statement and its data."""
     cause = error.orig if isinstance(error, sa_errors.DBAPIError) and error.orig is not None else error
     return (str(cause).strip() or type(cause).__name__).splitlines()[0][:300]
+
+
+def display(url: str) -> str:
+    """Return the URL of a database as it may be shown: without its password and further parameters."""
+    return sa.make_url(url).set(query={}).render_as_string(hide_password=True) if "://" in url else url
