@@ -161,6 +161,28 @@ def test_a_wait_for_the_end_of_a_goal_ends_with_the_login_and_the_goal_goes_on(d
         http.post("/stop", headers=root).raise_for_status()
 
 
+def test_a_goal_that_waits_for_its_server_is_not_sent_once_the_login_has_ended(domain: int, site: Site) -> None:
+    secret = site.token("cron", "operator")
+    with site.gateway(domain, server_wait="60") as gateway:
+        http, root = gateway.http, bearer(log_in(gateway, "root"))
+        answers: list[Any] = []
+
+        def send() -> None:
+            with HttpClient(gateway.url) as client:
+                answers.append(client.post("/dock", headers=bearer(secret)))
+
+        sending = threading.Thread(target=send)
+        sending.start()
+        wait_until(lambda: "requests_in_progress 2" in http.get("/metrics", headers=root).text, "the request")
+        (token,) = tokens(http, root)
+        assert http.delete(f"/tokens/{token['id']}", headers=root).status_code == 204
+        with running_dock_server(domain):
+            sending.join(PATIENCE)
+            (answer,) = answers
+            assert (answer.status_code, answer.json()["code"]) == (401, "invalid_token")
+            assert http.get("/goals", headers=root).json()["goals"] == []
+
+
 def test_clients_that_ask_before_they_send_the_body(shared_domain: int, site: Site) -> None:
     """`Expect: 100-continue`, as curl sends it with a large body: nobody asks a stranger for one."""
     secret = site.token("ada", "admin")

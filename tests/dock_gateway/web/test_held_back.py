@@ -2,7 +2,8 @@
 
 import asyncio
 import re
-from collections.abc import Awaitable, Callable
+import time
+from collections.abc import AsyncIterator, Awaitable, Callable
 from datetime import datetime, timedelta
 from typing import Any, cast
 
@@ -12,8 +13,11 @@ from fastapi import FastAPI
 from fastapi.routing import APIRoute
 from starlette.types import Message, Scope
 
+from dock_gateway.access import provider as provider_module
+from dock_gateway.access.jwt import BEHIND
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
+from dock_gateway.access.single_sign_on import SingleSignOn
 from dock_gateway.core.errors import NotFound
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.grant import Grant, Role
@@ -24,8 +28,10 @@ from dock_gateway.web.app import api_routers, create_app
 from dock_gateway.web.permissions import PUBLIC
 from tests.support.audit import AuditList, audit_parts, make_entry
 from tests.support.history import make_goal
+from tests.support.provider import FakeProvider, oidc_settings
 from tests.support.waiting import until
 
+CALLBACK = "https://robots.example/session/oidc/callback"
 PASSWORD = "correct horse battery staple"
 CHANGES = [
     (method, route.path, route.name)
@@ -50,10 +56,10 @@ class Refusing:
 class Site:
     """A gateway with an admin, and nothing else; requests that are sent piece by piece."""
 
-    def __init__(self) -> None:
+    def __init__(self, sso: SingleSignOn | None = None) -> None:
         self.settings = Settings(authentication=True, database_url="sqlite:////nowhere", body_timeout=1.0)
         history = MemoryHistory(2000)
-        self.logins = Logins(history)
+        self.logins = Logins(history, sso)
         self.audit = AuditList()
         self.secret = ""
         gateway: Any = Refusing()
@@ -273,3 +279,44 @@ async def test_an_export_ends_with_the_login(path: str) -> None:
     assert 0 < len(part) < len(whole)
     with pytest.raises(orjson.JSONDecodeError):
         orjson.loads(part)
+
+
+@pytest.fixture
+async def people(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[tuple[Site, FakeProvider]]:
+    """A site where admins of an identity provider log in."""
+    fake = FakeProvider()
+    fake.claims["roles"] = ["admins"]
+    monkeypatch.setattr(provider_module, "_client", fake.client)
+    site = Site(SingleSignOn(Settings(authentication=True, **oidc_settings(fake.issuer))))  # type: ignore[arg-type]
+    yield site, fake
+    await site.logins.close()
+
+
+async def test_a_person_of_a_provider_who_is_logged_out_while_a_body_comes(people: tuple[Site, FakeProvider]) -> None:
+    site, fake = people
+    address, attempt = await site.logins.begin_person("/", CALLBACK)
+    _, site.secret = await site.logins.log_in_person(attempt, fake.authorize(address), CALLBACK, "192.0.2.1")
+
+    async def end(site: Site) -> None:
+        await site.logins.end_person("oidc:ada")
+
+    body = orjson.dumps({"name": "x", "role": "admin"})
+    assert await site.ask("POST", "/tokens", body, meanwhile=end) == (401, "invalid_token")
+    assert await site.logins.tokens.documents() == []
+
+
+async def test_an_access_token_of_a_provider_that_expires_while_a_body_comes(
+    people: tuple[Site, FakeProvider],
+) -> None:
+    site, fake = people
+    expires = time.time() - BEHIND + 0.5
+    site.secret = fake.access_token(exp=expires)
+
+    async def expire(_: Site) -> None:
+        await until(lambda: time.time() >= expires + BEHIND)
+
+    body = orjson.dumps({"name": "x", "role": "admin"})
+    assert await site.ask("POST", "/tokens", body, meanwhile=expire) == (401, "invalid_token")
+    assert await site.logins.tokens.documents() == []
+    site.secret = fake.access_token()
+    assert await site.ask("POST", "/tokens", body) == (201, None)
