@@ -3,7 +3,7 @@
 import math
 
 from docking.behaviors.keep_in_sight import KeepInSight
-from docking.behaviors.moves import bounded, braked
+from docking.behaviors.moves import bounded
 from docking.behaviors.smooth import steer
 from docking.core.errors import DockingError, FailedToControl
 from docking.core.geometry import Pose
@@ -12,6 +12,7 @@ from docking.estimation.dock_estimate import Spread
 from docking.goal.behavior import Done, Failed, Step
 from docking.goal.plan import DockTarget
 from docking.parameters import ApproachSettings, MotionLimits
+from docking.parameters.limits import braked
 
 PROJECTION = 0.25
 """How far beyond the dock the way leads, in m, as with nav2: the law explodes where its target is."""

@@ -6,26 +6,12 @@ from docking.behaviors.smooth import steer
 from docking.core.geometry import Pose, normalize_angle
 from docking.core.observation import Velocity
 from docking.parameters import Gains, MotionLimits
+from docking.parameters.limits import braked
 
-RESERVE = 0.6
-"""The part of the highest deceleration that is planned with."""
-RESPONSE = 2.5
-"""The most that is corrected at once, in 1/s."""
 STRAIGHT = Gains(k_phi=1.0, k_delta=1.0)
 """For a way that is straight but for small errors."""
 TURN_FIRST = math.radians(30.0)
 """The heading error that is corrected on the spot, before the robot drives."""
-
-
-def braked(error: float, acceleration: float) -> float:
-    """The speed with which what is left of a way can be ended with a standstill.
-
-    Args:
-        error: What is left, in m or rad.
-        acceleration: The highest there is, in m/s² or rad/s².
-    """
-    most = min(math.sqrt(2.0 * RESERVE * acceleration * abs(error)), RESPONSE * abs(error))
-    return math.copysign(most, error)
 
 
 def turn(error: float, motion: MotionLimits) -> Velocity:

@@ -29,8 +29,16 @@ STUCK = 0.3
 """Seconds without motion after which a command is too small for the base."""
 STILL = 0.1
 """The part of a commanded motion below which there is none."""
+AT_ONCE = 0.005
+"""In m or rad; odometry that moves by more in one step has moved, also while the base is to stand."""
 RAISE = 1.4
 """How much larger than a command that did not move the base the next one must be."""
+STEADY = 0.1
+"""How much a command may change and still be taken for the same, as a part of it."""
+OBEYED = (0.3, 1.5)
+"""The part of a steady command that is measured where the base moves by it, and is not about to stop."""
+OBEYED_FOR = 0.3
+"""Seconds for which the base must do so, beyond the lag."""
 DEAD_ZONE_MAX = Velocity(0.12, 0.4)
 """The largest dead zone that is learned: a base that does not move then is blocked."""
 
@@ -84,6 +92,10 @@ class MotionModel:
         commanded: The velocity since the last look.
         lag: Seconds from a command until odometry shows the motion.
         dead_zone: Commands below do not move the base, as far as is known.
+        moves_at: The lowest speed that was commanded and driven, in m/s; infinite before.
+        sure_zone: What is known of the dead zone, in m/s, of a base that was seen to drive beyond it.
+        learns: Whether a base that does not move may have a dead zone; else something is in its way.
+        stands: Whether the base, commanded to drive, did not for longer than it may take to begin, and has not since.
         known_since: Since when there was no pause, in s.
     """
 
@@ -98,6 +110,11 @@ class MotionModel:
         self._memory = memory + LAGS[-1]
         self.lag = USUAL_LAG
         self.dead_zone = STANDSTILL
+        self.moves_at = math.inf
+        self.sure_zone = 0.0
+        self.stands = False
+        self.learns = True
+        self._changed_at = -math.inf
         self._times: list[float] = []
         self._commands: list[Motion] = []
         self._measured: list[Motion] = []
@@ -106,17 +123,27 @@ class MotionModel:
         self._errors = [0.0] * len(LAGS)
         self._still_since = [math.inf, math.inf]
         self._raised_at = [-math.inf, -math.inf]
+        self._stood_since = [math.inf, math.inf]  # rests do not count
+        self._zone_before = [0.0, 0.0]  # when it came to stand
+        self._held = 0.0  # a steady command to drive
+        self._moves = False  # forward or backward, ever
+        self._obeys_since = math.inf
 
     # History.
 
     def look(self, now: float, pose: Pose) -> None:
         """Take over what odometry says; since the last look, `commanded` held."""
         last, self._last = self._last, pose
+        if pose != last:
+            self._changed_at = now
         dt = now - self._times[-1] if self._times else math.inf
         if last is None or dt > PAUSE:
             self._times, self._commands, self._measured = [now], [NOWHERE], [NOWHERE]
             self._lagged = [NOWHERE] * len(LAGS)
             self._still_since = [math.inf, math.inf]
+            self._stood_since = [math.inf, math.inf]
+            self._obeys_since = math.inf
+            self.stands = False
             self.known_since = now
             return
         if dt <= 0.0:
@@ -161,6 +188,37 @@ class MotionModel:
         moved = self.measured(now - seconds, now)
         return Velocity(moved.way / seconds, moved.turn / seconds)
 
+    @property
+    def last(self) -> Pose | None:
+        """The pose of the last look."""
+        return self._last
+
+    @property
+    def unseen(self) -> Motion:
+        """What was commanded since odometry measured another pose, and may have been carried out."""
+        if not self._times:
+            return NOWHERE
+        return self.commands(self._changed_at - self.lag, self._times[-1])
+
+    def expected(self, begin: float, end: float) -> Motion:
+        """The motion that there must have been between two moments, by the commands, where nothing is in the way."""
+        return self.commands(begin - self.lag, min(end, self._times[-1]) - self.lag) if self._times else NOWHERE
+
+    def possible(self, now: float) -> Motion:
+        """All that may have been carried out since odometry measured another pose, however late the base is."""
+        if not self._times:
+            return NOWHERE
+        dt = now - self._times[-1]
+        before = self.commands(self._changed_at - LAGS[-1], self._times[-1])
+        return before.plus(self.commanded.linear_x * dt, self.commanded.angular_z * dt)
+
+    def velocity_at(self, moment: float) -> Velocity:
+        """As it was measured over the moment before."""
+        if not self._times:
+            return STANDSTILL
+        moved = self.measured(moment - WINDOW, moment)
+        return Velocity(moved.way / WINDOW, moved.turn / WINDOW)
+
     def ahead(self, pose: Pose) -> Pose:
         """Where the robot will be when a command that is given now takes effect.
 
@@ -199,18 +257,66 @@ class MotionModel:
             less, least, more = scores[best - 1 : best + 2]
             self.lag += 0.5 * (LAGS[1] - LAGS[0]) * (less - more) / (less - 2.0 * least + more)
 
+    def relearn(self) -> None:
+        """Find out again from which velocity on the base drives: what was in its way before may be gone."""
+        self.moves_at, self.sure_zone, self._zone_before[0] = math.inf, 0.0, 0.0
+        self.dead_zone = Velocity(0.0, self.dead_zone.angular_z)
+
+    def forget_stand(self) -> None:
+        """The base stands since something is in its way: that is no dead zone."""
+        self.dead_zone = Velocity(self.sure_zone, self.dead_zone.angular_z)
+        self._still_since[0] = self._stood_since[0] = math.inf
+        self.stands = False
+
     def _learn_dead_zone(self, now: float) -> None:
         commanded, measured = self._commands[-1].since(self._commands[-2]), self._measured[-1].since(self._measured[-2])
-        dt = self._times[-1] - self._times[-2]
+        began = self._times[-2]
         zone = [self.dead_zone.linear_x, self.dead_zone.angular_z]
         most = (DEAD_ZONE_MAX.linear_x, DEAD_ZONE_MAX.angular_z)
-        told = (self.commanded.linear_x, self.commanded.angular_z)
+        told = (abs(self.commanded.linear_x), abs(self.commanded.angular_z))
+        if self._obeys(commanded.way, began) and now - self._obeys_since > OBEYED_FOR + self.lag:
+            self.moves_at = min(self.moves_at, told[0])
+            self.sure_zone = self._zone_before[0] = zone[0] = min(zone[0], self.moves_at)
         for axis, (command, way) in enumerate(((commanded.way, measured.way), (commanded.turn, measured.turn))):
             if command == 0.0 or abs(way) > STILL * abs(command):
                 self._still_since[axis] = math.inf
+                if command != 0.0 or abs(way) > AT_ONCE:
+                    if self._moved_unseen(axis):
+                        zone[axis] = self._zone_before[axis]
+                    self._stood_since[axis] = math.inf
+                    self.stands = self.stands and axis == 1
+                    self._moves |= axis == 0
                 continue
-            self._still_since[axis] = min(self._still_since[axis], now - dt)
-            if now - max(self._still_since[axis], self._raised_at[axis]) > STUCK + self.lag:
-                zone[axis] = min(most[axis], max(zone[axis], RAISE * abs(told[axis])))
+            self._still_since[axis] = min(self._still_since[axis], began)
+            if self._stood_since[axis] == math.inf:
+                self._stood_since[axis], self._zone_before[axis] = began, zone[axis]
+            self.stands |= axis == 0 and now - self._still_since[0] > STUCK + self.lag
+            stood_for = now - max(self._still_since[axis], self._raised_at[axis])
+            # Before the base has ever moved, nobody knows how late it is.
+            late = STUCK + self.lag if self._moves or axis == 1 or zone[0] > 0.0 else LAGS[-1]
+            if self.learns and stood_for > late and (axis == 1 or told[0] < self.moves_at):
+                zone[axis] = min(most[axis], max(zone[axis], RAISE * told[axis]))
                 self._raised_at[axis] = now
-        self.dead_zone = Velocity(*zone)
+        self.dead_zone = Velocity(min(zone[0], self.moves_at), zone[1])
+
+    def _obeys(self, command: float, began: float) -> bool:
+        """Whether the base drives by one command, as measured over a moment."""
+        told = self.commanded.linear_x
+        steady = abs(told - self._held) <= STEADY * abs(told)
+        if not steady or command == 0.0:
+            self._held = told
+        elif OBEYED[0] <= self.velocity.linear_x / told <= OBEYED[1]:
+            self._obeys_since = min(self._obeys_since, began)
+            return True
+        self._obeys_since = math.inf
+        return False
+
+    def _moved_unseen(self, axis: int) -> bool:
+        """Whether a base that seemed to stand moves on from where it would be had it moved all the time."""
+        since, now = self._stood_since[axis], self._times[-1]
+        if since == math.inf:
+            return False
+        measured, commanded = self.measured(since, now), self.commands(since, now)
+        if axis == 0:
+            return abs(measured.way) > 0.5 * abs(commanded.way)
+        return abs(measured.turn) > 0.5 * abs(commanded.turn)

@@ -33,8 +33,13 @@ class Track:
     def add(self, measured_at: float, odometry: Odometry) -> None:
         """Take over a newer measurement; where it is older, time has begun anew.
 
-        One of the same moment replaces the other: where no stamp is ever set, or a clock stands still, one is kept.
+        One of the same moment replaces the other: where no stamp is ever set, or a clock stands still, one is kept. But
+        the same message again is none: it says nothing of now.
         """
+        latest = self.latest
+        same = latest is not None and (odometry.pose, odometry.velocity) == (latest.pose, latest.velocity)
+        if same and measured_at == self._samples[-1][0] != 0.0:
+            return
         if self._samples and measured_at < self._samples[-1][0]:
             self._samples.clear()
         elif self._samples and measured_at == self._samples[-1][0]:

@@ -34,6 +34,7 @@ class Docking:
         *,
         charging: ChargingSettings | None = None,
         docking_threshold: float = 0.05,
+        slowdown_radius: float = 0.06,
         staging: Staging | None = None,
         dock_type: str = "",
     ) -> None:
@@ -44,12 +45,14 @@ class Docking:
             memory: Where it is noted that the robot is docked.
             charging: What tells that the battery charges; None is its status.
             docking_threshold: How far from the docked pose the robot may stand, in m, where the pose tells it.
+            slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
             staging: Of the dock, to be remembered; None is the usual one.
             dock_type: Of the dock, to be remembered.
         """
         self.timeouts = timeouts
         self.max_retries = timeouts.max_retries
         self.memory = memory or DockMemory()
+        self.slowdown_radius = slowdown_radius
         self._charging = charging or ChargingSettings()
         self._threshold = docking_threshold
         self._staging = staging or Staging()

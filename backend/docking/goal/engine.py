@@ -17,11 +17,11 @@ from docking.core.errors import (
 from docking.core.geometry import Pose
 from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.behavior import Behavior, Done, Failed
-from docking.goal.limiter import Limiter
 from docking.goal.motion_watch import MotionWatch
 from docking.goal.navigation import Going, Navigation
 from docking.goal.objective import Objective, Progress
 from docking.goal.obstacle_watch import ObstacleWatch
+from docking.goal.pace import Pace
 from docking.goal.plan import Plan
 
 CLOCK_JUMP = 0.5
@@ -117,10 +117,10 @@ class Goal:
         self._obstacles = obstacles if plan.motion is not None else None
         self._timeouts = objective.timeouts
         self._started_at = self._stepped_at = self._heard_at = started_at
-        self._limiter: Limiter | None = None
+        self._pace: Pace | None = None
         self._watch: MotionWatch | None = None
         if plan.motion is not None:
-            self._limiter = Limiter(plan.motion)
+            self._pace = Pace(plan.motion, objective.slowdown_radius)
             self._watch = MotionWatch(self._timeouts.odometry_timeout, self._timeouts.blocked_after, started_at)
         self._navigation: Navigation | None = None
         self._failure: DockingError | None = None  # what the running retry is about
@@ -268,12 +268,11 @@ class Goal:
             return self._rest()
         if not step.finite:
             raise FailedToControl(f"the controller gave {step}")
-        if self._limiter is None or self._watch is None:
+        if self._pace is None or self._watch is None or observation.odometry is None:
             return step
-        if self._obstacles is None:
-            return self._limiter.limit(step, dt, self._watch.model.dead_zone)
-        velocity = self._limiter.limit(self._obstacles.slow_down(step), dt, self._watch.model.dead_zone)
-        return self._rest() if self._obstacles.stops(velocity) else velocity
+        wish = step if self._obstacles is None else self._obstacles.slow_down(step)
+        velocity = self._pace.next(wish, dt, observation.odometry.pose, self._plan.poses, self._watch.model)
+        return self._rest() if self._obstacles is not None and self._obstacles.stops(velocity) else velocity
 
     def _check_deadline(self) -> None:
         """See whether the stage has taken too long.
@@ -323,8 +322,8 @@ class Goal:
     def _rest(self) -> Velocity:
         if self._navigation is not None:
             self._navigation.interrupt()
-        if self._limiter is not None:
-            self._limiter.stop()
+        if self._pace is not None:
+            self._pace.stop()
         if self._watch is not None:
             self._watch.rest()
         return STANDSTILL

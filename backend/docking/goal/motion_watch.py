@@ -1,5 +1,6 @@
 """Compares the commanded motion with the motion that odometry measures."""
 
+import math
 from dataclasses import replace
 
 from docking.core.errors import Blocked, OdometryLost
@@ -23,6 +24,18 @@ LEAST_WAY = 0.04
 """In m; a shorter way missing, or too much, says nothing."""
 LEAST_TURN = 0.2
 """In rad; a smaller turn missing, or too much, says nothing."""
+REPEATED = 0.1
+"""Seconds after which a pose that is the same again is repeated, where the robot moves."""
+UNSEEN = Velocity(0.01, 0.05)
+"""What must have been commanded meanwhile, in m and rad."""
+MOVING = Velocity(0.05, 0.1)
+"""In m/s and rad/s: by its velocity, odometry moves, and faster than it may stall at the dock."""
+DOUBTED_FOR = 0.6
+"""Seconds for which a pose is doubted that is the same again, where odometry has no velocities."""
+JUMP = (0.05, 0.25)
+"""In m and rad; odometry that gets farther at once than commanded, by more, has jumped."""
+CARRIED = (0.5, 1.0)
+"""In m/s and rad/s; how fast someone may move the robot meanwhile."""
 
 
 class MotionWatch:
@@ -44,6 +57,8 @@ class MotionWatch:
         self._odometry_timeout = odometry_timeout
         self._blocked_after = blocked_after
         self._heard_at = started_at
+        self._first: Odometry | None = None  # of those with the same pose as the last
+        self._repeats = self._has_velocity = False
         self._begins_at = self._looked_at = started_at
 
     @property
@@ -76,8 +91,13 @@ class MotionWatch:
         sound = self.hears(observation)
         if sound is None:
             return False
-        now = self._looked_at = observation.now
+        since, now = observation.now - self._looked_at, observation.now
+        self._looked_at = now
+        jump = self._jump(now, since, sound.pose)
         self.model.look(now, sound.pose)
+        if jump:
+            self.restart()
+            raise Blocked(jump)
         self._compare(now)
         return True
 
@@ -92,14 +112,68 @@ class MotionWatch:
         """
         now, odometry = observation.now, observation.odometry
         sound = odometry if odometry is not None and makes_sense(odometry.pose) else None
-        if sound is not None:
+        repeats = sound is not None and self._is_repeated(sound, now)
+        if sound is not None and not repeats:
             self._heard_at = max(self._heard_at, sound.stamp)
-        if sound is None or now - sound.stamp > DELAY:
+        if sound is None or repeats or now - sound.stamp > DELAY:
             if now - self._heard_at > self._odometry_timeout:
                 nonsense = "" if odometry is sound else f" except an implausible pose, {odometry and odometry.pose}"
+                if repeats:
+                    nonsense = " except one pose, again and again, although its velocity says that the robot moves"
                 raise OdometryLost(f"no odometry for {self._odometry_timeout:g} s (odometry_timeout){nonsense}")
             return None
         return sound
+
+    def _is_repeated(self, odometry: Odometry, now: float) -> bool:
+        """Whether odometry repeats a pose while the robot moves, until there is another pose.
+
+        A robot that is blocked has one pose, too, but its velocity is 0, or it has never moved. Of odometry that has no
+        velocities nothing tells the two apart: it is doubted for a moment, and the robot is slow until it moves.
+        """
+        self._has_velocity |= odometry.velocity != STANDSTILL
+        first = self._first
+        if first is None or odometry.pose != first.pose:
+            self._first, self._repeats = odometry, False
+            return False
+        age = odometry.stamp - first.stamp
+        if not self._has_velocity and age > DOUBTED_FOR:
+            return False
+        if not self._repeats and age > REPEATED:
+            told, before = odometry.velocity, self.model.velocity_at(first.stamp)
+            unseen = self.model.expected(first.stamp, now)
+            self._repeats = (
+                (not self._has_velocity or abs(told.linear_x) > MOVING.linear_x)
+                and abs(before.linear_x) > MOVING.linear_x
+                and unseen.to_and_fro > UNSEEN.linear_x
+            ) or (
+                (not self._has_velocity or abs(told.angular_z) > MOVING.angular_z)
+                and abs(before.angular_z) > MOVING.angular_z
+                and unseen.turn_to_and_fro > UNSEEN.angular_z
+            )
+        return self._repeats
+
+    def _jump(self, now: float, since: float, pose: Pose) -> str:
+        """What odometry did that no robot can; empty where it did not.
+
+        Args:
+            now: The moment.
+            since: Seconds since the last look.
+            pose: What odometry says.
+        """
+        last = self.model.last
+        if last is None:
+            return ""
+        moved, may = pose.relative_to(last), self.model.possible(now)
+        forward, backward = 0.5 * (may.to_and_fro + may.way), 0.5 * (may.to_and_fro - may.way)
+        slack, slack_turn = JUMP[0] + CARRIED[0] * since, JUMP[1] + CARRIED[1] * since
+        turn = MOST_MOTION * may.turn_to_and_fro + slack_turn
+        way = MOST_MOTION * (forward if moved.x > 0.0 else backward) + slack
+        if abs(moved.x) <= way and abs(moved.y) <= slack + abs(moved.x) and abs(moved.theta) <= turn:
+            return ""
+        return (
+            f"odometry jumped: {math.hypot(moved.x, moved.y):.2f} m and {abs(moved.theta):.2f} rad within"
+            f" {since:.2g} s, from {last} to {pose}"
+        )
 
     def ahead(self, observation: Observation) -> Observation:
         """The same when a command that is given now takes effect: the robot is where it will be then."""
@@ -122,10 +196,13 @@ class MotionWatch:
             if drives and _fits(commanded.turn, commanded.turn_to_and_fro, measured.turn, LEAST_TURN):
                 return
         commanded = self.model.commands(begin, now)
+        still = self._first is not None and self._first.stamp <= begin
         self.restart()
+        self.model.forget_stand()
         raise Blocked(
             f"motion does not match command: commanded {commanded.way:.2f} m and {commanded.turn:.2f} rad within"
             f" {self._blocked_after:g} s (blocked_after), measured {measured.way:.2f} m and {measured.turn:.2f} rad"
+            f"{': the robot is blocked, or its odometry repeats one pose' if still else ''}"
         )
 
     def _speeds_up(self, begin: float, now: float) -> bool:

@@ -18,6 +18,7 @@ class Undocking:
 
     docks = False
     max_retries = 0
+    slowdown_radius = 0.0  # it leads away from the dock
 
     def __init__(
         self,

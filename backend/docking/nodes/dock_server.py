@@ -37,6 +37,7 @@ def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
         memory,
         charging=settings.charging,
         docking_threshold=settings.approach.docking_threshold,
+        slowdown_radius=settings.approach.slowdown_radius,
         staging=settings.dock,
         dock_type=settings.dock_type,
     )

@@ -1,11 +1,27 @@
 """How fast the robot may move."""
 
+import math
 from dataclasses import dataclass
 
 from docking.core.parameter import number
 
 BACKWARDS = 0.6
 """The part of v_linear_max that the robot backs with: it does not see where it goes."""
+RESERVE = 0.6
+"""The part of the highest deceleration that is planned with."""
+RESPONSE = 2.5
+"""The most that is corrected at once, in 1/s."""
+
+
+def braked(error: float, acceleration: float) -> float:
+    """The speed with which what is left of a way can be ended with a standstill.
+
+    Args:
+        error: What is left, in m or rad.
+        acceleration: The highest there is, in m/s² or rad/s².
+    """
+    most = min(math.sqrt(2.0 * RESERVE * acceleration * abs(error)), RESPONSE * abs(error))
+    return math.copysign(most, error)
 
 
 @dataclass(frozen=True, slots=True)

@@ -99,3 +99,15 @@ def test_what_was_measured_belongs_to_odometry_of_its_moment_whenever_that_arriv
     assert track.arrival(10.3, received=5.4) == pytest.approx(5.5), "odometry is 0.1 s late"
     assert track.arrival(0.0, received=5.4) == 5.4, "no stamp"
     assert [track.arrival(wrong, received=5.4) for wrong in (8.0, 9.7, 12.0)] == [5.4] * 3, "another clock"
+
+
+def test_a_message_that_is_repeated_with_its_stamp_says_nothing_new() -> None:
+    track = Track()
+    for received in (10.0, 10.1, 10.2):
+        track.add(5.0, Odometry(Pose(1.0), Velocity(0.2), received))
+    assert track.latest == Odometry(Pose(1.0), Velocity(0.2), 10.0)
+    track.add(5.0, Odometry(Pose(1.1), Velocity(0.2), 10.3))
+    assert track.latest == Odometry(Pose(1.1), Velocity(0.2), 10.3), "a clock that stands still"
+    for received in (10.4, 10.5):
+        track.add(0.0, Odometry(Pose(1.1), Velocity(0.2), received))
+    assert track.latest == Odometry(Pose(1.1), Velocity(0.2), 10.5), "a stamp that is never set"

@@ -1,5 +1,6 @@
 import math
 from collections import deque
+from dataclasses import replace
 from random import Random
 
 import pytest
@@ -248,3 +249,62 @@ def test_odometry_that_makes_no_sense_is_none_and_then_lost(nonsense: float) -> 
     assert not motion.sees(Observation(1.4, odometry=Odometry(Pose(nonsense), STANDSTILL, 1.4)))
     with pytest.raises(OdometryLost, match="implausible pose"):
         motion.sees(Observation(1.6, odometry=Odometry(Pose(nonsense), STANDSTILL, 1.6)))
+
+
+def freeze(motion: MotionWatch, told: Velocity, last: Odometry, seconds: float) -> float:
+    """Odometry repeats its last message with new stamps; after how many seconds the robot does not know where it is."""
+    unknown = math.inf
+    for number in range(round(seconds / PERIOD)):
+        now = last.stamp + number * PERIOD
+        if motion.sees(Observation(now, odometry=replace(last, stamp=now))):
+            motion.commanded = told
+        else:
+            motion.rest()
+            unknown = min(unknown, now - last.stamp)
+    return unknown
+
+
+@pytest.mark.parametrize("told", [Velocity(0.26), Velocity(-0.15), Velocity(0.0, 0.6)])
+def test_odometry_that_repeats_its_pose_while_it_says_that_it_moves_is_silent(told: Velocity) -> None:
+    motion = watch()
+    pose = drive(motion, told, told, 3.0)
+    last = Odometry(pose, told, 3.0)
+    assert freeze(motion, told, last, 0.9) < 0.3
+    with pytest.raises(OdometryLost, match="one pose, again and again"):
+        freeze(motion, told, replace(last, stamp=3.9), 1.0)
+
+
+def test_odometry_that_goes_on_is_believed_again() -> None:
+    motion, told = watch(), Velocity(0.2)
+    pose = drive(motion, told, told, 3.0)
+    freeze(motion, told, Odometry(pose, told, 3.0), 0.5)
+    drive(motion, told, told, 5.0, start=3.5, pose=pose.compose(Pose(0.06)))
+
+
+def test_odometry_without_velocities_is_doubted_for_a_moment_and_then_the_robot_is_blocked() -> None:
+    motion, told, pose = watch(), Velocity(0.2), Pose()
+    for number in range(60):
+        assert motion.sees(Observation(number * PERIOD, odometry=Odometry(pose, STANDSTILL, number * PERIOD)))
+        motion.commanded = told
+        pose = pose.compose(Pose(0.2 * PERIOD))
+    last = Odometry(pose, STANDSTILL, 3.0)
+    assert freeze(motion, told, last, 1.0) < 0.3
+    with pytest.raises(Blocked, match="the robot is blocked, or its odometry repeats one pose"):
+        freeze(motion, Velocity(0.04), replace(last, stamp=4.0), 5.0)
+
+
+@pytest.mark.parametrize(
+    "jump", [Pose(1.0), Pose(-0.5), Pose(-0.12), Pose(0.0, 0.3), Pose(0.0, 0.0, 1.5), Pose(-100.0, 3.0, -3.0)]
+)
+def test_odometry_that_jumps_stops_the_robot_at_once_and_is_named(jump: Pose) -> None:
+    motion, told = watch(), Velocity(0.2)
+    pose = drive(motion, told, told, 3.0).compose(jump)
+    with pytest.raises(Blocked, match=r"^odometry jumped: .* from Pose.* to Pose"):
+        motion.sees(Observation(3.0, odometry=Odometry(pose, told, 3.0)))
+    drive(motion, told, told, 3.0, start=3.05, pose=pose)
+
+
+def test_a_robot_that_was_carried_during_a_long_pause_did_not_jump() -> None:
+    motion = watch()
+    pose = drive(motion, Velocity(0.2), Velocity(0.2), 3.0)
+    assert motion.sees(Observation(9.0, odometry=Odometry(pose.compose(Pose(1.0, 0.5, 1.0)), STANDSTILL, 9.0)))

@@ -1,0 +1,119 @@
+"""How fast the robot may drive: within its limits, slowly near the dock, and slowly where it is not seen to move."""
+
+import math
+
+from docking.core.geometry import Pose
+from docking.core.observation import Velocity
+from docking.estimation.motion_model import MotionModel
+from docking.goal.limiter import Limiter
+from docking.goal.plan import KnownPoses
+from docking.parameters import MotionLimits
+from docking.parameters.limits import RESERVE, braked
+
+SIDE = 0.3
+"""How far to either side of the docked pose the dock may reach, in m."""
+NEAR = 0.2
+"""How near to the dock, in m, a robot that stands may stand against it."""
+GENTLE = 0.15
+"""In m/s²; weak bases, too, slow down so much on the way to the dock."""
+AT_REST = 0.02
+"""In m/s: a base that is slower has come to a standstill."""
+ROUNDING = 1e-6
+
+
+class Pace:
+    """Limits what a controller asks for to what the robot may do next.
+
+    - Near the dock nothing raises the speed above `v_linear_min`, or above the lowest at which the base moves. No dead
+      zone is learned there: a base that stands may stand against the dock.
+    - So the robot starts slowly, once the dock is known, until it is seen to move: that tells the dead zone.
+    - A robot that stands although it is to drive is blocked, or odometry says so wrongly: it drives slowly, too.
+    """
+
+    def __init__(self, limits: MotionLimits, slowdown_radius: float) -> None:
+        """Begin at a standstill.
+
+        Args:
+            limits: What the robot may do.
+            slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
+        """
+        self._limits = limits
+        self._limiter = Limiter(limits)
+        self._radius = slowdown_radius
+        self._stands = True
+        self._beginning = False
+
+    def next(self, wish: Velocity, dt: float, robot: Pose, poses: KnownPoses, model: MotionModel) -> Velocity:
+        """The velocity that comes next to a wish. Where it cannot get slow in time, the robot stops.
+
+        Args:
+            wish: What a controller wants.
+            dt: Seconds since the last velocity.
+            robot: base_link by the last odometry, in odom.
+            poses: Where the dock is.
+            model: How the base carries out commands.
+        """
+        left = self._distance(robot, poses, model, wish.linear_x)
+        model.learns = left > NEAR
+        begins = self._begins(wish, poses, model)
+        slowest, sure = (max(self._limits.v_linear_min, zone) for zone in (model.dead_zone.linear_x, model.sure_zone))
+        first = slowest if begins or model.stands else math.inf
+        most = min(first, self._near_dock(left, sure))
+        velocity = self._limiter.limit(_slowed(wish, most), dt, model.dead_zone)
+        most = min(first, self._near_dock(self._distance(robot, poses, model, velocity.linear_x), sure))
+        if abs(velocity.linear_x) > most + ROUNDING:
+            return self.stop()
+        self._stands = velocity.linear_x == 0.0
+        return velocity
+
+    def stop(self) -> Velocity:
+        """Stand still at once: a stop is never delayed."""
+        self._stands = True
+        return self._limiter.stop()
+
+    def _begins(self, wish: Velocity, poses: KnownPoses, model: MotionModel) -> bool:
+        """Whether the robot begins to drive, and it is not known whether it does so at its slowest.
+
+        Each start finds out again, away from the dock: the base may have stood before since it was held.
+        """
+        if wish.linear_x == 0.0 or poses.filtered_dock is None:
+            self._beginning = False
+        elif self._stands and abs(model.velocity.linear_x) < AT_REST and not self._beginning:
+            self._beginning = model.moves_at > self._limits.v_linear_min + ROUNDING
+            if self._beginning and model.learns:
+                model.relearn()
+        elif model.moves_at < math.inf:
+            self._beginning = False
+        return self._beginning
+
+    def _near_dock(self, left: float, slowest: float) -> float:
+        """The highest speed, in m/s, where the dock may be so near, in m."""
+        return slowest + braked(max(0.0, left - self._radius), min(GENTLE / RESERVE, self._limits.a_linear_max))
+
+    def _distance(self, robot: Pose, poses: KnownPoses, model: MotionModel, linear: float) -> float:
+        """How near to the dock the robot may have come, in m, on its way there; infinite where it is on no such way.
+
+        Args:
+            robot: By the last odometry.
+            poses: Where the dock is.
+            model: What has been commanded since.
+            linear: The velocity forward, in m/s.
+        """
+        docked, staging = poses.filtered_dock, poses.staging
+        if docked is None or staging is None or linear == 0.0:
+            return math.inf
+        axis = math.atan2(docked.y - staging.y, docked.x - staging.x)
+        if linear * math.cos(robot.theta - axis) <= 0.0:
+            return math.inf
+        off = robot.relative_to(Pose(docked.x, docked.y, axis))
+        coming = model.unseen.way
+        left = max(0.0, -off.x - max(0.0, math.copysign(coming, coming * linear)))
+        return math.hypot(left, max(0.0, abs(off.y) - SIDE))
+
+
+def _slowed(velocity: Velocity, most: float) -> Velocity:
+    """The velocity on the same arc that is not faster."""
+    if abs(velocity.linear_x) <= most:
+        return velocity
+    share = most / abs(velocity.linear_x)
+    return Velocity(share * velocity.linear_x, share * velocity.angular_z)

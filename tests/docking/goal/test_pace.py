@@ -1,0 +1,181 @@
+"""How fast the robot may drive, above all near the dock."""
+
+import math
+from collections import deque
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from docking.core.geometry import Pose
+from docking.core.observation import STANDSTILL, Velocity
+from docking.estimation.motion_model import MotionModel
+from docking.goal.pace import Pace
+from docking.goal.plan import KnownPoses
+from docking.parameters import MotionLimits
+
+LIMITS = MotionLimits()
+RADIUS = 0.06
+PERIOD = 0.05
+DOCKED = Pose(1.0, 0.5, 0.4)
+POSES = KnownPoses(DOCKED, DOCKED, DOCKED.compose(Pose(-0.7)))
+FAST = Velocity(0.26, 0.0)
+
+
+class Base:
+    """A base on the dock's axis, in front of the dock, and the pace of its goal."""
+
+    def __init__(self, distance: float, *, dead_zone: float = 0.0, wall: float = math.inf, lag: float = 0.0) -> None:
+        self.x, self.now = -distance, 0.0
+        self.model, self.pace = MotionModel(), Pace(LIMITS, RADIUS)
+        self.velocities: list[tuple[float, float]] = []
+        self._dead_zone, self._wall = dead_zone, wall
+        self._coming = deque([0.0] * round(lag / PERIOD))
+        self.frozen: Pose | None = None
+
+    @property
+    def pose(self) -> Pose:
+        return DOCKED.compose(Pose(self.x))
+
+    def drive(self, wish: Velocity, seconds: float, poses: KnownPoses = POSES) -> None:
+        for _ in range(round(seconds / PERIOD)):
+            seen = self.frozen or self.pose
+            self.model.look(self.now, seen)
+            velocity = self.pace.next(wish, PERIOD, seen, poses, self.model)
+            self.model.commanded = velocity
+            self.velocities.append((self.x, velocity.linear_x))
+            self._coming.append(velocity.linear_x)
+            done = self._coming.popleft()
+            if abs(done) >= self._dead_zone:
+                self.x = min(self._wall, self.x + done * PERIOD)
+            self.now += PERIOD
+
+    def fastest(self, nearer_than: float) -> float:
+        """The highest speed that was commanded so near to the dock."""
+        return max((speed for x, speed in self.velocities if x > -nearer_than), default=0.0)
+
+
+def test_the_last_part_is_driven_slowly_whatever_is_wished() -> None:
+    base = Base(0.7)
+    base.drive(FAST, 8.0)
+    assert base.x > 0.0
+    assert base.fastest(RADIUS) == LIMITS.v_linear_min
+    assert base.fastest(0.7) > 0.2
+
+
+def test_a_base_that_stands_against_the_dock_has_no_dead_zone() -> None:
+    base = Base(0.7, wall=-0.01)
+    for _ in range(4):
+        base.drive(FAST, 10.0)
+        base.drive(Velocity(-0.15, 0.0), 3.0)
+    assert base.fastest(RADIUS) == LIMITS.v_linear_min
+    assert base.model.dead_zone.linear_x < LIMITS.v_linear_min
+
+
+@pytest.mark.parametrize("dead_zone", [0.05, 0.07, 0.1])
+def test_a_base_with_a_dead_zone_drives_at_the_lowest_speed_that_moves_it(dead_zone: float) -> None:
+    base = Base(0.7, dead_zone=dead_zone, wall=-0.01)
+    for _ in range(3):
+        base.drive(FAST, 10.0)
+        assert base.x == -0.01, "it gets there"
+        base.drive(Velocity(-0.15, 0.0), 3.0)
+    assert dead_zone <= base.fastest(RADIUS) <= 1.4 * dead_zone
+
+
+def test_the_dead_zone_is_learned_before_the_robot_is_near() -> None:
+    base = Base(0.7, dead_zone=0.05)
+    base.drive(FAST, 1.0)
+    assert max(speed for _, speed in base.velocities) == pytest.approx(0.056)
+    assert base.x < -0.65
+    base.drive(FAST, 3.0)
+    assert base.model.sure_zone == pytest.approx(0.056)
+    assert base.fastest(0.7) > 0.2, "and then it drives on"
+
+
+def test_a_robot_that_stands_is_slow_until_it_moves() -> None:
+    base = Base(2.0)
+    base.drive(FAST, 2.0)
+    base.frozen = base.pose
+    base.drive(FAST, 1.0)
+    assert {speed for _, speed in base.velocities[-10:]} == {LIMITS.v_linear_min}
+    base.frozen = None
+    base.drive(FAST, 1.0)
+    assert base.velocities[-1][1] == LIMITS.v_linear_max
+
+
+def test_odometry_that_stops_for_a_moment_is_no_dead_zone() -> None:
+    base = Base(2.0)
+    base.drive(FAST, 0.2)
+    base.frozen = base.pose
+    base.drive(FAST, 0.5)
+    base.frozen = None
+    base.drive(FAST, 1.0)
+    assert base.model.dead_zone.linear_x == base.model.sure_zone == 0.0
+
+
+@pytest.mark.parametrize("moment", [0.16, 0.12, 0.09, 0.07])
+def test_it_counts_with_the_way_that_odometry_has_not_told(moment: float) -> None:
+    """Odometry stops when the robot is so near."""
+    base = Base(0.7, lag=0.1)
+    while base.x < -moment:
+        base.drive(FAST, PERIOD)
+    base.frozen = base.pose
+    base.drive(FAST, 0.5)
+    base.frozen = None
+    base.drive(FAST, 5.0)
+    assert base.x > 0.0
+    assert base.fastest(RADIUS) <= LIMITS.v_linear_min + 1e-6
+
+
+def test_away_from_the_dock_it_may_be_fast() -> None:
+    base = Base(0.0)
+    base.drive(Velocity(-0.15, 0.0), 2.0)
+    assert base.velocities[-1][1] == -0.15
+
+
+def test_before_the_dock_is_known_only_the_limits_count() -> None:
+    base = Base(0.05)
+    base.drive(FAST, 1.0, KnownPoses())
+    assert base.velocities[-1][1] == LIMITS.v_linear_max
+
+
+def test_a_robot_that_is_too_fast_near_the_dock_stops_at_once() -> None:
+    base = Base(0.5)
+    base.drive(FAST, 2.0, KnownPoses())
+    base.x = -0.05
+    base.drive(FAST, PERIOD)
+    assert base.velocities[-1][1] == 0.0
+
+
+@settings(max_examples=200)
+@given(
+    st.lists(
+        st.tuples(st.floats(-0.4, 0.4), st.floats(-2.0, 2.0), st.floats(0.0, 0.3), st.booleans(), st.booleans()),
+        min_size=1,
+        max_size=120,
+    ),
+    st.floats(-0.5, 0.02),
+    st.floats(-0.2, 0.2),
+)
+def test_nothing_raises_the_speed_near_the_dock(
+    steps: list[tuple[float, float, float, bool, bool]], x: float, y: float
+) -> None:
+    """Whatever is wished, at whatever times, and whatever odometry does then."""
+    model, pace, now, last = MotionModel(), Pace(LIMITS, RADIUS), 0.0, STANDSTILL
+    pose = DOCKED.compose(Pose(x, y))
+    for linear, angular, dt, moves, rests in steps:
+        now += dt
+        if moves:
+            pose = pose.compose(Pose(last.linear_x * dt, 0.0, last.angular_z * dt))
+        model.look(now, pose)
+        sure = model.sure_zone
+        velocity = pace.stop() if rests else pace.next(Velocity(linear, angular), dt, pose, POSES, model)
+        off = pose.relative_to(DOCKED)
+        near, towards = abs(off.y) < 0.3 and off.x > -RADIUS, velocity.linear_x * math.cos(off.theta) > 0.0
+        if near and towards:
+            assert abs(velocity.linear_x) <= max(LIMITS.v_linear_min, sure) + 1e-6
+        assert model.sure_zone <= model.moves_at
+        assert abs(velocity.linear_x) <= LIMITS.v_linear_max
+        if velocity != STANDSTILL:
+            assert abs(velocity.linear_x - last.linear_x) <= LIMITS.a_linear_max * dt + 1e-9
+        last = model.commanded = velocity
