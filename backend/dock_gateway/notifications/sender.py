@@ -9,6 +9,7 @@ import secrets
 from collections.abc import Mapping
 from datetime import datetime
 from http import HTTPStatus
+from http.cookiejar import CookieJar, DefaultCookiePolicy
 
 import httpx2
 
@@ -59,7 +60,7 @@ def sign(secret: str, identity: str, at: datetime, body: Json) -> Mapping[str, s
 
 
 class Sender:
-    """Sends events over HTTP. Redirects are not followed, and the body of an answer is not read."""
+    """Sends events over HTTP. Redirects are not followed, the body of an answer is not read, and no cookie is kept."""
 
     def __init__(self) -> None:
         self._http: httpx2.AsyncClient | None = None
@@ -90,4 +91,5 @@ class Sender:
 
 def _client() -> httpx2.AsyncClient:
     headers = {"Content-Type": "application/json", "User-Agent": f"dock-gateway/{__version__}"}
-    return httpx2.AsyncClient(headers=headers, timeout=TIMEOUT, follow_redirects=False)
+    cookies = CookieJar(DefaultCookiePolicy(allowed_domains=()))  # accepts none
+    return httpx2.AsyncClient(headers=headers, cookies=cookies, timeout=TIMEOUT, follow_redirects=False)
