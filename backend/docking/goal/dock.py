@@ -1,5 +1,7 @@
 """Docking: reached when the battery charges, and goes on charging."""
 
+from dataclasses import replace
+
 from docking.charging import stands_docked, tells_charging
 from docking.core.battery import BatteryReading, PowerSupplyStatus, describe_status
 from docking.core.errors import (
@@ -12,6 +14,7 @@ from docking.core.errors import (
 )
 from docking.core.observation import Observation
 from docking.estimation.motion_model import MotionModel
+from docking.goal.charge_record import ChargeRecord
 from docking.goal.dock_memory import DockMemory
 from docking.goal.motion_watch import makes_sense
 from docking.goal.objective import Deadline, Progress
@@ -58,6 +61,7 @@ class Docking:
         self._staging = staging or Staging()
         self._dock_type = dock_type
         self._status: int | None = None
+        self._record = ChargeRecord(timeouts.charge_stable_for)
         self._connected_since: float | None = None
         self._motion = MotionModel()  # for the velocity, measured from poses
         self._deadlines = {
@@ -91,7 +95,10 @@ class Docking:
         if robot is not None:
             self._motion.look(observation.now, robot)
         self.memory.heads_for(self._staging, self._dock_type, robot)
-        if battery is None or not self._charges(observation, battery, progress):
+        charges = battery is not None and self._charges(observation, battery, progress)
+        if battery is not None:
+            self._record.hear(observation.now, battery, charges=charges)
+        if not charges:
             self._connected_since = None
             return False
         if self._connected_since is None:
@@ -111,12 +118,22 @@ class Docking:
         """Whether the battery charges and the robot is not pressing on."""
         return self._connected_since is not None and stage is not Stage.CONTROLLING
 
+    @property
+    def flickers(self) -> bool:
+        """Whether the charge comes and goes."""
+        return self._record.flickers
+
     def deadline(self, stage: Stage, finished: bool) -> Deadline | None:
         """The time limit of a stage."""
-        return self._deadlines.get(stage)
+        deadline = self._deadlines.get(stage)
+        if deadline is not None and stage is Stage.WAIT_FOR_CHARGE and self._record.breaks:
+            return replace(deadline, message="the charge did not become stable")
+        return deadline
 
     def reword(self, failure: DockingError) -> DockingError:
-        """The same, with a hint where the battery's status is never set."""
+        """The same, with a hint where the charge broke off, or the battery's status is never set."""
+        if isinstance(failure, FailedToCharge) and (story := self._record.describe()):
+            return FailedToCharge(f"{failure}: {story}")
         if (
             isinstance(failure, FailedToCharge)
             and self._charging.charging_source is ChargingSource.STATUS

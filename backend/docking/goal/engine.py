@@ -203,6 +203,7 @@ class Goal:
 
     def _go_on(self, observation: Observation, dt: float) -> Command | Outcome:
         if self._objective.holds(self._stage):
+            self._stage_time += dt if self._objective.flickers else 0.0
             return self._command(self._rest(), Stage.WAIT_FOR_CHARGE)
         if self._navigation is not None:
             return self._navigate(self._navigation, observation, dt)

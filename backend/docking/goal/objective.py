@@ -51,6 +51,7 @@ class Objective(Protocol):
         max_retries: How often to back off and try again.
         memory: What is remembered of the dock from goal to goal.
         docks: Whether the robot is docked when the goal is reached.
+        flickers: Whether the charge comes and goes, so that waiting for it counts towards the time limit, too.
         slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
     """
 
@@ -68,6 +69,9 @@ class Objective(Protocol):
 
     @property
     def slowdown_radius(self) -> float: ...  # noqa: D102
+
+    @property
+    def flickers(self) -> bool: ...  # noqa: D102
 
     def is_reached(self, observation: Observation, battery: BatteryReading | None, progress: Progress) -> bool:
         """The success test; called at each step.

@@ -16,7 +16,7 @@ class Undocking:
     nothing tells, the goal fails: it is no success to be on the dock, and nothing is behind a robot that is not.
     """
 
-    docks = False
+    docks = flickers = False
     max_retries = 0
     slowdown_radius = 0.0  # it leads away from the dock
 
