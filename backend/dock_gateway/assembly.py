@@ -90,15 +90,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     bridge = Bridge(settings.node_name, settings.namespace, settings.max_message_bytes)
     bridge.start()
     stack.push_async_callback(asyncio.to_thread, bridge.close)
-    interlock = _closed_by(
-        stack,
-        Interlock(
-            hub,
-            LatchFile(settings.stop_file),
-            normalize_namespace(settings.namespace),
-            DockingCatalog(settings).shared,
-        ),
-    )
+    interlock = _closed_by(stack, _make_interlock(settings, hub))
     last_goals = _closed_by(stack, LastGoals(history))
     actions = _closed_by(stack, ActionRegistry(settings, bridge, hub, history, reasons, interlock=interlock))
     actions.on_end.append(last_goals.take)
@@ -134,7 +126,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
     await actions.pin("undock")
     labels = _closed_by(stack, Labels(history.labels, lambda: [robot.namespace for robot in robots.all()]))
     await labels.open()
-    graph_watch = GraphWatch(settings, bridge, robots)
+    graph_watch = _make_graph_watch(settings, bridge, robots, actions)
     decisions = DecisionLog(hub, history.automation_decisions)
     alerts = _closed_by(
         stack,
@@ -168,6 +160,7 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
             actions,
             history,
             activity=activity,
+            shared=lambda: graph_watch.shared,
             rules=SharedBook(history.automation_rules, "rule", MAX_RULES),
             decisions=decisions,
         ),
@@ -208,6 +201,18 @@ async def _open(settings: Settings, history: History, audit: AuditLog, stack: As
         echoes=echoes,
         metrics=metrics,
     )
+
+
+def _make_interlock(settings: Settings, hub: Hub) -> Interlock:
+    catalog, default = DockingCatalog(settings), normalize_namespace(settings.namespace)
+    return Interlock(hub, LatchFile(settings.stop_file), default, catalog.shared, catalog.homes)
+
+
+def _make_graph_watch(settings: Settings, bridge: Bridge, robots: RobotRegistry, actions: ActionRegistry) -> GraphWatch:
+    """Watch the graph for mistakes, which are also named where a goal is aborted because of them."""
+    watch = GraphWatch(settings, bridge, robots, actions)
+    actions.remark = watch.remark
+    return watch
 
 
 def _follow_docking(actions: ActionRegistry, last_goals: LastGoals, hub: Hub) -> None:

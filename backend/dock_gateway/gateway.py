@@ -131,7 +131,9 @@ class Gateway:
             if named is None:
                 queries += [all_names(event_filter.robot, "dock"), all_names(event_filter.robot, "undock")]
             for names in queries:
-                newest += await self.history.page(GoalFilter(names, event_filter.namespace), limit=RECENT)
+                newest += await self.history.page(
+                    GoalFilter(names, event_filter.namespace, homed=event_filter.homed), limit=RECENT
+                )
         known = [*newest, *self.actions.running()]
         goals = {goal.goal_id: goal for goal in known if event_filter.covers_goal(goal.goal_id, goal.action_name)}
         return sorted(goals.values(), key=lambda goal: goal.created_at, reverse=True)

@@ -205,6 +205,17 @@ class Settings(BaseSettings):
         "", description="The action behind `/undock`, relative to the namespace. Empty: as for `DOCK_ACTION`."
     )
     undock_action_type: str = Field("", description="The type of that action. Empty: as on the ROS graph.")
+    dock_actions: Annotated[tuple[str, ...], NoDecode] = Field(
+        (),
+        description="Docking actions of single robots, separated by commas: `/robot1=/docking/dock_robot`. For docking "
+        "servers that are not in the namespace of their robot: [nav2.md](nav2.md#other-namespaces).",
+    )
+    undock_actions: Annotated[tuple[str, ...], NoDecode] = Field(
+        (), description="Undocking actions of single robots, likewise."
+    )
+    battery_topics: Annotated[tuple[str, ...], NoDecode] = Field(
+        (), description="Battery topics of single robots, likewise: `/robot1=/power/battery_status`."
+    )
     default_dock: str = Field(
         "",
         max_length=200,
@@ -232,6 +243,11 @@ class Settings(BaseSettings):
         False,
         description="Whether goals are sent to an action that has more than one server. Each of them executes every "
         "goal.",
+    )
+    allow_shared_servers: bool = Field(
+        False,
+        description="Whether a node that serves the docking actions of several robots docks different robots. If not, "
+        "they count as one robot by several names: automatic docking sends it no goals.",
     )
     server_wait: Seconds = Field(
         1.5, description="Seconds to wait for an action server to appear before a goal is refused (503)."
@@ -421,6 +437,9 @@ class Settings(BaseSettings):
         "oidc_roles",
         "percentage_0_to_100",
         "charging_current_negative",
+        "dock_actions",
+        "undock_actions",
+        "battery_topics",
         mode="before",
     )
     @classmethod
@@ -520,6 +539,20 @@ class Settings(BaseSettings):
     def _check_action(cls, value: str) -> str:
         return value and cls._check_topic(value)
 
+    @field_validator("dock_actions", "undock_actions", "battery_topics")
+    @classmethod
+    def _check_own_names(cls, value: tuple[str, ...]) -> tuple[str, ...]:
+        for part in value:
+            robot, _, name = part.partition("=")
+            if len(part) > 2 * LONGEST_NAME or not (
+                robot.startswith("/") and NAMESPACE.fullmatch(robot) and name[:1] == "/" and TOPIC.fullmatch(name)
+            ):
+                raise ValueError(f"{part[:100]!r} is not like /robot1=/docking/dock_robot, with absolute names")
+        pairs = own_names(value)
+        if len(pairs) < len(value) or len(set(pairs.values())) < len(value):
+            raise ValueError("each robot has one name, and no two robots have the same")
+        return value
+
     @field_validator("dock_action_type", "undock_action_type")
     @classmethod
     def _check_action_type(cls, value: str) -> str:
@@ -600,6 +633,10 @@ class Settings(BaseSettings):
         """Whether the battery driver of a robot counts a charging current as negative."""
         return _named(namespace, self.charging_current_negative)
 
+    def battery_of(self, namespace: str) -> str:
+        """The battery topic of a robot."""
+        return own_names(self.battery_topics).get(namespace) or self.resolve(self.battery_topic, namespace)
+
     def resolve(self, name: str, namespace: str | None = None) -> str:
         """A ROS name as the graph has it: absolute, under the namespace (the configured one) where it was relative."""
         under = self.namespace if namespace is None else namespace
@@ -609,6 +646,12 @@ class Settings(BaseSettings):
 def _named(namespace: str, patterns: tuple[str, ...]) -> bool:
     """Return whether a robot is one of those that a setting names."""
     return any(fnmatchcase(namespace, f"/{pattern.strip('/')}") for pattern in patterns)
+
+
+def own_names(pairs: tuple[str, ...]) -> dict[str, str]:
+    """Return the names that single robots have, by namespace, from a setting such as `dock_actions`."""
+    parts = (pair.partition("=") for pair in pairs)
+    return {f"/{robot.strip('/')}": name for robot, _, name in parts}
 
 
 def _split(value: object) -> object:

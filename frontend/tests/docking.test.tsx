@@ -180,3 +180,19 @@ describe("one robot of several", () => {
     expect(screen.queryByRole("button", { name: /Stop \// })).toBeNull();
   });
 });
+
+describe("a docking server in another namespace", () => {
+  it("is offered with the lines to set", async () => {
+    const settings = ["DOCK_GATEWAY_DOCK_ACTIONS=/=/docking/dock_robot"];
+    const join = { detail: "If /docking/dock_robot docks /, set it.", settings };
+    renderPage(fakeGateway(), { robots: [robot("/", { dock: null, undock: null, join })] });
+    const hint = await screen.findByTestId("join");
+    expect(within(hint).getByText(settings[0] ?? "")).toBeDefined();
+    expect(within(hint).getByRole("button", { name: /^Copy/ })).toBeDefined();
+  });
+
+  it("is not mentioned otherwise", () => {
+    renderPage(fakeGateway());
+    expect(screen.queryByTestId("join")).toBeNull();
+  });
+});

@@ -119,6 +119,7 @@ export function robot(name: string, change: Partial<Robot> = {}): Robot {
     stop: released,
     dock: action("dock"),
     undock: action("undock"),
+    join: null,
     goals: [],
     last_goal: null,
     ...change,

@@ -89,6 +89,8 @@ describe("a warning of the gateway", () => {
     errors: null,
     goal_id: null,
     retry_after: null,
+    robots: null,
+    settings: null,
   };
 
   it("is shown with the stop that it is about, until it is dismissed", async () => {

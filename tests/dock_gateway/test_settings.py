@@ -66,6 +66,14 @@ def test_the_environment_is_read_and_options_win(monkeypatch: pytest.MonkeyPatch
         ("cmd_vel_topic", "cmd_vel/"),
         ("stop_topic", "1stop"),
         ("stop_topics", "e_stop, /hall//e_stop"),
+        ("dock_actions", "/robot1"),
+        ("dock_actions", "/robot1=dock"),
+        ("dock_actions", "robot1=/dock"),
+        ("dock_actions", "/robot1=/dock=/x"),
+        ("dock_actions", "/robot1=/a/dock,/robot1/=/b/dock"),
+        ("dock_actions", "/robot1=/a/dock,/robot2=/a/dock"),
+        ("undock_actions", "/robot 1=/dock"),
+        ("battery_topics", "/robot1=/battery status"),
         ("diagnostics_topic", "~/diagnostics"),
         ("dock_action", "/dock/{name}"),
         ("undock_action", "undöck"),
@@ -195,3 +203,10 @@ def test_a_variable_that_is_no_setting_is_named_with_a_similar_one() -> None:
         "DOCK_GATEWAY_BATERY_TOPIC is not a setting and has no effect. Did you mean DOCK_GATEWAY_BATTERY_TOPIC?",
         "DOCK_GATEWAY_X is not a setting and has no effect",
     ]
+
+
+def test_names_of_single_robots() -> None:
+    settings = Settings(battery_topics="/robot1/=/power/battery, /=/b", namespace="/robot2")  # type: ignore[arg-type]
+    assert settings.battery_of("/robot1") == "/power/battery"
+    assert settings.battery_of("/") == "/b"
+    assert settings.battery_of("/robot2") == "/robot2/battery_status"

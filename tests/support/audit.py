@@ -9,7 +9,9 @@ from types import SimpleNamespace
 from typing import Any
 
 from dock_gateway.core.audit import AuditEntry
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import Unavailable
+from dock_gateway.settings import Settings
 from tests.support.history import open_at
 from tests.support.waiting import until
 
@@ -33,7 +35,8 @@ class AuditList:
 
 def audit_parts() -> dict[str, Any]:
     """The parts of a gateway that are needed to record a request."""
-    return {"audit": AuditList(), "actions": SimpleNamespace(goal=lambda _: None)}
+    docking = SimpleNamespace(catalog=DockingCatalog(Settings()))
+    return {"audit": AuditList(), "actions": SimpleNamespace(goal=lambda _: None, docking=docking)}
 
 
 def make_entry(number: int, **fields: Any) -> AuditEntry:

@@ -176,12 +176,13 @@ def declare_docks(node: Node, docks: list[str]) -> None:
 class Create3(Server):
     """One robot in front of its dock."""
 
-    def __init__(self, node: Node, outcomes: list[str], *, stage_time: float) -> None:
+    def __init__(self, node: Node, outcomes: list[str], *, stage_time: float, also: list[str]) -> None:
         super().__init__(node)
         self._outcomes = iter(outcomes)
         self._docked = False
         self._stage_time = stage_time
-        self.serve(Dock, "dock", self.dock, lambda: not self._docked)
+        for namespace in ("", *also):
+            self.serve(Dock, f"{namespace}dock", self.dock, lambda: not self._docked)
         self.serve(Undock, "undock", self.undock, lambda: True)
 
     async def dock(self, handle: Any) -> Any:
@@ -215,6 +216,7 @@ def main() -> None:
     parser.add_argument("--docked", action="store_true", help="nav2: the robot was docked before the server started")
     parser.add_argument("--docks", nargs="*", default=[], help="nav2: the docks in its parameters")
     parser.add_argument("--outcomes", nargs="*", default=[])
+    parser.add_argument("--also", nargs="*", default=[], help="create3: prefixes of the same action by other names")
     parser.add_argument("--stage-time", type=float, default=0.3)
     arguments = parser.parse_args()
     rclpy.init()
@@ -224,7 +226,7 @@ def main() -> None:
         declare_docks(node, arguments.docks)
         Nav2(node, active=not arguments.inactive, docked=arguments.docked, stage_time=seconds)
     if "create3" in arguments.offer:
-        Create3(node, arguments.outcomes, stage_time=seconds)
+        Create3(node, arguments.outcomes, stage_time=seconds, also=arguments.also)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     print("serving", flush=True)

@@ -5,9 +5,11 @@ from typing import Any
 
 import pytest
 from geometry_msgs.msg import PoseStamped, Twist, Wrench
+from rclpy.action import ActionServer
 from sensor_msgs.msg import BatteryState
 from std_msgs.msg import Bool, String
 
+from action_tutorials_interfaces.action import Fibonacci
 from tests.support.gateway import LOW, RunningGateway, running_gateway
 from tests.support.observer import Observer, ros_observer
 from tests.support.waiting import wait_until
@@ -54,7 +56,8 @@ def of_gateway(observer: Observer, topic: str) -> list[str]:
 
 def test_another_type_makes_no_robot(px4: Observer, gateway: RunningGateway) -> None:
     with px4.publishing(String(), FOREIGN, heard=False), px4.publishing(String(), "/a/_b/battery_status", heard=False):
-        alert = wait_until(lambda: wrong_types(gateway).get("/fmu/out"), "the alert")
+        wait_until(lambda: "by /px4," in str(wrong_types(gateway).get("/fmu/out")), "the alert, with the node")
+        alert = wrong_types(gateway)["/fmu/out"]
         assert alert["severity"] == "warning"
         for part in (FOREIGN, "std_msgs/msg/String", "sensor_msgs/msg/BatteryState", "/px4", "BATTERY_TOPIC"):
             assert part in alert["detail"]
@@ -76,7 +79,7 @@ def test_the_gateway_leaves_topics_of_another_type_and_returns(
     px4.record(Wrench, VELOCITY)
     wait_until(lambda: not any(of_gateway(px4, topic) for topic in topics), "the topics without the gateway")
     wait_until(lambda: "/" in wrong_types(gateway), "the alert")
-    wait_until(lambda: wrong_types(gateway)["/"]["detail"].count(" is used as ") == 4, "all of them")
+    wait_until(lambda: wrong_types(gateway)["/"]["detail"].count("by /px4,") == 4, "all of them")
     alert = wrong_types(gateway)["/"]
     assert alert["severity"] == "critical"
     assert f"{EMERGENCY} is used as std_msgs/msg/String by /px4" in alert["detail"]
@@ -104,3 +107,17 @@ def test_two_gateways_do_not_keep_each_other_there(domain: int, px4: Observer) -
         px4.call(lambda: px4.node.create_publisher(PoseStamped, BATTERY, 10))
         px4.record(Wrench, VELOCITY)
         wait_until(lambda: nodes_at(px4, BATTERY) == nodes_at(px4, VELOCITY) == {"px4"}, "both gateways away")
+
+
+def test_an_action_of_the_right_name_is_used_with_the_type_of_its_server(
+    px4: Observer, gateway: RunningGateway
+) -> None:
+    def server() -> dict[str, Any]:
+        state: dict[str, Any] = gateway.http.get("/readyz").json()["action_server"]
+        return state
+
+    assert server()["action_type"] == "action_tutorials_interfaces/action/ConnectToChargingDock"
+    served = px4.call(lambda: ActionServer(px4.node, Fibonacci, "/connect_to_charging_dock", lambda _: None))
+    wait_until(lambda: server()["answering"], "the server")
+    assert server()["action_type"] == "action_tutorials_interfaces/action/Fibonacci"
+    px4.call(served.destroy)

@@ -1,6 +1,7 @@
 """One action: its goals, the operations on them, and its server's state."""
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 from sensor_msgs.msg import BatteryState
@@ -52,6 +53,7 @@ class Action:
         *,
         interlock: Interlock,
         adapter: DockAdapter | None = None,
+        remark: Callable[[], str] = str,
         pinned: bool = False,
         ping_idle: bool = False,
     ) -> None:
@@ -65,7 +67,7 @@ class Action:
         self.feedback_dropped = 0
         self._hub = hub
         self._default_dock = settings.default_dock
-        self.tracker = GoalTracker(port, hub, history, reasons, adapter)
+        self.tracker = GoalTracker(port, hub, history, reasons, adapter, remark=remark)
         self.watch = ServerWatch(self.tracker, settings, self._publish_server, ping_idle=ping_idle)
         self.canceler = Canceler(settings, self.tracker, interlock)
         self.delivery = Delivery(

@@ -6,7 +6,7 @@ Pure: it knows no ROS, no task and no clock. Each input says when it happens, an
 import logging
 from collections import OrderedDict, deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import Enum, auto
 from functools import partial
@@ -171,13 +171,16 @@ class GoalMachine:
 
     def _judge(self, goal: Goal, status: GoalStatus, answer: ResultAnswer) -> tuple[GoalStatus, GoalError | None]:
         """Return how a goal ended and why, according to its result, and note what that says about its retries."""
-        if self._adapter is None or answer.result is None:
-            return status, answer.error
-        outcome = self._adapter.outcome(status, orjson.loads(answer.result))
-        if outcome.retries is not None and not goal.status.final:
-            goal.retries = outcome.retries
-        explained = answer.error is not None and answer.error.code != NO_REASON
-        return outcome.status, answer.error if explained else outcome.error or answer.error
+        error = answer.error
+        if self._adapter is not None and answer.result is not None:
+            outcome = self._adapter.outcome(status, orjson.loads(answer.result))
+            if outcome.retries is not None and not goal.status.final:
+                goal.retries = outcome.retries
+            explained = error is not None and error.code != NO_REASON
+            status, error = outcome.status, error if explained else outcome.error or error
+        if error is not None and answer.remark and status is GoalStatus.ABORTED:
+            error = replace(error, detail=f"{error.detail.rstrip('.')}. {answer.remark}")
+        return status, error
 
     def _hear(self, now: Now, goal_id: str, take: Message, *, created_ns: int, running: bool) -> None:
         if (goal := self.live.get(goal_id)) is not None:

@@ -60,6 +60,7 @@ class ActionRegistry:
 
     Attributes:
         docking: Which of the actions dock and undock each robot.
+        remark: Returns what is wrong around the robot of an action: added to the reason of goals that are aborted.
         on_sent: Called with a goal of any action when this gateway sends it.
         on_change: Called with a goal of any action after each of its events before its end.
         on_end: Called with a goal of any action when no further events of it are expected.
@@ -78,6 +79,7 @@ class ActionRegistry:
     ) -> None:
         self._settings = settings
         self._bridge = bridge
+        self.remark: Callable[[str], str] = lambda _: ""
         self._parts = (settings, hub, history, reasons)
         self._interlock = interlock
         self.on_sent: list[Callable[[Goal], None]] = []
@@ -148,6 +150,7 @@ class ActionRegistry:
             *self._parts,
             interlock=self._interlock,
             adapter=adapter,
+            remark=lambda: self.remark(name),
             pinned=name in self._pinned,
             ping_idle=name in self._pinned or of_configured_robot,
         )
@@ -180,6 +183,7 @@ class ActionRegistry:
             Unavailable: The ROS thread is down.
         """
         self._types = scan.actions
+        leaving = set[str]()  # ROS has to let go of a name before it takes it with another type
         for action in list(self._actions.values()):
             if types := scan.actions.get(action.name):
                 action.last_seen = time.monotonic()
@@ -187,13 +191,15 @@ class ActionRegistry:
             replaced = types is not None and action.type not in types and not self._is_fixed(action)
             if (unseen or replaced) and not action.tracker.live:
                 await self._forget(action)
+                leaving.add(action.name)
         if self._unfinished and time.monotonic() - self._started > FORGET_AFTER:
             self._give_up()
         self._discovery.keep(scan.actions)
-        new = [name for name in scan.actions if name not in self._actions]
+        new = [name for name in scan.actions if name not in self._actions and name not in leaving]
         new.sort(key=lambda name: (self._catalog.find(name, scan.actions[name]) is None, is_hidden(name)))
         try:
-            return await self._discovery.take_up(new, self._actions, self._take_up)
+            more = await self._discovery.take_up(new, self._actions, self._take_up)
+            return more or not leaving.isdisjoint(scan.actions)
         finally:
             self.docking.update()
             self._changed.set()
@@ -251,8 +257,8 @@ class ActionRegistry:
 
     def under(self, namespace: str) -> list[Action]:
         """Return the actions of a robot: those in its namespace or below it, and those that all robots share."""
-        prefix, shared = prefix_of(namespace), self._catalog.shared
-        return [action for action in self.all() if action.name.startswith(prefix) or action.name in shared]
+        prefix, shared, place = prefix_of(namespace), self._catalog.shared, self._catalog.place_of
+        return [action for action in self.all() if place(action.name).startswith(prefix) or action.name in shared]
 
     def _stop_under(self, namespace: str) -> None:
         for action in self.under(namespace):

@@ -39,15 +39,22 @@ class Results:
         reasons: Why goals were aborted.
         heard: Called with each sign of life of the action server.
         settle: Called with each answer, and if none comes for a goal that ended.
+        remark: Returns what is wrong around the robot; it is added to the reason of goals that are aborted.
     """
 
     def __init__(
-        self, port: ActionPort, reasons: PendingFacts[GoalError], heard: Callable[[], None], settle: Settle
+        self,
+        port: ActionPort,
+        reasons: PendingFacts[GoalError],
+        heard: Callable[[], None],
+        settle: Settle,
+        remark: Callable[[], str] = str,
     ) -> None:
         self._port = port
         self._reasons = reasons
         self._heard = heard
         self._settle = settle
+        self._remark = remark
         self._end_stamps: PendingFacts[int] = PendingFacts(END_STAMP_WAIT)
         self._calls: dict[str, PendingCall] = {}
         self._tasks = Tasks("waiting for results")
@@ -95,6 +102,7 @@ class Results:
         if answer.status is GoalStatus.ABORTED:
             error = await self._reasons.of(goal.goal_id) or answer.error or GoalError(NO_REASON, SAID_NOTHING)
             answer = replace(answer, error=error)
+        answer = replace(answer, remark=self._remark())
         self._settle(goal, answer, stamp_ns)
 
     async def _end_without_result(self, goal: Goal, status: GoalStatus) -> None:

@@ -52,6 +52,7 @@ class GoalTracker:
         history: Stores goals.
         reasons: Why goals were rejected or aborted.
         adapter: What the action's messages say about a goal, if it docks or undocks robots.
+        remark: Returns what is wrong around the robot; it is added to the reason of goals that are aborted.
 
     Attributes:
         live: The running goals, and lost ones that may return.
@@ -68,6 +69,8 @@ class GoalTracker:
         history: History,
         reasons: PendingFacts[GoalError],
         adapter: DockAdapter | None = None,
+        *,
+        remark: Callable[[], str] = str,
     ) -> None:
         self._machine = GoalMachine(port.action_name, port.action_type, hub.clock.stamp, Now.read(), adapter)
         self.new_goal = self._machine.new_goal
@@ -78,7 +81,7 @@ class GoalTracker:
         self.last_heard = time.monotonic()
         self.port = port
         self.tasks = Tasks("tracking goals")
-        self._results = Results(port, reasons, self.heard, self._answered)
+        self._results = Results(port, reasons, self.heard, self._answered, remark)
         self.on: defaultdict[News, list[Callable[[Goal], None]]] = defaultdict(list)
         self.on[News.LOST].append(self._release)
         self.on[News.RETIRED].append(self._results.retire)

@@ -5,7 +5,7 @@ import logging
 import time
 import uuid
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 from datetime import timedelta
 from typing import Any
@@ -47,6 +47,7 @@ class AutomaticDocking:
         activity: Since when robots stand still.
         rules: The rules.
         decisions: The decisions.
+        shared: Returns the robots that may be other names of one robot.
     """
 
     def __init__(
@@ -58,6 +59,7 @@ class AutomaticDocking:
         activity: Activity,
         rules: SharedBook[Rule],
         decisions: DecisionLog,
+        shared: Callable[[], Collection[str]] = frozenset,
     ) -> None:
         self._fleet = fleet
         self._actions = actions
@@ -65,6 +67,7 @@ class AutomaticDocking:
         self._activity = activity
         self._rules = rules
         self.decisions = decisions
+        self._shared = shared
         self._policy = DockingPolicy()
         self._waits: dict[tuple[str, str], Wait] = {}
         self._answers: bool | None = None  # whether the history does
@@ -214,7 +217,7 @@ class AutomaticDocking:
             battery=reading.percentage,
             docked=state.on_dock or (fresh and reading.power_supply in CHARGES),
             reachable=server is not None and server.available and server.answering and not server.duplicate,
-            shares_dock=server is not None and servers.get(server.action_name, 0) > 1,
+            shares_dock=server is not None and (servers.get(server.action_name, 0) > 1 or name in self._shared()),
             goal_running=bool(state.goals),
             goal_lost=bool(state.lost),
             stopped=_stopped(state.stop),

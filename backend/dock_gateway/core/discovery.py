@@ -11,8 +11,9 @@ log = logging.getLogger(__name__)
 
 # Seconds that one call of `take_up` may run before the graph is scanned again.
 TURN = 0.5
-# Seconds before a failed one is retried.
-RETRY_AFTER = 60.0
+# Seconds before one that cannot be used is retried, and before one that failed for another reason is: ROS may still be
+# letting go of what had its name.
+RETRY_AFTER, RETRY_SOON = 60.0, 5.0
 
 # Errors caused by the thing itself; they are logged without a traceback.
 EXPECTED = (ImportError, TypeError, OverflowError)
@@ -84,9 +85,9 @@ class Discovery:
 
     def _note(self, name: str, error: Exception) -> None:
         before, why = self.failed.get(name), str(error) or repr(error)
-        self.failed[name] = Failure(why, time.monotonic() + RETRY_AFTER)
+        unexpected = not isinstance(error, EXPECTED)
+        self.failed[name] = Failure(why, time.monotonic() + (RETRY_SOON if unexpected else RETRY_AFTER))
         if before is None or before.why != why:
-            unexpected = not isinstance(error, EXPECTED)
             log.warning("%s %s is on the ROS graph but cannot be used: %s", self._kind, name, why, exc_info=unexpected)
 
     def keep(self, names: Collection[str]) -> None:

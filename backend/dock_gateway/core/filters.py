@@ -57,6 +57,7 @@ class EventFilter:
         namespace: Only goals and servers of actions in this namespace or below.
         robot: The namespace of the robot whose battery, velocity and scene are wanted.
         grant: What the reader may see; None means everything.
+        homed: Actions elsewhere that belong to robots in the namespace.
     """
 
     topics: frozenset[str] = frozenset({"goals"})
@@ -65,6 +66,7 @@ class EventFilter:
     namespace: str = "/"
     robot: str = "/"
     grant: Grant | None = None
+    homed: frozenset[str] = frozenset()
 
     def covers(self, event: Event) -> bool:
         """Return whether the filter covers an event."""
@@ -81,7 +83,7 @@ class EventFilter:
         return (
             (goal_id is None or self.goal_id in (None, goal_id))
             and self.action_name in (None, action_name)
-            and action_name.startswith(self._prefix)
+            and (action_name.startswith(self._prefix) or action_name in self.homed)
             and (self.grant is None or self.grant.covers_action(action_name))
         )
 
@@ -115,6 +117,7 @@ class GoalFilter:
         tags: With one of these tags; empty means any, also none.
         group: The group that `among` stands for; None if no group was asked for.
         among: On one of these actions, too; None means any.
+        homed: Actions elsewhere that belong to robots in the namespace.
     """
 
     action_names: frozenset[str] = frozenset()
@@ -128,6 +131,7 @@ class GoalFilter:
     tags: frozenset[str] = frozenset()
     group: str | None = None
     among: frozenset[str] | None = None
+    homed: frozenset[str] = frozenset()
 
     @cached_property
     def prefix(self) -> str:
@@ -150,6 +154,6 @@ class GoalFilter:
         """Return whether goals on an action can meet the conditions."""
         return (
             (not self.action_names or action_name in self.action_names)
-            and action_name.startswith(self.prefix)
+            and (action_name.startswith(self.prefix) or action_name in self.homed)
             and (self.among is None or action_name in self.among)
         )

@@ -71,11 +71,15 @@ class GoalError:
 
 @dataclass(frozen=True)
 class ResultAnswer:
-    """The response to a result request; `status` is None if the server does not know the goal."""
+    """The response to a result request; `status` is None if the server does not know the goal.
+
+    `remark` is what is wrong around the robot: added to the reason if the goal was aborted.
+    """
 
     status: GoalStatus | None = None
     result: Json | None = None
     error: GoalError | None = None
+    remark: str = ""
 
 
 # The code of a goal that ended without its result.

@@ -148,6 +148,7 @@ def narrow(event: Event, grant: Grant) -> Event | None:
 def _narrow_robot(robot: dict[str, Any], grant: Grant) -> dict[str, Any]:
     last = robot["last_goal"]
     return robot | {
+        "join": None,  # it may name other robots
         "goals": [goal for goal in robot["goals"] if grant.covers_action(goal["action_name"])],
         "last_goal": last if last is not None and grant.covers_action(last["action_name"]) else None,
     }

@@ -31,6 +31,12 @@ class Quality:
     liveliness: str
 
 
+# A node, if it is one, and the DDS participant that it belongs to: nodes of the same name are different ones.
+Peer = tuple[str | None, bytes]
+# The bytes of the id of an endpoint that are those of its participant.
+PARTICIPANT = 12
+
+
 @dataclass(frozen=True)
 class Endpoint:
     """A publisher or a subscription. `node` is None if it belongs to a DDS program that is not a ROS node."""
@@ -39,6 +45,11 @@ class Endpoint:
     type: str
     qos: Quality
     gid: bytes = b""
+
+    @property
+    def peer(self) -> Peer:
+        """The node that it belongs to."""
+        return self.node, self.gid[:PARTICIPANT]
 
     def document(self) -> dict[str, Any]:
         """Return the document that the API shows."""

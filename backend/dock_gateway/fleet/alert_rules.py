@@ -12,11 +12,14 @@ from dock_gateway.core.battery import CHARGES_NEGATIVE
 from dock_gateway.core.filters import is_hidden, lineage, parent_of
 from dock_gateway.core.goal import LOST_FOR, Goal
 from dock_gateway.fleet.findings import Finding, FindingKind
+from dock_gateway.fleet.hints import Join
 from dock_gateway.fleet.robot_state import DRAINS, RobotState
 from dock_gateway.history import Acknowledgement, Incident
 
 # Seconds that a docked robot may be without power: contacts bounce, chargers start slowly.
 WITHOUT_POWER = 10.0
+# Seconds that a docking server and a battery may be in two namespaces: while robots start, not everything is there.
+SPLIT_FOR = 15.0
 # Charge (0 to 1) from which a battery counts as full and need not be charged.
 FULL = 0.99
 # How long a battery state must be stale before an alert is raised.
@@ -43,7 +46,10 @@ class AlertKind(StrEnum):
     HISTORY_LOST = "history_lost"
     DUPLICATE_ACTION_SERVER = "duplicate_action_server"
     AUTOMATIC_DOCKING_FAILED = "automatic_docking_failed"
+    SPLIT_ROBOT = "split_robot"
     WRONG_TOPIC_TYPE = FindingKind.WRONG_TOPIC_TYPE.value
+    DUPLICATE_BASE = FindingKind.DUPLICATE_BASE.value
+    ROBOT_SEEN_TWICE = FindingKind.ROBOT_SEEN_TWICE.value
 
     @property
     def critical(self) -> bool:
@@ -51,12 +57,16 @@ class AlertKind(StrEnum):
         return self not in WARNINGS
 
 
+# What is wrong on the ROS graph.
+ON_GRAPH = frozenset(map(AlertKind, (*FindingKind, AlertKind.DUPLICATE_ACTION_SERVER, AlertKind.SPLIT_ROBOT)))
 WARNINGS = frozenset(
     {
         AlertKind.LOW_BATTERY,
         AlertKind.BATTERY_IMPLAUSIBLE,
         AlertKind.BATTERY_STALE,
         AlertKind.HISTORY_LOST,
+        AlertKind.ROBOT_SEEN_TWICE,
+        AlertKind.SPLIT_ROBOT,
         AlertKind.WRONG_TOPIC_TYPE,
     }
 )
@@ -121,6 +131,7 @@ class AlertRules:
         self._implausible_since: dict[str, datetime] = {}
         self._without_power: dict[str, tuple[datetime, float]] = {}
         self._duplicate_since: dict[str, datetime] = {}  # by robot
+        self._split_since: dict[tuple[str, str], tuple[datetime, float]] = {}  # by the namespaces of both parts
         self._found_since: dict[tuple[str, str | None], datetime] = {}  # by kind and robot
 
     def look(
@@ -134,6 +145,7 @@ class AlertRules:
         duplicates: Mapping[str, list[str]] = NO_DUPLICATES,
         given_up: Mapping[str, Decision] = NOT_GIVEN_UP,
         findings: Iterable[Finding] = (),
+        split: Iterable[Join] = (),
     ) -> list[Alert]:
         """Return the alerts, critical ones first, then oldest first.
 
@@ -146,9 +158,10 @@ class AlertRules:
             duplicates: By robot, the actions that have more than one server.
             given_up: By robot, the decisions of automatic docking to give up.
             findings: What is wrong on the ROS graph, once for each kind and robot.
+            split: Robots that are probably in two namespaces.
         """
         alerts = [*_stops(states), *_lost(states, strays, now), *self._duplicates(duplicates, now)]
-        alerts += self._found(list(findings), now)
+        alerts += [*self._found(list(findings), now), *self._split(list(split), now, seconds)]
         if incident is not None:
             alerts.append(Alert(AlertKind.HISTORY_LOST, None, incident.since, "History lost", incident.detail))
         for state in states:
@@ -171,6 +184,21 @@ class AlertRules:
                 "Two action servers",
                 f"More than one action server serves {names}, and each of them moves the robot. Shut down all but one.",
             )
+
+    def _split(self, joins: list[Join], now: datetime, seconds: float) -> Iterator[Alert]:
+        keys = ((each.robot, each.other) for each in joins)
+        self._split_since = {key: self._split_since.get(key, (now, seconds)) for key in keys}
+        for each in joins:
+            since, began = self._split_since[each.robot, each.other]
+            if seconds - began >= SPLIT_FOR:
+                yield Alert(
+                    AlertKind.SPLIT_ROBOT,
+                    each.robot,
+                    since,
+                    "One robot in two namespaces?",
+                    f"{each.robot} has a battery and no docking server, {each.other} has a docking server and no "
+                    f"battery. {each.detail}",
+                )
 
     def _found(self, findings: list[Finding], now: datetime) -> Iterator[Alert]:
         keys = ((each.kind.value, each.robot) for each in findings)

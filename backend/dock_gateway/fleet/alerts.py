@@ -13,8 +13,9 @@ from dock_gateway.core.goal import Goal, encode
 from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
-from dock_gateway.fleet.alert_rules import NO_DUPLICATES, Alert, AlertRules
+from dock_gateway.fleet.alert_rules import NO_DUPLICATES, ON_GRAPH, Alert, AlertRules
 from dock_gateway.fleet.findings import Finding
+from dock_gateway.fleet.hints import Join
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.fleet.shared_entries import SYNC_INTERVAL, SharedEntries
 from dock_gateway.history import Acknowledgement, Incident
@@ -60,7 +61,11 @@ class AlertBoard:
         self._task = asyncio.create_task(self._sync())
 
     def look(
-        self, states: list[RobotState], strays: list[Goal], duplicates: Mapping[str, list[str]] = NO_DUPLICATES
+        self,
+        states: list[RobotState],
+        strays: list[Goal],
+        duplicates: Mapping[str, list[str]] = NO_DUPLICATES,
+        split: Iterable[Join] = (),
     ) -> None:
         """Update the alerts, and publish them to subscribers if they changed.
 
@@ -68,6 +73,7 @@ class AlertBoard:
             states: The robots.
             strays: Lost goals on actions that belong to no robot.
             duplicates: By robot, the actions that have more than one server.
+            split: Robots that are probably in two namespaces.
         """
         found = self._rules.look(
             states,
@@ -78,6 +84,7 @@ class AlertBoard:
             duplicates=duplicates,
             given_up=self._given_up(),
             findings=self._findings(),
+            split=split,
         )
         alerts = {alert.id: alert for alert in found}
         for ended in self._alerts.keys() - alerts.keys():
@@ -95,6 +102,10 @@ class AlertBoard:
     def documents(self, grant: Grant = UNLIMITED) -> list[dict[str, Any]]:
         """Return the alerts of a grant as `GET /alerts` shows them: critical ones first, then oldest first."""
         return [self._document(alert) for alert in self._alerts.values() if grant.covers_alert(alert.robot)]
+
+    def of_graph(self, robot: str) -> list[Alert]:
+        """Return the alerts about what is wrong on the ROS graph of a robot, or of the gateway."""
+        return [alert for alert in self._alerts.values() if alert.kind in ON_GRAPH and alert.robot in (robot, None)]
 
     def get(self, alert_id: str, grant: Grant = UNLIMITED) -> Alert:
         """Return an alert.

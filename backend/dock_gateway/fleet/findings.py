@@ -1,16 +1,20 @@
 """What is wrong on the ROS graph around the robots, as alerts show it. Pure: what was seen in, the words out."""
 
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from dock_gateway.core.graph import Topic
+from dock_gateway.core.filters import is_hidden
+from dock_gateway.core.graph import Peer, Topic
 
 
 class FindingKind(StrEnum):
     """The kinds of findings. Each is a kind of alert, too."""
 
     WRONG_TOPIC_TYPE = "wrong_topic_type"
+    DUPLICATE_BASE = "duplicate_base"
+    ROBOT_SEEN_TWICE = "robot_seen_twice"
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,74 @@ def wrong_type(robot: str | None, topic: Topic, expected: Expected, gateways: It
         f"{unused}{vital} Give it another name in that node{rename}.",
         critical=bool(vital),
     )
+
+
+def wrong_action(robot: str, action: str, types: list[str], expected: str, verb: str) -> Finding:
+    """Return the finding that an action is of another type than the settings say."""
+    return Finding(
+        FindingKind.WRONG_TOPIC_TYPE,
+        robot,
+        "Wrong type of an action",
+        f"{action} is of type {_listed(types)}, but DOCK_GATEWAY_{verb.upper()}_ACTION_TYPE is {expected}. The gateway "
+        "sends no goals there. Correct the setting, or leave it empty to use the type on the ROS graph.",
+    )
+
+
+def two_bases(robot: str, velocity: Topic, odometry: Topic, settled: Container[Peer]) -> Iterator[Finding]:
+    """Yield the findings that a robot has more than one base: each of them moves with every command.
+
+    A base subscribes to velocity, does not publish it, and publishes odometry, or there is another node of its name.
+
+    Args:
+        robot: The robot.
+        velocity: Its topic of velocity.
+        odometry: Its topic of odometry.
+        settled: The nodes that have been there for long enough to be alive.
+    """
+    sources = {peer for each in odometry.publishers if (peer := each.peer) in settled}
+    talking = {each.node for each in velocity.publishers}
+    listening = {
+        peer
+        for each in velocity.subscribers
+        if (peer := each.peer) in settled and each.node not in talking and not is_hidden(each.node or "")
+    }
+    counts = Counter(node for node, _ in listening)
+    bases = {peer for peer in listening if peer in sources or (peer[0] is not None and counts[peer[0]] > 1)}
+    for what, topic, peers in (("subscribe to", velocity, bases), ("publish", odometry, sources)):
+        if len(peers) > 1:
+            yield Finding(
+                FindingKind.DUPLICATE_BASE,
+                robot,
+                "More than one base",
+                f"{_nodes(peers)} {what} {topic.name}: more than one base moves with every command to {robot}. Start "
+                "each robot in a namespace (`-r __ns:=/robot2`) or in a ROS domain (ROS_DOMAIN_ID) of its own.",
+                critical=True,
+            )
+
+
+def seen_twice(robots: Mapping[str, str], node: str) -> Finding:
+    """Return the finding that one node docks several robots, which may be one robot.
+
+    Args:
+        robots: Their docking actions.
+        node: The node that serves these.
+    """
+    (robot, action), *others = sorted(robots.items())
+    other, other_action = others[0]
+    names = " and ".join(f"{name} ({by})" for name, by in [(robot, action), *others[:2]])
+    return Finding(
+        FindingKind.ROBOT_SEEN_TWICE,
+        robot,
+        "One robot by two names?",
+        f"{node} serves the docking actions of {names}. Automatic docking sends them no goals, as they may be one "
+        f"robot. If they are, set DOCK_GATEWAY_DOCK_ACTIONS={robot}={other_action}: {other} then has no docking server "
+        "of its own. If they are not, set DOCK_GATEWAY_ALLOW_SHARED_SERVERS=true.",
+    )
+
+
+def _nodes(peers: Iterable[Peer]) -> str:
+    counts = Counter(node or "a program that is not a ROS node" for node, _ in peers)
+    return _listed([name if count == 1 else f"{count} nodes {name}" for name, count in sorted(counts.items())])
 
 
 def merge(findings: Iterable[Finding]) -> Iterator[Finding]:

@@ -15,6 +15,7 @@ from dock_gateway.core.grant import UNLIMITED, Grant
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import cancel
 from dock_gateway.fleet.alerts import TOPIC, AlertBoard
+from dock_gateway.fleet.hints import Join, Sight, find_join, split_robots
 from dock_gateway.fleet.labels import Labels
 from dock_gateway.fleet.robot_state import RobotState
 from dock_gateway.latch.interlock import Interlock
@@ -75,6 +76,10 @@ class Fleet:
         """Return the current state of every robot, by name."""
         return self._see()[0]
 
+    def sights(self, grant: Grant = UNLIMITED, states: list[RobotState] | None = None) -> list[Sight]:
+        """Return which docking servers and batteries are on the graph, of the robots of a grant."""
+        return [_sight(state) for state in states or self.states() if grant.covers_robot(state.name)]
+
     def _see(self) -> tuple[list[RobotState], list[Goal]]:
         """Return the current state of every robot, by name, and the lost goals on actions that belong to no robot."""
         running, lost = self._by_robot(self._actions.running()), self._by_robot(self._actions.lost())
@@ -104,7 +109,7 @@ class Fleet:
             label=self._labels.of(name),
             default=name == self._robots.default_namespace,
             battery=robot.battery,
-            battery_topic=self._settings.resolve(self._settings.battery_topic, name),
+            battery_topic=self._settings.battery_of(name),
             publisher=robot.publisher,
             stop=self._interlock.shown(name),
             simulator=None if simulator is None else simulator.document(),
@@ -132,8 +137,9 @@ class Fleet:
             NotFound: `robot_not_found`.
         """
         only = None if namespace is None else self._robots.get(namespace).namespace
-        states = (state for state in self.states() if only in (None, state.name) and grant.covers_robot(state.name))
-        return [state.document(grant) for state in states]
+        states = [state for state in self.states() if grant.covers_robot(state.name)]
+        sights = self.sights(grant, states)
+        return [state.document(grant, _join(state, sights)) for state in states if only in (None, state.name)]
 
     # ------------------------------------------------------------------ publishing
 
@@ -148,11 +154,12 @@ class Fleet:
     def look(self) -> None:
         """Update the alerts; publish the robots that have changed, if there are subscribers."""
         states, strays = self._see()
-        self._alerts.look(states, strays, self._duplicates())
+        sights = self.sights(states=states)
+        self._alerts.look(states, strays, self._duplicates(), split_robots(sights))
         if not self._hub.watched(TOPIC):
             self._published = {}
             return
-        now = {state.name: encode(state.document()) for state in states}
+        now = {state.name: encode(state.document(join=_join(state, sights))) for state in states}
         changed = [orjson.Fragment(document) for name, document in now.items() if self._published.get(name) != document]
         gone = sorted(self._published.keys() - now.keys())
         self._published = now
@@ -162,3 +169,16 @@ class Fleet:
     async def close(self) -> None:
         """Stop checking."""
         await cancel(self._task)
+
+
+def _sight(state: RobotState) -> Sight:
+    dock, undock = (
+        None if each is None or not each.available else each.action_name for each in (state.dock, state.undock)
+    )
+    return Sight(state.name, dock, undock, None if state.battery.age is None else state.battery_topic)
+
+
+def _join(state: RobotState, sights: list[Sight]) -> Join | None:
+    """Return what would give a robot a docking server that has none, but a battery."""
+    alone = state.battery.age is not None and (state.dock is None or not state.dock.available)
+    return find_join(state.name, sights) if alone else None

@@ -7,6 +7,7 @@ from dock_gateway.actions.liveness import ServerState
 from dock_gateway.core.battery import PowerSupply
 from dock_gateway.core.goal import Goal
 from dock_gateway.core.grant import UNLIMITED, Grant
+from dock_gateway.fleet.hints import Join
 from dock_gateway.history import RobotLabel
 from dock_gateway.robots.battery import Battery, BatteryPublisher
 
@@ -89,11 +90,12 @@ class RobotState:
         names = {server.action_name for server in servers if server is not None}
         return any(goal.action_name in names for goal in self.goals)
 
-    def document(self, grant: Grant = UNLIMITED) -> dict[str, Any]:
+    def document(self, grant: Grant = UNLIMITED, join: Join | None = None) -> dict[str, Any]:
         """Return the state as `GET /robots` shows it, ready for `orjson`, without ages, which change all the time.
 
         Args:
             grant: Only goals that it covers are shown.
+            join: What would give it a docking server.
         """
         publisher = self.publisher.document()
         last = self.last_goal
@@ -111,6 +113,7 @@ class RobotState:
             "stop": self.stop,
             "dock": self.dock,
             "undock": self.undock,
+            "join": None if join is None else {"detail": join.detail, "settings": join.settings},
             "goals": [goal.state() for goal in self.goals if grant.covers_action(goal.action_name)],
             "last_goal": last.state() if last is not None and grant.covers_action(last.action_name) else None,
         }

@@ -158,7 +158,8 @@ def _on_actions(wanted: GoalFilter) -> "list[sa.ColumnElement[bool]]":
     if wanted.action_names:
         found.append(goals.c.action_name.in_(sorted(wanted.action_names)))
     if wanted.prefix != "/":  # not LIKE, which ignores case in SQLite
-        found.append(sa.func.substr(goals.c.action_name, 1, len(wanted.prefix)) == wanted.prefix)
+        inside = sa.func.substr(goals.c.action_name, 1, len(wanted.prefix)) == wanted.prefix
+        found.append(sa.or_(inside, goals.c.action_name.in_(sorted(wanted.homed))) if wanted.homed else inside)
     if wanted.among is not None:
         found.append(goals.c.action_name.in_(sorted(wanted.among)))
     return found

@@ -8,7 +8,8 @@ import asyncio
 import logging
 import math
 import time
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
+from types import MappingProxyType
 from typing import Any, Protocol
 
 from dock_gateway.core.errors import Conflict, Unavailable
@@ -54,17 +55,25 @@ class Interlock:
         file: Stores the latches.
         default: Namespace of the configured robot.
         shared: Actions of several robots, for which a stop of any robot holds.
+        homes: The robots of actions that are not in the namespace of their robot.
 
     Attributes:
         on_latch: Called with the namespace of a robot that is held by another gateway's stop.
         on_release: Called with the namespace of a robot whose stop is released, here or at another gateway.
     """
 
-    def __init__(self, hub: Hub, file: LatchFile, default: str, shared: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        hub: Hub,
+        file: LatchFile,
+        default: str,
+        shared: Collection[str] = (),
+        homes: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         self.on_latch: list[Callable[[str], None]] = []
         self.on_release: list[Callable[[str], None]] = []
         self._hub = hub
-        self._latches = Latches(file.read(default), shared)
+        self._latches = Latches(file.read(default), shared, homes)
         self._writer = LatchWriter(file, self._show_soon)
         self._topics: dict[str, LatchTopic] = {}
         # The state we last published on each topic; None if that failed, so it is unknown what subscribers received.

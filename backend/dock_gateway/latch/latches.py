@@ -4,10 +4,11 @@ A robot is a namespace. A stop also holds for every namespace below it.
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from datetime import datetime
+from types import MappingProxyType
 from typing import Any
 
 from dock_gateway.core.filters import lineage
@@ -27,11 +28,18 @@ class Latches:
     Args:
         held: The robots that are held.
         shared: Actions of several robots. Nothing tells whose goal on them is, so a stop of any robot holds for them.
+        homes: The robots of actions that are not in the namespace of their robot.
     """
 
-    def __init__(self, held: dict[str, Latch] | None = None, shared: Collection[str] = ()) -> None:
+    def __init__(
+        self,
+        held: dict[str, Latch] | None = None,
+        shared: Collection[str] = (),
+        homes: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         self.held = dict(held or {})
         self._shared = shared
+        self._homes = homes
 
     def latch(self, namespace: str, latch: Latch) -> bool:
         """Hold a robot. If it is held already, keep the first latch and return False."""
@@ -59,7 +67,8 @@ class Latches:
         """
         if name in self._shared:
             return min(self.held.keys() - leave_out, default=None)
-        return next((above for above in lineage(name) if above in self.held and above not in leave_out), None)
+        names = lineage(self._homes.get(name, name))
+        return next((above for above in names if above in self.held and above not in leave_out), None)
 
     def documents(self, robots: Iterable[str]) -> dict[str, dict[str, Any]]:
         """Return for each robot whether a stop holds, and the held robots at or below it; ready for `orjson`."""

@@ -21,7 +21,7 @@ from dock_gateway.ros.latch_port import LatchPort
 from dock_gateway.ros.robot_ports import BatteryPort
 from dock_gateway.ros.typed_topics import TypedTopics
 from dock_gateway.ros.velocity import VelocityPort, VelocityTopics
-from dock_gateway.settings import LONGEST_NAME, NAME, Settings
+from dock_gateway.settings import LONGEST_NAME, NAME, Settings, own_names
 
 log = logging.getLogger(__name__)
 
@@ -90,7 +90,7 @@ class RobotRegistry:
             self._interlock.held_by_another(namespace, by)
 
         def make() -> Ports:
-            battery_topic = settings.resolve(settings.battery_topic, namespace)
+            battery_topic = settings.battery_of(namespace)
             velocity_topic = settings.resolve(settings.cmd_vel_topic, namespace)
             stop_topic = settings.resolve(settings.stop_topic, namespace)
             with ExitStack() as undo:
@@ -142,9 +142,10 @@ class RobotRegistry:
         """
         if robot.battery.age is not None:
             return []
-        resolve, name = self._settings.resolve, self._settings.battery_topic
         # We may publish on those of robots ourselves.
-        silent = {resolve(name, each.namespace) for each in self._robots.values() if each.battery.age is None}
+        silent = {
+            self._settings.battery_of(each.namespace) for each in self._robots.values() if each.battery.age is None
+        }
         topics = [topic for topic in self._battery_topics if topic not in silent and not is_hidden(topic)]
         node = self._bridge.node
         return await self._bridge.call(lambda: [topic for topic in topics if node.count_publishers(topic)])
@@ -152,8 +153,11 @@ class RobotRegistry:
     def _batteries(self, scan: Scan) -> Iterator[tuple[str, list[str]]]:
         """Yield the namespaces with a topic that has the name of a battery's, and its types."""
         suffix = f"/{self._settings.battery_topic}"
+        own = {topic: robot for robot, topic in own_names(self._settings.battery_topics).items()}
         for name, types in scan.topics.items():
-            if name.endswith(suffix) and self._catalog.may_be_robot(namespace := name.removesuffix(suffix) or "/"):
+            if name in own:
+                yield own[name], types
+            elif name.endswith(suffix) and self._catalog.may_be_robot(namespace := name.removesuffix(suffix) or "/"):
                 yield namespace, types
 
     def unlike(self, scan: Scan) -> list[str]:
@@ -213,6 +217,7 @@ class RobotRegistry:
 
     def owner(self, name: str) -> Robot | None:
         """Return the robot that an action belongs to: the one with the longest namespace containing it."""
+        name = self._catalog.place_of(name)
         while name:
             name = name.rpartition("/")[0]
             if robot := self._robots.get(name or "/"):

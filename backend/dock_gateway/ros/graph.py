@@ -60,8 +60,12 @@ def scan(node: Node) -> Scan:
             continue
         if not separator:
             result.topics[topic] = list(types)
-        elif part == FEEDBACK and (found := _action_types(types)) and _publishers(node, f"{name}{ACTION_PART}{STATUS}"):
-            result.actions[name] = found
+        elif (
+            part == FEEDBACK
+            and (found := _action_types(types))
+            and count_publishers(node, f"{name}{ACTION_PART}{STATUS}")
+        ):
+            result.actions[name] = found if len(found) == 1 else _server_types(node, topic) or found
     return result
 
 
@@ -70,9 +74,23 @@ def _action_types(types: Iterable[str]) -> list[str]:
     return [text.removesuffix(FEEDBACK_TYPE) for text in types if text.endswith(FEEDBACK_TYPE)]
 
 
-def _publishers(node: Node, topic: str) -> int:
+def _server_types(node: Node, feedback: str) -> list[str]:
+    """Return the types of an action's servers: it may have clients, such as ourselves, with another one."""
+    return _action_types(sorted({info.topic_type for info in node.get_publishers_info_by_topic(feedback)}))
+
+
+def count_publishers(node: Node, topic: str) -> int:
+    """Return the number of publishers of a topic; on the ROS thread."""
     try:
         return int(node.count_publishers(topic))
+    except InvalidTopicNameException:  # the name is too long
+        return 0
+
+
+def count_subscribers(node: Node, topic: str) -> int:
+    """Return the number of subscriptions of a topic; on the ROS thread."""
+    try:
+        return int(node.count_subscribers(topic))
     except InvalidTopicNameException:  # the name is too long
         return 0
 

@@ -212,7 +212,7 @@ def _completed(known: Mapping[str, str | None], gateway: Gateway) -> dict[str, s
         if action_name is None and (goal := gateway.actions.goal(goal_id)) is not None:
             action_name = goal.action_name
     if action_name is not None:  # a command may name another robot beside an absolute name
-        robot = parent_of(action_name)
+        robot = parent_of(gateway.actions.docking.catalog.place_of(action_name))
     if robot is not None and len(robot) > MAX_ROBOTS:
         # There is room for every robot, but not for any number of names that are none.
         present = {each.namespace for each in gateway.robots.all()}

@@ -21,7 +21,7 @@ def owners(gateway: Gateway, action_names: Iterable[str]) -> Callable[[str], str
     robots = gone.union(gateway.labels.robots(), (robot.namespace for robot in gateway.robots.all()))
 
     def owner(action_name: str) -> str:
-        namespace = parent_of(action_name)
+        namespace = parent_of(docking.catalog.place_of(action_name))
         return next((each for each in reversed([*lineage(namespace)]) if each in robots), namespace)
 
     return owner

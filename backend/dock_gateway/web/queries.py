@@ -121,6 +121,7 @@ async def read_goal_filter(
         tags=frozenset(name.strip() for name in tag or ()),
         group=group,
         among=await choose_actions(gateway, grant, group),
+        homed=_homed(gateway, robot),
     )
 
 
@@ -203,7 +204,13 @@ async def read_event_filter(gateway: Gateway, query: Mapping[str, str], grant: G
         namespace=namespace,
         robot=_read_robot(gateway, robot, grant),
         grant=grant if grant.limited else None,
+        homed=_homed(gateway, robot),
     )
+
+
+def _homed(gateway: Gateway, robot: str | None) -> frozenset[str]:
+    """Return the actions elsewhere that belong to robots in a namespace; without one, all actions are meant anyway."""
+    return frozenset() if robot is None else gateway.actions.docking.catalog.homed_in(read_namespace(robot))
 
 
 def _read_robot(gateway: Gateway, robot: str | None, grant: Grant) -> str:

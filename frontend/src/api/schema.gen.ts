@@ -1460,9 +1460,10 @@ export interface paths {
         };
         /**
          * Readyz
-         * @description Report whether the action server is available and answers, and the state of the history.
+         * @description Report whether the docking server of a robot is available and answers, and the state of the history.
          *
-         *     Who stopped which robots, and the last error of the history, are only shown to users without limits.
+         *     Who stopped which robots, the robots that were found, and the last error of the history are only shown to users
+         *     without limits.
          *
          *     A failing history does not affect readiness: it holds up no goal. Nor does a latched stop: the gateway is ready to
          *     release it.
@@ -1818,7 +1819,7 @@ export interface components {
          * @description The kinds of alerts.
          * @enum {string}
          */
-        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "duplicate_action_server" | "automatic_docking_failed" | "wrong_topic_type";
+        AlertKind: "stop_latched" | "goal_lost" | "discharging_on_dock" | "low_battery" | "battery_implausible" | "battery_stale" | "history_lost" | "duplicate_action_server" | "automatic_docking_failed" | "split_robot" | "wrong_topic_type" | "duplicate_base" | "robot_seen_twice";
         /**
          * AlertList
          * @description The active alerts: critical ones first, then oldest first.
@@ -2266,6 +2267,16 @@ export interface components {
              * @default null
              */
             retry_after: number | null;
+            /**
+             * Robots
+             * @default null
+             */
+            robots: string[] | null;
+            /**
+             * Settings
+             * @default null
+             */
+            settings: string[] | null;
             /**
              * Canceling
              * @default null
@@ -3371,7 +3382,8 @@ export interface components {
          * Problem
          * @description RFC 9457 problem document.
          *
-         *     `errors` lists invalid fields; `goal_id` is the goal that the problem is about.
+         *     `errors` lists invalid fields; `goal_id` is the goal that the problem is about. If a robot has no docking server:
+         *     `robots` lists those that have one, and `settings` are lines that join the robot with a docking server.
          *
          *     `retry_after` is the number of seconds in the header `Retry-After`, after failed logins.
          */
@@ -3401,6 +3413,16 @@ export interface components {
              * @default null
              */
             retry_after: number | null;
+            /**
+             * Robots
+             * @default null
+             */
+            robots: string[] | null;
+            /**
+             * Settings
+             * @default null
+             */
+            settings: string[] | null;
         };
         /**
          * Provider
@@ -3507,11 +3529,25 @@ export interface components {
         };
         /**
          * Readiness
-         * @description Whether the docking server is available and answers, with the state of the history and of the stop.
+         * @description Whether the docking server of a robot is available and answers, with the state of the history and of the stop.
+         *
+         *     `robot` is the robot. `robots` are all that were found on the graph, `hint` says what to do if this one has no
+         *     docking server, `settings` are lines for that, and `problems` says what is wrong on the graph. They are empty for
+         *     users with limits.
          */
         Readiness: {
             /** Ready */
             ready: boolean;
+            /** Robot */
+            robot: string;
+            /** Robots */
+            robots: string[];
+            /** Hint */
+            hint: string | null;
+            /** Settings */
+            settings: string[];
+            /** Problems */
+            problems: string[];
             action_server: components["schemas"]["ActionServer"];
             undock_server: components["schemas"]["ActionServer"];
             history: components["schemas"]["HistoryState"];
@@ -3602,7 +3638,8 @@ export interface components {
          *     `name` is its namespace; `display_name` and `groups` are the label that `PUT /robots/label` sets.
          *     `docked` is null if unknown, and so is `charging`: whether its battery is charged or full. `dock` and `undock` are
          *     null if the robot has no such action. `goals` are those running on its actions; `last_goal` is the last docking or
-         *     undocking goal that ended.
+         *     undocking goal that ended. `join` is null unless the robot has a battery and no docking server, and one
+         *     without a battery is in another namespace.
          */
         Robot: {
             /** Name */
@@ -3626,6 +3663,7 @@ export interface components {
             stop: components["schemas"]["StopState"];
             dock: components["schemas"]["ActionServer"] | null;
             undock: components["schemas"]["ActionServer"] | null;
+            join: components["schemas"]["RobotJoin"] | null;
             /** Goals */
             goals: components["schemas"]["GoalState"][];
             last_goal: components["schemas"]["GoalState"] | null;
@@ -3648,6 +3686,16 @@ export interface components {
             stale_after_s: number;
             /** Low Below */
             low_below: number;
+        };
+        /**
+         * RobotJoin
+         * @description How a robot gets a docking server that is in another namespace: what to set, as lines and in words.
+         */
+        RobotJoin: {
+            /** Detail */
+            detail: string;
+            /** Settings */
+            settings: string[];
         };
         /**
          * RobotList
@@ -4140,6 +4188,16 @@ export interface components {
              * @default null
              */
             retry_after: number | null;
+            /**
+             * Robots
+             * @default null
+             */
+            robots: string[] | null;
+            /**
+             * Settings
+             * @default null
+             */
+            settings: string[] | null;
             /**
              * Canceling
              * @default null
@@ -11168,7 +11226,10 @@ export interface operations {
     };
     readyz: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description Namespace of the robot, such as `/robot1` */
+                robot?: string | null;
+            };
             header?: never;
             path?: never;
             cookie?: never;
@@ -11195,6 +11256,24 @@ export interface operations {
             };
             /** @description Forbidden */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not Found */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Unprocessable Entity */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };

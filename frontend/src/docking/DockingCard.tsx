@@ -6,6 +6,7 @@ import { Section } from "../ui/Section";
 import { ActionServerStatus } from "./ActionServerStatus";
 import { DockingControls } from "./DockingControls";
 import { GoalPanel } from "./GoalPanel";
+import { JoinHint } from "./JoinHint";
 
 /** What the robot can be asked to do, and the goal that runs. */
 export function DockingCard() {
@@ -16,6 +17,7 @@ export function DockingCard() {
 
   return (
     <Section title="Docking" aside={<ActionServerStatus />}>
+      <JoinHint />
       <DockingControls running={running} />
       {goal === null ? <NoGoal /> : <GoalPanel goal={goal} />}
       {others > 0 && (

@@ -98,3 +98,12 @@ async def test_without_the_ros_thread_nothing_is_blamed() -> None:
         await graph.look("/a", "/b")
     assert graph.discovery.failed == {}
     assert graph.known == {}
+
+
+async def test_one_that_failed_for_an_unknown_reason_is_tried_again_soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "RETRY_SOON", 0.0)
+    graph = Graph()
+    graph.failing = {"/a": RuntimeError("the type is taken"), "/b": TypeError("no such field")}
+    await graph.look("/a", "/b")
+    await graph.look("/a", "/b")
+    assert graph.tried == ["/a"]

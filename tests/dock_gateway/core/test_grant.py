@@ -127,7 +127,7 @@ def shown(event: Event, grant: Grant) -> object:
 
 def test_events_about_several_robots_keep_those_of_the_grant() -> None:
     grant = robots("/robot1")
-    rows = [{"name": name, "goals": [], "last_goal": None} for name in ("/robot1", "/robot2")]
+    rows = [{"name": name, "goals": [], "last_goal": None, "join": None} for name in ("/robot1", "/robot2")]
     changed = fleet_event("robots", NOW, robots=rows, gone=["/robot1/arm", "/robot3"])
     assert shown(changed, grant) == orjson.loads(fleet_event("robots", NOW, robots=rows[:1], gone=["/robot1/arm"]).data)
     alerts = [{"robot": "/robot2"}, {"robot": None}, {"robot": "/robot1"}]
@@ -141,12 +141,14 @@ def test_events_about_several_robots_keep_those_of_the_grant() -> None:
 def test_events_about_robots_leave_out_the_goals_of_other_actions() -> None:
     grant = Grant(Role.OPERATOR, actions=("/robot1/undock",))
     dock, undock = {"action_name": "/robot1/dock"}, {"action_name": "/robot1/undock"}
-    robot = {"name": "/robot1", "goals": [dock, undock], "last_goal": dock}
+    robot = {"name": "/robot1", "goals": [dock, undock], "last_goal": dock, "join": None}
     changed = fleet_event("robots", NOW, robots=[robot], gone=[])
     assert shown(changed, grant) == orjson.loads(
-        fleet_event("robots", NOW, robots=[robot | {"goals": [undock], "last_goal": None}], gone=[]).data
+        fleet_event("robots", NOW, robots=[robot | {"goals": [undock], "last_goal": None, "join": None}], gone=[]).data
     )
     assert shown(changed, robots("/robot1")) == orjson.loads(changed.data)
+    hinted = fleet_event("robots", NOW, robots=[robot | {"join": {"detail": "/docking/dock"}}], gone=[])
+    assert shown(hinted, robots("/robot1")) == orjson.loads(changed.data)
 
 
 def test_events_about_other_robots_alone_are_left_out() -> None:

@@ -3,7 +3,7 @@
 import pytest
 
 from dock_gateway.core.graph import Endpoint, Quality, Topic
-from dock_gateway.fleet.findings import Expected, Finding, FindingKind, merge, wrong_type
+from dock_gateway.fleet.findings import Expected, Finding, FindingKind, merge, seen_twice, two_bases, wrong_type
 
 QUALITY = Quality("reliable", "volatile", "keep_last", 10, None, None, "automatic")
 GATEWAY, BOOL, STRING = "/dock_gateway", "std_msgs/msg/Bool", "std_msgs/msg/String"
@@ -43,3 +43,43 @@ def test_findings_about_one_robot_are_one() -> None:
         Finding(kind, "/", "Wrong", "One. Two.", critical=True),
         Finding(kind, "/robot1", "Wrong", "Three."),
     ]
+
+
+def base(name: str, participant: str, kind: str = "geometry_msgs/msg/Twist") -> Endpoint:
+    return Endpoint(name, kind, QUALITY, participant.encode().ljust(12) + b"1234")
+
+
+@pytest.mark.parametrize(
+    ("publishers", "subscribers", "odometry", "bases"),
+    [
+        ([], [("/base", "a")], [("/base", "a")], None),
+        ([], [("/base", "a"), ("/base", "b")], [], "2 nodes /base"),
+        ([], [("/base", "a"), ("/other", "b")], [("/base", "a"), ("/other", "b")], "/base, /other"),
+        # Listeners are no bases, nor are those that drive.
+        ([], [("/base", "a"), ("/recorder", "b")], [("/base", "a")], None),
+        ([("/mux", "b")], [("/base", "a"), ("/mux", "b"), ("/mux", "c")], [("/base", "a")], None),
+        ([], [("/base", "a"), ("/_echo", "b"), ("/_echo", "c")], [("/base", "a")], None),
+        ([], [("/base", "a"), ("/base", "a")], [("/base", "a"), ("/base", "a")], None),
+        ([], [("/base", "a"), ("/base", "late")], [("/base", "a")], None),
+        ([], [], [("/wheels", "a"), ("/filter", "b")], "/filter, /wheels"),
+    ],
+)
+def test_bases_of_one_robot(
+    publishers: list[tuple[str, str]],
+    subscribers: list[tuple[str, str]],
+    odometry: list[tuple[str, str]],
+    bases: str | None,
+) -> None:
+    velocity = Topic("/cmd_vel", [base(*each) for each in publishers], [base(*each) for each in subscribers])
+    sources = Topic("/odom", [base(*each) for each in odometry], [])
+    settled = {each.peer for each in (*velocity.subscribers, *sources.publishers) if not each.gid.startswith(b"late")}
+    found = list(two_bases("/", velocity, sources, settled))
+    assert (found[0].detail.startswith(bases) if found else None) is (None if bases is None else True)
+    assert all(each.critical for each in found)
+
+
+def test_one_robot_by_two_names() -> None:
+    found = seen_twice({"/relay": "/relay/dock", "/robot1": "/robot1/dock"}, "/relay/node")
+    assert found.robot == "/relay"
+    for part in ("/relay/node", "/robot1 (/robot1/dock)", "DOCK_GATEWAY_DOCK_ACTIONS=/relay=/robot1/dock"):
+        assert part in found.detail

@@ -13,7 +13,9 @@ from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.event import Event, utc_now
 from dock_gateway.core.filters import EventFilter
 from dock_gateway.core.goal import Goal, GoalStatus, encode
+from dock_gateway.core.grant import Grant, Role
 from dock_gateway.core.hub import Hub, Subscriber
+from dock_gateway.fleet.hints import Join
 from dock_gateway.fleet.labels import NO_LABEL
 from dock_gateway.fleet.overview import Fleet
 from dock_gateway.history import RobotLabel
@@ -91,7 +93,8 @@ class Parts:
         return self.outcome[1]
 
     # what looks after them
-    def look(self, states: list[Any], strays: list[Goal], duplicates: dict[str, list[str]]) -> None:
+    def look(self, states: list[Any], strays: list[Goal], duplicates: dict[str, list[str]], split: list[Join]) -> None:
+        assert split == []
         self.looked.append(([state.name for state in states], [goal.goal_id for goal in strays], duplicates))
 
     def fleet(self) -> Fleet:
@@ -163,6 +166,7 @@ async def test_a_robot_at_a_glance() -> None:
             "action_type": "",
         },
         "undock": None,
+        "join": None,
         "goals": robot["goals"],
         "last_goal": None,
     }
@@ -255,4 +259,16 @@ async def test_changes_are_told_once_and_only_while_somebody_asks() -> None:
     assert len(await told(also)) == 3
     assert await told(other) == []
     assert len([event for event in published if event.topic == "robots"]) == 3
+    await fleet.close()
+
+
+async def test_a_docking_server_elsewhere_is_offered_to_those_who_see_both() -> None:
+    parts = Parts("/", "/robot1", "/robot2")
+    fleet = parts.fleet()
+    parts.robots["/robot2"].battery.on_battery(battery_message(2), 1)
+    settings = ["DOCK_GATEWAY_DOCK_ACTIONS=/robot2=/robot1/connect_to_charging_dock"]
+    assert document(fleet, "/robot2")["join"]["settings"] == settings
+    assert document(fleet, "/")["join"] is None
+    (limited,) = fleet.documents("/robot2", Grant(Role.VIEWER, robots=("/robot2",)))
+    assert limited["join"] is None
     await fleet.close()

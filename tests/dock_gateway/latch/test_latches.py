@@ -52,3 +52,15 @@ def test_an_action_of_several_robots_is_held_while_one_of_them_is() -> None:
     assert latches.over("/fleet/undock") == "/robot2"
     latches.release("/robot2")
     assert latches.over("/fleet/undock") is None
+
+
+def test_an_action_elsewhere_is_held_with_its_robot_only() -> None:
+    latches = Latches({"/hall/robot1": ADA}, homes={"/docking/dock_robot": "/hall/robot1"})
+    assert latches.over("/docking/dock_robot") == "/hall/robot1"
+    assert latches.over("/docking/undock_robot") is None
+    latches.latch("/hall", BOB)
+    latches.release("/hall/robot1")
+    assert latches.over("/docking/dock_robot") == "/hall"
+    latches.release("/hall")
+    latches.latch("/docking", ADA)
+    assert latches.over("/docking/dock_robot") is None

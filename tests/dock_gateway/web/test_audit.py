@@ -14,6 +14,7 @@ from starlette.testclient import TestClient
 from dock_gateway.access.logins import Logins
 from dock_gateway.access.quotas import Quotas
 from dock_gateway.core.audit import AuditEntry
+from dock_gateway.core.dock_adapters.catalog import DockingCatalog
 from dock_gateway.core.errors import Conflict, NotFound, Unavailable
 from dock_gateway.core.grant import Grant, Role
 from dock_gateway.gateway import Gateway
@@ -25,6 +26,8 @@ from dock_gateway.web.permissions import AUDITED_READS, COMMANDS, PUBLIC, ROUTES
 from dock_gateway.web.routes import audit, stop
 from tests.support.audit import AuditList, make_entry
 from tests.support.shapes import check_answer
+
+DOCKING = SimpleNamespace(catalog=DockingCatalog(Settings()))
 
 GOAL = "7d9c1c9e-0000-4000-8000-00000000000a"
 
@@ -44,7 +47,7 @@ class Site:
             history=self.history,
             audit=self.audit,
             logins=logins,
-            actions=SimpleNamespace(goal=self._goal),
+            actions=SimpleNamespace(goal=self._goal, docking=DOCKING),
             stopper=SimpleNamespace(release=self._release),
             quotas=Quotas(self.settings),
             robots=SimpleNamespace(get=self._no_robot, all=lambda: [SimpleNamespace(namespace="/robot7")]),
@@ -293,7 +296,7 @@ COMMAND = [
 @pytest.mark.parametrize(("op", "fields", "result", "found"), COMMAND)
 async def test_commands(op: str, fields: dict[str, Any], result: Any, found: tuple[Any, ...]) -> None:
     site = await asyncio.to_thread(Site)
-    actions = SimpleNamespace(goal=site._goal)
+    actions = SimpleNamespace(goal=site._goal, docking=DOCKING)
     quotas = Quotas(site.settings)
     gateway = SimpleNamespace(settings=site.settings, audit=site.audit, actions=actions, quotas=quotas)
     scope = {"type": "websocket", "client": ("192.0.2.7", 1), "state": {"gateway": gateway}, "request_id": "r1"}

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from dock_gateway.core.dock_adapters import charging_dock, create3, nav2
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
-from dock_gateway.core.filters import is_hidden, parent_of
+from dock_gateway.core.filters import is_hidden, is_under, parent_of
 from dock_gateway.core.goal import Verb
-from dock_gateway.settings import Settings
+from dock_gateway.settings import Settings, own_names
 
 # The preferred family first.
 ADAPTERS: dict[Verb, tuple[DockAdapter, ...]] = {
@@ -36,12 +36,14 @@ class Candidate:
         likely_type: Its type, as far as is known from its name.
         strict: Whether an action of another type is a different action.
         configured: Whether the settings name it.
+        robot: The only robot whose action it is, if the settings say that.
     """
 
     name: str
     likely_type: str
     strict: bool
     configured: bool = False
+    robot: str | None = None
 
     def matches(self, action_name: str, types: Collection[str] | None) -> bool:
         """Return whether an action on the graph is this one. `types` is None if its type is not known."""
@@ -50,6 +52,8 @@ class Candidate:
 
     def namespace_of(self, action_name: str) -> str | None:
         """Return the namespace of the robot that an action of this name belongs to; None if of all robots."""
+        if self.robot is not None:
+            return self.robot
         return None if self.name.startswith("/") else action_name.removesuffix(f"/{self.name}") or "/"
 
     def type_among(self, types: Collection[str] | None) -> str:
@@ -73,6 +77,7 @@ class DockingCatalog:
 
     Attributes:
         shared: The actions that all robots share: those with an absolute name.
+        homes: The robots of the actions that the settings name for single robots.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -83,6 +88,16 @@ class DockingCatalog:
             "undock": (settings.undock_action, settings.undock_action_type),
         }
         self._candidates = {verb: _candidates(verb, *names) for verb, names in configured.items()}
+        own: dict[Verb, dict[str, str]] = {
+            "dock": own_names(settings.dock_actions),
+            "undock": own_names(settings.undock_actions),
+        }
+        self._own = {
+            (verb, robot): Candidate(name, _likely_type(verb, name), strict=False, configured=True, robot=robot)
+            for verb, names in own.items()
+            for robot, name in names.items()
+        }
+        self.homes = {name: robot for names in own.values() for robot, name in names.items()}
         every = (each.name for candidates in self._candidates.values() for each in candidates)
         self.shared = frozenset(name for name in every if name.startswith("/"))
         self.names = lru_cache(MAX_ROBOTS)(self._names)
@@ -106,6 +121,9 @@ class DockingCatalog:
         return None
 
     def _matching(self, action_name: str, types: Collection[str] | None) -> Iterator[tuple[Verb, Candidate]]:
+        for (verb, _), candidate in self._own.items() if action_name in self.homes else ():
+            if candidate.name == action_name:
+                yield verb, candidate
         for verb, candidates in self._candidates.items():
             for candidate in candidates:
                 if candidate.matches(action_name, types):
@@ -117,13 +135,23 @@ class DockingCatalog:
         """Return whether what is in a namespace may be a robot: whether the namespace is not hidden, or configured."""
         return not is_hidden(namespace, self._configured_namespace)
 
-    def preferred(self, verb: Verb) -> Candidate:
-        """Return the action that is used where there is none."""
-        return self._candidates[verb][0]
+    def preferred(self, verb: Verb, namespace: str | None = None) -> Candidate:
+        """Return the action that is used where there is none, for a robot; default: the configured one."""
+        return self._own.get((verb, namespace or self._configured_namespace)) or self._candidates[verb][0]
+
+    def place_of(self, action_name: str) -> str:
+        """Return an action's name, as if it were in the namespace of its robot."""
+        robot = self.homes.get(action_name)
+        return action_name if robot is None else f"{robot.rstrip('/')}/{action_name.rpartition('/')[2]}"
+
+    def homed_in(self, namespace: str) -> frozenset[str]:
+        """Return the actions, elsewhere, that the settings name for robots in a namespace."""
+        return frozenset(name for name, robot in self.homes.items() if is_under(robot, namespace))
 
     def is_configured(self, verb: Verb, action_name: str) -> bool:
         """Return whether the settings name the action."""
-        return self.preferred(verb).configured and self.preferred(verb).matches(action_name, None)
+        known = (*self._candidates[verb][:1], *(each for (of, _), each in self._own.items() if of == verb))
+        return any(each.configured and each.matches(action_name, None) for each in known)
 
     def _names(self, verb: Verb, namespace: str | None = None) -> tuple[str, ...]:
         """Return the absolute names that a robot's action may have, the preferred one first.
@@ -132,8 +160,18 @@ class DockingCatalog:
             verb: What the action does.
             namespace: The robot's namespace; None for the configured one.
         """
-        names = (self._settings.resolve(candidate.name, namespace) for candidate in self._candidates[verb])
-        return tuple(dict.fromkeys(names))
+        own = self._own.get((verb, namespace or self._configured_namespace))
+        candidates = (*([] if own is None else [own]), *self._candidates[verb])
+        names = (self._settings.resolve(candidate.name, namespace) for candidate in candidates)
+        others = self.homes.keys() - ({own.name} if own is not None else set())
+        every = tuple(dict.fromkeys(names))
+        return tuple(name for name in every if name not in others) or every
+
+
+def _likely_type(verb: Verb, name: str) -> str:
+    """Return the type of an action, as far as it is known from its name."""
+    ours = ADAPTERS[verb][0]
+    return next((each for each in ADAPTERS[verb] if each.action_name == name.rpartition("/")[2]), ours).action_type
 
 
 def _candidates(verb: Verb, name: str, action_type: str) -> tuple[Candidate, ...]:
@@ -141,11 +179,10 @@ def _candidates(verb: Verb, name: str, action_type: str) -> tuple[Candidate, ...
     known = tuple(Candidate(each.action_name, each.action_type, strict=each is not ours) for each in ADAPTERS[verb])
     if not name and not action_type:
         return known
-    named_like = (each for each in ADAPTERS[verb] if each.action_name == name.rpartition("/")[2])
     typed = (each for each in ADAPTERS[verb] if each.action_type == action_type)
     default = Candidate(
         name or next(typed, ours).action_name,
-        action_type or next(named_like, ours).action_type,
+        action_type or _likely_type(verb, name),
         strict=bool(action_type),
         configured=True,
     )

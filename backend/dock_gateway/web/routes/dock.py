@@ -13,6 +13,7 @@ from dock_gateway.core.goal import Verb
 from dock_gateway.gateway import Gateway
 from dock_gateway.history import GoalFilter
 from dock_gateway.web.access import TheGrant
+from dock_gateway.web.hints import hinting
 from dock_gateway.web.limits import require_action
 from dock_gateway.web.openapi import docking_body
 from dock_gateway.web.problems import problems
@@ -94,7 +95,8 @@ def goal_routes(operations: Operations) -> APIRouter:
             require_action(grant, action.name)
             return action
 
-        return await goals.send_goal(request, await pick(), path, pick=pick)
+        with hinting(gateway, robot, grant):
+            return await goals.send_goal(request, await pick(), path, pick=pick)
 
     @router.get(
         "",

@@ -2,14 +2,18 @@
 
 from dataclasses import replace
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Depends, Request
 from starlette.responses import Response
 
 from dock_gateway import __version__
 from dock_gateway.core.errors import GatewayError, Unavailable
+from dock_gateway.core.grant import UNLIMITED
 from dock_gateway.ros.bridge import ros_environment
 from dock_gateway.web.access import identify
-from dock_gateway.web.requests import TheGateway, json_response
+from dock_gateway.web.hints import find_hint
+from dock_gateway.web.limits import not_covered
+from dock_gateway.web.problems import problems
+from dock_gateway.web.requests import RobotQuery, TheGateway, json_response, known_query
 from dock_gateway.web.schemas.health import Health, Readiness
 
 router = APIRouter(tags=["Health"])
@@ -33,22 +37,48 @@ async def healthz(gateway: TheGateway) -> Response:
     return json_response(health, 200 if alive else 503)
 
 
-@router.get("/readyz", response_model=Readiness, responses={503: {"model": Readiness}})
-async def readyz(request: Request, gateway: TheGateway) -> Response:
-    """Report whether the action server is available and answers, and the state of the history.
+@router.get(
+    "/readyz",
+    response_model=Readiness,
+    responses={503: {"model": Readiness}, **problems(403, 404, 422)},
+    dependencies=[Depends(known_query("robot"))],
+)
+async def readyz(request: Request, gateway: TheGateway, robot: RobotQuery = None) -> Response:
+    """Report whether the docking server of a robot is available and answers, and the state of the history.
 
-    Who stopped which robots, and the last error of the history, are only shown to users without limits.
+    Who stopped which robots, the robots that were found, and the last error of the history are only shown to users
+    without limits.
 
     A failing history does not affect readiness: it holds up no goal. Nor does a latched stop: the gateway is ready to
     release it.
     """
-    state, undock = gateway.actions.servers_of(gateway.robots.default_namespace)
+    sees_everything = await _sees_everything(request)
+    if robot is not None and not sees_everything:
+        raise not_covered("robots by name here")
+    name = gateway.robots.get(robot).namespace
+    state, undock = gateway.actions.servers_of(name)
     dock = gateway.actions.get(state.action_name)
     ready = gateway.bridge.alive and dock is not None and dock.watch.ready
-    history, stop = gateway.history.stats(), gateway.stopper.state()
-    if not await _sees_everything(request):
+    history, stop = gateway.history.stats(), gateway.stopper.state(name)
+    hint, robots, found = None, list[str](), list[str]()
+    if sees_everything:
+        hint = None if state.available else find_hint(gateway, name, UNLIMITED)
+        robots = [sight.robot for sight in gateway.fleet.sights() if sight.battery or sight.dock or sight.undock]
+        found = [alert.detail for alert in gateway.alerts.of_graph(name)]
+    else:
         history, stop = replace(history, last_error=None), {**stop, "by": None, "robots": []}
-    document = {"ready": ready, "action_server": state, "undock_server": undock, "history": history, "stop": stop}
+    document = {
+        "ready": ready,
+        "robot": name,
+        "robots": robots,
+        "hint": None if hint is None else hint.detail,
+        "settings": [] if hint is None else hint.settings,
+        "problems": found,
+        "action_server": state,
+        "undock_server": undock,
+        "history": history,
+        "stop": stop,
+    }
     return json_response(document, 200 if ready else 503)
 
 

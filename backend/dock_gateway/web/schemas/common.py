@@ -20,7 +20,8 @@ class FieldProblem(Schema):
 class Problem(BaseModel):
     """RFC 9457 problem document.
 
-    `errors` lists invalid fields; `goal_id` is the goal that the problem is about.
+    `errors` lists invalid fields; `goal_id` is the goal that the problem is about. If a robot has no docking server:
+    `robots` lists those that have one, and `settings` are lines that join the robot with a docking server.
 
     `retry_after` is the number of seconds in the header `Retry-After`, after failed logins.
     """
@@ -35,6 +36,8 @@ class Problem(BaseModel):
     errors: list[FieldProblem] | None = None
     goal_id: str | None = None
     retry_after: int | None = None
+    robots: list[str] | None = None
+    settings: list[str] | None = None
 
 
 class RobotSelection(Schema):

@@ -32,9 +32,19 @@ class HistoryState(Schema):
 
 
 class Readiness(Schema):
-    """Whether the docking server is available and answers, with the state of the history and of the stop."""
+    """Whether the docking server of a robot is available and answers, with the state of the history and of the stop.
+
+    `robot` is the robot. `robots` are all that were found on the graph, `hint` says what to do if this one has no
+    docking server, `settings` are lines for that, and `problems` says what is wrong on the graph. They are empty for
+    users with limits.
+    """
 
     ready: bool
+    robot: str
+    robots: list[str]
+    hint: str | None
+    settings: list[str]
+    problems: list[str]
     action_server: ActionServer
     undock_server: ActionServer
     history: HistoryState

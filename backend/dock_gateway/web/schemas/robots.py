@@ -123,13 +123,21 @@ class RobotPublisher(Schema):
     rate_hz: float | None
 
 
+class RobotJoin(Schema):
+    """How a robot gets a docking server that is in another namespace: what to set, as lines and in words."""
+
+    detail: str
+    settings: list[str]
+
+
 class Robot(Schema):
     """Summary of a robot.
 
     `name` is its namespace; `display_name` and `groups` are the label that `PUT /robots/label` sets.
     `docked` is null if unknown, and so is `charging`: whether its battery is charged or full. `dock` and `undock` are
     null if the robot has no such action. `goals` are those running on its actions; `last_goal` is the last docking or
-    undocking goal that ended.
+    undocking goal that ended. `join` is null unless the robot has a battery and no docking server, and one
+    without a battery is in another namespace.
     """
 
     name: str
@@ -145,6 +153,7 @@ class Robot(Schema):
     stop: StopState
     dock: ActionServer | None
     undock: ActionServer | None
+    join: RobotJoin | None
     goals: list[GoalState]
     last_goal: GoalState | None
 

@@ -8,6 +8,7 @@ from dock_gateway.core.errors import FieldError, InvalidField
 from dock_gateway.core.event import utc_now
 from dock_gateway.core.goal import fragment
 from dock_gateway.gateway import Gateway
+from dock_gateway.web.hints import hinting
 from dock_gateway.web.limits import require_action
 from dock_gateway.web.requests import check_key, read_goal_id
 from dock_gateway.web.routes.battery import read_rate
@@ -58,6 +59,13 @@ def check_fields(fields: Fields, texts: tuple[str, ...] = (), others: tuple[str,
 
 
 async def _send_goal(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
+    if fields.get("action") is not None:
+        return await _submit_goal(gateway, principal, fields)
+    with hinting(gateway, fields.get("robot"), principal.grant):
+        return await _submit_goal(gateway, principal, fields)
+
+
+async def _submit_goal(gateway: Gateway, principal: Principal, fields: Fields) -> Fields:
     check_fields(fields, ("action", "robot", "idempotency_key"), ("goal",))
     name, robot, goal = fields.get("action"), fields.get("robot"), fields.get("goal")
     if name is None:

@@ -89,3 +89,22 @@ def test_a_hidden_namespace_is_no_robot_unless_configured() -> None:
 
 def test_a_shared_action_makes_no_robot_of_its_namespace() -> None:
     assert catalog(dock_action="/docking/dock_robot").robot_of("/docking/dock_robot", [NAV2.action_type]) is None
+
+
+def test_actions_of_single_robots() -> None:
+    ours = ("connect_to_charging_dock", "dock_robot", "dock")
+    named = DockingCatalog(Settings(dock_actions=("/robot1=/docking/dock_robot",), undock_actions=("/=/base/park",)))
+    assert named.names("dock", "/robot1") == ("/docking/dock_robot", *(f"/robot1/{name}" for name in ours))
+    assert "/docking/dock_robot" not in named.names("dock", "/docking")
+    assert named.names("undock")[0] == "/base/park"
+    assert named.robot_of("/docking/dock_robot", [NAV2.action_type]) == "/robot1"
+    assert named.find("/docking/dock_robot", [NAV2.action_type]) == (NAV2, NAV2.action_type)
+    assert named.find("/base/park", [OTHER]) == (DockAdapter("undock"), OTHER)
+    assert named.robot_of("/other/dock_robot", [NAV2.action_type]) == "/other"
+    assert named.place_of("/docking/dock_robot") == "/robot1/dock_robot"
+    assert named.place_of("/base/park") == "/park"
+    assert named.homed_in("/robot1") == {"/docking/dock_robot"}
+    assert named.homed_in("/") == {"/docking/dock_robot", "/base/park"}
+    assert named.is_configured("dock", "/docking/dock_robot")
+    assert named.preferred("dock", "/robot1").likely_type == NAV2.action_type
+    assert named.shared == set()

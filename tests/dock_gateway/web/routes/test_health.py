@@ -11,6 +11,7 @@ from dock_gateway.access.logins import Logins
 from dock_gateway.actions.liveness import ServerState
 from dock_gateway.actions.registry import DockingServers
 from dock_gateway.core.grant import Grant, Role
+from dock_gateway.fleet.hints import Sight
 from dock_gateway.history import HistoryStats
 from dock_gateway.history.memory import MemoryHistory
 from dock_gateway.settings import Settings
@@ -19,12 +20,14 @@ from tests.support.audit import audit_parts
 from tests.support.shapes import check_answer
 
 STOP = {"latched": True, "since": "2026-11-21T03:32:40Z", "by": "ada", "robots": ["/robot1"], "persisted": True}
-SERVER = ServerState("/dock", "pkg/action/Dock", available=True, answering=True)
-EVERYTHING = ("ada", ["/robot1"], "no route to db.example")
-NOBODY = (None, [], None)
+SERVER = ServerState("/dock", "pkg/action/Dock", available=False, answering=False)
+SIGHTS = [Sight("/"), Sight("/robot1", battery="/robot1/battery_status"), Sight("/docking", dock="/docking/dock")]
+LINE = "DOCK_GATEWAY_DOCK_ACTIONS=/robot1=/docking/dock"
+EVERYTHING = ("ada", ["/robot1"], "no route to db.example", ["/robot1", "/docking"], [LINE], ["Two bases."])
+NOBODY = (None, [], None, [], [], [])
 
 
-def read(grant: Grant | None, *, authentication: bool = True) -> tuple[object, object, object]:
+def read(grant: Grant | None, *, authentication: bool = True) -> tuple[object, ...]:
     settings = Settings(authentication=authentication, database_url="sqlite:////nowhere")
     logins = Logins(MemoryHistory(10))
     _, secret = asyncio.run(logins.create_token("one", grant or Grant(Role.VIEWER)))
@@ -36,17 +39,22 @@ def read(grant: Grant | None, *, authentication: bool = True) -> tuple[object, o
         settings=settings,
         logins=logins,
         bridge=SimpleNamespace(alive=True),
-        robots=SimpleNamespace(default_namespace="/"),
+        robots=SimpleNamespace(default_namespace="/", get=lambda _: SimpleNamespace(namespace="/")),
+        fleet=SimpleNamespace(sights=lambda *_: SIGHTS),
+        alerts=SimpleNamespace(of_graph=lambda _: [SimpleNamespace(detail="Two bases.")]),
         history=SimpleNamespace(stats=lambda: HistoryStats(last_error=EVERYTHING[2])),
-        stopper=SimpleNamespace(state=lambda: STOP),
+        stopper=SimpleNamespace(state=lambda _: STOP),
     )
     with TestClient(create_app(settings, gateway), "http://127.0.0.1:8000") as http:
         headers = {} if grant is None else {"Authorization": f"Bearer {secret}"}
         answer = http.get("/readyz", headers=headers)
+        named = http.get("/readyz?robot=/robot1", headers=headers)
+    assert (named.status_code == 403) is (answer.json()["robots"] == [])
     check_answer("GET", "/readyz", 200, "application/json", answer.content)
     ready = answer.json()
     assert ready["stop"]["latched"] is True
-    return ready["stop"]["by"], ready["stop"]["robots"], ready["history"]["last_error"]
+    shown = ready["stop"]["by"], ready["stop"]["robots"], ready["history"]["last_error"]
+    return *shown, ready["robots"], ready["settings"], ready["problems"]
 
 
 @pytest.mark.parametrize(
@@ -57,7 +65,7 @@ def read(grant: Grant | None, *, authentication: bool = True) -> tuple[object, o
         (Grant(Role.VIEWER), EVERYTHING),
     ],
 )
-def test_who_sees_names(grant: Grant | None, shown: tuple[object, object, object]) -> None:
+def test_who_sees_names(grant: Grant | None, shown: tuple[object, ...]) -> None:
     assert read(grant) == shown
 
 
