@@ -62,6 +62,8 @@ class Case:
         disturb: Makes what happens before each control step of one trial.
         jitter: How much longer or shorter a control period is at most, as a fraction of it.
         region: Where the robot starts; None: in the usual region of the controller.
+        known: Whether the database has the dock's pose, with an error of up to 10 cm each way and 5 degrees.
+        search_radius: The parameter, in m.
     """
 
     name: str
@@ -70,6 +72,8 @@ class Case:
     disturb: Callable[[Random], Disturbance] = _leave_alone
     jitter: float = 0.0
     region: Region | None = None
+    known: bool = False
+    search_radius: float = 0.0
 
 
 def _set(part: str, **values: Any) -> Change:
@@ -218,10 +222,19 @@ CASES = (
     Case("camera turned by 6°", (DOCK_POSE,), _mounted(0.0, math.radians(6.0))),
     Case("pushed 10 cm aside in the last 20 cm", BOTH, disturb=_push_once),
     Case("two tags on one topic", (DOCK_POSE,), _two_tags),
+    Case("two tags on one topic, pose known", (DOCK_POSE,), _two_tags, known=True),
     Case("starts behind the dock", BOTH, region=BEHIND),
+    Case("starts behind the dock, pose known", BOTH, region=BEHIND, known=True),
+    Case("starts behind the dock, search_radius 4 m", (DOCK_POSE,), region=BEHIND, search_radius=4.0),
     Case("starts 4.3 to 6 m away", BOTH, region=FAR),
+    Case("starts 4.3 to 6 m away, pose known", BOTH, region=FAR, known=True),
+    Case("starts 4.3 to 6 m away, search_radius 4 m", (DOCK_POSE,), region=FAR, search_radius=4.0),
     Case("starts 77° to 105° off the axis", BOTH, region=OFF_AXIS),
+    Case("starts 77° to 105° off the axis, pose known", BOTH, region=OFF_AXIS, known=True),
+    Case("starts 77° to 105° off the axis, search_radius 4 m", (DOCK_POSE,), region=OFF_AXIS, search_radius=4.0),
     Case("camera sees 50° and 1.2 m", (DOCK_POSE,), NARROW),
+    Case("camera sees 50° and 1.2 m, pose known", (DOCK_POSE,), NARROW, known=True),
+    Case("camera sees 50° and 1.2 m, search_radius 4 m", (DOCK_POSE,), NARROW, search_radius=4.0),
     Case(
         "all at once, milder",
         (DOCK_POSE,),

@@ -5,10 +5,11 @@ from dataclasses import dataclass, replace
 from random import Random
 
 from benchmarks.docking.cases import CASES, Case, Region
-from docking.core.geometry import normalize_angle
-from docking.core.observation import STANDSTILL, Velocity
+from docking.core.geometry import Pose, normalize_angle
+from docking.core.observation import STANDSTILL, Observation, Velocity
 from docking.goal.dock import Docking
 from docking.goal.engine import Command, End, Goal, Outcome
+from docking.goal.obstacle_watch import watch_obstacles
 from docking.parameters import ControllerName, DockSettings, MotionLimits
 from docking.plans.registry import make_plan
 from docking.simulation.dock import DOCKED
@@ -69,9 +70,14 @@ class Trial:
     trail: tuple[tuple[float, float], ...]
 
 
-def settings_of(controller: ControllerName) -> DockSettings:
-    """The defaults, with a controller."""
-    return DockSettings(controller=controller)
+def settings_of(controller: ControllerName, case: Case = CASES[0]) -> DockSettings:
+    """The defaults, with a controller; a robot that searches by driving watches its way."""
+    settings, searches = DockSettings(controller=controller), case.search_radius > 0.0
+    return replace(
+        settings,
+        search=replace(settings.search, search_radius=case.search_radius),
+        collision=replace(settings.collision, use_collision_detection=searches),
+    )
 
 
 def simulation_of(controller: ControllerName, seed: int, case: Case = CASES[0]) -> Simulation:
@@ -81,15 +87,30 @@ def simulation_of(controller: ControllerName, seed: int, case: Case = CASES[0]) 
     return Simulation(case.change(settings, Random(f"{seed} case")), seed)
 
 
+def _database_error(random: Random) -> Pose:
+    """How far off the docked pose is by the database and a localization: up to 10 cm each way and 5 degrees."""
+    return Pose(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.09, 0.09))
+
+
+def _observe(simulation: Simulation, database_error: Pose | None) -> Observation:
+    """What is known now; also where the database has the dock, if its error is given."""
+    if database_error is None:
+        return simulation.observe()
+    odom = simulation.odometry.pose.compose(simulation.robot.pose.inverse())
+    return replace(simulation.observe(), expected_dock=odom.compose(DOCKED.compose(database_error)))
+
+
 def run_trial(controller: ControllerName, seed: int, case: Case = CASES[0]) -> Trial:
     """Dock once."""
-    simulation, settings = simulation_of(controller, seed, case), settings_of(controller)
+    simulation, settings = simulation_of(controller, seed, case), settings_of(controller, case)
+    simulation.scanning = settings.collision.use_collision_detection
+    off = _database_error(Random(f"{seed} database")) if case.known else None
     random = Random(f"{seed} disturbances")
     disturb = case.disturb(random)
-    goal = Goal(make_plan(settings), Docking(settings.timeouts), simulation.time)
+    goal = Goal(make_plan(settings), Docking(settings.timeouts), simulation.time, watch_obstacles(settings))
     speeds, period = _Speeds(), settings.control_period
     trail = [(simulation.robot.x, simulation.robot.y)]
-    step: Command | Outcome = goal.step(simulation.observe())
+    step: Command | Outcome = goal.step(_observe(simulation, off))
     while isinstance(step, Command) and simulation.time < LONGEST:
         speeds.told(step.velocity, period)
         disturb(simulation)
@@ -98,7 +119,7 @@ def run_trial(controller: ControllerName, seed: int, case: Case = CASES[0]) -> T
         speeds.driven(simulation.robot.velocity)
         if simulation.time >= TRAIL_PERIOD * len(trail):
             trail.append((simulation.robot.x, simulation.robot.y))
-        step = goal.step(simulation.observe())
+        step = goal.step(_observe(simulation, off))
     robot = simulation.robot.pose
     succeeded = isinstance(step, Outcome) and step.end is End.SUCCEEDED
     return Trial(

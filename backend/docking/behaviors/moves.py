@@ -19,17 +19,18 @@ def turn(error: float, motion: MotionLimits) -> Velocity:
     return Velocity(0.0, bounded(braked(error, motion.a_angular_max), motion.v_angular_max))
 
 
-def drive_to(robot: Pose, target: Pose, motion: MotionLimits) -> Velocity:
+def drive_to(robot: Pose, target: Pose, motion: MotionLimits, *, forwards: bool = False) -> Velocity:
     """Straight to a point, forwards or backwards, whichever is the smaller turn; on the spot while turned away.
 
     Args:
         robot: Where the robot is.
         target: Where it is to be, in the same frame; how it is turned there does not matter.
         motion: What the robot may do.
+        forwards: Whether to drive forwards in any case.
     """
     direction = math.atan2(target.y - robot.y, target.x - robot.x)
     error = normalize_angle(direction - robot.theta)
-    backwards = abs(error) > 0.5 * math.pi
+    backwards = not forwards and abs(error) > 0.5 * math.pi
     if backwards:
         error = normalize_angle(error + math.pi)
     if abs(error) > TURN_FIRST:

@@ -53,6 +53,11 @@ class Search:
         self._leftwards = True
         self._been_right = False
 
+    @property
+    def looked_around(self) -> bool:
+        """Whether the robot has looked into all directions."""
+        return self._been_right
+
     def step(self, observation: Observation, dt: float) -> Velocity | Done:
         """Turn, or stand still and look."""
         if self._knows():

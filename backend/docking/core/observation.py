@@ -104,9 +104,9 @@ class Observation:
         marker: The latest detection, however old.
         infrared: The latest reading.
         scan: The latest.
-        other_markers: Other detections with the same stamp as `marker`: two tags may be detected in one image.
-        expected_dock: Where base_link is expected to stand when docked at the goal's dock, in odom, by the pose of the
-            dock in the database; None where that is not known.
+        other_markers: Detections shortly before `marker`, the oldest first: two tags may be detected in one image.
+        expected_dock: Where the docked robot is at the goal's dock, looking into it, in odom, by the dock's pose in the
+            database; None where that is not known.
     """
 
     now: float

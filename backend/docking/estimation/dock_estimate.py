@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from docking.core.geometry import Pose, normalize_angle
-from docking.core.observation import Observation
+from docking.core.observation import MarkerDetection, Observation
+from docking.estimation.marker_selection import MarkerSelection
 
 POSITION_NOISE = 0.01
 """Standard deviation of a detection, in m, until it has been measured."""
@@ -89,6 +90,7 @@ class DockEstimate:
         seen_at: When the last of them was made.
         noticed_at: When the last detection was made, even if it was left out.
         period: Seconds between two detections, usually.
+        selection: Which detections are of the dock's marker.
     """
 
     def __init__(self, memory: float) -> None:
@@ -101,7 +103,10 @@ class DockEstimate:
         self.count = 0
         self.seen_at = self.noticed_at = -math.inf
         self.period = 0.0
+        self.selection = MarkerSelection()
         self._memory = memory
+        self._newest = -math.inf
+        self._at_newest: list[Pose] = []  # detections with that stamp
         self._robot: Pose | None = None
         self._now = 0.0
         self._state: Array | None = None
@@ -152,27 +157,42 @@ class DockEstimate:
 
     def update(self, observation: Observation) -> None:
         """Take over what is new: the way since the last time, and a detection."""
-        odometry, marker = observation.odometry, observation.marker
+        odometry = observation.odometry
         if odometry is None or not odometry.pose.finite:
             return
         self._predict(odometry.pose, observation.now)
+        for marker in (*observation.other_markers, observation.marker):
+            if marker is not None and self._is_new(marker, odometry.pose, observation.now):
+                self._take(marker, odometry.pose)
+
+    def _is_new(self, marker: MarkerDetection, robot: Pose, now: float) -> bool:
+        """Whether a detection makes sense and was not taken before; several may have one stamp."""
         if (
-            marker is not None
-            and marker.pose.finite
-            and odometry.pose.distance_to(marker.pose) < FARTHEST
-            and marker.stamp > self.noticed_at
-            and abs(observation.now - marker.stamp) <= self._memory
+            not marker.pose.finite
+            or robot.distance_to(marker.pose) >= FARTHEST
+            or not abs(now - marker.stamp) <= self._memory
         ):
-            self._learn_period(marker.stamp)
-            self.raw = marker.pose
-            if self._state is None:
-                self._begin(marker.pose, odometry.pose, marker.stamp)
-            else:
-                self._correct(self._state, marker.pose, odometry.pose, marker.stamp)
+            return False
+        if marker.stamp > self._newest:
+            self._newest, self._at_newest = marker.stamp, []
+        elif marker.stamp < self._newest or marker.pose in self._at_newest:
+            return False
+        self._at_newest.append(marker.pose)
+        return True
+
+    def _take(self, marker: MarkerDetection, robot: Pose) -> None:
+        if not self.selection.takes(marker.pose, robot, self.pose):
+            return
+        self._learn_period(marker.stamp)
+        self.raw = marker.pose
+        if self._state is None:
+            self._begin(marker.pose, robot, marker.stamp)
+        else:
+            self._correct(self._state, marker.pose, robot, marker.stamp)
 
     def _learn_period(self, stamp: float) -> None:
         pause, self.noticed_at = stamp - self.noticed_at, stamp
-        if pause < LONGEST_PERIOD:
+        if 0.0 < pause < LONGEST_PERIOD:
             self._periods.append(pause)
             self.period = median(self._periods)
 
@@ -184,6 +204,7 @@ class DockEstimate:
         self.count = 0
         self._beginning.clear()
         self._left_out.clear()
+        self.selection.forget()
 
     # The robot moves.
 

@@ -40,6 +40,7 @@ class Docking:
         slowdown_radius: float = 0.06,
         staging: Staging | None = None,
         dock_type: str = "",
+        dock_name: str = "",
     ) -> None:
         """Begin with a battery that does not charge.
 
@@ -51,6 +52,7 @@ class Docking:
             slowdown_radius: The last part of the way to the docked pose, in m, that is driven slowly.
             staging: Of the dock, to be remembered; None is the usual one.
             dock_type: Of the dock, to be remembered.
+            dock_name: Of the dock, to be remembered.
         """
         self.timeouts = timeouts
         self.max_retries = timeouts.max_retries
@@ -60,6 +62,7 @@ class Docking:
         self._threshold = docking_threshold
         self._staging = staging or Staging()
         self._dock_type = dock_type
+        self._dock_name = dock_name
         self._status: int | None = None
         self._record = ChargeRecord(timeouts.charge_stable_for)
         self._connected_since: float | None = None
@@ -103,7 +106,10 @@ class Docking:
             return False
         if self._connected_since is None:
             self._connected_since = observation.now
-        return observation.now - self._connected_since >= self.timeouts.charge_stable_for
+        reached = observation.now - self._connected_since >= self.timeouts.charge_stable_for
+        if reached and robot is not None:
+            self.memory.places[self._dock_name] = robot
+        return reached
 
     def _charges(self, observation: Observation, battery: BatteryReading, progress: Progress) -> bool:
         self._status = battery.status

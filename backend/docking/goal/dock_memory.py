@@ -1,6 +1,6 @@
 """Whether the robot is docked, as far as earlier goals can tell."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from docking.core.geometry import Pose
 from docking.parameters import Staging
@@ -21,12 +21,14 @@ class DockMemory:
         staging: Of the dock that the robot is on, else of that of the last docking goal, and the direction; None before
             the first one.
         dock_type: Of the same dock; empty where there is none.
+        places: Where base_link stood when it was docked last, in odom, by the names of docks.
     """
 
     docked: bool | None = None
     at: Pose | None = None
     staging: Staging | None = None
     dock_type: str = ""
+    places: dict[str, Pose] = field(default_factory=dict)
 
     def note(self, docked: bool, at: Pose | None) -> None:
         """Remember how a goal has ended, and where."""

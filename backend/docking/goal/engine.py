@@ -44,6 +44,7 @@ class Command:
         filtered_dock_pose: The same by all detections.
         staging_pose: Of base_link in front of the dock.
         yields: Whether another server drives the robot, so that no velocity is to be published.
+        note: What is odd about the detections of the dock, as a sentence; empty where nothing is.
     """
 
     stage: Stage
@@ -55,6 +56,7 @@ class Command:
     filtered_dock_pose: Pose | None = None
     staging_pose: Pose | None = None
     yields: bool = False
+    note: str = ""
 
 
 class End(enum.StrEnum):
@@ -282,6 +284,8 @@ class Goal:
             DockingError: It has.
         """
         deadline = self._objective.deadline(self._stage, self._finished)
+        if self._plan.poses.explores:
+            self._stage_time = 0.0
         if self._watch is not None and deadline is not None and self._stage_time > deadline.seconds:
             raise deadline.error(f"{deadline.message} within {deadline.seconds:g} s ({deadline.parameter})")
 
@@ -293,6 +297,8 @@ class Goal:
         reason = self._failure
         if reason is not None and self._stage is Stage.RETRY and not isinstance(failure, BEYOND_RETRY):
             return self.abort(reason.error_code, f"{reason}; then, while backing off: {failure}")
+        if isinstance(failure, FailedToDetectDock) and (note := self._plan.poses.note):
+            failure = FailedToDetectDock(f"{failure}; {note}")
         if isinstance(failure, FailedToDetectDock) and self.retries:
             return self.abort(self._plan.lost.error_code, f"{failure}, although it was seen before")
         if not failure.worth_a_retry or self._watch is None or self.retries >= self._objective.max_retries:
@@ -340,4 +346,5 @@ class Goal:
             poses.dock,
             poses.filtered_dock,
             poses.staging,
+            note=poses.note,
         )

@@ -19,11 +19,15 @@ class KnownPoses:
         dock: Of base_link when docked, by the last detection alone.
         filtered_dock: The same by all detections.
         staging: Of base_link in front of the dock.
+        note: What is odd about the detections, as a sentence; empty where nothing is.
+        explores: Whether the robot drives about to find the dock: the plan itself limits the time of that.
     """
 
     dock: Pose | None = None
     filtered_dock: Pose | None = None
     staging: Pose | None = None
+    note: str = ""
+    explores: bool = False
 
 
 class DockTarget(Protocol):

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 
 from action_tutorials_interfaces.action import ConnectToChargingDock
 from docking.core.errors import Stage
@@ -40,11 +41,14 @@ def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
         slowdown_radius=settings.approach.slowdown_radius,
         staging=settings.dock,
         dock_type=settings.dock_type,
+        dock_name=settings.dock_name,
     )
 
 
 def _make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
     obstacles = watch_obstacles(settings, backward=settings.dock.backward)
+    last = memory.places.get(settings.dock_name)
+    settings = replace(settings, last_docked=None if last is None else settings.dock.base_link(last))
     return Goal(make_plan(settings), docking_objective(settings, memory), started_at, obstacles)
 
 
@@ -66,6 +70,8 @@ DOCK = ActionSpec(
     marker_tilt=lambda settings: settings.dock.tilt,
     navigates=lambda settings: settings.navigates,
     staging=lambda settings: settings.staging_goal,
+    place=lambda settings: settings.place if Sensor.ODOMETRY in _needs(settings) else None,
+    has_places=lambda settings: settings.database.has_poses and Sensor.ODOMETRY in _needs(settings),
 )
 
 

@@ -42,8 +42,8 @@ class DockEntry:
     frame: str = string("map", "", "Frame of pose.", read_only=True)
     pose: tuple[float, ...] = numbers(
         "[x, y, theta]",
-        "Pose of the docked robot in that frame, in m and rad; x points into the dock. Used if "
-        "navigate_to_staging_pose is true, else for information only.",
+        "Pose of the docked robot in that frame, in m and rad; x points into the dock. If tf relates the frame to "
+        "odometry, the marker that is detected there is the dock's, and the robot drives to where it can be seen.",
         _check_pose,
     )
     id: str = string(
@@ -152,6 +152,11 @@ class DockDatabase:
         """
         name = name or next(iter(self.docks), "")
         return (name, self.entries[name]) if name in self.entries else None
+
+    @property
+    def has_poses(self) -> bool:
+        """Whether the pose of any dock is known."""
+        return any(entry.pose for entry in self.entries.values())
 
     def find_fault(self) -> str | None:
         """The dock whose type is missing or unknown, as a sentence; None where there is none."""

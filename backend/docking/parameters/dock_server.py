@@ -12,6 +12,7 @@ from docking.parameters.dock_database import DockDatabase
 from docking.parameters.limits import BACKWARDS
 from docking.parameters.navigation import NavigationSettings, StagingGoal
 from docking.parameters.receivers import Receivers
+from docking.parameters.search import DockPlace, SearchSettings
 from docking.parameters.server import ServerSettings, find_disorder, find_shortage
 from docking.parameters.timeouts import DockTimeouts
 
@@ -43,12 +44,16 @@ class DockSettings(ServerSettings):
     dock: Dock = group(Dock)
     database: DockDatabase = group(DockDatabase)
     navigation: NavigationSettings = group(NavigationSettings)
+    search: SearchSettings = group(SearchSettings)
     approach: ApproachSettings = group(ApproachSettings)
     receivers: Receivers = group(Receivers)
 
     # No parameters, but those of the dock that a goal names, see at_dock.
     dock_type: str = ""
     staging_goal: StagingGoal | None = None
+    dock_name: str = ""
+    place: DockPlace | None = None
+    last_docked: Pose | None = None  # where the robot was docked the last time, looking into the dock, in odom
 
     @property
     def goal_timeouts(self) -> DockTimeouts:
@@ -69,7 +74,11 @@ class DockSettings(ServerSettings):
         kind = self.database.type_of(name)
         dock = self.database.types.get(kind)
         staging = self._find_staging(dock or self.dock, name)
-        return replace(self if dock is None else self._of_type(dock), dock_type=kind, staging_goal=staging)
+        found = self.database.entry_of(name)
+        place = DockPlace(found[0], found[1].frame, Pose(*found[1].pose)) if found and found[1].pose else None
+        settings = self if dock is None else self._of_type(dock)
+        known = found[0] if found else ""
+        return replace(settings, dock_type=kind, dock_name=known, staging_goal=staging, place=place)
 
     def _of_type(self, dock: DockType) -> "DockSettings":
         """With what depends on the type of a dock."""

@@ -12,10 +12,11 @@ from docking.behaviors.sequence import Sequence
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.turn_to_dock import TurnToDock
 from docking.behaviors.wait_for_charge import WaitForCharge
-from docking.core.errors import LostMarker, Stage
+from docking.core.errors import FailedToDetectDock, LostMarker, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.dock_estimate import DockEstimate, Spread
+from docking.estimation.marker_selection import NEAR
 from docking.goal.behavior import Behavior
 from docking.goal.plan import KnownPoses
 from docking.parameters import DockSettings
@@ -47,18 +48,63 @@ class DockPosePlan(SightedPlan):
         """
         super().__init__(settings)
         self.marker = DockEstimate(MEMORY)
+        self._last_marker: Pose | None = None  # where it was before the robot began to look for it again
+        self._looks: Search | None = None
 
     @property
     def poses(self) -> KnownPoses:
         """As far as they are known."""
         raw, docked, dock = self.marker.raw, self.docked, self.dock
-        if docked is None:
-            return KnownPoses(None if raw is None else dock.base_link(dock.docked(raw)))
         return KnownPoses(
             None if raw is None else dock.base_link(dock.docked(raw)),
-            dock.base_link(docked),
-            dock.base_link_at_staging(docked),
+            None if docked is None else dock.base_link(docked),
+            None if docked is None else dock.base_link_at_staging(docked),
+            self._note,
+            self.explores,
         )
+
+    @property
+    def _note(self) -> str:
+        """That other markers are detected."""
+        selection, known = self.marker.selection, self.marker.pose or self._expected_marker()
+        other = selection.other
+        if other is None or known is None:
+            return ""
+        return (
+            f"another marker is detected {other.distance_to(known):.1f} m from"
+            f" {'that of the dock' if self.marker.pose else 'where the dock is expected'}:"
+            f" {selection.left_out} detections were left out"
+        )
+
+    @property
+    def expected(self) -> Pose | None:
+        """Where the robot should stand when docked, looking into the dock, in odom; None where nothing tells."""
+        return super().expected if self._last_marker is None else self.docked or self.dock.docked(self._last_marker)
+
+    def _expected_marker(self) -> Pose | None:
+        """Where the dock's marker should be, in odom."""
+        expected = self.expected
+        return None if expected is None else expected.compose(self.dock.docked(Pose()).inverse())
+
+    @property
+    def _is_certain(self) -> bool:
+        return self._last_marker is not None or super()._is_certain
+
+    def _prefer_last(self) -> None:
+        """Of two markers take the one where the robot docked last, if there is one of them."""
+        two, expected = self.marker.selection.ambiguous, self._expected_marker()
+        if two is not None and expected is not None:
+            near = [one for one in two if one.distance_to(expected) <= NEAR]
+            if len(near) == 1:
+                self.marker.selection.expect(near[0])
+
+    def _expect(self) -> None:
+        """Say which marker is the dock's, if more than one is detected."""
+        if not self._is_certain:
+            return
+        looked_around = self._looks is not None and self._looks.looked_around
+        farthest = self._where.dock_pose_tolerance if self._in_database is not None else math.inf
+        self.marker.selection.expect(self._expected_marker(), farthest if looked_around else NEAR)
 
     @property
     def docked(self) -> Pose | None:
@@ -67,9 +113,22 @@ class DockPosePlan(SightedPlan):
         return None if marker is None else self.dock.docked(marker)
 
     def observe(self, observation: Observation) -> None:
-        """Keep up with the marker and the robot."""
-        self.marker.update(observation)
+        """Keep up with the marker and the robot.
+
+        Raises:
+            FailedToDetectDock: Nothing tells which of two markers is the dock's.
+        """
         super().observe(observation)
+        if self.marker.pose is None:
+            self._expect()
+        self.marker.update(observation)
+        self._prefer_last()
+        if self.marker.pose is None and (two := self.marker.selection.ambiguous) is not None:
+            raise FailedToDetectDock(
+                f"two markers are detected, {two[0].distance_to(two[1]):.1f} m from each other, and nothing tells which"
+                " one is the dock's: give the dock a pose in the database, with tf from its frame to odometry's, or let"
+                " the detector publish the dock's marker alone"
+            )
 
     def controller(self, stage: Stage) -> Behavior:
         """A new one for a stage."""
@@ -82,7 +141,9 @@ class DockPosePlan(SightedPlan):
     def _forwards(self, stage: Stage) -> Behavior:
         """The same for a robot that docks forwards."""
         if stage is Stage.INITIAL_PERCEPTION:
-            return self._search()
+            self._last_marker = self.marker.pose or self._last_marker
+            self.marker.forget()
+            return Sequence(lambda: self.explore(self._search, self._sees))
         if stage is Stage.NAV_TO_STAGING_POSE:
             return self._to_staging()
         if stage is Stage.CONTROLLING:
@@ -142,12 +203,12 @@ class DockPosePlan(SightedPlan):
         )
 
     def _search(self) -> Search:
-        marker, robot = self.marker.pose, self._robot
+        marker, robot = self._expected_marker(), self._robot
         towards = None if marker is None or robot is None else math.atan2(marker.y - robot.y, marker.x - robot.x)
-        self.marker.forget()
-        return Search(
+        self._looks = Search(
             self.motion, self._search_speed, sees=self._sees, knows=self._knows, towards=towards, bearing=self._bearing
         )
+        return self._looks
 
     def _sees(self, now: float) -> bool:
         period = self.marker.period

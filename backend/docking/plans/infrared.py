@@ -4,6 +4,7 @@ import math
 
 from docking.behaviors.approach import Approach
 from docking.behaviors.back_out import BackOut
+from docking.behaviors.explore import Explore
 from docking.behaviors.fail import Fail
 from docking.behaviors.go_to import GoTo
 from docking.behaviors.moves import bounded
@@ -57,7 +58,7 @@ class InfraredPlan(SightedPlan):
     @property
     def poses(self) -> KnownPoses:
         """As far as they are known; there is no pose from one reading alone."""
-        return KnownPoses(None, self.docked, self.staging)
+        return KnownPoses(None, self.docked, self.staging, explores=self.explores)
 
     @property
     def docked(self) -> Pose | None:
@@ -101,7 +102,7 @@ class InfraredPlan(SightedPlan):
         self._waiting = stage is Stage.WAIT_FOR_CHARGE
         self._needed = stage in {Stage.NAV_TO_STAGING_POSE, Stage.CONTROLLING}
         if stage is Stage.INITIAL_PERCEPTION:
-            return Sequence(self._return_to_light, self._search, self._scan, self._remember_light)
+            return Sequence(self._return_to_light, self._begin_search, self._scan, self._remember_light)
         if stage is Stage.NAV_TO_STAGING_POSE:
             return self._find_axis()
         if stage is Stage.CONTROLLING:
@@ -126,16 +127,23 @@ class InfraredPlan(SightedPlan):
         self._light = self._robot
         return Sequence()
 
+    def _begin_search(self) -> Explore:
+        self.beacon.count = 0
+        return self.explore(self._search, self._sees)
+
     def _search(self) -> Search:
         beacon, robot = self.beacon, self._robot
-        self.beacon.count = 0
+        towards, expected = None, self.expected
+        if robot is not None and beacon.position is not None:
+            towards = beacon.line_of_sight(robot)
+        elif robot is not None and expected is not None:
+            towards = math.atan2(expected.y - robot.y, expected.x - robot.x)
         return Search(
-            self.motion,
-            self._search_speed,
-            sees=lambda now: now - beacon.seen_at <= FRESH,
-            knows=lambda: beacon.count >= ENOUGH,
-            towards=None if beacon.position is None or robot is None else beacon.line_of_sight(robot),
+            self.motion, self._search_speed, sees=self._sees, knows=lambda: beacon.count >= ENOUGH, towards=towards
         )
+
+    def _sees(self, now: float) -> bool:
+        return now - self.beacon.seen_at <= FRESH
 
     def _scan(self) -> Scan:
         return Scan(self.beacon, self.motion)

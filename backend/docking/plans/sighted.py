@@ -2,17 +2,24 @@
 
 import math
 from abc import abstractmethod
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from docking.behaviors.back_out import BackOut
+from docking.behaviors.explore import Explore
 from docking.behaviors.moves import bounded
 from docking.behaviors.reversed import Reversed
+from docking.behaviors.search import Search
 from docking.core.errors import Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.dock_estimate import Spread
 from docking.goal.behavior import Behavior
 from docking.parameters import DockSettings
+from docking.plans.places import circles, may_be_seen, way_to_front
 
+NEARBY = 0.3
+"""In m; a robot that is so near to its staging pose need not drive there to see its dock."""
 BLIND_WAY = 0.1
 """How far to back off, in m, where the dock is not known."""
 
@@ -33,7 +40,12 @@ class SightedPlan:
         self.approach = settings.approach
         self._search_speed = settings.search_speed
         self._detection_timeout = settings.external_detection_timeout
+        self._where = settings.search
+        self._last_docked = settings.last_docked
+        self._in_database: Pose | None = None  # the docked robot there, looking into the dock, in odom
         self._robot: Pose | None = None
+        self._explore: Explore | None = None
+        self._circles: Iterator[Pose] | None = None
 
     @property
     @abstractmethod
@@ -68,8 +80,55 @@ class SightedPlan:
 
     def observe(self, observation: Observation) -> None:
         """Keep up with the robot."""
+        self._in_database = observation.expected_dock or self._in_database
         if observation.odometry is not None:
             self._robot = observation.odometry.pose
+
+    @property
+    def expected(self) -> Pose | None:
+        """Where the robot should stand when docked, looking into the dock, in odom; None where nothing tells."""
+        return self.docked or self._in_database or self._last_docked
+
+    @property
+    def _is_certain(self) -> bool:
+        """Whether what is expected is more than where the robot docked some time ago: odometry drifts."""
+        return self.docked is not None or self._in_database is not None
+
+    @property
+    def explores(self) -> bool:
+        """Whether the robot drives about to find the dock."""
+        return self._explore is not None and self._explore.away
+
+    def explore(self, search: Callable[[], Search], sees: Callable[[float], bool]) -> Explore:
+        """Look for the dock, by driving, too, where that is allowed.
+
+        Args:
+            search: Makes what turns the robot at a place.
+            sees: Whether the dock is in view at a moment.
+        """
+        robot, expected = self._robot, self.expected
+        self._explore = Explore(
+            search,
+            self._places(expected),
+            replace(self.motion, v_linear_max=self.motion.v_linear_back),
+            sees,
+            self._where.search_timeout,
+            at_once=robot is not None and self._is_certain and not may_be_seen(robot, expected or robot),
+        )
+        return self._explore
+
+    def _places(self, docked: Pose | None) -> Iterator[Pose]:
+        """From where the dock may be seen, in odom."""
+        robot = self._robot
+        if robot is None:
+            return
+        if docked is not None:
+            staging = self.dock.staging(docked)
+            if NEARBY < robot.distance_to(staging) <= self._where.known_dock_radius:
+                yield from way_to_front(robot, docked, staging)
+        if self._circles is None:
+            self._circles = circles(robot, self._where.search_radius)
+        yield from self._circles
 
     def back_off(self) -> Behavior:
         """Away from the dock to where the staging pose is, or a little where that is not known.

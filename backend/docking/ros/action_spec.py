@@ -10,7 +10,7 @@ from docking.core.transform import Transform
 from docking.goal.admission import Purpose
 from docking.goal.dock_memory import DockMemory
 from docking.goal.engine import Goal
-from docking.parameters import ServerSettings, StagingGoal
+from docking.parameters import DockPlace, ServerSettings, StagingGoal
 from docking.ros.sensors import Sensor
 
 S = TypeVar("S", bound=ServerSettings)
@@ -38,6 +38,8 @@ class ActionSpec(Generic[S]):
         marker_tilt: How the marker's axes are turned, by the parameters; see `Sensors`.
         navigates: Whether goals may begin with a navigation to a staging pose.
         staging: Where to, by the parameters for a goal; None where there is none.
+        has_places: Whether the database has poses of docks that goals use.
+        place: Where the database has the goal's dock, by the parameters for a goal; None where it does not.
     """
 
     node_name: str
@@ -57,3 +59,5 @@ class ActionSpec(Generic[S]):
     marker_tilt: Callable[[S], Transform] = lambda _: Transform()
     navigates: Callable[[S], bool] = lambda _: False
     staging: Callable[[S], StagingGoal | None] = lambda _: None
+    place: Callable[[S], DockPlace | None] = lambda _: None
+    has_places: Callable[[S], bool] = lambda _: False

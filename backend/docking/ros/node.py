@@ -32,7 +32,7 @@ from docking.ros.footprint import FootprintPublisher
 from docking.ros.navigation import NavigationClient
 from docking.ros.parameters import declare_parameters
 from docking.ros.poses import PosePublishers
-from docking.ros.sensors import Sensor, Sensors
+from docking.ros.sensors import MARKER_TOPIC, Sensor, Sensors
 from docking.ros.stop_listener import StopListener
 from docking.ros.transforms import Transforms
 from docking.ros.velocity import Drive
@@ -94,6 +94,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._closing = self._active = False
         self._report = Report()
         self._stage = Stage.IDLE
+        self._note = ""  # what is odd about the detections
         self._fed_back_at = -math.inf
         self._clock_watch = ClockWatch(self)
         self._transforms = Transforms(self)
@@ -180,7 +181,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         if self._running is None:
             by_marker = Sensor.MARKER in self._spec.needs(self._settings)
             navigates = self._spec.navigates(self._settings)
-            by_frames = by_marker or navigates or self._settings.collision.needs_tf
+            by_frames = (
+                by_marker or navigates or self._settings.collision.needs_tf or self._spec.has_places(self._settings)
+            )
             self._navigation.switch(on=navigates)
             self._transforms.switch(on=by_frames, prefix=self._settings.frame_prefix)
             self._poses.switch(on=by_marker)
@@ -232,6 +235,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         execution = Execution(handle, goal_id, goal, self._end)
         self._running = self._active_goal.running = execution
         self._stage = Stage.IDLE
+        self._note = ""
         self._fed_back_at = -math.inf
         self._drive.begin()
         handle.execute(partial(self._execute, execution))
@@ -243,6 +247,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
     def _prepare(self, goal: Goal, settings: S) -> None:
         self._sensors.scanner = self._settings.collision.mount
         self._sensors.marker_tilt = self._spec.marker_tilt(settings)
+        self._sensors.place = self._spec.place(settings)
         self._sensors.listen_to(self._spec.needs(settings))
         self._control_timer.timer_period_ns = round(self._spec.control_period(self._settings) * 1e9)
         if (staging := self._spec.staging(settings)) is not None:
@@ -309,6 +314,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._poses.publish(step, self._sensors.odometry_frame)
         if step.stage in self._spec.progress and not step.error_msg:
             self.get_logger().info(self._spec.progress[step.stage], throttle_duration_sec=1.0)
+        if step.note and not self._note:
+            self.get_logger().warning(f"Goal {running.goal_id}: {step.note}")
+        self._note = step.note
         report = report_on(self._explained(step), running.goal_id)
         if report != self._report:
             self._report = report
@@ -374,6 +382,9 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
     def _publish_report(self, report: Report) -> None:
         battery, topic = self._battery.latest, self.resolve_topic_name(BATTERY_TOPIC)
         warnings = {} if battery is None or battery.fault is None else {topic: f"{topic} {battery.fault}"}
+        if self._note:
+            topic = self.resolve_topic_name(MARKER_TOPIC)
+            warnings[topic] = f"{topic}: {self._note}"
         if (deaf := self._drive.publisher.fault) is not None:
             warnings[self.resolve_topic_name("cmd_vel")] = deaf
         self._diagnostics.publish(report, self._sensors.faults, warnings)

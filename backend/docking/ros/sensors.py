@@ -20,9 +20,10 @@ from docking.core.observation import InfraredReading, MarkerDetection, Observati
 from docking.core.transform import Transform, spatial
 from docking.estimation.scan import flatten, place, points_of
 from docking.estimation.track import Track
+from docking.parameters import DockPlace
 from docking.ros.clock import control_time
 from docking.ros.geometry import pose_from, seconds_of, transform_from
-from docking.ros.qos import LATEST
+from docking.ros.qos import LATEST, volatile
 from docking.ros.transforms import Transforms
 
 MARKER_TOPIC = "detected_dock_pose"
@@ -30,6 +31,8 @@ RECEIVERS = ("left", "center", "right")
 # ROS finds the publishers of topics one after the other: a marker may be heard so many seconds before odometry or
 # the transforms that it needs.
 DISCOVERY = 1.0
+MOST_MARKERS = 8
+"""Detections between two observations that are kept: several tags may be on one topic."""
 
 
 class Sensor(enum.Enum):
@@ -48,6 +51,7 @@ class Sensors:
         odometry_frame: The frame that odometry is given in; empty before the first message.
         scanner: Where the laser scanner is, in base_link; None where tf says it.
         faults: What is wrong with the last message on each topic that has one, as sentences.
+        place: Where the database has the goal's dock; None where it does not.
         marker_tilt: The marker's frame, x into the dock and z up, as seen from that of its detections.
     """
 
@@ -62,6 +66,7 @@ class Sensors:
         self.odometry_frame = ""
         self.scanner: Pose | None = Pose()
         self.faults: dict[str, str] = {}
+        self.place: DockPlace | None = None
         self.marker_tilt = Transform()
         self._node = node
         self._transforms = transforms
@@ -69,7 +74,7 @@ class Sensors:
         self._base_frame = ""
         self._subscriptions: dict[Sensor, list[Subscription]] = {}
         self._track = Track()
-        self._marker: MarkerDetection | None = None
+        self._markers: list[MarkerDetection] = []  # since the last observation, and the one before
         self._unrelated_since: float | None = None  # markers come, and cannot be placed
         self._doubt = ""  # why not
         self._scan: Scan | None = None
@@ -84,7 +89,8 @@ class Sensors:
             self._forget(sensor)
         for sensor in sensors - self._subscriptions.keys():
             self._subscriptions[sensor] = self._subscribe(sensor)
-        by_frames = Sensor.MARKER in sensors or (Sensor.SCAN in sensors and self.scanner is None)
+        located = bool(sensors) and self.place is not None
+        by_frames = located or Sensor.MARKER in sensors or (Sensor.SCAN in sensors and self.scanner is None)
         self._transforms.use(self, on=by_frames)
 
     def _subscribe(self, sensor: Sensor) -> list[Subscription]:
@@ -112,7 +118,7 @@ class Sensors:
             message_type,
             topic,
             receive,
-            LATEST,
+            LATEST if message_type is not PoseStamped else volatile(MOST_MARKERS),
             qos_overriding_options=QoSOverridingOptions.with_default_policies(),
         )
 
@@ -120,7 +126,7 @@ class Sensors:
         if sensor is Sensor.ODOMETRY:
             self._track.clear()
         elif sensor is Sensor.MARKER:
-            self._marker = self._unrelated_since = None
+            self._markers, self._unrelated_since = [], None
         elif sensor is Sensor.SCAN:
             self._scan = None
         else:
@@ -167,7 +173,7 @@ class Sensors:
         pose = lies.compose(seen).compose(self.marker_tilt).flatten()
         if frame == self._base_frame:
             pose = odometry.pose.compose(pose)
-        self._marker = MarkerDetection(pose, min(odometry.stamp, received))
+        self._markers = [*self._markers, MarkerDetection(pose, min(odometry.stamp, received))][-MOST_MARKERS:]
 
     def _odometry_at(self, measured_at: float) -> Odometry:
         """Where the robot was when something was measured.
@@ -232,7 +238,28 @@ class Sensors:
         if self._unrelated_since is not None and now - self._unrelated_since >= DISCOVERY:
             topic = self._node.resolve_topic_name(MARKER_TOPIC)
             self._set_fault(topic, f"{topic} {self._doubt}")
-        return Observation(now, battery, self._track.latest, self._marker, self._infrared(), self._scan)
+        markers, self._markers = self._markers, self._markers[-1:]
+        return Observation(
+            now,
+            battery,
+            self._track.latest,
+            markers[-1] if markers else None,
+            self._infrared(),
+            self._scan,
+            other_markers=tuple(markers[:-1]),
+            expected_dock=self._expect_dock(),
+        )
+
+    def _expect_dock(self) -> Pose | None:
+        """Where the database has the dock, in odom; None where tf does not tell."""
+        place, odometry = self.place, self._track.latest
+        if place is None or odometry is None:
+            return None
+        try:
+            return odometry.pose.compose(place.pose.relative_to(self.robot_in(place.frame)))
+        except ValueError as error:
+            self._node.get_logger().warning(f"The pose of the dock {place.dock!r} is not used: it {error}", once=True)
+            return None
 
     def robot_in(self, frame: str) -> Pose:
         """Where the robot is in a frame, by odometry and tf.
