@@ -138,6 +138,7 @@ export function fibonacciAction(name: string): ActionInfo {
     hint: null,
     running_goals: 0,
     feedback_dropped: 0,
+    unknown_goals_ignored: 0,
   };
 }
 

@@ -1,6 +1,7 @@
 """While a ROS node floods the gateway, clients stop robots, ask for the health and read their streams."""
 
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 
 import pytest
 
@@ -19,10 +20,22 @@ FLOODS = {
     "3,000 goals in each status message": ("status_entries", "--count", "3000", "--rate", "2"),
     "3,000 ended goals in each status message": ("ended_entries", "--count", "3000", "--rate", "2"),
     "220 unknown goals a second": ("unknown_goals", "--rate", "220"),
+    "feedback of 1,000 unknown goals a second": ("unknown_feedback", "--rate", "1000"),
+    "feedback of 10,000 unknown goals a second": ("unknown_feedback", "--rate", "10000"),
+    "300 unknown goals in each of 10 status messages a second": ("unknown_statuses", "--count", "300", "--rate", "10"),
     "feedback of 10 MB": ("big_feedback", "--size", "10000000", "--rate", "1"),
     "3,000 battery states a second": ("battery", "--rate", "3000", "--topic", "/hostile/battery_status"),
     "10,000 diagnostics a second": ("diagnostics", "--count", "50", "--rate", "200"),
 }
+# Nodes that misbehave in different ways at the same time. Each is a process that needs the machine, too.
+SEVERAL = (
+    ("unknown_feedback", "--rate", "1000"),
+    ("unknown_statuses", "--count", "300", "--rate", "10"),
+    ("battery", "--rate", "1000", "--topic", "/hostile/battery_status"),
+    ("diagnostics", "--count", "50", "--rate", "50"),
+    ("velocity", "--rate", "1000", "--topic", "/hostile/cmd_vel"),
+    ("churn", "--count", "20", "--rate", "10"),
+)
 
 
 @pytest.fixture(scope="module")
@@ -46,3 +59,15 @@ def test_a_flood(gateway: RunningGateway, domain: int, name: str) -> None:
     megabytes = DDS_BUFFERS if name == "feedback of 10 MB" else 20
     withstand(gateway, f"ROS node: {name}", running_hostile_node(domain, *FLOODS[name]), megabytes)
     assert len(gateway.process.output.splitlines()) - lines < 2000
+
+
+@contextmanager
+def several_floods(domain: int) -> Iterator[None]:
+    with ExitStack() as stack:
+        for arguments in SEVERAL:
+            stack.enter_context(running_hostile_node(domain, *arguments))
+        yield
+
+
+def test_several_floods_at_once(gateway: RunningGateway, domain: int) -> None:
+    withstand(gateway, "ROS nodes: six kinds of misbehaving node at once", several_floods(domain))

@@ -9,6 +9,7 @@ import itertools
 import os
 import threading
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -21,6 +22,7 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile, qos_profile_action_status_default
+from rclpy.serialization import serialize_message
 from sensor_msgs.msg import BatteryState
 from test_msgs.action import Fibonacci as OtherFibonacci
 from unique_identifier_msgs.msg import UUID
@@ -29,6 +31,9 @@ from action_tutorials_interfaces.action import ConnectToChargingDock, Fibonacci
 
 FeedbackMessage = ConnectToChargingDock.Impl.FeedbackMessage
 RELIABLE = QoSProfile(depth=10)
+# Bytes of a goal id, and where ids are in encoded messages: in feedback, the first and the second in a status, and the
+# distance of the others.
+ID_SIZE, ID_OF_FEEDBACK, FIRST_ID, SECOND_ID, NEXT_ID = 16, 4, 8, 33, 28
 # Seconds for which silent servers are not silent yet.
 ANSWERING_FOR = 10.0
 
@@ -75,6 +80,47 @@ def unknown_goals(node: Node, options: argparse.Namespace) -> Callable[[], None]
         goal_id = new_id()
         status.publish(GoalStatusArray(status_list=[entry(goal_id)]))
         feedback.publish(feedback_of(goal_id))
+
+    return flood
+
+
+def unknown_feedback(node: Node, options: argparse.Namespace) -> Callable[[], None]:
+    """Feedback of a goal that nobody has heard of and no status names, another one each time."""
+    publisher = _feedback_publisher(node, options.action)
+    return _with_new_ids(publisher, serialize_message(feedback_of(new_id(), options.size)), [ID_OF_FEEDBACK])
+
+
+def unknown_statuses(node: Node, options: argparse.Namespace) -> Callable[[], None]:
+    """Status of many goals that nobody has heard of, others each time."""
+    publisher = _status_publisher(node, options.action)
+    message = GoalStatusArray(status_list=[entry(new_id()) for _ in range(options.count)])
+    places = [FIRST_ID, *(SECOND_ID + NEXT_ID * number for number in range(options.count - 1))]
+    return _with_new_ids(publisher, serialize_message(message), places)
+
+
+def _with_new_ids(publisher: Any, message: bytes, places: list[int]) -> Callable[[], None]:
+    """Publish an encoded message, with other goal ids each time. Much faster than to make the message."""
+
+    def flood() -> None:
+        data, ids = bytearray(message), os.urandom(ID_SIZE * len(places))
+        for number, place in enumerate(places):
+            data[place : place + ID_SIZE] = ids[ID_SIZE * number : ID_SIZE * (number + 1)]
+        publisher.publish(bytes(data))
+
+    return flood
+
+
+def churn(node: Node, options: argparse.Namespace) -> Callable[[], None]:
+    """Topics and actions that come and go."""
+    made: deque[Any] = deque()
+    numbers = itertools.count()
+
+    def flood() -> None:
+        name = f"/churn{next(numbers)}"
+        made.append(node.create_publisher(BatteryState, f"{name}/battery_status", RELIABLE))
+        made.append(_status_publisher(node, f"{name}/connect_to_charging_dock"))
+        while len(made) > options.count:
+            node.destroy_publisher(made.popleft())
 
     return flood
 
@@ -180,6 +226,9 @@ MODES: dict[str, Mode] = {
         status_entries,
         ended_entries,
         unknown_goals,
+        unknown_feedback,
+        unknown_statuses,
+        churn,
         big_feedback,
         feedback,
         battery,

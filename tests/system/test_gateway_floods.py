@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 import test_msgs
 
+from dock_gateway.ros.admission import MAX_UNKNOWN
 from tests.support.gateway import (
     ACTION,
     LOW,
@@ -56,6 +57,52 @@ def test_feedback_that_is_too_large_is_told_and_counted(gateway: RunningGateway,
         action = gateway.http.get(f"/actions{ACTION}").json()
         assert action["feedback_dropped"] >= event["count"]
         assert not [event for event in stream.seen if event["type"] == "feedback"]
+
+
+UNKNOWN = {
+    "feedback": ("unknown_feedback", "--rate", "1000"),
+    "statuses": ("unknown_statuses", "--count", "300", "--rate", "10"),
+    "both": ("unknown_goals", "--rate", "300"),
+}
+
+
+@pytest.mark.parametrize("kind", UNKNOWN)
+def test_goals_that_a_node_makes_up_are_ignored_before_they_cost_anything(domain: int, kind: str) -> None:
+    """A goal of a real server is found and followed meanwhile, whoever sent it, and a stop is carried out."""
+    with (
+        running_gateway(domain) as gateway,
+        running_gateway(domain) as other,
+        running_dock_server(domain),
+        running_hostile_node(domain, *UNKNOWN[kind]),
+    ):
+        wait_until(lambda: action_of(gateway)["unknown_goals_ignored"] > 3 * MAX_UNKNOWN, "a flood")
+        named = gateway.process.wait_for("unknown goals in")
+        assert f"/hostile_{UNKNOWN[kind][0]} names more than {MAX_UNKNOWN} unknown goals" in named
+        assert named.endswith(str(action_of(gateway)["hint"]))
+        other.wait_until_ready()
+        other.publish(LOW)
+        goal = other.http.post("/dock").raise_for_status().json()
+        with gateway.stream(f"?goal_id={goal['goal_id']}") as stream:
+            stream.until_type("feedback")
+        ignored = action_of(gateway)["unknown_goals_ignored"]
+        answers_while_flooded(gateway)
+        assert gateway.wait_for_goal(goal["goal_id"], "canceled")["origin"] == "external"
+        assert action_of(gateway)["unknown_goals_ignored"] > ignored
+        publishers = gateway.process.output.count("unknown goals in")
+        assert publishers in (1, 2), "it is told once for each topic"
+        assert len(externals(gateway)) <= 1 + 4 * MAX_UNKNOWN, "a limit for each publisher and period"
+        metrics = gateway.http.get("/metrics").text
+        assert "dock_gateway_unknown_goals_ignored_total 0.0" not in metrics
+
+
+def action_of(gateway: RunningGateway) -> dict[str, Any]:
+    answer: dict[str, Any] = gateway.http.get(f"/actions{ACTION}").json()
+    return answer
+
+
+def externals(gateway: RunningGateway) -> list[dict[str, Any]]:
+    goals = gateway.http.get("/goals?limit=500").raise_for_status().json()["goals"]
+    return [goal for goal in goals if goal["origin"] == "external"]
 
 
 def test_a_battery_state_that_is_too_large_is_not_read(gateway: RunningGateway, shared_domain: int) -> None:

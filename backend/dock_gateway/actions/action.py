@@ -89,6 +89,16 @@ class Action:
         return time.monotonic() - self.last_seen
 
     @property
+    def unknown_goals_ignored(self) -> int:
+        """Number of goals in status messages, and of feedback messages, that named too many unknown goals."""
+        return 0 if self.port.listener is None else self.port.listener.admission.ignored
+
+    @property
+    def hint(self) -> str | None:
+        """What is wrong with what is heard on it, without a full stop; None if nothing is."""
+        return None if self.port.listener is None else self.port.listener.excess
+
+    @property
     def family(self) -> str:
         """Who defines the type of a docking action; empty for all others."""
         return "" if self.adapter is None else self.adapter.family

@@ -20,6 +20,9 @@ Message = Callable[[Now, Goal], None]
 # Goals adopted in one batch, and seconds between two batches: 100 goals/s. All waiting goals are looked up together.
 # Those that have ended are settled at once and do not count towards the batch.
 BATCH, BATCH_INTERVAL = 50, 0.5
+# A result is requested for each goal, and an action server queues only 10 requests (ROS's default). So many goals are
+# adopted before a pause, in seconds.
+REQUESTS_AT_ONCE, REQUEST_PAUSE = 5, 0.02
 # Maximum number of goals that wait to be looked up, and of messages that wait with each.
 MAX_NEWCOMERS, MAX_MESSAGES = 1000, 100
 # Seconds that a running goal is held back while the history does not answer, and seconds between two lookups then.
@@ -56,6 +59,10 @@ class Newcomers:
     def __iter__(self) -> Iterator[str]:
         """Iterate over the ids of the goals to look up."""
         return iter(self._waiting)
+
+    def __contains__(self, goal_id: object) -> bool:
+        """Return whether a goal waits; thread-safe."""
+        return goal_id in self._waiting
 
     def hear(self, goal_id: str, message: Message, *, created_ns: int, running: bool, now: float) -> None:
         """Take a message about a goal that is not tracked."""

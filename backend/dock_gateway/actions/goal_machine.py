@@ -127,6 +127,10 @@ class GoalMachine:
         """Return the goals that have not ended, oldest first."""
         return [goal for goal in self.live.values() if not goal.status.terminal]
 
+    def tracks(self, goal_id: str) -> bool:
+        """Return whether a goal is tracked, or is being looked up; thread-safe."""
+        return goal_id in self.live or goal_id in self.newcomers
+
     def ended(self, goal_id: str) -> bool:
         """Return whether the goal is known to have ended for good."""
         return goal_id in self._ended

@@ -99,7 +99,7 @@ class ActionRegistry:
         self._changed = asyncio.Event()
         self._unfinished: dict[str, dict[str, Goal]] = {}  # by action and id
         self._started = time.monotonic()
-        self._dropped_before = 0  # feedback of actions that have been removed
+        self._dropped_before = self._ignored_before = 0  # on actions that have been removed
 
     def expect(self, goals: list[Goal]) -> None:
         """Take over goals that were running when the gateway ended, each once, when its action appears.
@@ -166,8 +166,9 @@ class ActionRegistry:
         try:
             for goal in unfinished.values():
                 action.tracker.take_up(goal)
+            tracker = action.tracker
             await self._bridge.call(
-                lambda: port.listen(action.tracker.on_status, action.tracker.on_feedback, action.on_loss)
+                lambda: port.listen(tracker.on_status, tracker.on_feedback, action.on_loss, tracker.known)
             )
         except BaseException:
             await self._forget(action)
@@ -235,6 +236,7 @@ class ActionRegistry:
         log.info("action %s left the ROS graph", action.name)
         del self._actions[action.name]
         self._dropped_before += action.feedback_dropped
+        self._ignored_before += action.unknown_goals_ignored
         await action.close()
         self._bridge.to_ros(action.port.close)
 
@@ -339,6 +341,11 @@ class ActionRegistry:
     def feedback_dropped(self) -> int:
         """Number of feedback messages of all actions not read since the gateway started."""
         return self._dropped_before + sum(action.feedback_dropped for action in self._actions.values())
+
+    @property
+    def unknown_goals_ignored(self) -> int:
+        """Number of messages of all actions about too many unknown goals since the gateway started."""
+        return self._ignored_before + sum(action.unknown_goals_ignored for action in self._actions.values())
 
     def duplicates(self) -> list[str]:
         """Return the names of the actions with more than one action server."""

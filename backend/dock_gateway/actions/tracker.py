@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import Concatenate, ParamSpec
 from weakref import WeakValueDictionary
 
+from dock_gateway.actions.adoption import REQUEST_PAUSE, REQUESTS_AT_ONCE
 from dock_gateway.actions.goal_machine import AwaitResult, GoalMachine, News, Notify, Publish, PublishEnd, Store
 from dock_gateway.actions.results import Results
 from dock_gateway.core.dock_adapters.adapter import DockAdapter
@@ -21,6 +22,7 @@ from dock_gateway.core.hub import Hold, Hub
 from dock_gateway.core.tasks import PendingFacts, Tasks
 from dock_gateway.history import History
 from dock_gateway.ros.action_port import ActionPort
+from dock_gateway.ros.admission import KnownGoals
 from dock_gateway.ros.status import StatusReport
 
 log = logging.getLogger(__name__)
@@ -57,6 +59,7 @@ class GoalTracker:
     Attributes:
         live: The running goals, and lost ones that may return.
         taken_up: Ids of goals from before a restart.
+        known: Tells which goals are known, on any thread.
         on: The functions to call with a goal, by what happened to it.
         last_heard: When the action server last gave a sign of life, on the monotonic clock.
         tasks: Background tasks, which run until the tracker is closed.
@@ -73,6 +76,7 @@ class GoalTracker:
         remark: Callable[[], str] = str,
     ) -> None:
         self._machine = GoalMachine(port.action_name, port.action_type, hub.clock.stamp, Now.read(), adapter)
+        self.known: KnownGoals = self._machine
         self.new_goal = self._machine.new_goal
         self.live = self._machine.live
         self.taken_up = self._machine.taken_up
@@ -164,13 +168,15 @@ class GoalTracker:
             while newcomers:
                 known = await self._known(asked := list(newcomers))
                 ready, pause = newcomers.ready(asked, known, time.monotonic())
-                for goal_id in ready:
+                for number, goal_id in enumerate(ready, 1):
                     try:
                         self._adopt(goal_id, (known or {}).get(goal_id))
                     except Exception:
                         log.exception("while adopting goal %s", goal_id, extra={"goal_id": goal_id})
                     if self._machine.ended(goal_id):
                         self._let_go(goal_id)
+                    elif number % REQUESTS_AT_ONCE == 0:
+                        await asyncio.sleep(REQUEST_PAUSE)
                 await asyncio.sleep(pause)
         finally:
             self._looking_up = False

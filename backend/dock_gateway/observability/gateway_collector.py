@@ -42,6 +42,11 @@ class GatewayCollector(Collector):
             "Feedback messages that were too large or came too fast to be read",
             self._parts.actions.feedback_dropped,
         )
+        yield _counter(
+            "unknown_goals_ignored",
+            "Goals in status messages, and feedback messages, beyond the limit of unknown goals of one node",
+            self._parts.actions.unknown_goals_ignored,
+        )
 
     def _history(self) -> Iterator[Metric]:
         stats = self._parts.history.stats()

@@ -8,7 +8,7 @@ import asyncio
 import time
 import uuid
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,22 +21,21 @@ from unique_identifier_msgs.msg import UUID
 from dock_gateway.core.errors import Unavailable
 from dock_gateway.core.goal import FROM_ROS, GoalError, Json, ResultAnswer
 from dock_gateway.ros.action_link import ActionLink, ServerPresence
-from dock_gateway.ros.bridge import Bridge, PendingCall, guard
-from dock_gateway.ros.listener import Unread
-from dock_gateway.ros.losses import Losses, OnLoss
+from dock_gateway.ros.admission import NO_GOALS, KnownGoals
+from dock_gateway.ros.bridge import Bridge, PendingCall
+from dock_gateway.ros.goal_listener import GoalListener, OnFeedback, OnStatus
+from dock_gateway.ros.losses import OnLoss
 from dock_gateway.ros.messages.codec import codec
 from dock_gateway.ros.messages.interfaces import load_action
-from dock_gateway.ros.status import StatusReader, StatusReport, text_of
+from dock_gateway.ros.status import text_of
 
 # Seconds that a server has for an answer when it is tried through another participant, seconds between two looks, and
 # seconds for the server to be found through the common participant.
 ANSWER_WITHIN, LOOK_INTERVAL, HOME_WITHIN = 1.0, 0.1, 5.0
 
-# Bytes before the goal id, the first field of a feedback message, and bytes of the id.
-HEADER, ID_SIZE = 4, 16
-
-OnStatus = Callable[[list[StatusReport], int], None]
-OnFeedback = Callable[[str, Json, int], None]
+# The maximum number of unanswered requests to cancel single goals: an action server queues only 10 (ROS's default), and
+# drops others, such as the request to cancel all goals.
+CANCELS_AT_ONCE = 5
 
 
 @dataclass(frozen=True)
@@ -81,6 +80,7 @@ class ActionPort:
             answer, on the monotonic clock; None if it has answered. Requests for results are not counted, because
             they are answered when the goal ends.
         answered: Whether the server has ever answered.
+        listener: Hears all its goals; None before `listen`.
     """
 
     def __init__(self, bridge: Bridge, action_name: str, kind: ActionKind) -> None:
@@ -96,43 +96,34 @@ class ActionPort:
         # Sending serializes the request at once, so it can be reused: it is expensive to create.
         self._goal_request = self._impl.SendGoalService.Request()
         self._canceling: set[PendingCall] = set()
-        self._newest_stamp = 0
+        self._cancels = asyncio.Semaphore(CANCELS_AT_ONCE)
+        self.listener: GoalListener | None = None
         # It is kept while another link is used: creating and destroying it may block while robots are unreachable.
         self._home = self._link = ActionLink(bridge, action_name, self._impl)
 
-    def listen(self, on_status: OnStatus, on_feedback: OnFeedback, on_loss: OnLoss) -> None:
+    def listen(
+        self, on_status: OnStatus, on_feedback: OnFeedback, on_loss: OnLoss, goals: KnownGoals = NO_GOALS
+    ) -> None:
         """Start listening to all goals.
 
         Args:
             on_status: Called on the loop with the changes in a status message and its source timestamp in ns.
             on_feedback: Called on the loop with a goal id, the feedback as JSON and the source timestamp in ns.
             on_loss: Called on the loop with a goal id, why its feedback was not read, and the number of messages.
+            goals: The goals that are known.
         """
-        losses = Losses(self._bridge, on_loss)
-        inbox = self._bridge.inbox(lambda goal_id, *_: losses.count(goal_id, Unread.TOO_FAST))
-
-        def listen(link: ActionLink) -> None:
-            statuses = StatusReader()
-
-            def refuse_feedback(message: bytes, why: Unread) -> None:
-                if link is self._link:
-                    losses.count(text_of(message[HEADER : HEADER + ID_SIZE]), why)
-
-            def hear_feedback(message: Any, info: dict[str, Any]) -> None:
-                stamp = info["source_timestamp"]
-                if link is not self._link or stamp == self._newest_stamp:  # received through two links
-                    return
-                self._newest_stamp = stamp
-                feedback = self._feedback_codec.encode(message.feedback)
-                inbox.offer(len(feedback), on_feedback, to_text(message.goal_id), feedback, stamp)
-
-            def hear_status(message: bytes, info: dict[str, Any]) -> None:
-                inbox.put(on_status, statuses.read(message), info["source_timestamp"])
-
-            link.listen(guard(hear_feedback, refuse_feedback), guard(hear_status))
-
-        self._listen = listen
-        listen(self._link)
+        self.listener = GoalListener(
+            self._bridge,
+            self.action_name,
+            self._feedback_codec,
+            goals,
+            on_status=on_status,
+            on_feedback=on_feedback,
+            on_loss=on_loss,
+            uses=lambda link: link is self._link,
+        )
+        self._listen = self.listener.listen
+        self._listen(self._link)
 
     def close(self) -> None:
         """Leave the action."""
@@ -277,7 +268,7 @@ class ActionPort:
         Raises:
             TimeoutError: The server did not answer.
         """
-        async with asyncio.timeout(timeout):
+        async with asyncio.timeout(timeout), self._cancels if goal_id is not None else nullcontext():
             while True:
                 with suppress(LeftError):
                     return await self._cancel(self._link, goal_id)

@@ -8,6 +8,7 @@ call the loop only through `call_soon_threadsafe`. The other modules need not kn
 import asyncio
 import logging
 import os
+import sys
 import threading
 import time
 from collections import deque
@@ -33,6 +34,9 @@ T = TypeVar("T")
 
 # The maximum number of branches, each with about ten threads.
 MAX_BRANCHES = 4
+# Seconds after which a thread that computes lets another one run. A stop waits for the loop some ten times; with
+# Python's default of 5 ms, each time for so long while a listener is busy.
+SWITCH_INTERVAL = 0.001
 # Fast DDS drops a message that it cannot send at once. If it waited, as it does otherwise, it would block every thread
 # for seconds while robots are unreachable. Reliable messages are sent again. Not needed, and not used, with LOCALHOST.
 TRANSPORTS = "DEFAULT?non_blocking=true"
@@ -139,6 +143,7 @@ class Bridge:
 
     def start(self) -> None:
         """Start spinning. Publishers, clients and subscriptions are best created before."""
+        sys.setswitchinterval(SWITCH_INTERVAL)
         for thread in (self._thread, self._messages, self._answers):
             thread.start()
 
@@ -325,13 +330,16 @@ def _settle(future: "asyncio.Future[T]", result: T, error: BaseException | None)
 
 
 def guard(
-    callback: Callable[..., None], unread: Callable[[bytes, Unread], None] = lambda *_: None
+    callback: Callable[..., None],
+    unread: Callable[[bytes, Unread], None] = lambda *_: None,
+    wants: Callable[[bytes, dict[str, Any]], bool] = lambda *_: True,
 ) -> Callable[..., None]:
     """Wrap a subscription's callback so that its exceptions are logged and go no further.
 
     Args:
-        callback: Called with each message and its `message_info`.
+        callback: Called with each message and its info, as in `Buffer`.
         unread: Called with the bytes of each message that was not read, and the reason.
+        wants: Returns whether to read a message, by its first bytes and its info. It must not raise.
     """
 
     def guarded(message: Any, info: Any) -> None:
@@ -342,6 +350,7 @@ def guard(
 
     guarded.guarded = True  # type: ignore[attr-defined]
     guarded.unread = unread  # type: ignore[attr-defined]
+    guarded.wants = wants  # type: ignore[attr-defined]
     return guarded
 
 

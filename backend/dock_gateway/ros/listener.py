@@ -28,6 +28,7 @@ from rclpy.serialization import deserialize_message
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 
+from dock_gateway.ros.taking import Buffer
 from dock_gateway.ros.threads import RosThread
 
 log = logging.getLogger(__name__)
@@ -36,6 +37,8 @@ log = logging.getLogger(__name__)
 BURST, TURN = 100, 0.005
 # After a message that takes longer than SLOW seconds, messages of more than LARGE bytes are not read for a while.
 SLOW, LARGE = 0.005, 10_000
+# The first bytes of a message, by which a callback decides whether it wants it.
+HEAD = 32
 # The number of requests per client that are remembered, to detect a second response.
 REMEMBERED = 100
 # That pause, as a multiple of the time that the message took.
@@ -171,6 +174,7 @@ class MessageListener(Listener[Subscription]):
     def __init__(self, name: str, context: Context, max_bytes: int) -> None:
         super().__init__(name, context)
         self._max_bytes = max_bytes
+        self._buffer = Buffer()
         self._rests_until: WeakKeyDictionary[Subscription, float] = WeakKeyDictionary()
 
     def _wait_set(self, size: int) -> Any:
@@ -185,23 +189,25 @@ class MessageListener(Listener[Subscription]):
     def _take(self, entity: Subscription) -> bool:
         if take := getattr(entity.callback, "take", None):
             return bool(take(entity))
-        taken = entity.handle.take_message(entity.msg_type, True)
-        if taken is None:
+        buffer = self._buffer
+        if not buffer.take(entity):
             return False
-        data, info = taken
+        info, callback = buffer.info, entity.callback
+        if not callback.wants(buffer.read(HEAD), info):
+            return True
         if entity.raw:
-            entity.callback(data, info)
-        elif (why := self._refuse(entity, data)) is not None:
-            log.warning("a message of %d bytes on %s is not read: %s", len(data), entity.topic_name, why)
-            entity.callback.unread(data, why)
+            callback(buffer.read(), info)
+        elif (why := self._refuse(entity, buffer.size)) is not None:
+            log.warning("a message of %d bytes on %s is not read: %s", buffer.size, entity.topic_name, why)
+            callback.unread(buffer.read(), why)
         else:
-            self._read(entity, data, info)
+            self._read(entity, buffer.read(), info)
         return True
 
-    def _refuse(self, entity: Subscription, data: bytes) -> Unread | None:
-        if len(data) > self._max_bytes:
+    def _refuse(self, entity: Subscription, size: int) -> Unread | None:
+        if size > self._max_bytes:
             return Unread.TOO_LARGE
-        if len(data) > LARGE and time.monotonic() < self._rests_until.get(entity, 0.0):
+        if size > LARGE and time.monotonic() < self._rests_until.get(entity, 0.0):
             return Unread.TOO_FAST
         return None
 

@@ -6,14 +6,17 @@ message of 3,000 goals, without a break; reading the bytes takes 2 ms. Only the 
 
 import heapq
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from operator import itemgetter
 
 from dock_gateway.core.goal import FROM_ROS, GoalStatus
 
 # The maximum number of goals reported per message. The rest is reported with the next message.
 MAX_REPORTS = 1000
+# Seconds between two messages without news that are passed on.
+LIFE_INTERVAL = 0.2
+# The rank of a goal that has not changed; lower ones come first.
+KNOWN = 2
 
 # First bytes of a message → byte order; CDR and XCDR2.
 _ENCODINGS = {b"\0\0": ">", b"\0\1": "<", b"\0\6": ">", b"\0\7": "<"}
@@ -32,14 +35,20 @@ class StatusReport:
 
 
 class StatusReader:
-    """Reads the status messages of one action and reports the changes.
+    """Reads the status messages of one publisher and reports the changes.
 
     Running goals are reported with every message, as a sign of life; ended goals only once. If there are more than
     `MAX_REPORTS`, running goals that changed come first, then ended ones, then unchanged ones; the newest of each.
+
+    Args:
+        admits: Returns whether to report a goal, by the bytes of its id. If not, it is new in the next message again.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, admits: Callable[[bytes], bool] = lambda _: True) -> None:
+        self._admits = admits
         self._reports: dict[bytes, StatusReport] = {}
+        self._is_news = False
+        self._told_at = float("-inf")
 
     def read(self, message: bytes) -> list[StatusReport]:
         """Return the goals to report from a message, in its order.
@@ -48,21 +57,36 @@ class StatusReader:
             ValueError: It is not a status message.
         """
         before, self._reports = self._reports, {}
-        news: list[tuple[int, int, int, bytes, StatusReport]] = []
+        news: list[tuple[int, int, int, bytes, GoalStatus]] = []
         for index, (goal_id, accepted_ns, status) in enumerate(_goals(message)):
             report = before.get(goal_id)
             known = report is not None and (report.status, report.accepted_ns) == (status, accepted_ns)
-            if report is None or not known:
-                report = StatusReport(text_of(goal_id), status, accepted_ns)
-            else:
+            if report is not None and known:
                 self._reports[goal_id] = report
             if not (known and status.terminal):
-                rank = 2 if known else 1 if status.terminal else 0
-                news.append((rank, -accepted_ns, index, goal_id, report))
-        if len(news) > MAX_REPORTS:
-            news = sorted(heapq.nsmallest(MAX_REPORTS, news), key=itemgetter(2))
-        self._reports.update((goal_id, report) for *_, goal_id, report in news)
-        return [report for *_, report in news]
+                rank = KNOWN if known else 1 if status.terminal else 0
+                news.append((rank, -accepted_ns, index, goal_id, status))
+        told = heapq.nsmallest(MAX_REPORTS, news) if len(news) > MAX_REPORTS else sorted(news)
+        reports: dict[int, StatusReport] = {}
+        self._is_news = False
+        for rank, age, index, goal_id, status in told:
+            if rank == KNOWN:
+                reports[index] = self._reports[goal_id]
+            elif self._admits(goal_id):
+                reports[index] = self._reports[goal_id] = StatusReport(text_of(goal_id), status, -age)
+                self._is_news = True
+        return [reports[index] for index in sorted(reports)]
+
+    def worth_telling(self, now: float) -> bool:
+        """Return whether the last message brought news, or is the first for a while and so a sign of life.
+
+        Args:
+            now: Seconds on the monotonic clock.
+        """
+        if not self._is_news and now - self._told_at < LIFE_INTERVAL:
+            return False
+        self._told_at = now
+        return True
 
 
 def _goals(message: bytes) -> Iterator[tuple[bytes, int, GoalStatus]]:

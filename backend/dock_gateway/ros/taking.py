@@ -1,7 +1,7 @@
-"""Takes std_msgs/Bool messages with the id of their publisher, which this rclpy does not tell."""
+"""Takes messages with the id of their publisher, which this rclpy does not tell."""
 
 import ctypes
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rclpy.subscription import Subscription
 
@@ -30,9 +30,30 @@ class Taken(NamedTuple):
     publisher: bytes
 
 
-_rcl_take = ctypes.CDLL("librcl.so").rcl_take
-_rcl_take.argtypes = [ctypes.c_void_p] * 4
-_rcl_take.restype = ctypes.c_int
+class _Allocator(ctypes.Structure):
+    """rcutils_allocator_t: four functions and their state."""
+
+    _fields_ = tuple((name, ctypes.c_void_p) for name in ("allocate", "free", "grow", "zero", "state"))
+
+
+class _Bytes(ctypes.Structure):
+    """rcutils_uint8_array_t."""
+
+    _fields_ = (
+        ("buffer", ctypes.c_void_p),
+        ("length", ctypes.c_size_t),
+        ("capacity", ctypes.c_size_t),
+        ("allocator", _Allocator),
+    )
+
+
+_rcl, _rcutils = ctypes.CDLL("librcl.so"), ctypes.CDLL("librcutils.so")
+_rcl_take, _rcl_take_bytes = _rcl.rcl_take, _rcl.rcl_take_serialized_message
+for _take in (_rcl_take, _rcl_take_bytes):
+    _take.argtypes = [ctypes.c_void_p] * 4
+    _take.restype = ctypes.c_int
+_rcutils.rcutils_get_default_allocator.restype = _Allocator
+_RCL_RET_OK, _RCL_RET_SUBSCRIPTION_TAKE_FAILED = 0, 401
 
 
 def take_bool(subscription: Subscription) -> Taken | None:
@@ -47,3 +68,42 @@ def take_bool(subscription: Subscription) -> Taken | None:
     if failed:
         return None
     return Taken(data.value, info.publication_sequence_number, info.source_timestamp, bytes(info.gid))
+
+
+class Buffer:
+    """Takes encoded messages, one at a time, and copies only what is asked for. For one thread.
+
+    Attributes:
+        info: About the message: its `source_timestamp` in ns, and its `publisher`, an `endpoint_gid`.
+    """
+
+    def __init__(self) -> None:
+        self.info: dict[str, Any] = {}
+        self._info = _MessageInfo()
+        self._bytes = _Bytes(allocator=_rcutils.rcutils_get_default_allocator())
+        self._addresses = ctypes.addressof(self._bytes), ctypes.addressof(self._info)
+
+    @property
+    def size(self) -> int:
+        """Size of the message in bytes."""
+        return int(self._bytes.length)
+
+    def take(self, subscription: Subscription) -> bool:
+        """Take the next message of a subscription, whose handle the caller holds; return False if there is none.
+
+        Raises:
+            RuntimeError: ROS fails.
+        """
+        code = _rcl_take_bytes(subscription.handle.pointer, *self._addresses, None)
+        if code == _RCL_RET_SUBSCRIPTION_TAKE_FAILED:
+            return False
+        if code != _RCL_RET_OK:
+            _rcutils.rcutils_reset_error()
+            raise RuntimeError(f"a message on {subscription.topic_name} could not be taken: rcl returned {code}")
+        self.info = {"source_timestamp": self._info.source_timestamp, "publisher": bytes(self._info.gid)}
+        return True
+
+    def read(self, limit: int | None = None) -> bytes:
+        """Return the message, or its first bytes."""
+        size = self.size if limit is None else min(limit, self.size)
+        return ctypes.string_at(self._bytes.buffer, size)

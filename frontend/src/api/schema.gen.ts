@@ -1609,7 +1609,9 @@ export interface components {
         };
         /**
          * ActionInfo
-         * @description An action on the graph; `hint` says what to install if its package is missing.
+         * @description An action on the graph.
+         *
+         *     `hint` says what to install if its package is missing, or which node names too many unknown goals.
          */
         ActionInfo: {
             /** Action Name */
@@ -1632,6 +1634,8 @@ export interface components {
             running_goals: number;
             /** Feedback Dropped */
             feedback_dropped: number;
+            /** Unknown Goals Ignored */
+            unknown_goals_ignored: number;
         };
         /**
          * ActionInterface

@@ -17,7 +17,8 @@ from dock_gateway.core.goal import Goal, GoalError, GoalStatus
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import MemoryHistory
-from dock_gateway.ros.action_port import CancelAnswer, StatusReport
+from dock_gateway.ros.action_port import CancelAnswer
+from dock_gateway.ros.status import StatusReport
 from dock_gateway.settings import Settings
 from tests.support.waiting import until
 

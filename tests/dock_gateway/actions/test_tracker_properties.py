@@ -19,7 +19,7 @@ from dock_gateway.core.goal import FROM_ROS, Goal, GoalError, GoalStatus
 from dock_gateway.core.hub import Hub
 from dock_gateway.core.tasks import PendingFacts
 from dock_gateway.history import MemoryHistory
-from dock_gateway.ros.action_port import StatusReport
+from dock_gateway.ros.status import StatusReport
 from tests.support.tracking import A, B, FakePort
 
 GOALS = st.sampled_from([A, B])

@@ -121,6 +121,26 @@ def test_a_message_that_is_too_large_is_not_read(node: ListeningNode) -> None:
     assert why is Unread.TOO_LARGE
 
 
+def test_messages_that_are_not_wanted_are_not_read(node: ListeningNode) -> None:
+    heard: list[str] = []
+    seen: list[tuple[bytes, bytes]] = []
+
+    def wants(head: bytes, info: dict[str, Any]) -> bool:
+        seen.append((head, info["publisher"]))
+        return b"no" not in head
+
+    publisher = node.create_publisher(String, "texts", 10)
+    callback = guard(lambda message, _: heard.append(message.data), wants=wants)
+    node.create_subscription(String, "texts", callback, 10)
+    wait_for(lambda: publisher.get_subscription_count() == 1)
+    for text in ("no", "yes", "no" * MAX_BYTES, "yes"):
+        publisher.publish(String(data=text))
+    wait_for(lambda: heard == ["yes", "yes"])
+    assert [len(head) for head, _ in seen] == [11, 12, 32, 12]
+    (info,) = node.get_publishers_info_by_topic("/texts")
+    assert {gid for _, gid in seen} == {bytes(info.endpoint_gid)}
+
+
 def test_large_messages_that_take_long_leave_most_of_the_time_to_others(node: ListeningNode) -> None:
     heard: list[int] = []
     unread: list[Unread] = []

@@ -88,3 +88,26 @@ def test_of_too_many_goals_those_that_run_come_first_then_the_newest(monkeypatch
     running = [(goal(number), number, RUNNING) for number in range(10, 15)]
     assert numbers(reader.read(message(*entries, *running))) == [12, 13, 14]
     assert numbers(reader.read(message(*entries, *running))) == [10, 11, 14]
+
+
+def test_goals_that_are_not_admitted_are_news_again_in_the_next_message() -> None:
+    admitted: set[bytes] = set()
+    reader = StatusReader(admitted.__contains__)
+    both = message((goal(1), 1, RUNNING), (goal(2), 1, ENDED))
+    assert reader.read(both) == []
+    admitted.add(goal(2).bytes)
+    assert numbers(reader.read(both)) == [2]
+    admitted.add(goal(1).bytes)
+    assert numbers(reader.read(both)) == [1]
+
+
+def test_messages_without_news_are_told_now_and_then() -> None:
+    reader = StatusReader()
+    running = message((goal(1), 1, RUNNING))
+    reader.read(running)
+    assert reader.worth_telling(0.0)
+    reader.read(running)
+    assert not reader.worth_telling(module.LIFE_INTERVAL / 2)
+    assert reader.worth_telling(module.LIFE_INTERVAL)
+    reader.read(message((goal(1), 1, ENDED)))
+    assert reader.worth_telling(module.LIFE_INTERVAL), "a change is told at once"

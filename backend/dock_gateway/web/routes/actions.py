@@ -43,9 +43,10 @@ def describe(action: Action) -> dict[str, object]:
         "answering": state.answering,
         "duplicate": state.duplicate,
         "installed": True,
-        "hint": None,
+        "hint": action.hint,
         "running_goals": len(action.tracker.running()),
         "feedback_dropped": action.feedback_dropped,
+        "unknown_goals_ignored": action.unknown_goals_ignored,
     }
 
 
@@ -75,6 +76,7 @@ async def list_actions(gateway: TheGateway, grant: TheGrant, *, hidden: HiddenQu
             "hint": entry.hint,
             "running_goals": 0,
             "feedback_dropped": 0,
+            "unknown_goals_ignored": 0,
         }
         for entry in gateway.actions.uninstalled()
         if listed(entry.name, entry.verb)

@@ -15,13 +15,17 @@ class ActionServer(Schema):
 
 
 class ActionInfo(ActionServer):
-    """An action on the graph; `hint` says what to install if its package is missing."""
+    """An action on the graph.
+
+    `hint` says what to install if its package is missing, or which node names too many unknown goals.
+    """
 
     verb: Verb | None
     installed: bool
     hint: str | None
     running_goals: int
     feedback_dropped: int
+    unknown_goals_ignored: int
 
 
 class ActionList(Schema):
