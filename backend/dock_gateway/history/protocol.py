@@ -32,7 +32,8 @@ class HistoryStats:
         spooled: Entries of the spool that are not in the database yet.
         dropped: Feedback and battery events dropped since the start because memory was full.
         database_reachable: Whether the last access to the database succeeded.
-        last_error: The database's last error; without one, the detail of the incident.
+        last_error: The database's last error, or the detail of the incident, and what it is busy with while it does not
+            answer. Never None while it is not reachable.
     """
 
     waiting: int = 0

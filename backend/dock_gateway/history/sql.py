@@ -311,13 +311,14 @@ class SqlHistory:
 
     def stats(self) -> HistoryStats:
         """Return the state of the history."""
-        incident = self.incident
+        incident, writer = self.incident, self._writer
+        reasons = (writer.last_error or (incident.detail if incident else None), writer.awaited)
         return HistoryStats(
             waiting=len(self._waiting),
             spooled=self._spool.count,
             dropped=self._waiting.dropped,
             database_reachable=self._writer.reachable and not self._writer.slow,
-            last_error=self._writer.last_error or (incident.detail if incident else None),
+            last_error="; ".join(filter(None, reasons)) or None,
         )
 
     async def close(self) -> None:

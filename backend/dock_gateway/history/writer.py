@@ -3,8 +3,8 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 
 import sqlalchemy.exc as sa_errors
@@ -25,6 +25,7 @@ BATCH_INTERVAL = 0.2  # Seconds to collect a batch before it is written.
 BATCH_PATIENCE = 0.3  # Seconds that new goals, which are written first, may delay the rest.
 # Seconds until entries that must be kept, and are not in the database yet, go to the spool.
 SPOOL_AFTER = 0.5
+SAY_AFTER = 2.0  # Seconds after which an access to the database that still runs is logged.
 RETRY_FIRST, RETRY_LAST = 0.1, 2.0  # Seconds before the first retry, and at most.
 
 
@@ -48,6 +49,7 @@ class Writer:
         self._spool = spool
         self._waiting = waiting
         self._on_loss = on_loss
+        self._running: tuple[str, float] | None = None  # what the database does, and since when
         self._waiting_since = 0.0
         self._tickets: dict[asyncio.Future[None], str] = {}  # one per waiter → id of its goal
         self._wake = asyncio.Event()
@@ -59,6 +61,31 @@ class Writer:
     def start(self) -> None:
         """Start the background tasks."""
         self._tasks = [asyncio.create_task(self._write_on()), asyncio.create_task(self._spool_on())]
+
+    @property
+    def awaited(self) -> str | None:
+        """What the database does that keeps it from being reachable, without a full stop; None if it is reachable."""
+        if self.reachable and not self.slow:
+            return None
+        if self._running is not None:
+            what, since = self._running
+            return f"{what} has been running for {time.monotonic() - since:.1f} s"
+        return None if self.last_error else "the database has not been used yet"
+
+    @contextmanager
+    def _run(self, what: str) -> Iterator[None]:
+        """Note what the database does meanwhile, and log it if it takes long."""
+        self._running = (what, time.monotonic())
+        saying = asyncio.get_running_loop().call_later(SAY_AFTER, self._say_running)
+        try:
+            yield
+        finally:
+            saying.cancel()
+            self._running = None
+
+    def _say_running(self) -> None:
+        if (awaited := self.awaited) is not None:
+            log.warning("the history database does not answer: %s", awaited)
 
     def notice(self, *, must_keep: bool) -> None:
         """Note that `waiting` has a new entry."""
@@ -154,8 +181,9 @@ class Writer:
         """Write all pending entries, or only the awaited goals if `urgent`; return False if the database fails."""
         try:
             if not self._database.prepared:
-                async with asyncio.timeout(WRITE_TIMEOUT):
-                    await self._database.prepare()
+                with self._run("the opening of the database"):
+                    async with asyncio.timeout(WRITE_TIMEOUT):
+                        await self._database.prepare()
             if self._database.lost:
                 self._database.lost = False
                 self._on_loss()
@@ -191,8 +219,9 @@ class Writer:
 
     async def _write(self, batch: Batch) -> None:
         try:
-            async with asyncio.timeout(WRITE_TIMEOUT):
-                await self._database.write(queries.write, batch, durable=batch.must_keep)
+            with self._run("a write"):
+                async with asyncio.timeout(WRITE_TIMEOUT):
+                    await self._database.write(queries.write, batch, durable=batch.must_keep)
         except (sa_errors.StatementError, ValueError) as error:
             if not is_about_data(error):
                 raise
@@ -202,8 +231,9 @@ class Writer:
         """Write each entry alone, because the database refuses one of them; log that one."""
         for part in batch.split():
             try:
-                async with asyncio.timeout(WRITE_TIMEOUT):
-                    await self._database.write(queries.write, part)
+                with self._run("a write"):
+                    async with asyncio.timeout(WRITE_TIMEOUT):
+                        await self._database.write(queries.write, part)
             except (sa_errors.StatementError, ValueError) as error:
                 if not is_about_data(error):
                     raise

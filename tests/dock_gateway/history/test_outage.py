@@ -74,6 +74,26 @@ def outage(request: pytest.FixtureRequest) -> tuple[str, Outage]:
     return url, (lambda: stopped(server)) if kind == "postgresql stopped" else server.frozen
 
 
+async def test_an_outage_has_a_reason_from_its_first_moment_on(outage: tuple[str, Outage], tmp_path: Path) -> None:
+    url, not_answering = outage
+    reasons: set[str | None] = set()
+
+    def look(history: SqlHistory) -> bool:
+        stats = history.stats()
+        if not stats.database_reachable:
+            reasons.add(stats.last_error)
+        return stats.database_reachable
+
+    async with happening(not_answering), open_at(url, tmp_path) as history:
+        look(history)
+        adding = asyncio.create_task(history.add(make_goal(0, GoalStatus.PENDING)))
+        await until(lambda: not look(history) and history.stats().spooled > 0)
+        await adding
+    assert None not in reasons
+    hangs = any("has been running for" in (reason or "") for reason in reasons)
+    assert hangs or "Connect call failed" in str(reasons)
+
+
 async def test_goals_go_on_and_arrive_later(outage: tuple[str, Outage], tmp_path: Path) -> None:
     url, not_answering = outage
     async with open_at(url, tmp_path) as history:
