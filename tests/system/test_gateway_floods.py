@@ -82,6 +82,7 @@ def test_goals_that_a_node_makes_up_are_ignored_before_they_cost_anything(domain
         other.wait_until_ready()
         other.publish(LOW)
         goal = other.http.post("/dock").raise_for_status().json()
+        wait_until(lambda: gateway.http.get(f"/goals/{goal['goal_id']}").status_code == 200, "the goal")
         with gateway.stream(f"?goal_id={goal['goal_id']}") as stream:
             stream.until_type("feedback")
         ignored = action_of(gateway)["unknown_goals_ignored"]
