@@ -1,5 +1,6 @@
 """Odometry of the last seconds: where the robot was when something was seen."""
 
+import math
 from bisect import bisect_right
 from collections import deque
 
@@ -30,15 +31,20 @@ class Track:
         """The newest; None before the first."""
         return self._samples[-1][1] if self._samples else None
 
+    @property
+    def latest_at(self) -> float:
+        """The moment of the newest; NaN before the first."""
+        return self._samples[-1][0] if self._samples else math.nan
+
     def add(self, measured_at: float, odometry: Odometry) -> None:
         """Take over a newer measurement; where it is older, time has begun anew.
 
         One of the same moment replaces the other: where no stamp is ever set, or a clock stands still, one is kept. But
-        the same message again is none: it says nothing of now.
+        the same message again is none where stamps went on before: it says nothing of now.
         """
         latest = self.latest
         same = latest is not None and (odometry.pose, odometry.velocity) == (latest.pose, latest.velocity)
-        if same and measured_at == self._samples[-1][0] != 0.0:
+        if same and len(self) > 1 and measured_at == self._samples[-1][0]:
             return
         if self._samples and measured_at < self._samples[-1][0]:
             self._samples.clear()

@@ -68,6 +68,5 @@ class ChargeRecord:
         then = "" if math.isnan(self._highest) else f", and up to {self._highest:.3g} A while it charged"
         return (
             f"the charge {what}, after {self._longest:.1f} s at most (charge_stable_for is {self._stable_for:g} s); the"
-            f" status is now {describe_status(self._status)}{now}{then}. Are the contacts clean, and does the robot stand"
-            " straight?"
+            f" status is now {describe_status(self._status)}{now}{then}. Are the contacts clean?"
         )

@@ -32,6 +32,7 @@ from docking.ros.footprint import FootprintPublisher
 from docking.ros.navigation import NavigationClient
 from docking.ros.parameters import declare_parameters
 from docking.ros.poses import PosePublishers
+from docking.ros.rivals import DRIVEN, Rivals
 from docking.ros.sensors import MARKER_TOPIC, Sensor, Sensors
 from docking.ros.stop_listener import StopListener
 from docking.ros.transforms import Transforms
@@ -107,6 +108,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         )
         declare_parameters(self, spec.settings, self._take_over, alias=NAV2_NODE)
         self._drive = Drive(self)
+        self._rivals = Rivals(self)
         self._diagnostics = Diagnostics(self, spec.action_name)
         self._server = IdentifyingActionServer(
             self,
@@ -238,6 +240,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         self._note = ""
         self._fed_back_at = -math.inf
         self._drive.begin()
+        self._rivals.look()
         handle.execute(partial(self._execute, execution))
         try:
             self._prepare(goal, settings)
@@ -361,18 +364,20 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
     # What is told.
 
     def _explained(self, event: Event) -> Event:
-        """With what is wrong with the sensors, or why there is no battery, where that may be the cause."""
+        """With what may be the cause: what is wrong with the sensors, who drives along, or why there is no battery."""
         if event.error_code in (ErrorCode.BATTERY_STALE, ErrorCode.BATTERY_LOST) and self._battery.latest is None:
             return replace(event, error_msg=f"{event.error_msg}; {self._battery_search.describe()}")
-        if event.error_code not in SENSED or not self._sensors.faults:
-            return event
-        return replace(event, error_msg="; ".join([event.error_msg, *self._sensors.faults.values()]))
+        faults: list[str] = list(self._sensors.faults.values()) if event.error_code in SENSED else []
+        if event.error_code in SENSED | DRIVEN:
+            faults += self._rivals.faults.values()
+        return replace(event, error_msg="; ".join([event.error_msg, *faults])) if faults else event
 
     def _feedback(self) -> Any:
         return self._spec.action_type.Feedback(current_battery_state=battery_message(self._battery))  # type: ignore[attr-defined]
 
     def _look_around(self) -> None:
         self._drive.look_again()
+        self._rivals.look()
         self._stops.look()
         self._repeat_report()
 
@@ -385,6 +390,7 @@ class ActionNode(LifecycleNode, Generic[S]):  # type: ignore[misc] # rclpy has n
         if self._note:
             topic = self.resolve_topic_name(MARKER_TOPIC)
             warnings[topic] = f"{topic}: {self._note}"
+        warnings |= self._rivals.faults
         if (deaf := self._drive.publisher.fault) is not None:
             warnings[self.resolve_topic_name("cmd_vel")] = deaf
         self._diagnostics.publish(report, self._sensors.faults, warnings)

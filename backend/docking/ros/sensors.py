@@ -152,7 +152,10 @@ class Sensors:
             raise ValueError("has a velocity that is not a number")
         self.odometry_frame = self._transforms.frame(message.header.frame_id)
         self._base_frame = self._transforms.frame(message.child_frame_id)
-        self._track.add(seconds_of(message.header.stamp), Odometry(pose, velocity, received))
+        measured_at = seconds_of(message.header.stamp)
+        if measured_at == 0.0:  # never set: what else is stamped is compared with the moment of arrival
+            measured_at = seconds_of(self._node.get_clock().now().to_msg())
+        self._track.add(measured_at, Odometry(pose, velocity, received))
 
     def _take_marker(self, message: PoseStamped, received: float) -> None:
         seen = transform_from(message.pose.position, message.pose.orientation)
@@ -184,7 +187,12 @@ class Sensors:
         try:
             return self._track.at(measured_at)
         except LookupError as error:
-            raise ValueError(f"is stamped {error}: do the clocks of their publishers agree?") from None
+            now, latest = seconds_of(self._node.get_clock().now().to_msg()), self._track.latest_at
+            odometry = self._node.resolve_topic_name("odom")
+            raise ValueError(
+                f"is stamped {error}: do the clocks of their publishers agree? By this machine's clock it is"
+                f" {_off(measured_at - now)}, and {odometry} is {_off(latest - now)}"
+            ) from None
 
     def _locate(self, frame: str, measured_at: float) -> tuple[str, Transform]:
         """One of odometry's two frames, and where a frame lies in it at a moment.
@@ -282,3 +290,8 @@ class Sensors:
             return None
         (left, center, right) = (self._ranges[name] for name in RECEIVERS)
         return InfraredReading(left[0], center[0], right[0], min(left[1], center[1], right[1]))
+
+
+def _off(seconds: float) -> str:
+    """How far a stamp is from now."""
+    return f"{abs(seconds):.2f} s {'in the future' if seconds > 0.0 else 'old'}"

@@ -103,11 +103,17 @@ def test_what_was_measured_belongs_to_odometry_of_its_moment_whenever_that_arriv
 
 def test_a_message_that_is_repeated_with_its_stamp_says_nothing_new() -> None:
     track = Track()
+    track.add(4.9, Odometry(Pose(0.98), Velocity(0.2), 9.9))
     for received in (10.0, 10.1, 10.2):
         track.add(5.0, Odometry(Pose(1.0), Velocity(0.2), received))
     assert track.latest == Odometry(Pose(1.0), Velocity(0.2), 10.0)
     track.add(5.0, Odometry(Pose(1.1), Velocity(0.2), 10.3))
     assert track.latest == Odometry(Pose(1.1), Velocity(0.2), 10.3), "a clock that stands still"
+
+
+@pytest.mark.parametrize("stamp", [0.0, 7.0])
+def test_a_stamp_that_never_went_on_does_not_make_messages_old(stamp: float) -> None:
+    track = Track()
     for received in (10.4, 10.5):
-        track.add(0.0, Odometry(Pose(1.1), Velocity(0.2), received))
-    assert track.latest == Odometry(Pose(1.1), Velocity(0.2), 10.5), "a stamp that is never set"
+        track.add(stamp, Odometry(Pose(1.1), Velocity(), received))
+    assert track.latest == Odometry(Pose(1.1), Velocity(), 10.5)
