@@ -190,7 +190,11 @@ class ActionRegistry:
                 action.last_seen = time.monotonic()
             unseen = action.unseen_for > FORGET_AFTER and not action.pinned
             replaced = types is not None and action.type not in types and not self._is_fixed(action)
-            if (unseen or replaced) and not action.tracker.live:
+            # A lost goal may return, but not to a server of another type.
+            expected = any(not (replaced and goal.status.terminal) for goal in action.tracker.live.values())
+            if (unseen or replaced) and not expected:
+                if types is not None and replaced:
+                    log.warning("action %s was of type %s, and is now of type %s", action.name, action.type, types[0])
                 await self._forget(action)
                 leaving.add(action.name)
         if self._unfinished and time.monotonic() - self._started > FORGET_AFTER:
