@@ -8,6 +8,7 @@ server has left the graph and is silent.
 
 import asyncio
 import logging
+import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -16,6 +17,7 @@ from dock_gateway.actions.duplicates import Duplicates
 from dock_gateway.actions.tracker import GoalTracker
 from dock_gateway.core.errors import Conflict, GatewayError, ServerTimeout, Unavailable
 from dock_gateway.core.goal import GoalError, GoalStatus
+from dock_gateway.core.ros_variables import DISCOVERY_SERVER_HINT, sees_part_of_graph
 from dock_gateway.settings import Settings
 
 log = logging.getLogger(__name__)
@@ -131,8 +133,9 @@ class ServerWatch:
         deadline = time.monotonic() + self._settings.server_wait
         while not (await self._tracker.port.presence()).available:
             if time.monotonic() >= deadline:
+                partly = f". {DISCOVERY_SERVER_HINT}" if sees_part_of_graph(os.environ) else ""
                 raise Unavailable(
-                    f"no action server for {self.state.action_name}: check that it runs in this ROS domain"
+                    f"no action server for {self.state.action_name}: check that it runs in this ROS domain{partly}"
                 )
             await asyncio.sleep(0.05)
         state = await self.look()

@@ -4,11 +4,14 @@ The server takes seconds to import. It is imported where it runs, so that client
 """
 
 import importlib
+import os
+from collections.abc import Mapping
 
 import click
 import orjson
 
 from dock_gateway.cli.options import read_settings, settings_options
+from dock_gateway.core import ros_variables
 from dock_gateway.settings import Settings
 
 
@@ -41,6 +44,17 @@ def check_exposure(settings: Settings) -> None:
         )
 
 
+def check_ros(environment: Mapping[str, str]) -> None:
+    """Refuse an environment in which no ROS node can start.
+
+    Raises:
+        click.UsageError: The message names the variable.
+    """
+    for finding in ros_variables.check(environment):
+        if finding.fatal:
+            raise click.UsageError(finding.sentence)
+
+
 @click.command()
 @settings_options
 def serve(**options: str | None) -> None:
@@ -50,6 +64,7 @@ def serve(**options: str | None) -> None:
         if action_type := getattr(settings, setting):
             check_installed(setting, action_type)
     check_exposure(settings)
+    check_ros(os.environ)
     from dock_gateway.web.edge.certificates import CertificateError  # noqa: PLC0415 - see above
     from dock_gateway.web.server import run  # noqa: PLC0415
 

@@ -14,6 +14,7 @@ import uvicorn
 from uvicorn.config import STARTUP_FAILURE
 
 from dock_gateway.assembly import open_gateway
+from dock_gateway.core import ros_variables
 from dock_gateway.core.log_config import configure_logs
 from dock_gateway.core.tasks import Tasks
 from dock_gateway.gateway import Gateway
@@ -104,6 +105,8 @@ def run(settings: Settings) -> bool:
     configure_logs(settings)
     for sentence in unknown_variables(os.environ):
         log.warning(sentence)
+    for finding in ros_variables.check(os.environ):
+        log.warning("%s", finding.sentence)
     raise_file_limit()
     _say_who_may_use(settings)
     config = uvicorn.Config(
