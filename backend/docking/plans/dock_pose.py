@@ -12,7 +12,7 @@ from docking.behaviors.sequence import Sequence
 from docking.behaviors.staging import ToStaging
 from docking.behaviors.turn_to_dock import TurnToDock
 from docking.behaviors.wait_for_charge import WaitForCharge
-from docking.core.errors import FailedToDetectDock, LostMarker, Stage
+from docking.core.errors import FailedToControl, FailedToDetectDock, LostMarker, Stage
 from docking.core.geometry import Pose
 from docking.core.observation import Observation
 from docking.estimation.dock_estimate import DockEstimate, Spread
@@ -30,6 +30,11 @@ MISSED = 4.0
 """The same in usual periods between two detections, if that is longer."""
 RARE = 2.5
 """The same in s, while it is not known how often the marker is detected."""
+TURNS = (0.0, math.radians(3.5), math.radians(-3.5))
+"""How far the marker may be turned on its dock, in rad: tried one after another after arrivals without a charge.
+
+If the marker is not turned, each of them still leads onto the contacts.
+"""
 MEMORY = 1.0
 """How old a detection may be, in s, to be used at all."""
 
@@ -50,6 +55,8 @@ class DockPosePlan(SightedPlan):
         self.marker = DockEstimate(MEMORY)
         self._last_marker: Pose | None = None  # where it was before the robot began to look for it again
         self._looks: Search | None = None
+        self._turn = 0  # which one of TURNS is tried
+        self._waits = self._charged = False
 
     @property
     def poses(self) -> KnownPoses:
@@ -110,7 +117,7 @@ class DockPosePlan(SightedPlan):
     def docked(self) -> Pose | None:
         """Where the robot is when docked, looking into the dock, in odom."""
         marker = self.marker.pose
-        return None if marker is None else self.dock.docked(marker)
+        return None if marker is None else self.dock.docked(marker.compose(Pose(theta=TURNS[self._turn])))
 
     def observe(self, observation: Observation) -> None:
         """Keep up with the marker and the robot.
@@ -119,6 +126,7 @@ class DockPosePlan(SightedPlan):
             FailedToDetectDock: Nothing tells which of two markers is the dock's.
         """
         super().observe(observation)
+        self._charged |= observation.battery is not None and observation.battery.connected
         if self.marker.pose is None:
             self._expect()
         self.marker.update(observation)
@@ -132,11 +140,28 @@ class DockPosePlan(SightedPlan):
 
     def controller(self, stage: Stage) -> Behavior:
         """A new one for a stage."""
+        missed, self._waits = self._waits and not self._charged, stage is Stage.WAIT_FOR_CHARGE
+        if stage is Stage.CONTROLLING:
+            self._charged = False
         if stage is Stage.RETRY:
-            return self.back_off()
+            back_off = self.back_off()
+            return self._turn_on(back_off) if missed and not self.dock.rotate_to_dock else back_off
         sees_ahead = stage in {Stage.INITIAL_PERCEPTION, Stage.NAV_TO_STAGING_POSE} and self.dock.rotate_to_dock
         controller = self._forwards(stage)
         return Reversed(controller) if self.dock.backward and not sees_ahead else controller
+
+    def _turn_on(self, back_off: Behavior) -> Behavior:
+        """Try another place after the robot has arrived without a charge: never the same one twice."""
+        self._turn += 1
+        if self._turn < len(TURNS):
+            return back_off
+        self._turn = 0
+        return Fail(
+            FailedToControl(
+                f"it did not charge turned by {math.degrees(TURNS[1]):.1f} degrees to either side either. If the"
+                " charger works, put the robot on its dock and call calibrate_dock"
+            )
+        )
 
     def _forwards(self, stage: Stage) -> Behavior:
         """The same for a robot that docks forwards."""
