@@ -201,6 +201,11 @@ def test_what_would_move_the_robot_otherwise_is_refused(domain: int, tmp_path: P
     ("program", "arguments", "told"),
     [
         ("dock_simulator", ("-p", "start_xx:=1.0"), "start_xx has no effect: /dock_simulator has no such parameter"),
+        (
+            "dock_simulator",
+            ("-p", "qos_overrides.odom.publisher.depth:=1"),
+            "the form is qos_overrides./name/",
+        ),
         ("dock_simulator", ("-p", "docking_servr:a:=1"), "parameters of /docking_servr have no effect"),
         ("fibonacci_action_server", ("-p", "step_periode:=1.0"), "Did you mean step_period?"),
         ("fibonacci_action_client", ("-p", "order:=3"), "order has no effect"),

@@ -23,6 +23,8 @@ Value = bool | int | float | str | tuple[str, ...] | tuple[float, ...]
 
 def shown(value: object) -> str:
     """A value as YAML has it."""
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(shown, value))}]"
     return str(value).lower() if isinstance(value, bool) else repr(value)
 
 

@@ -20,7 +20,8 @@ PARAMETERS = "ros__parameters"
 FILE, RULE = "--params-file", ("-p", "--param")
 EVERYWHERE, NOWHERE = "/**", ""
 QOS = "qos_overrides."
-"""What begins so is declared when the topic is used, and is not told."""
+"""What begins so is declared when the topic is used."""
+QOS_FORM = re.compile(r"qos_overrides\.(/\w+)+\.(publisher|subscription)(_\w+)?\.(depth|history|reliability)")
 PROGRAMS = frozenset(
     {
         "connect_to_charging_dock_action_server",
@@ -84,7 +85,7 @@ class Given:
         told: set[str] = set()
         for section in self.sections:
             for name in section.values:
-                if name in told or name.startswith(QOS):
+                if name in told:
                     continue
                 if sentence := self._judge(section, name, nodes):
                     told.add(name)
@@ -132,6 +133,9 @@ class Given:
             return f"{where}{note}"
         if not addressed or "" in notes or any(by_name[one].has_parameter(name) for one in addressed):
             return ""
+        if name.startswith(QOS):
+            form = f"{QOS}/name/of/topic.publisher.depth, with subscription, history and reliability"
+            return "" if QOS_FORM.fullmatch(name) else f"{where}{name} has no effect: the form is {form}"
         known = [one for node in addressed for one in by_name[node].get_parameters_by_prefix("")]
         hint = suggest(name, known)
         return f"{where}{name} has no effect: {' and '.join(addressed)} {_have(addressed)} no such parameter{hint}"
