@@ -17,6 +17,8 @@ FARTHEST_PUSH = 0.4
 TURNS = 3
 """How often a marker is seen between detections of the dock's until it counts as another one."""
 ENOUGH = 5
+"""Detections of a marker that is not a mistake of the detector."""
+DOUBTED = 15
 """Detections of each of two markers after which nothing will tell which one is the dock's."""
 AHEAD = 2.0
 """How many times more often than any other one the dock's marker is detected, where nothing else tells which it is."""
@@ -90,7 +92,7 @@ class MarkerSelection:
         if self._expected is not None:
             return None
         places = sorted(self._places, key=lambda place: -place.count)[:2]
-        if len(places) < 2 or places[1].count < ENOUGH or places[0].count > AHEAD * places[1].count:
+        if len(places) < 2 or places[1].count < DOUBTED or places[0].count > AHEAD * places[1].count:
             return None
         return places[0].middle, places[1].middle
 
