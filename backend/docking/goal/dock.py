@@ -107,6 +107,8 @@ class Docking:
         if self._connected_since is None:
             self._connected_since = observation.now
         reached = observation.now - self._connected_since >= self.timeouts.charge_stable_for
+        if reached:
+            self.memory.turns[self._dock_name] = progress.turn
         if reached and robot is not None:
             self.memory.places[self._dock_name] = robot
         return reached

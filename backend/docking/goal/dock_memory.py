@@ -22,6 +22,7 @@ class DockMemory:
             the first one.
         dock_type: Of the same dock; empty where there is none.
         places: Where base_link stood when it was docked last, in odom, by the names of docks.
+        turns: How far a dock's marker was taken to be turned then, in rad, by the names of docks.
     """
 
     docked: bool | None = None
@@ -29,6 +30,7 @@ class DockMemory:
     staging: Staging | None = None
     dock_type: str = ""
     places: dict[str, Pose] = field(default_factory=dict)
+    turns: dict[str, float] = field(default_factory=dict)
 
     def note(self, docked: bool, at: Pose | None) -> None:
         """Remember how a goal has ended, and where."""

@@ -177,7 +177,8 @@ class Goal:
 
     @property
     def _progress(self) -> Progress:
-        return Progress(self._stage is self._plan.stages[-1], self._finished, self._plan.poses.filtered_dock)
+        poses = self._plan.poses
+        return Progress(self._stage is self._plan.stages[-1], self._finished, poses.filtered_dock, poses.turn)
 
     def _succeed(self, observation: Observation) -> Outcome:
         odometry = observation.odometry

@@ -36,11 +36,13 @@ class Progress:
         arrived: Whether it is at its last stage.
         finished: Whether that is done, too.
         docked: Where base_link is when docked, in odom; None where that is not known.
+        turn: How far the dock's marker is taken to be turned, in rad.
     """
 
     arrived: bool
     finished: bool
     docked: Pose | None
+    turn: float = 0.0
 
 
 class Objective(Protocol):

@@ -21,6 +21,7 @@ class KnownPoses:
         staging: Of base_link in front of the dock.
         note: What is odd about the detections, as a sentence; empty where nothing is.
         explores: Whether the robot drives about to find the dock: the plan itself limits the time of that.
+        turn: How far the marker is taken to be turned on its dock, in rad.
     """
 
     dock: Pose | None = None
@@ -28,6 +29,7 @@ class KnownPoses:
     staging: Pose | None = None
     note: str = ""
     explores: bool = False
+    turn: float = 0.0
 
 
 class DockTarget(Protocol):

@@ -47,8 +47,8 @@ def docking_objective(settings: DockSettings, memory: DockMemory) -> Docking:
 
 def _make_goal(settings: DockSettings, memory: DockMemory, started_at: float) -> Goal:
     obstacles = watch_obstacles(settings, backward=settings.dock.backward)
-    last = memory.places.get(settings.dock_name)
-    settings = replace(settings, last_docked=None if last is None else settings.dock.base_link(last))
+    last, turn = memory.places.get(settings.dock_name), memory.turns.get(settings.dock_name, 0.0)
+    settings = replace(settings, last_docked=None if last is None else settings.dock.base_link(last), last_turn=turn)
     return Goal(make_plan(settings), docking_objective(settings, memory), started_at, obstacles)
 
 

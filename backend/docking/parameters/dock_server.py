@@ -54,6 +54,7 @@ class DockSettings(ServerSettings):
     dock_name: str = ""
     place: DockPlace | None = None
     last_docked: Pose | None = None  # where the robot was docked the last time, looking into the dock, in odom
+    last_turn: float = 0.0  # how far the dock's marker was taken to be turned then, in rad
 
     @property
     def goal_timeouts(self) -> DockTimeouts:

@@ -55,7 +55,8 @@ class DockPosePlan(SightedPlan):
         self.marker = DockEstimate(MEMORY)
         self._last_marker: Pose | None = None  # where it was before the robot began to look for it again
         self._looks: Search | None = None
-        self._turn = 0  # which one of TURNS is tried
+        self._turns = sorted(TURNS, key=lambda turn: turn != settings.last_turn)  # the last one first
+        self._turn = 0  # which one of them is tried
         self._waits = self._charged = False
 
     @property
@@ -68,20 +69,26 @@ class DockPosePlan(SightedPlan):
             None if docked is None else dock.base_link_at_staging(docked),
             self._note,
             self.explores,
+            self._turns[self._turn],
         )
 
     @property
     def _note(self) -> str:
-        """That other markers are detected."""
+        """That other markers are detected, or that the dock's seems to be turned."""
         selection, known = self.marker.selection, self.marker.pose or self._expected_marker()
-        other = selection.other
-        if other is None or known is None:
-            return ""
-        return (
-            f"another marker is detected {other.distance_to(known):.1f} m from"
-            f" {'that of the dock' if self.marker.pose else 'where the dock is expected'}:"
-            f" {selection.left_out} detections were left out"
-        )
+        other, turn = selection.other, self._turns[self._turn]
+        if other is not None and known is not None:
+            return (
+                f"another marker is detected {other.distance_to(known):.1f} m from"
+                f" {'that of the dock' if self.marker.pose else 'where the dock is expected'}:"
+                f" {selection.left_out} detections were left out"
+            )
+        if turn != 0.0:
+            return (
+                f"it did not charge, so that the marker is taken to be turned by {math.degrees(turn):.1f} degrees"
+                " on its dock: put the robot on its dock and call calibrate_dock"
+            )
+        return ""
 
     @property
     def expected(self) -> Pose | None:
@@ -117,7 +124,7 @@ class DockPosePlan(SightedPlan):
     def docked(self) -> Pose | None:
         """Where the robot is when docked, looking into the dock, in odom."""
         marker = self.marker.pose
-        return None if marker is None else self.dock.docked(marker.compose(Pose(theta=TURNS[self._turn])))
+        return None if marker is None else self.dock.docked(marker.compose(Pose(theta=self._turns[self._turn])))
 
     def observe(self, observation: Observation) -> None:
         """Keep up with the marker and the robot.
@@ -153,7 +160,7 @@ class DockPosePlan(SightedPlan):
     def _turn_on(self, back_off: Behavior) -> Behavior:
         """Try another place after the robot has arrived without a charge: never the same one twice."""
         self._turn += 1
-        if self._turn < len(TURNS):
+        if self._turn < len(self._turns):
             return back_off
         self._turn = 0
         return Fail(
