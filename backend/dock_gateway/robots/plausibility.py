@@ -15,6 +15,8 @@ CLOCK = "header.stamp, moving"
 MAX_AGE = 60.0
 # Seconds by which the difference to the gateway's clock may change between two stamps, if it is the clock that is off.
 STEADY = 30.0
+# What a percentage is divided by, at least and at most, when a driver that counted to 100 has been corrected.
+CORRECTED = 80.0, 125.0
 # Simulators count from 0. A stamp before 1980 is not worth an alert as long as it moves on.
 EARLIEST = 315_532_800.0
 # Seconds before an alert about a stamp: a clock may be set at the start.
@@ -97,13 +99,14 @@ class Plausibility:
     def _doubt_unit(self, value: object) -> Doubt | None:
         """Return the doubt about a percentage that is in range only as a driver that counts to 100 is below 1 %.
 
-        A percentage that falls to a tenth at once is that of a driver that has been corrected.
+        If it falls to about a hundredth at once, it is the same charge, and the driver has been corrected. 1.0 after 12
+        is 1 %: a robot that was out of reach meanwhile is not full.
         """
         if self._counts_to_100 or not isinstance(value, int | float):
             return None
         if value > SURELY_TO_100:
             self._seems_to_100 = True
-        elif 10 * value < self._percentage:
+        elif value > 0 and CORRECTED[0] <= self._percentage / value <= CORRECTED[1]:
             self._seems_to_100 = False
         self._percentage = value
         return doubt_unit(value) if self._seems_to_100 else None

@@ -181,6 +181,15 @@ def test_a_driver_that_counts_to_100_is_not_full_when_its_battery_is_empty() -> 
     assert driver.send(HOLD + 0.1, percentage=0.25).percentage == pytest.approx(0.25)  # it has been corrected
 
 
+@pytest.mark.parametrize("before", [(12.0,), (60.0,), (3.0, 0.0), (2.5, 1.5, 0.1), (30.0, -1.0)])
+def test_nor_after_it_was_out_of_reach(before: tuple[float, ...]) -> None:
+    driver = Driver()
+    for percentage in before:
+        driver.send(percentage=percentage)
+    for _ in range(3):
+        assert driver.send(MAX_HOLD + 0.1, percentage=1.0).percentage is None
+
+
 def test_more_than_full_for_a_moment() -> None:
     driver = Driver()
     assert driver.send(percentage=1.05).percentage is None
