@@ -42,6 +42,8 @@ def is_stopped(gateway: RunningGateway) -> bool:
 STOPS = (
     b"POST /stop HTTP/1.1",
     b"POST /stop HTTP/1.0",
+    b"\r\nPOST /stop HTTP/1.1",
+    b"\r\n\r\n\r\nPOST /stop HTTP/1.1",
     b"post /stop HTTP/1.1",
     b"POST //stop HTTP/1.1",
     b"POST /stop/ HTTP/1.1",

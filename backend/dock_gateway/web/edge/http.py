@@ -141,7 +141,7 @@ class HttpProtocol(H11Protocol):
         super().data_received(data)
 
     def _count_headers(self, data: bytes) -> int:
-        head = self.conn.trailing_data[0] + data
+        head = (self.conn.trailing_data[0] + data).lstrip(b"\r\n")
         end = head.find(b"\n\r\n")
         return head.count(b"\n", 0, end if end >= 0 else len(head))
 

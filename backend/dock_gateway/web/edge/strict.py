@@ -13,6 +13,9 @@ from dock_gateway.web.edge.targets import read_request_line
 
 # A line feed without its carriage return; a line that continues the one before.
 BARE_LINE_FEED = re.compile(rb"(?<!\r)\n")
+# Empty lines before a request mean nothing (RFC 9112, 2.2). Only a few: each costs time.
+EMPTY_LINES = b"\r\n" * 4
+BEFORE_REQUEST = re.compile(rb"(?:\r\n){1,4}(?=[^\r\n])")
 FOLDED_LINE = re.compile(rb"\n[ \t]")
 CONTENT_LENGTH = re.compile(rb"^content-length:[ \t]*([^\r\n]*?)[ \t]*\r?$", re.IGNORECASE | re.MULTILINE)
 
@@ -42,6 +45,12 @@ class StrictConnection(h11.Connection):
         if self.their_state is not h11.IDLE and not self._chunked:
             return super().next_event()
         before = self.trailing_data[0]
+        if self.their_state is h11.IDLE and before:
+            if EMPTY_LINES.startswith(before):
+                return h11.NEED_DATA
+            if (empty := BEFORE_REQUEST.match(before)) is not None:
+                self._receive_buffer.maybe_extract_at_most(empty.end())
+                before = before[empty.end() :]
         event = super().next_event()
         read = before[: len(before) - len(self.trailing_data[0])]
         if isinstance(event, h11.Request):

@@ -60,7 +60,7 @@ def is_stop(method: bytes, path: bytes) -> bool:
 
 def begins_stop(data: bytes) -> bool:
     """Return whether the first bytes of a request are those of a stop."""
-    method, _, rest = data[:200].partition(b" ")
+    method, _, rest = data[:200].lstrip(b"\r\n").partition(b" ")
     if method.upper() != METHOD:
         return False
     try:

@@ -84,6 +84,17 @@ async def test_what_can_be_read_in_two_ways(name: str, size: int, caplog: pytest
     assert not [record for record in caplog.records if record.levelname in ("WARNING", "ERROR")]
 
 
+@pytest.mark.parametrize("size", [100_000, 1], ids=["at once", "byte by byte"])
+async def test_empty_lines_before_a_request(size: int) -> None:
+    """Old clients send one after a body. More than a few are refused; so are too many headers after them."""
+    headers = b"".join(b"X: y\r\n" for _ in range(200))
+    async with serving(app) as edge:
+        for lines, end, status in ((1, END, 200), (4, END, 200), (5, END, 400), (1, headers + END, 431)):
+            request = b"\r\n" * lines + b"POST /stop HTTP/1.1\r\n" + HOST + end
+            answer = await edge.ask(*(request[at : at + size] for at in range(0, len(request), size)))
+            assert int(answer.split(b" ")[1]) == status, lines
+
+
 @pytest.mark.parametrize("coding", [b"gzip, chunked", b"chunked, chunked", b"identity", b"xchunked", b'"chunked"'])
 async def test_other_transfer_codings(coding: bytes) -> None:
     async with serving(app) as edge:
