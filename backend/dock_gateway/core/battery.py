@@ -151,7 +151,7 @@ def _doubt_charge(state: Mapping[str, Any], *, counts_to_100: bool) -> Doubt | N
         return Doubt("percentage", value, expected, advice)
     if value == 0 and state.get("voltage") == 0:
         return Doubt(
-            "percentage", 0.0, "a measured charge: 0 with 0 V is that of a driver before its first", grace=10.0
+            "percentage", 0.0, "a measured charge; 0 with 0 V means that nothing has been measured yet", grace=10.0
         )
     return None
 
