@@ -95,9 +95,9 @@ def docking_hint(robot: str, sights: Sequence[Sight]) -> Hint | None:
         return None
     parts = []
     if actions:
-        parts.append(f"On the ROS graph {_are('docking action', actions)}.")
+        parts.append(f"Docking actions on the ROS graph: {_listed(actions)}.")
     if batteries:
-        parts.append(f"Without a docking server {_are('battery', batteries, 'batteries')}.")
+        parts.append(f"Batteries of robots without a docking server: {_listed(batteries)}.")
     robots = [each.robot for each in others if each.dock and each.battery]
     halves = [each.robot for each in sights if each.battery and not each.dock]
     subject = robot if own.battery or not halves else halves[0] if len(halves) == 1 else None
@@ -140,10 +140,6 @@ def _advise(robot: str, others: Iterable[Sight]) -> list[str]:
 
 def _are_related(one: str, other: str) -> bool:
     return is_under(one, other) or is_under(other, one)
-
-
-def _are(what: str, names: list[str], plural: str = "") -> str:
-    return f"is the {what} {names[0]}" if len(names) == 1 else f"are the {plural or f'{what}s'} {_listed(names)}"
 
 
 def _listed(names: list[str]) -> str:
