@@ -35,8 +35,10 @@ RAISE = 1.4
 """How much larger than a command that did not move the base the next one must be."""
 STEADY = 0.1
 """How much a command may change and still be taken for the same, as a part of it."""
+AT_REST = 0.02
+"""In m/s: a base that is slower has come to a standstill."""
 OBEYED = (0.3, 1.5)
-"""The part of a steady command that is measured where the base moves by it, and is not about to stop."""
+"""The part of a steady command that is measured where the base moves by it, and is not about to stop from more."""
 OBEYED_FOR = 0.3
 """Seconds for which the base must do so, beyond the lag."""
 DEAD_ZONE_MAX = Velocity(0.12, 0.4)
@@ -126,6 +128,7 @@ class MotionModel:
         self._stood_since = [math.inf, math.inf]  # rests do not count
         self._zone_before = [0.0, 0.0]  # when it came to stand
         self._held = 0.0  # a steady command to drive
+        self._fastest = 0.0  # command since the base stood
         self._moves = False  # forward or backward, ever
         self._obeys_since = math.inf
 
@@ -300,12 +303,19 @@ class MotionModel:
         self.dead_zone = Velocity(min(zone[0], self.moves_at), zone[1])
 
     def _obeys(self, command: float, began: float) -> bool:
-        """Whether the base drives by one command, as measured over a moment."""
+        """Whether the base drives by one command, as measured over a moment.
+
+        Where it was commanded to be faster before, it may be about to stop; a base that begins is only not to scale.
+        """
         told = self.commanded.linear_x
+        if told == 0.0 and abs(self.velocity.linear_x) < AT_REST:
+            self._fastest = 0.0
+        self._fastest = max(self._fastest, abs(told))
+        most = OBEYED[1] if self._fastest > (1.0 + STEADY) * abs(told) else math.inf
         steady = abs(told - self._held) <= STEADY * abs(told)
         if not steady or command == 0.0:
             self._held = told
-        elif OBEYED[0] <= self.velocity.linear_x / told <= OBEYED[1]:
+        elif OBEYED[0] <= self.velocity.linear_x / told <= most:
             self._obeys_since = min(self._obeys_since, began)
             return True
         self._obeys_since = math.inf

@@ -4,7 +4,7 @@ import math
 
 from docking.core.geometry import Pose
 from docking.core.observation import Velocity
-from docking.estimation.motion_model import MotionModel
+from docking.estimation.motion_model import AT_REST, MotionModel
 from docking.goal.limiter import Limiter
 from docking.goal.plan import KnownPoses
 from docking.parameters import MotionLimits
@@ -16,8 +16,6 @@ NEAR = 0.2
 """How near to the dock, in m, a robot that stands may stand against it."""
 GENTLE = 0.15
 """In m/s²; weak bases, too, slow down so much on the way to the dock."""
-AT_REST = 0.02
-"""In m/s: a base that is slower has come to a standstill."""
 ROUNDING = 1e-6
 
 

@@ -264,7 +264,8 @@ def test_killed_processes_leave_a_whole_chain(database_url: str, tmp_path: Path)
 def test_on_the_command_line(database_url: str, tmp_path: Path) -> None:
     def verified(*options: str) -> tuple[int, str]:
         result = CliRunner().invoke(main, ["audit", "verify", "--database-url", database_url, *options])
-        return result.exit_code, result.output
+        assert result.stderr.startswith("read in ")
+        return result.exit_code, result.output.partition("\n")[2]
 
     async def fill() -> list[str]:
         async with open_at(database_url, tmp_path) as history:

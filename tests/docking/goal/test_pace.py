@@ -25,11 +25,13 @@ FAST = Velocity(0.26, 0.0)
 class Base:
     """A base on the dock's axis, in front of the dock, and the pace of its goal."""
 
-    def __init__(self, distance: float, *, dead_zone: float = 0.0, wall: float = math.inf, lag: float = 0.0) -> None:
+    def __init__(
+        self, distance: float, *, dead_zone: float = 0.0, wall: float = math.inf, lag: float = 0.0, scale: float = 1.0
+    ) -> None:
         self.x, self.now = -distance, 0.0
         self.model, self.pace = MotionModel(), Pace(LIMITS, RADIUS)
         self.velocities: list[tuple[float, float]] = []
-        self._dead_zone, self._wall = dead_zone, wall
+        self._dead_zone, self._wall, self._scale = dead_zone, wall, scale
         self._coming = deque([0.0] * round(lag / PERIOD))
         self.frozen: Pose | None = None
 
@@ -47,7 +49,7 @@ class Base:
             self._coming.append(velocity.linear_x)
             done = self._coming.popleft()
             if abs(done) >= self._dead_zone:
-                self.x = min(self._wall, self.x + done * PERIOD)
+                self.x = min(self._wall, self.x + self._scale * done * PERIOD)
             self.now += PERIOD
 
     def fastest(self, nearer_than: float) -> float:
@@ -90,6 +92,13 @@ def test_the_dead_zone_is_learned_before_the_robot_is_near() -> None:
     base.drive(FAST, 3.0)
     assert base.model.sure_zone == pytest.approx(0.056)
     assert base.fastest(0.7) > 0.2, "and then it drives on"
+
+
+@pytest.mark.parametrize("scale", [0.5, 3.0])
+def test_a_base_that_is_not_to_scale_is_slow_for_its_first_moment_only(scale: float) -> None:
+    base = Base(3.0, scale=scale)
+    base.drive(FAST, 2.0)
+    assert base.velocities[-1][1] == LIMITS.v_linear_max
 
 
 def test_a_robot_that_stands_is_slow_until_it_moves() -> None:
