@@ -142,6 +142,15 @@ def running_program(domain: int, name: str, *ros_args: str) -> Iterator[Process]
 
 
 @contextmanager
+def running_servers(domain: int, *arguments: str) -> Iterator[Process]:
+    """Docking servers that are not ours, see `tests.support.docking_servers`."""
+    environment = ros_environment(domain)
+    with ForkedProcess("-m", "tests.support.docking_servers", *arguments, env=environment) as process:
+        process.wait_for("serving")
+        yield process
+
+
+@contextmanager
 def running_dock_server(domain: int, *ros_args: str) -> Iterator[Process]:
     """Our action server."""
     with running_program(domain, "connect_to_charging_dock_server", *ros_args) as process:

@@ -2,13 +2,11 @@
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import pytest
 
-from tests.support.gateway import RunningGateway, running_dock_server, running_gateway
-from tests.support.processes import ForkedProcess, Process, ros_environment
+from tests.support.gateway import RunningGateway, running_dock_server, running_gateway, running_servers
 from tests.support.waiting import PATIENCE, wait_until
 
 pytest.importorskip("nav2_msgs", reason="`make test` installs the interface packages of tests/interfaces")
@@ -21,14 +19,6 @@ def gateway(domain: int) -> Iterator[RunningGateway]:
     """One for each test: a goal that follows upon the end of another server would be sent to that one."""
     with running_gateway(domain) as gateway:
         yield gateway
-
-
-@contextmanager
-def running_servers(domain: int, *arguments: str) -> Iterator[Process]:
-    environment = ros_environment(domain)
-    with ForkedProcess("-m", "tests.support.docking_servers", *arguments, env=environment) as process:
-        process.wait_for("serving")
-        yield process
 
 
 def dock_server(gateway: RunningGateway, robot: str = "/") -> dict[str, Any]:

@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 from tests.support.domain import ros_domain
-from tests.support.gateway import RunningGateway, running_gateway, running_talker
-from tests.support.processes import ForkedProcess, ros_environment
+from tests.support.gateway import RunningGateway, running_gateway, running_servers, running_talker
 from tests.support.waiting import wait_until
 
 pytest.importorskip("irobot_create_msgs", reason="`make test` installs the interface packages of tests/interfaces")
@@ -22,11 +21,9 @@ BATTERY = "sensor_msgs/msg/BatteryState"
 def domain() -> Iterator[int]:
     """A robot whose docking actions and battery are in two namespaces, one of which is hidden."""
     with ros_domain() as domain, ExitStack() as stack:
-        environment = ros_environment(domain)
         for namespace in (ROBOT, HIDDEN):
             offer = ("--offer", "create3", "--robot", namespace, "--outcomes", "slow")
-            server = stack.enter_context(ForkedProcess("-m", "tests.support.docking_servers", *offer, env=environment))
-            server.wait_for("serving")
+            stack.enter_context(running_servers(domain, *offer))
         topics = [f"--topic={namespace}/battery_status:{BATTERY}:5" for namespace in (HIDDEN, ROBOT)]
         stack.enter_context(running_talker(domain, *topics))
         yield domain

@@ -1,15 +1,14 @@
 """A docking server in another namespace than its robot, one robot by two names, and two robots by one name."""
 
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from typing import Any
 
 import pytest
 from sensor_msgs.msg import BatteryState
 
-from tests.support.gateway import RunningGateway, running_gateway, running_program
+from tests.support.gateway import RunningGateway, running_gateway, running_program, running_servers
 from tests.support.observer import Observer, ros_observer
-from tests.support.processes import ForkedProcess, Process, ros_environment
 from tests.support.waiting import wait_until
 
 pytest.importorskip("nav2_msgs", reason="`make test` installs the interface packages of tests/interfaces")
@@ -25,14 +24,6 @@ NAV2 = {"use_dock_id": True, "dock_id": "slow"}
 def base(domain: int) -> Iterator[Observer]:
     with ros_observer(domain, "base") as base:
         yield base
-
-
-@contextmanager
-def running_servers(domain: int, *arguments: str) -> Iterator[Process]:
-    environment = ros_environment(domain)
-    with ForkedProcess("-m", "tests.support.docking_servers", *arguments, env=environment) as process:
-        process.wait_for("serving")
-        yield process
 
 
 def robots(gateway: RunningGateway) -> dict[str, dict[str, Any]]:
