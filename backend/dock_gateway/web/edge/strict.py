@@ -34,7 +34,7 @@ class StrictConnection(h11.Connection):
         super().__init__(h11.SERVER, max_head)
         self.host = b""
         self._chunked = False  # the body that is being read
-        self._last = b""  # the byte before what is read next, unless it is of the body
+        self._last = b""  # the two bytes before what is read next, unless they are of the body
 
     def next_event(self) -> Any:
         """Return the next event, as h11 does.
@@ -62,7 +62,7 @@ class StrictConnection(h11.Connection):
         if isinstance(event, h11.EndOfMessage):
             _check_lines(self._last + read)  # its trailers
             self._chunked = False
-        self._last = b"" if isinstance(event, h11.Data) else read[-1:] or self._last
+        self._last = b"" if isinstance(event, h11.Data) else (self._last + read)[-2:]
         return event
 
     def _understood(self, event: h11.Request) -> h11.Request:

@@ -1,5 +1,8 @@
 """Requests that can be read in two ways are refused, before any application sees them."""
 
+from itertools import combinations, pairwise
+
+import h11
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -8,6 +11,7 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
+from dock_gateway.web.edge.strict import StrictConnection
 from tests.dock_gateway.web.edge.test_http import code
 from tests.support.edge import HOST, serving
 
@@ -101,6 +105,22 @@ async def test_other_transfer_codings(coding: bytes) -> None:
         answer = await edge.ask(POST + b"Transfer-Encoding: " + coding + b"\r\n\r\n" + SMUGGLED)
     assert code(answer) == (501, "malformed_request")
     assert answer.count(b"\r\nDate: ") == 1
+
+
+@pytest.mark.parametrize("trailer", [b"", b"X: y\r\n"], ids=["no trailer", "a trailer"])
+def test_chunks_in_pieces_that_end_anywhere(trailer: bytes) -> None:
+    """Wherever two pieces end, and byte by byte."""
+    head = POST + CHUNKED + b"\r\n"
+    request = head + b"5;a=b\r\nhello\r\n2\r\n\n\n\r\n0\r\n" + trailer + b"\r\n"
+    ends = range(len(head), len(request))
+    for cuts in [*combinations(ends, 2), tuple(ends)]:
+        connection = StrictConnection(10_000)
+        body = b""
+        for start, end in pairwise((0, *cuts, len(request))):
+            connection.receive_data(request[start:end])
+            while (event := connection.next_event()) not in (h11.NEED_DATA, h11.PAUSED):
+                body += bytes(event.data) if isinstance(event, h11.Data) else b""
+        assert (body, connection.their_state) == (b"hello\n\n", h11.DONE), [request[:cut] for cut in cuts]
 
 
 @given(sizes=st.lists(st.integers(1, 9), max_size=40), trailer=st.booleans())
