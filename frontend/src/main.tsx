@@ -6,15 +6,15 @@ import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { BrowserRouter } from "react-router";
 import { takeFailure } from "./access/provider";
-import { session } from "./access/session";
 import { createGateway } from "./api/client";
 import { createHttp } from "./api/http";
 import { createQueryClient, pauseWhileUnseen } from "./api/queryClient";
+import { session } from "./api/session";
 import { FleetProvider, type FleetServices } from "./fleet/context";
 import { FleetStore } from "./fleet/store";
 import { App } from "./layout/App";
 import { cssVariables, theme } from "./layout/theme";
-import { openRobot } from "./robot/services";
+import { openRobot } from "./store/openRobot";
 import { openStream, streamUrl } from "./stream/stream";
 
 takeFailure(window);

@@ -7,13 +7,13 @@ import "../src/access/LoginForm";
 import "../src/access/LoginPage";
 import "../src/access/TokensPage";
 import "../src/access/UsersPage";
-import { NEEDED, whyForbidden } from "../src/access/permissions";
 import { takeFailure } from "../src/access/provider";
-import { ANYBODY, type Role, Session, type SessionState, session } from "../src/access/session";
+import { ownName, setOwnName } from "../src/access/who";
 import type { Person, Token, User } from "../src/api/access";
+import { NEEDED, whyForbidden } from "../src/api/permissions";
 import { createQueryClient, pauseWhileUnseen } from "../src/api/queryClient";
+import { ANYBODY, type Role, Session, type SessionState, session } from "../src/api/session";
 import { whyNot } from "../src/operations/operation";
-import { ownName, setOwnName } from "../src/stop/who";
 import { robot } from "./events";
 import { descriptionOf, fakeGateway, isDisabled, renderPage } from "./page";
 

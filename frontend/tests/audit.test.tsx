@@ -1,7 +1,7 @@
 import { screen, waitFor } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { ANYBODY, session } from "../src/access/session";
 import { type AuditRecord, auditExportUrl } from "../src/api/audit";
+import { ANYBODY, session } from "../src/api/session";
 import "../src/audit/AuditPage";
 import { NO_FILTER, readFilter, toQuery, writeFilter } from "../src/audit/filter";
 import { whatWords } from "../src/audit/words";

@@ -1,20 +1,21 @@
 import { describe, expect, it } from "vitest";
 import type { GraphTopic } from "../src/api/topics";
 import type { BatteryHistory, BatteryState } from "../src/api/types";
-import { believed, implausibleWords } from "../src/battery/believed";
 import { PRESETS, sameForm, toMessage } from "../src/battery/form";
-import { describe as describeQuantity, fromHistory, gapLimit, join, noPoints } from "../src/battery/points";
+import { describe as describeQuantity, fromHistory, gapLimit, join } from "../src/battery/points";
 import { whoPublishes } from "../src/battery/publishers";
 import { formatSpread, formatValue, marks, rangeOf } from "../src/battery/quantities";
-import { BatterySeries, WINDOW_S } from "../src/battery/series";
 import {
   formatCells,
   formatPercentage,
   formatQuantity,
+  implausibleWords,
   isLow,
   statusWords,
   summarize,
 } from "../src/battery/words";
+import { BatterySeries, noPoints, WINDOW_S } from "../src/store/batterySeries";
+import { believed } from "../src/store/believed";
 import { at, battery } from "./events";
 
 const [low, charging] = PRESETS;

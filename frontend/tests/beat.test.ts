@@ -1,5 +1,5 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { atBeat, BEAT_MS, onBeat } from "../src/ui/beat";
+import { atBeat, BEAT_MS, onBeat } from "../src/clock/beat";
 import { START } from "./events";
 
 /** A frame of a screen that draws sixty of them a second, and the timer's millisecond. */

@@ -1,16 +1,17 @@
 import type {
   ActionInfo,
   ActionServer,
+  Alert,
   BatteryState,
   EventOf,
   Goal,
   Publisher,
+  Robot,
   Scene,
   Simulator,
   StopReport,
   StopState,
 } from "../src/api/types";
-import type { Alert, Robot } from "../src/fleet/types";
 
 export const START = Date.parse("2026-11-21T03:32:40Z");
 

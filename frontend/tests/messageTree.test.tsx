@@ -1,7 +1,7 @@
 import { MantineProvider } from "@mantine/core";
 import { render, screen } from "@testing-library/react";
 import { describe, expect, it } from "vitest";
-import type { JsonSchema } from "../src/ui/jsonSchema";
+import type { JsonSchema } from "../src/api/jsonSchema";
 import { MessageTree } from "../src/ui/MessageTree";
 import { valueWords } from "../src/ui/messageWords";
 import { battery } from "./events";

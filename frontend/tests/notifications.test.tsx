@@ -1,10 +1,10 @@
 import { act, screen, waitFor, within } from "@testing-library/react";
 import axe from "axe-core";
 import { beforeEach, describe, expect, it, vi } from "vitest";
+import type { Alert } from "../src/api/types";
 import type { Delivery, Webhook, WebhookBody } from "../src/api/webhooks";
 import { Naming } from "../src/fleet/names";
 import { ALL_ROBOTS } from "../src/fleet/robotChoice";
-import type { Alert } from "../src/fleet/types";
 import { isWanted } from "../src/notifications/Announcements";
 import { bodyOf, draftOf, errorsOf, switched } from "../src/notifications/draft";
 // Loaded on demand by the page: on a busy machine their first import takes longer than a test waits.

@@ -3,7 +3,7 @@ import { act, fireEvent, screen, waitFor, within } from "@testing-library/react"
 import { afterEach, beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Gateway } from "../src/api/client";
 import { CommandError } from "../src/api/errors";
-import type { Robot } from "../src/fleet/types";
+import type { Robot } from "../src/api/types";
 import { divide, fewAtOnce, whyNot } from "../src/operations/operation";
 import { at, goal, latched, robot, stopReport } from "./events";
 import { descriptionOf, fakeGateway, loadRobotTable, renderPage } from "./page";

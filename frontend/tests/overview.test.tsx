@@ -1,8 +1,7 @@
 import { act, cleanup, screen, waitFor, within } from "@testing-library/react";
 import { beforeAll, beforeEach, describe, expect, it, vi } from "vitest";
-import type { BatteryState } from "../src/api/types";
-import type { Robot } from "../src/fleet/types";
-import { listed, readView, writeView } from "../src/overview/list";
+import type { BatteryState, Robot } from "../src/api/types";
+import { listed, readView, writeView } from "../src/pages/overview/list";
 import { alert, at, battery, goal, latched, robot, server } from "./events";
 import { fakeGateway, loadRobotTable, renderPage } from "./page";
 

@@ -1,13 +1,14 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { FADE_MS, SceneBuffer } from "../src/scene/buffer";
+import type { Pose } from "../src/api/types";
 import { Camera } from "../src/scene/camera";
 import { SCENE_COLORS } from "../src/scene/colors";
-import { compose, type Pose } from "../src/scene/geometry";
 import { Gestures } from "../src/scene/gestures";
 import { drawGrid } from "../src/scene/ground";
 import { Painter } from "../src/scene/painter";
 import { handlePlace } from "../src/scene/renderer";
 import { toScreen, type View } from "../src/scene/view";
+import { compose } from "../src/store/geometry";
+import { FADE_MS, SceneBuffer } from "../src/store/sceneBuffer";
 import { emptyScene } from "./events";
 
 /** Beats are counted by the clock: what is drawn when must not depend on when the test runs. */

@@ -1,10 +1,7 @@
 import { describe, expect, it, vi } from "vitest";
-import type { PoseEvent } from "../src/api/types";
-import { FADE_MS, SceneBuffer } from "../src/scene/buffer";
+import type { Pose, PoseEvent } from "../src/api/types";
 import { keepScale, keptScale } from "../src/scene/following";
-import { between, compose, normalizeAngle, type Pose, toRadians } from "../src/scene/geometry";
 import { arrowRadius, footprintOf, pointsOf, shapesOf } from "../src/scene/shapes";
-import { JUMP_M, MAX_POINTS, Trail } from "../src/scene/trail";
 import {
   fitTo,
   follow,
@@ -17,6 +14,9 @@ import {
   zoom,
 } from "../src/scene/view";
 import { describePose, describeScene } from "../src/scene/words";
+import { between, compose, normalizeAngle, toRadians } from "../src/store/geometry";
+import { FADE_MS, SceneBuffer } from "../src/store/sceneBuffer";
+import { JUMP_M, MAX_POINTS, Trail } from "../src/store/trail";
 import { emptyScene } from "./events";
 
 const size = { width: 600, height: 400 };

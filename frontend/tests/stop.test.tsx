@@ -1,11 +1,11 @@
 import { notifications } from "@mantine/notifications";
 import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { ownName, setOwnName } from "../src/access/who";
 import { CommandError } from "../src/api/errors";
 import { Naming } from "../src/fleet/names";
 import { DoubleEscape, TWICE_WITHIN_MS } from "../src/stop/keys";
 import { showStopped } from "../src/stop/notices";
-import { ownName, setOwnName } from "../src/stop/who";
 import { at, latched, released, robot, snapshot, stopReport } from "./events";
 import { descriptionOf, fakeGateway, isDisabled, renderPage } from "./page";
 

@@ -1,8 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { ANYBODY, session } from "../src/access/session";
+import { ANYBODY, session } from "../src/api/session";
 import type { GatewayEvent } from "../src/api/types";
-import type { ConnectionInput } from "../src/stream/connection";
-import { SILENCE_MS } from "../src/stream/connection";
+import { type ConnectionInput, SILENCE_MS } from "../src/stream/connection";
 import { openStream, streamUrl } from "../src/stream/stream";
 import { at, cmdVel, feedback, snapshot } from "./events";
 

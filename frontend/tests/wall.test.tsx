@@ -1,8 +1,8 @@
 import { act, screen, waitFor, within } from "@testing-library/react";
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import { gridFor } from "../src/wall/layout";
-import { newBuild } from "../src/wall/newBuild";
-import { PAGE_MS } from "../src/wall/WallPage";
+import { gridFor } from "../src/pages/wall/layout";
+import { newBuild } from "../src/pages/wall/newBuild";
+import { PAGE_MS } from "../src/pages/wall/WallPage";
 import { alert, at, goal, latched, robot } from "./events";
 import { fakeGateway, pressEscape, renderPage } from "./page";
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { rate } from "../src/docking/rate";
 import { describeVelocity } from "../src/docking/velocity";
+import { rate } from "../src/goal/FeedbackCount";
 import { formatDuration, formatTime } from "../src/ui/time";
 import { at, cmdVel } from "./events";
 

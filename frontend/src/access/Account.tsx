@@ -1,8 +1,8 @@
 import { Suspense } from "react";
+import { useSession } from "../api/session";
 import { lazyPart } from "../ui/lazyPart";
 import classes from "./access.module.css";
 import { accessWords } from "./OpenNotice";
-import { useSession } from "./session";
 
 const AccountMenu = lazyPart(() => import("./AccountMenu"));
 

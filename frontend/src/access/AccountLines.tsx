@@ -2,10 +2,10 @@ import { Text, UnstyledButton } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Suspense } from "react";
 import { Link } from "react-router";
+import { hasSession, useSession } from "../api/session";
 import { lazyPart } from "../ui/lazyPart";
 import classes from "./access.module.css";
 import { accessWords } from "./OpenNotice";
-import { hasSession, useSession } from "./session";
 import { useLogOut } from "./useLogOut";
 
 const PasswordDialog = lazyPart(() => import("./PasswordDialog"));

@@ -1,8 +1,8 @@
 import { ActionIcon, Menu } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Link } from "react-router";
+import { hasSession, type SessionState } from "../api/session";
 import PasswordDialog from "./PasswordDialog";
-import { hasSession, type SessionState } from "./session";
 import { useLogOut } from "./useLogOut";
 
 const PERSON =

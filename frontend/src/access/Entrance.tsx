@@ -1,7 +1,7 @@
 import { type ReactNode, Suspense, useEffect, useState } from "react";
+import { session, useSession } from "../api/session";
 import { Guarded } from "../ui/Guarded";
 import { lazyPart } from "../ui/lazyPart";
-import { session, useSession } from "./session";
 
 const LoginPage = lazyPart(() => import("./LoginPage"));
 

@@ -1,8 +1,8 @@
 import { Fieldset, NativeSelect, Stack, TagsInput } from "@mantine/core";
 import type { Token } from "../api/access";
+import { ROLES } from "../api/permissions";
+import type { Role } from "../api/session";
 import { useFleetTopic } from "../fleet/context";
-import { ROLES } from "./permissions";
-import type { Role } from "./session";
 import { ROLE_WORDS } from "./words";
 
 export type Grant = Pick<Token, "role" | "robots" | "actions" | "topics">;

@@ -2,12 +2,12 @@ import { Button, Group, PasswordInput, Stack, Text, TextInput } from "@mantine/c
 import { useQueryClient } from "@tanstack/react-query";
 import { type FormEvent, useEffect, useRef, useState } from "react";
 import { type LoginBody, logIn } from "../api/access";
+import { session, useSession } from "../api/session";
 import { useFleet } from "../fleet/context";
 import { Command } from "../ui/Command";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { useCommand } from "../ui/useCommand";
 import { ProviderLogin } from "./ProviderLogin";
-import { session, useSession } from "./session";
 
 const ADD_USER = "dock-gateway user add NAME --role operator";
 const CREATE_TOKEN = "dock-gateway token create NAME --role operator";

@@ -1,8 +1,8 @@
 import { Alert, Anchor, Code, Stack, Text } from "@mantine/core";
 import { Link, useLocation } from "react-router";
+import { type SessionState, useSession } from "../api/session";
 import { Command } from "../ui/Command";
 import { Kept, useKept } from "../ui/kept";
-import { type SessionState, useSession } from "./session";
 
 const ADD_ADMIN = "dock-gateway user add NAME --role admin";
 

@@ -1,11 +1,11 @@
 import { Stack, Text, Title } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import type { Person } from "../api/access";
-import { Trouble } from "../goals/Trouble";
 import { ENTRY_BUTTON } from "../ui/EntryCard";
 import { Fact } from "../ui/Fact";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Time } from "../ui/Time";
+import { Trouble } from "../ui/Trouble";
 import { AccountItem } from "./AccountItem";
 import { usePeople } from "./usePeople";
 import { sessionWords } from "./words";

@@ -1,6 +1,6 @@
 import { Alert, Anchor, Button, Stack, Text } from "@mantine/core";
+import type { Provider } from "../api/session";
 import { failureWords, loginAddress } from "./provider";
-import type { Provider } from "./session";
 
 /** Leads to the identity provider, where people log in. */
 export function ProviderLogin({ provider: { name, logout_url } }: { provider: Provider }) {

@@ -2,8 +2,8 @@ import { Text } from "@mantine/core";
 import type { UseMutationResult } from "@tanstack/react-query";
 import type { Token } from "../api/access";
 import type { CommandError } from "../api/errors";
-import { loginName } from "../stop/who";
 import { RemovalDialog } from "../ui/RemovalDialog";
+import { loginName } from "./who";
 
 interface RevokeDialogProps {
   /** Null for none: then it is closed. */

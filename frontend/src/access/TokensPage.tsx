@@ -1,15 +1,15 @@
 import { Code, Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useState } from "react";
 import type { CreatedToken, Token } from "../api/access";
+import { useForbidden } from "../api/permissions";
 import { useWhyNot } from "../fleet/useWhyNot";
-import { Trouble } from "../goals/Trouble";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog } from "../ui/Dialog";
 import { ReasonButton } from "../ui/ReasonButton";
+import { Trouble } from "../ui/Trouble";
 import { usePageTitle } from "../ui/usePageTitle";
 import classes from "./access.module.css";
 import { OpenNotice } from "./OpenNotice";
-import { useForbidden } from "./permissions";
 import { RevokeDialog } from "./RevokeDialog";
 import { TokenForm } from "./TokenForm";
 import { TokenItem } from "./TokenItem";

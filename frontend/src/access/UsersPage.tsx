@@ -2,20 +2,20 @@ import { Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { useState } from "react";
 import type { User } from "../api/access";
+import { useForbidden } from "../api/permissions";
+import { useSession } from "../api/session";
 import { useWhyNot } from "../fleet/useWhyNot";
-import { Trouble } from "../goals/Trouble";
-import { loginName } from "../stop/who";
 import { Dialog } from "../ui/Dialog";
 import { ReasonButton } from "../ui/ReasonButton";
 import { RemovalDialog } from "../ui/RemovalDialog";
+import { Trouble } from "../ui/Trouble";
 import { usePageTitle } from "../ui/usePageTitle";
 import { OpenNotice } from "./OpenNotice";
 import { PeopleList } from "./PeopleList";
-import { useForbidden } from "./permissions";
-import { useSession } from "./session";
 import { UserForm } from "./UserForm";
 import { UserItem } from "./UserItem";
 import { useUsers } from "./useUsers";
+import { loginName } from "./who";
 
 /** Those who log in with a name and a password, or with the identity provider; for admins. */
 export default function UsersPage() {

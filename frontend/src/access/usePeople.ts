@@ -1,9 +1,9 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { endPersonSessions, listPeople, type Person } from "../api/access";
 import { type CommandError, toCommandError } from "../api/errors";
+import { useForbidden } from "../api/permissions";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { useCommand } from "../ui/useCommand";
-import { useForbidden } from "./permissions";
 
 const KEY = ["people"] as const;
 /** How often it is asked who has come and gone (ms). */

@@ -1,9 +1,9 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { createToken, listTokens, revokeToken, type Token, type TokenBody } from "../api/access";
 import { type CommandError, toCommandError } from "../api/errors";
+import { useForbidden } from "../api/permissions";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { useCommand } from "../ui/useCommand";
-import { useForbidden } from "./permissions";
 
 const KEY = ["tokens"] as const;
 /** How often it is asked what others have changed, and who was here (ms). */

@@ -1,9 +1,9 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { endSessions, listUsers, putUser, removeUser, type User, type UserBody } from "../api/access";
 import { type CommandError, toCommandError } from "../api/errors";
+import { useForbidden } from "../api/permissions";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { useCommand } from "../ui/useCommand";
-import { useForbidden } from "./permissions";
 
 const KEY = ["users"] as const;
 /** How often it is asked what others have changed, and who was here (ms). */

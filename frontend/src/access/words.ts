@@ -1,4 +1,4 @@
-import type { Role } from "./session";
+import type { Role } from "../api/session";
 
 export function sessionWords(sessions: number): string {
   if (sessions === 0) return "No";

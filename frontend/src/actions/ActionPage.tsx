@@ -2,6 +2,7 @@ import { Alert, Anchor, Group, Skeleton, Stack, Text, Title } from "@mantine/cor
 import { useMemo, useRef, useState } from "react";
 import { Link, useParams } from "react-router";
 import type { ActionSchemas } from "../api/actions";
+import type { Json } from "../api/jsonSchema";
 import type { ActionInfo, AnyGoal, Goal } from "../api/types";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { isTerminal } from "../store/goals";
@@ -10,7 +11,6 @@ import { Section } from "../ui/Section";
 import { sentence } from "../ui/sentence";
 import { usePageTitle } from "../ui/usePageTitle";
 import classes from "./actions.module.css";
-import type { Json } from "./form/schema";
 import { shapeOf } from "./form/shapes";
 import { GoalForm } from "./GoalForm";
 import { GoalWatch } from "./GoalWatch";

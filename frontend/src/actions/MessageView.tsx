@@ -1,5 +1,5 @@
 import { Text } from "@mantine/core";
-import type { JsonSchema } from "../ui/jsonSchema";
+import type { JsonSchema } from "../api/jsonSchema";
 import { MessageTree } from "../ui/MessageTree";
 import { Sequence } from "./Sequence";
 

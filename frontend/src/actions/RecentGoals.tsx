@@ -1,17 +1,17 @@
 import { Anchor, Button, Table, Text, VisuallyHidden } from "@mantine/core";
 import { useEffect, useMemo } from "react";
 import { Link } from "react-router";
+import type { Json } from "../api/jsonSchema";
 import type { AnyGoal, Goal } from "../api/types";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { GoalDuration } from "../goal/GoalDuration";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
-import { OriginBadge } from "../goals/OriginBadge";
+import { OriginBadge } from "../goal/OriginBadge";
 import { newestFirst } from "../store/goals";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import classes from "./actions.module.css";
 import { spaced, withoutDefaults } from "./form/draft";
-import type { Json } from "./form/schema";
 import type { MessageShape } from "./form/shapes";
 import { useActionsApi } from "./useActions";
 

@@ -1,4 +1,4 @@
-import type { Json } from "./form/schema";
+import type { Json } from "../api/jsonSchema";
 
 /** What a form begins with where the defaults alone show nothing: an order that can be watched, a battery that charges. */
 const STARTING: Record<string, Json> = {

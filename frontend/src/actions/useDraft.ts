@@ -1,5 +1,6 @@
 import { useQueryClient } from "@tanstack/react-query";
 import { useCallback, useMemo, useState } from "react";
+import type { Json } from "../api/jsonSchema";
 import {
   asForm,
   asJson,
@@ -10,7 +11,6 @@ import {
   withField,
   withText,
 } from "./form/draft";
-import type { Json } from "./form/schema";
 import type { MessageShape } from "./form/shapes";
 import type { Path, Value } from "./form/values";
 import type { FieldError } from "./form/write";

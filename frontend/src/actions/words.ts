@@ -1,6 +1,7 @@
-import { whyForbidden } from "../access/permissions";
+import { whyForbidden } from "../api/permissions";
 import type { ActionInfo, AnyGoal } from "../api/types";
-import { type HeldStop, isUnder } from "../stop/held";
+import { isUnder } from "../fleet/names";
+import type { HeldStop } from "../stop/held";
 
 interface Circumstances {
   live: boolean;

@@ -1,10 +1,10 @@
 import { Button, Group, Stack, Text, TextInput } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type FormEvent, useState } from "react";
+import { MAX_NAME, ownName, setOwnName } from "../access/who";
 import { createAlerts } from "../api/alerts";
 import { useFleet } from "../fleet/context";
 import { useWhyNot } from "../fleet/useWhyNot";
-import { MAX_NAME, ownName, setOwnName } from "../stop/who";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Dialog } from "../ui/Dialog";
 import { ReasonButton } from "../ui/ReasonButton";

@@ -1,7 +1,7 @@
 import { Button, Group, Paper, Text, Title } from "@mantine/core";
 import { memo, useId, useMemo, useState } from "react";
+import type { Alert } from "../api/types";
 import { useFleetTopic } from "../fleet/context";
-import type { Alert } from "../fleet/types";
 import { useNaming } from "../fleet/useNaming";
 import { AlertItem } from "./AlertItem";
 import classes from "./alerts.module.css";

@@ -1,6 +1,5 @@
-import type { Naming } from "../fleet/names";
-import type { Alert } from "../fleet/types";
-import { isUnder } from "../stop/held";
+import type { Alert } from "../api/types";
+import { isUnder, type Naming } from "../fleet/names";
 
 /** What needs eyes first: not acknowledged before acknowledged, critical before warning, new before old. */
 export function urgentFirst(alerts: readonly Alert[]): Alert[] {

@@ -1,11 +1,10 @@
-import type { Schema } from "../actions/form/schema";
-import type { JsonSchema } from "../ui/jsonSchema";
 import { deadline, type Http, settle } from "./http";
+import type { JsonSchema } from "./jsonSchema";
 import type { ActionInfo, AnyGoal } from "./types";
 
 /** JSON Schemas of an action's messages. */
 export interface ActionSchemas {
-  goal: Schema;
+  goal: JsonSchema;
   result: JsonSchema;
   feedback: JsonSchema;
 }

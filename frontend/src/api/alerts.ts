@@ -1,5 +1,5 @@
-import type { Alert } from "../fleet/types";
 import { deadline, type Http, settle } from "./http";
+import type { Alert } from "./types";
 
 /** What can be done about alerts; each call is one request, and every failure a CommandError. */
 export interface Alerts {

@@ -1,4 +1,3 @@
-import type { Pose } from "../scene/geometry";
 import { CommandError } from "./errors";
 import { deadline, type Http, settle } from "./http";
 import type {
@@ -8,6 +7,7 @@ import type {
   DockList,
   Fault,
   Goal,
+  Pose,
   Publisher,
   Simulator,
   StopReport,

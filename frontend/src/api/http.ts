@@ -1,7 +1,7 @@
 import createClient, { type Client } from "openapi-fetch";
-import { session } from "../access/session";
 import { CommandError, fromProblem, unreachable } from "./errors";
 import type { paths } from "./schema.gen";
+import { session } from "./session";
 
 /** The gateway needs at most 1.5 s to miss an action server and 5 s to wait for its answer. */
 const COMMAND_TIMEOUT_MS = 12_000;

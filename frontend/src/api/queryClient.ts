@@ -1,5 +1,5 @@
 import { focusManager, QueryClient } from "@tanstack/react-query";
-import { session } from "../access/session";
+import { session } from "./session";
 
 /**
  * Asks the gateway and gives its answer, or its failure, at once. `networkMode: "online"`, the default, would hold back

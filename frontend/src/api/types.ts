@@ -12,6 +12,8 @@ export type ActionInfo = Schemas["ActionInfo"];
 export type GoalHistory = Schemas["GoalHistory"];
 /** What a goal's history is made of. */
 export type GoalEvent = GoalHistory["events"][number];
+/** Where something is in the plane: metres, and radians counter-clockwise from the x axis (REP-103). */
+export type Pose = Schemas["Pose"];
 export type PoseEvent = Schemas["PoseEvent"];
 /** The two things that a robot's docking actions do, each an action with its own goals. */
 export type Verb = NonNullable<AnyGoal["verb"]>;
@@ -41,3 +43,10 @@ export type GoalCounts = Schemas["GoalCounts"];
 export type GoalGroup = Schemas["GoalGroup"];
 export type GatewayEvent = Schemas["Event"];
 export type EventOf<Type extends GatewayEvent["type"]> = Extract<GatewayEvent, { type: Type }>;
+export type GoalSummary = Schemas["GoalState"];
+
+/** A robot, as `GET /robots` tells. */
+export type Robot = Schemas["Robot"];
+
+/** Something that an operator has to know of, as `GET /alerts` tells. */
+export type Alert = Schemas["Alert"];

@@ -1,11 +1,11 @@
 import { Button, Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useMemo } from "react";
 import { useSearchParams } from "react-router";
-import { useForbidden } from "../access/permissions";
 import { auditExportUrl } from "../api/audit";
+import { useForbidden } from "../api/permissions";
 import { useFleet } from "../fleet/context";
 import { Downloads } from "../goals/Downloads";
-import { Trouble } from "../goals/Trouble";
+import { Trouble } from "../ui/Trouble";
 import { usePageTitle } from "../ui/usePageTitle";
 import { AuditFilters } from "./AuditFilters";
 import { AuditTable } from "./AuditTable";

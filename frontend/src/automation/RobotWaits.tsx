@@ -1,8 +1,8 @@
 import { Anchor, Text } from "@mantine/core";
 import { Link } from "react-router";
 import type { Rule } from "../api/automation";
+import { robotPath } from "../fleet/path";
 import { useNaming } from "../fleet/useNaming";
-import { robotPath } from "../robot/path";
 import classes from "./automation.module.css";
 import { WAITS } from "./words";
 

@@ -1,10 +1,10 @@
 import { SegmentedControl } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
+import { ownName } from "../access/who";
 import type { Rule, RuleMode } from "../api/automation";
 import { robotsWords } from "../fleet/robotChoice";
 import { useNaming } from "../fleet/useNaming";
 import { useWhyNot } from "../fleet/useWhyNot";
-import { ownName } from "../stop/who";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { EntryCard } from "../ui/EntryCard";
 import { withMode } from "./draft";

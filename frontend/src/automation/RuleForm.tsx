@@ -1,12 +1,12 @@
 import { Alert, SegmentedControl, Stack, Text, TextInput } from "@mantine/core";
 import { type FormEvent, useState } from "react";
+import { NameInput } from "../access/NameInput";
+import { ownName, setOwnName } from "../access/who";
 import type { Rule } from "../api/automation";
 import { useFleetTopic } from "../fleet/context";
 import { RobotFields } from "../fleet/RobotFields";
 import { isCovered } from "../fleet/robotChoice";
 import { useNaming } from "../fleet/useNaming";
-import { NameInput } from "../stop/NameInput";
-import { ownName, setOwnName } from "../stop/who";
 import { newId } from "../ui/newId";
 import { SaveBar } from "../ui/SaveBar";
 import { BatteryFields } from "./BatteryFields";

@@ -1,6 +1,6 @@
 import { Anchor } from "@mantine/core";
 import { Link } from "react-router";
-import { OriginBadge } from "../goals/OriginBadge";
+import { OriginBadge } from "../goal/OriginBadge";
 import { useDecisionOf } from "./useAutomation";
 
 /** The rule that sent a goal, once it is known. */

@@ -1,9 +1,9 @@
 import { Button, Group, List, Stack, Text } from "@mantine/core";
 import { useState } from "react";
+import { NameInput, useOwnName } from "../access/NameInput";
+import { setOwnName } from "../access/who";
 import type { Rule } from "../api/automation";
 import { useNaming } from "../fleet/useNaming";
-import { NameInput, useOwnName } from "../stop/NameInput";
-import { setOwnName } from "../stop/who";
 import { Dialog } from "../ui/Dialog";
 import classes from "./automation.module.css";
 import { conditionWords } from "./words";

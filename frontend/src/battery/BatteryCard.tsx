@@ -2,21 +2,21 @@ import { Box, Button, Code, Paper, Text, Title } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useId, useState } from "react";
 import type { BatteryState } from "../api/types";
-import { useAtTime } from "../store/clock";
+import { useAtTime } from "../clock/clock";
+import { FreshnessBadge } from "../fleet/FreshnessBadge";
 import { useServices, useTopicPart } from "../store/context";
 import { useFreshness } from "../store/freshness";
 import { RENDER_INTERVAL_MS } from "../store/shown";
 import { Fact, FactList } from "../ui/Fact";
-import { FreshnessBadge } from "../ui/FreshnessBadge";
 import { formatDuration } from "../ui/time";
 import classes from "./battery.module.css";
-import { implausibleWords } from "./believed";
 import { ChargeBar, chargeOf } from "./ChargeBar";
 import {
   formatCells,
   formatPercentage,
   formatQuantity,
   HEALTH_WORDS,
+  implausibleWords,
   statusWords,
   TECHNOLOGY_WORDS,
 } from "./words";

@@ -1,6 +1,5 @@
 import { NativeSelect, NumberInput } from "@mantine/core";
-import type { BatteryForm } from "./form";
-import { isNumber } from "./form";
+import { type BatteryForm, isNumber } from "./form";
 import { STATUS_WORDS } from "./words";
 
 export interface FieldsProps {

@@ -1,16 +1,16 @@
 import { Text, useComputedColorScheme, VisuallyHidden } from "@mantine/core";
 import { useReducedMotion } from "@mantine/hooks";
 import { type KeyboardEvent, useCallback, useEffect, useId, useRef, useState } from "react";
+import { onBeat, steadyNow } from "../clock/beat";
+import { QUANTITIES, type Quantity } from "../store/batterySeries";
 import { useLive, useServices } from "../store/context";
-import { onBeat } from "../ui/beat";
 import { watchSight } from "../ui/sight";
-import { steadyNow } from "../ui/steadyClock";
 import { useZone } from "../ui/zone";
 import classes from "./BatteryPlots.module.css";
 import { PlotBar } from "./PlotBar";
 import { type Places, PlotGroup } from "./plotGroup";
 import { join } from "./points";
-import { QUANTITIES, type Quantity, SHAPES } from "./quantities";
+import { SHAPES } from "./quantities";
 import { usePast } from "./usePast";
 import { between, edges, formatMoment, LIVE, pan, pause, type View, zoom } from "./view";
 

@@ -1,8 +1,8 @@
 import { Badge, Button, Group, SegmentedControl, Text } from "@mantine/core";
 import type { RefObject } from "react";
-import { useAtTime } from "../store/clock";
+import { useAtTime } from "../clock/clock";
+import { FreshnessBadge } from "../fleet/FreshnessBadge";
 import { useFreshness } from "../store/freshness";
-import { FreshnessBadge } from "../ui/FreshnessBadge";
 import { Tool } from "../ui/Tool";
 import { useZone } from "../ui/zone";
 import classes from "./BatteryPlots.module.css";

@@ -1,7 +1,7 @@
 import { Button, Group, NumberInput, SimpleGrid, Skeleton, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Suspense, useId, useState } from "react";
-import { useForbidden } from "../access/permissions";
+import { useForbidden } from "../api/permissions";
 import { useLive, useServices, useTopicPart } from "../store/context";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { lazyPart } from "../ui/lazyPart";

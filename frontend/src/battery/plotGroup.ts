@@ -1,9 +1,9 @@
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import { noPoints, type Points, QUANTITIES, type Quantity } from "../store/batterySeries";
 import { type PlotLook, plotOptions } from "./plotOptions";
-import type { Points } from "./points";
-import { describe, noPoints } from "./points";
-import { formatValue, QUANTITIES, type Quantity } from "./quantities";
+import { describe } from "./points";
+import { formatValue } from "./quantities";
 
 export const PLOT_HEIGHT = 160;
 /** Narrower drags are clicks. */

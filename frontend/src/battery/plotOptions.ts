@@ -1,8 +1,9 @@
 import uPlot from "uplot";
+import type { Quantity } from "../store/batterySeries";
 import { fixed } from "../ui/numbers";
 import { plotAxis } from "../ui/plotLook";
 import type { Zone } from "../ui/zone";
-import { marks, type Quantity, rangeOf, SHAPES } from "./quantities";
+import { marks, rangeOf, SHAPES } from "./quantities";
 import { formatMark } from "./view";
 
 /** Of the band between the least and the most. */

@@ -1,28 +1,13 @@
 import type { BatteryHistory } from "../api/types";
-import { formatSpread, formatValue, inUnit, QUANTITIES, type Quantity } from "./quantities";
-
-export type Column = (number | null)[];
-
-/** What one quantity was; `min` and `max` are null where a point is one measurement. */
-export interface Band {
-  mean: Column;
-  min: Column;
-  max: Column;
-}
-
-/** Measurements over time: times (s since 1970) in order, and a place for each of them in every column. */
-export interface Points {
-  times: number[];
-  bands: Record<Quantity, Band>;
-}
-
-export function noPoints(): Points {
-  const empty = (): Band => ({ mean: [], min: [], max: [] });
-  return {
-    times: [],
-    bands: { voltage: empty(), percentage: empty(), current: empty(), temperature: empty() },
-  };
-}
+import {
+  type Column,
+  inUnit,
+  noPoints,
+  type Points,
+  QUANTITIES,
+  type Quantity,
+} from "../store/batterySeries";
+import { formatSpread, formatValue } from "./quantities";
 
 /** The gateway's answer, in seconds and in the units that are plotted. */
 export function fromHistory(history: BatteryHistory): Points {

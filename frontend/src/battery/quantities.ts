@@ -1,9 +1,5 @@
-import type { BatteryState } from "../api/types";
+import type { Quantity } from "../store/batterySeries";
 import { fixed } from "../ui/numbers";
-
-/** What of a battery is plotted, in this order. */
-export const QUANTITIES = ["voltage", "percentage", "current", "temperature"] as const;
-export type Quantity = (typeof QUANTITIES)[number];
 
 interface Shape {
   name: string;
@@ -56,15 +52,6 @@ export const SHAPES: Record<Quantity, Shape> = {
     dark: "#ffc078",
   },
 };
-
-/** A quantity in the unit that it is plotted in; `percentage` is 0 to 1 on the wire. */
-export function measured(state: BatteryState, quantity: Quantity): number | null {
-  return inUnit(quantity, state[quantity]);
-}
-
-export function inUnit(quantity: Quantity, value: number | null): number | null {
-  return value === null || quantity !== "percentage" ? value : value * 100;
-}
 
 /** `8.76 V`; `–` where it was not measured. */
 export function formatValue(quantity: Quantity, value: number | null | undefined): string {

@@ -2,8 +2,9 @@ import { useEffect, useState } from "react";
 import { batteryHistory } from "../api/battery";
 import { type CommandError, toCommandError } from "../api/errors";
 import { useFleet } from "../fleet/context";
+import { noPoints, type Points } from "../store/batterySeries";
 import { useLive, useServices } from "../store/context";
-import { fromHistory, noPoints, type Points } from "./points";
+import { fromHistory } from "./points";
 import { edges, type View } from "./view";
 
 const POINTS = 600;

@@ -1,4 +1,4 @@
-import type { BatteryState } from "../api/types";
+import type { BatteryState, Implausible } from "../api/types";
 import { fixed } from "../ui/numbers";
 
 /** sensor_msgs/BatteryState POWER_SUPPLY_STATUS_… */
@@ -87,4 +87,14 @@ export function formatCells(values: readonly (number | null)[], unit: string): s
   const [first] = texts;
   const alike = texts.length > 2 && texts.every((text) => text === first);
   return `${alike ? `${texts.length} × ${first}` : texts.join(", ")} ${unit}`;
+}
+
+/** `percentage is 12, but should be 0 to 1` */
+export function implausibleWords({ field, value, expected }: Implausible): string {
+  const number = typeof value === "number" ? shortest(value) : value;
+  return `${field} is ${number}, but should be ${expected}`;
+}
+
+function shortest(value: number): string {
+  return Math.abs(value) < 1e6 ? fixed(value, 3).replace(/\.?0+$/, "") : value.toPrecision(6);
 }

@@ -1,7 +1,7 @@
 import { Button, Code, Group, Stack, Table, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
-import { useForbidden } from "../access/permissions";
+import { useForbidden } from "../api/permissions";
 import type { Calibration } from "../api/types";
 import { NOT_CONNECTED } from "../fleet/useWhyNot";
 import { currentGoal } from "../goal/words";

@@ -1,6 +1,6 @@
 import { Stack, Text } from "@mantine/core";
 import { useFleetPart } from "../fleet/context";
-import { defaultRobot } from "../stop/held";
+import { defaultRobot } from "../fleet/names";
 import { useServices } from "../store/context";
 import { Command } from "../ui/Command";
 

@@ -1,7 +1,7 @@
 import { Text, VisuallyHidden } from "@mantine/core";
+import { useAtTime, useGatewayNow } from "../clock/clock";
 import { spansOf, timeIn } from "../goal/spans";
 import { type StepState, stageLabel, stepsOf } from "../goal/stages";
-import { useAtTime, useGatewayNow } from "../store/clock";
 import { useLive } from "../store/context";
 import { type GoalCourse, isTerminal } from "../store/goals";
 import type { StageVisit } from "../store/stages";

@@ -1,5 +1,5 @@
 import { Text } from "@mantine/core";
-import { useAtTime } from "../store/clock";
+import { useAtTime } from "../clock/clock";
 import { useServices } from "../store/context";
 import { type Freshness, useFreshness } from "../store/freshness";
 import { RENDER_INTERVAL_MS } from "../store/shown";

@@ -1,4 +1,4 @@
-import { whyForbidden } from "../access/permissions";
+import { whyForbidden } from "../api/permissions";
 import type { ActionServer, Goal, Verb } from "../api/types";
 import { NOT_CONNECTED } from "../fleet/useWhyNot";
 import { whatToStart } from "./families";

@@ -1,9 +1,9 @@
 import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
-import { useSession } from "../access/session";
 import type { Gateway } from "../api/client";
 import type { Http } from "../api/http";
-import type { OpenRobot } from "../robot/services";
-import { ClockProvider } from "../store/clock";
+import { useSession } from "../api/session";
+import { ClockProvider } from "../clock/clock";
+import type { OpenRobot } from "../store/openRobot";
 import type { FleetTopic, FleetTopics } from "./state";
 import type { FleetStore } from "./store";
 

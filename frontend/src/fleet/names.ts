@@ -1,4 +1,4 @@
-import type { Robot } from "./types";
+import type { Robot } from "../api/types";
 
 /** What a robot is called, and the groups that it is in. */
 export type Label = Pick<Robot, "name" | "display_name" | "groups">;
@@ -102,4 +102,22 @@ export function isFound({ name, display_name, groups }: Label, text: string): bo
   return [namespaceWords(name), name, display_name ?? "", ...groups].some((each) =>
     each.toLowerCase().includes(wanted),
   );
+}
+
+/** The name of the robot that the gateway is configured for. */
+export function defaultRobot(robots: ReadonlyMap<string, Robot>): string {
+  for (const robot of robots.values()) if (robot.default) return robot.name;
+  return "/";
+}
+
+/** Whether a namespace is another one, or in it. */
+export function isUnder(name: string, namespace: string): boolean {
+  return name === namespace || name.startsWith(namespace === "/" ? "/" : `${namespace}/`);
+}
+
+const collator = new Intl.Collator(undefined, { numeric: true });
+
+/** `/robot2` before `/robot10`. */
+export function byName(a: string, b: string): number {
+  return collator.compare(a, b);
 }

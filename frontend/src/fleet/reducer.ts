@@ -1,9 +1,8 @@
-import type { EventOf, GatewayEvent, StopState } from "../api/types";
-import { defaultRobot, isUnder } from "../stop/held";
+import type { EventOf, GatewayEvent, Robot, StopState } from "../api/types";
 import { applyFeedback, applyResult, applyStatus, snapshotGoals } from "../store/goals";
 import { takeUp } from "../store/streamStore";
+import { defaultRobot, isUnder } from "./names";
 import { type FleetState, NO_STOP } from "./state";
-import type { Robot } from "./types";
 
 /** The state after an event. Pure; the same object where the event changes nothing. */
 export function reduceFleet(state: FleetState, event: GatewayEvent, now: number): FleetState {

@@ -1,8 +1,7 @@
-import type { StopState } from "../api/types";
+import type { Alert, Robot, StopState } from "../api/types";
 import type { StreamState } from "../store/state";
 import type { Connection } from "../stream/connection";
 import { Naming } from "./names";
-import type { Alert, Robot } from "./types";
 
 /** What is known of all robots and of the goals on every action. */
 export interface FleetState extends StreamState {

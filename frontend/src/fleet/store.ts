@@ -1,10 +1,9 @@
-import type { GatewayEvent, StopState } from "../api/types";
+import type { Alert, GatewayEvent, StopState } from "../api/types";
+import { steadyNow } from "../clock/beat";
 import { StreamStore } from "../store/streamStore";
 import type { Connection } from "../stream/connection";
-import { steadyNow } from "../ui/steadyClock";
 import { reduceFleet, withStop } from "./reducer";
 import { type FleetState, type FleetTopics, initialFleet } from "./state";
-import type { Alert } from "./types";
 
 function topicsOf(
   { seen: _seen, resumed: _resumed, ...state }: FleetState,

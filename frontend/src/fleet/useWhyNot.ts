@@ -1,4 +1,4 @@
-import { type Command, useForbidden } from "../access/permissions";
+import { type Command, useForbidden } from "../api/permissions";
 import { useFleetLive } from "./context";
 
 export const NOT_CONNECTED = "The gateway is not connected.";

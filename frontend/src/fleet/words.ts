@@ -1,8 +1,5 @@
-import { stageLabel } from "../goal/stages";
-import { outcome } from "../goal/words";
-import { sentence } from "../ui/sentence";
+import type { Robot } from "../api/types";
 import { formatDuration } from "../ui/time";
-import type { GoalSummary, Robot } from "./types";
 
 /** Whether anything of a robot was ever heard: the configured one is listed from the start. */
 export function isThere({ battery, battery_publisher, dock, undock, goals, last_goal }: Robot): boolean {
@@ -64,23 +61,6 @@ export const LINK_HINTS: Record<Link, string> = {
   unreachable:
     "Neither its docking server nor its battery is heard. Check that the robot is switched on and on the network.",
 };
-
-/** What a robot's goal is called: Dock, Undock, or the action's own name. */
-export function goalName({ verb, action_name }: Pick<GoalSummary, "verb" | "action_name">): string {
-  return verb ? sentence(verb) : action_name.slice(action_name.lastIndexOf("/") + 1);
-}
-
-/** `Dock: Controlling`, `Undock: canceling`, `fibonacci: executing` */
-export function runningWords(goal: GoalSummary): string {
-  const stage = goal.status === "executing" ? stageLabel(goal.stage) : null;
-  return `${goalName(goal)}: ${stage ?? goal.status}`;
-}
-
-/** How a goal ended, in a few words. */
-export function lastWords(goal: GoalSummary): string {
-  const told = goal.verb && (goal.error !== null || goal.status === "succeeded");
-  return told ? sentence(outcome(goal)) : `${goalName(goal)} ${goal.status}`;
-}
 
 /** `now`, `12 s ago`, `3 min 05 s ago`; for ages that are looked at once a second. */
 export function ageWords(ms: number): string {

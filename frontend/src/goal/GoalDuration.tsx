@@ -1,5 +1,5 @@
+import { useAtTime } from "../clock/clock";
 import { useFleetLive } from "../fleet/context";
-import { useAtTime } from "../store/clock";
 import { durationWords, type Lifetime } from "./duration";
 
 /** How long a goal took, or has been running for. */

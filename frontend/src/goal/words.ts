@@ -1,8 +1,8 @@
 import { adviceFor } from "../api/errors";
-import type { AnyGoal, GoalStatus, Verb } from "../api/types";
+import type { AnyGoal, GoalStatus, GoalSummary, Verb } from "../api/types";
 import { type GoalCourse, isTerminal } from "../store/goals";
 import { lowerFirst, sentence } from "../ui/sentence";
-import { stageName, stageWords } from "./stages";
+import { stageLabel, stageName, stageWords } from "./stages";
 
 export const STATUS_COLORS: Record<GoalStatus, string> = {
   pending: "gray.7",
@@ -177,4 +177,21 @@ export function currentGoal(newestFirst: readonly GoalCourse[]): GoalCourse | nu
 
 function endOf(goal: GoalCourse): number {
   return Date.parse(goal.finished_at ?? goal.updated_at);
+}
+
+/** What a robot's goal is called: Dock, Undock, or the action's own name. */
+export function goalName({ verb, action_name }: Pick<GoalSummary, "verb" | "action_name">): string {
+  return verb ? sentence(verb) : action_name.slice(action_name.lastIndexOf("/") + 1);
+}
+
+/** `Dock: Controlling`, `Undock: canceling`, `fibonacci: executing` */
+export function runningWords(goal: GoalSummary): string {
+  const stage = goal.status === "executing" ? stageLabel(goal.stage) : null;
+  return `${goalName(goal)}: ${stage ?? goal.status}`;
+}
+
+/** How a goal ended, in a few words. */
+export function lastWords(goal: GoalSummary): string {
+  const told = goal.verb && (goal.error !== null || goal.status === "succeeded");
+  return told ? sentence(outcome(goal)) : `${goalName(goal)} ${goal.status}`;
 }

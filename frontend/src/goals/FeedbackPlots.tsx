@@ -1,9 +1,9 @@
 import { CloseButton, Group, NativeSelect, Skeleton, Stack, Text } from "@mantine/core";
 import { Suspense, useMemo } from "react";
 import { useSearchParams } from "react-router";
+import { constantName, type JsonSchema, unitOf } from "../api/jsonSchema";
 import type { AnyGoal } from "../api/types";
 import { bandsOf } from "../goal/bands";
-import { constantName, type JsonSchema, unitOf } from "../ui/jsonSchema";
 import { lazyPart } from "../ui/lazyPart";
 import { alike, COMPARED } from "../ui/numbers";
 import { formatElapsed } from "../ui/time";

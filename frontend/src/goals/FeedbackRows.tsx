@@ -1,7 +1,7 @@
 import { Button, Group, Stack, Switch, Text } from "@mantine/core";
 import { useEffect, useMemo, useState } from "react";
 import { useSearchParams } from "react-router";
-import type { JsonSchema } from "../ui/jsonSchema";
+import type { JsonSchema } from "../api/jsonSchema";
 import { NOT_MEASURED } from "../ui/messageWords";
 import { ChangedRows } from "./changes";
 import { FeedbackTable, sinceStart } from "./FeedbackTable";

@@ -1,6 +1,6 @@
 import { Table, Text } from "@mantine/core";
 import { memo, useMemo } from "react";
-import { constantName, type JsonSchema, type SchemaNode, unitOf } from "../ui/jsonSchema";
+import { constantName, type JsonSchema, type SchemaNode, unitOf } from "../api/jsonSchema";
 import { NOT_MEASURED } from "../ui/messageWords";
 import { alike, COMPARED, type Digits } from "../ui/numbers";
 import { Time } from "../ui/Time";

@@ -1,9 +1,9 @@
 import { Alert, Anchor, Button, Group, Stack, Text } from "@mantine/core";
 import { useId, useState } from "react";
 import { Link } from "react-router";
-import { whyForbidden } from "../access/permissions";
 import { useActionsApi, useSchemas } from "../actions/useActions";
 import { goalExportUrl } from "../api/goals";
+import { whyForbidden } from "../api/permissions";
 import type { AnyGoal, StopState } from "../api/types";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import { useNaming } from "../fleet/useNaming";

@@ -5,6 +5,7 @@ import { SentByRule } from "../automation/SentByRule";
 import { useNaming } from "../fleet/useNaming";
 import { GoalDuration } from "../goal/GoalDuration";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
+import { OriginBadge } from "../goal/OriginBadge";
 import { isTerminal } from "../store/goals";
 import { Breakable } from "../ui/Breakable";
 import { CopyButton } from "../ui/CopyButton";
@@ -14,7 +15,6 @@ import { NO_FILTER, writeFilter } from "./filter";
 import { GoalCommands } from "./GoalCommands";
 import { GoalVerdict } from "./GoalVerdict";
 import classes from "./goalPage.module.css";
-import { OriginBadge } from "./OriginBadge";
 import { useWatchTopic } from "./useGoalWatch";
 
 /** What a goal is and how it stands, with what can be done about it. */

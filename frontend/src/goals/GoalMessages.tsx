@@ -1,9 +1,9 @@
 import { Group, Stack, Text, Title } from "@mantine/core";
 import { useSchemas } from "../actions/useActions";
+import type { JsonSchema } from "../api/jsonSchema";
 import type { AnyGoal } from "../api/types";
 import { isTerminal } from "../store/goals";
 import { CopyButton } from "../ui/CopyButton";
-import type { JsonSchema } from "../ui/jsonSchema";
 import { MessageTree } from "../ui/MessageTree";
 import { Section } from "../ui/Section";
 

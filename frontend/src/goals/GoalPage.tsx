@@ -5,6 +5,7 @@ import { isTerminal } from "../store/goals";
 import { Command } from "../ui/Command";
 import { Guarded } from "../ui/Guarded";
 import { lazyPart } from "../ui/lazyPart";
+import { Trouble } from "../ui/Trouble";
 import { usePageTitle } from "../ui/usePageTitle";
 import { FeedbackSection } from "./FeedbackSection";
 import { GoalHead } from "./GoalHead";
@@ -13,7 +14,6 @@ import { GoalTimeline } from "./GoalTimeline";
 import classes from "./goalPage.module.css";
 import { NotesSection } from "./NotesSection";
 import { Replay } from "./Replay";
-import { Trouble } from "./Trouble";
 import { useGoalWatch, useWatched, useWatchTopic, WatchedContext } from "./useGoalWatch";
 
 const ReplayMap = lazyPart(() => import("./ReplayMap"));

@@ -1,19 +1,19 @@
 import { Skeleton, Stack, Text } from "@mantine/core";
 import type { AnyGoal } from "../api/types";
+import { useGatewayNow } from "../clock/clock";
 import { useFleetLive } from "../fleet/context";
 import { entryAt } from "../goal/bands";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { stageName, stageWords } from "../goal/stages";
 import type { Entry } from "../goal/timeline";
 import { meaning } from "../goal/words";
-import { useGatewayNow } from "../store/clock";
 import { isFinal, isTerminal } from "../store/goals";
 import { Section } from "../ui/Section";
 import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
+import { Trouble } from "../ui/Trouble";
 import { formatDuration } from "../ui/time";
 import classes from "./goalPage.module.css";
-import { Trouble } from "./Trouble";
 import { useMoment, useWatched } from "./useGoalWatch";
 import { useTimeline } from "./useTimeline";
 

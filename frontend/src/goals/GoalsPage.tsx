@@ -5,12 +5,12 @@ import { goalsExportUrl } from "../api/goals";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { Command } from "../ui/Command";
 import { SavedViews } from "../ui/SavedViews";
+import { Trouble } from "../ui/Trouble";
 import { usePageTitle } from "../ui/usePageTitle";
 import { Downloads } from "./Downloads";
 import { type GoalFilter, isFiltered, NO_FILTER, readFilter, toQuery, writeFilter } from "./filter";
 import { GoalFilters } from "./GoalFilters";
 import { GoalsHead, GoalsTable } from "./GoalsTable";
-import { Trouble } from "./Trouble";
 import { type GoalList, useGoalList } from "./useGoalList";
 
 /** The goals on all actions, whoever sent them, as they come; narrowed by what the address says. */

@@ -5,13 +5,13 @@ import type { ListedGoal } from "../api/types";
 import { useNaming } from "../fleet/useNaming";
 import { GoalDuration } from "../goal/GoalDuration";
 import { GoalStatusBadge } from "../goal/GoalStatusBadge";
+import { OriginBadge } from "../goal/OriginBadge";
 import { outcome } from "../goal/words";
 import { Breakable } from "../ui/Breakable";
 import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
 import { NO_FILTER, writeFilter } from "./filter";
 import classes from "./goals.module.css";
-import { OriginBadge } from "./OriginBadge";
 
 /** A goal as far as it is listed. */
 type RowGoal = Omit<ListedGoal, "goal" | "feedback" | "result" | "feedback_count" | "last_event_id">;

@@ -1,6 +1,6 @@
 import { Group, Text, Textarea, TextInput } from "@mantine/core";
 import { type FormEvent, type KeyboardEvent, useState } from "react";
-import { MAX_NAME, ownName, setOwnName } from "../stop/who";
+import { MAX_NAME, ownName, setOwnName } from "../access/who";
 import { ReasonButton } from "../ui/ReasonButton";
 
 /** As the gateway allows. */

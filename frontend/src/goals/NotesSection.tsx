@@ -2,10 +2,10 @@ import { Skeleton, Stack } from "@mantine/core";
 import { useWhyNot } from "../fleet/useWhyNot";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Section } from "../ui/Section";
+import { Trouble } from "../ui/Trouble";
 import { NoteForm } from "./NoteForm";
 import { NoteList } from "./NoteList";
 import { TagsField } from "./TagsField";
-import { Trouble } from "./Trouble";
 import { useNotes } from "./useNotes";
 
 /** What people say about a goal: its tags, and notes with their authors. */

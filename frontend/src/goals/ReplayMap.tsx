@@ -3,12 +3,12 @@ import { useQuery } from "@tanstack/react-query";
 import { useEffect, useId, useMemo, useState } from "react";
 import { type CommandError, toCommandError } from "../api/errors";
 import type { AnyGoal, PoseEvent } from "../api/types";
+import { onBeat } from "../clock/beat";
 import { RecordedScene } from "../scene/recorded";
 import { SceneCanvas } from "../scene/SceneCanvas";
 import { describePose } from "../scene/words";
-import { onBeat } from "../ui/beat";
 import { Section } from "../ui/Section";
-import { Trouble } from "./Trouble";
+import { Trouble } from "../ui/Trouble";
 import { useWatched } from "./useGoalWatch";
 
 /** How often the words follow the picture (ms). */

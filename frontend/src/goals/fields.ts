@@ -1,4 +1,4 @@
-import { fieldNode, itemNode, type JsonSchema, rootNode, type SchemaNode } from "../ui/jsonSchema";
+import { fieldNode, itemNode, type JsonSchema, rootNode, type SchemaNode } from "../api/jsonSchema";
 import { isMessage, type Message } from "../ui/messageWords";
 import { type Digits, NO_DIGITS, withNumber } from "../ui/numbers";
 

@@ -1,6 +1,7 @@
 import { type CommandError, toCommandError } from "../api/errors";
 import type { GoalsApi } from "../api/goals";
 import type { AnyGoal, EventOf, GatewayEvent, Goal, GoalEvent } from "../api/types";
+import { steadyNow } from "../clock/beat";
 import type { StatusEvent } from "../goal/timeline";
 import { applyFeedback, applyResult, applyStatus, isFinal, mergeGoals, snapshotGoals } from "../store/goals";
 import { Shown } from "../store/shown";
@@ -12,7 +13,6 @@ import {
   nextConnection,
 } from "../stream/connection";
 import type { StreamHandlers } from "../stream/stream";
-import { steadyNow } from "../ui/steadyClock";
 import { FeedbackLog, type FeedbackRow } from "./feedbackLog";
 
 /** How far the past of the goal is here. */

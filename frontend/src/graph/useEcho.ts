@@ -1,6 +1,6 @@
 import { useEffect, useReducer } from "react";
+import { steadyNow } from "../clock/beat";
 import { openStream, streamUrl } from "../stream/stream";
-import { steadyNow } from "../ui/steadyClock";
 import { type EchoEvent, type EchoInput, type EchoState, initialEcho, reduceEcho } from "./echo";
 
 /** Messages a second that are shown; the rate counts all of them. */

@@ -2,8 +2,8 @@ import { Suspense } from "react";
 import { Route, Routes } from "react-router";
 import { Entrance } from "../access/Entrance";
 import { Announcements } from "../notifications/Announcements";
-import OverviewPage from "../overview/OverviewPage";
-import RobotPage from "../robot/RobotPage";
+import OverviewPage from "../pages/overview/OverviewPage";
+import RobotPage from "../pages/robot/RobotPage";
 import { Guarded } from "../ui/Guarded";
 import { lazyPart } from "../ui/lazyPart";
 import { NotFoundPage } from "./NotFoundPage";
@@ -20,8 +20,8 @@ const GraphPage = lazyPart(() => import("../graph/GraphPage"));
 const UsersPage = lazyPart(() => import("../access/UsersPage"));
 const TokensPage = lazyPart(() => import("../access/TokensPage"));
 const AuditPage = lazyPart(() => import("../audit/AuditPage"));
-const MapPage = lazyPart(() => import("../map/MapPage"));
-const WallPage = lazyPart(() => import("../wall/WallPage"));
+const MapPage = lazyPart(() => import("../pages/map/MapPage"));
+const WallPage = lazyPart(() => import("../pages/wall/WallPage"));
 
 /** Without a header: nothing on it is pressed. */
 function Wall() {

@@ -1,5 +1,5 @@
 import { Badge, Tooltip } from "@mantine/core";
-import { useSession } from "../access/session";
+import { useSession } from "../api/session";
 import { useFleetTopic } from "../fleet/context";
 import type { ConnectionPhase } from "../stream/connection";
 import classes from "./layout.module.css";

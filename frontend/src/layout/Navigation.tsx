@@ -4,8 +4,8 @@ import { useId, useState } from "react";
 import { NavLink } from "react-router";
 import { AccountLines } from "../access/AccountLines";
 import { AlertCount } from "../alerts/AlertCount";
+import { PAGES } from "../pages/pages";
 import classes from "./layout.module.css";
-import { PAGES } from "./pages";
 
 /** As in layout.module.css. */
 const PHONE = "(max-width: 30em)";

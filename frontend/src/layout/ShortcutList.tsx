@@ -1,11 +1,11 @@
 import { Anchor, Group, Kbd, Stack, Switch, Text, TextInput, Title } from "@mantine/core";
 import { Fragment, useState } from "react";
+import { loginName, MAX_NAME, ownName, setOwnName } from "../access/who";
+import { PAGES } from "../pages/pages";
 import { TWICE_WITHIN_MS } from "../stop/keys";
-import { loginName, MAX_NAME, ownName, setOwnName } from "../stop/who";
 import { ZoneSwitch } from "../ui/ZoneSwitch";
 import classes from "./layout.module.css";
 import { lettersOn, setLettersOn } from "./letters";
-import { PAGES } from "./pages";
 
 interface Shortcut {
   keys: readonly string[];

@@ -1,6 +1,6 @@
+import { PAGES } from "../pages/pages";
 import { isTextField } from "../stop/keys";
 import { keep, readKept } from "../ui/kept";
-import { PAGES } from "./pages";
 
 /** The second letter has to come this soon. */
 export const SECOND_WITHIN_MS = 1500;

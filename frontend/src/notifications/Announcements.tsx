@@ -1,11 +1,11 @@
 import { useEffect, useRef } from "react";
 import { useNavigate } from "react-router";
+import type { Alert } from "../api/types";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import type { Naming } from "../fleet/names";
+import { robotPath } from "../fleet/path";
 import { isCovered } from "../fleet/robotChoice";
-import type { Alert } from "../fleet/types";
 import { useNaming } from "../fleet/useNaming";
-import { robotPath } from "../robot/path";
 import { notify, playSound } from "./announce";
 import { type Preferences, usePreferences } from "./preferences";
 

@@ -1,9 +1,9 @@
 import { Alert, Switch } from "@mantine/core";
+import { ownName } from "../access/who";
 import type { Webhook } from "../api/webhooks";
 import { robotsWords } from "../fleet/robotChoice";
 import { useNaming } from "../fleet/useNaming";
 import { useWhyNot } from "../fleet/useWhyNot";
-import { ownName } from "../stop/who";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { ENTRY_BUTTON, EntryCard } from "../ui/EntryCard";
 import { ReasonButton } from "../ui/ReasonButton";

@@ -1,9 +1,9 @@
 import { SegmentedControl, Stack, TextInput } from "@mantine/core";
 import { type FormEvent, useState } from "react";
+import { NameInput } from "../access/NameInput";
+import { ownName, setOwnName } from "../access/who";
 import type { StoredWebhook, Webhook } from "../api/webhooks";
 import { RobotFields } from "../fleet/RobotFields";
-import { NameInput } from "../stop/NameInput";
-import { ownName, setOwnName } from "../stop/who";
 import { newId } from "../ui/newId";
 import { SaveBar } from "../ui/SaveBar";
 import { bodyOf, type Draft, draftOf, errorsOf, MAX_NAME, MAX_URL } from "./draft";

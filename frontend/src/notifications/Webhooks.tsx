@@ -1,13 +1,13 @@
 import { Code, Group, Skeleton, Stack, Text } from "@mantine/core";
 import { useState } from "react";
-import { useForbidden } from "../access/permissions";
+import { useForbidden } from "../api/permissions";
 import type { StoredWebhook, Webhook } from "../api/webhooks";
 import { useWhyNot } from "../fleet/useWhyNot";
-import { Trouble } from "../goals/Trouble";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog } from "../ui/Dialog";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Section } from "../ui/Section";
+import { Trouble } from "../ui/Trouble";
 import { useWebhooks } from "./useWebhooks";
 import { WebhookCard } from "./WebhookCard";
 import { WebhookForm } from "./WebhookForm";

@@ -1,6 +1,6 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
-import { useForbidden } from "../access/permissions";
 import { type CommandError, toCommandError } from "../api/errors";
+import { useForbidden } from "../api/permissions";
 import {
   type Delivery,
   deleteWebhook,

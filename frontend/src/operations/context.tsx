@@ -1,10 +1,10 @@
 import { createContext, type ReactNode, useCallback, useContext, useRef, useState } from "react";
 import { toCommandError } from "../api/errors";
 import { createGoalsApi } from "../api/goals";
+import type { Robot } from "../api/types";
 import { useAskingWanted } from "../docking/asking";
 import { MoveDialog } from "../docking/MoveDialog";
 import { useFleet, useFleetLive, useFleetPart } from "../fleet/context";
-import type { Robot } from "../fleet/types";
 import { isThere } from "../fleet/words";
 import { useStopping } from "../stop/useStopping";
 import { ManyDialog } from "./ManyDialog";

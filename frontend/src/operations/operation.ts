@@ -1,6 +1,5 @@
-import type { Verb } from "../api/types";
+import type { GoalSummary, Robot, Verb } from "../api/types";
 import { whyNotCancel, whyNotSend } from "../docking/reasons";
-import type { GoalSummary, Robot } from "../fleet/types";
 
 /** What can be done to robots, one or several, from any page. */
 export const OPERATIONS = ["dock", "undock", "cancel", "stop"] as const;

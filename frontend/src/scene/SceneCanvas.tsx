@@ -1,8 +1,8 @@
 import { useCallback, useEffect, useRef, useState } from "react";
+import type { Pose } from "../api/types";
 import { Tool } from "../ui/Tool";
 import { Camera } from "./camera";
 import { keepScale, keptScale } from "./following";
-import type { Pose } from "./geometry";
 import { Gestures } from "./gestures";
 import { MapTools } from "./MapTools";
 import { Painter, type SceneSource } from "./painter";

@@ -1,4 +1,4 @@
-import { distance, type Point } from "./geometry";
+import { distance, type Point } from "../store/geometry";
 import { fitTo, follow, pan, type Size, toWorld, type View, zoom } from "./view";
 
 /** The view comes this much closer to where it is going in a time of this length (ms). */

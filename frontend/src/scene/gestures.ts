@@ -1,4 +1,5 @@
-import { distance, normalizeAngle, type Point, type Pose, toRadians } from "./geometry";
+import type { Pose } from "../api/types";
+import { distance, normalizeAngle, type Point, toRadians } from "../store/geometry";
 import { HANDLE_RADIUS_PX, handlePlace } from "./renderer";
 import { type Size, toScreen, type View } from "./view";
 

@@ -1,5 +1,5 @@
+import type { Point } from "../store/geometry";
 import type { SceneColors } from "./colors";
-import type { Point } from "./geometry";
 import { gridStep, type Size, toScreen, toWorld, type View } from "./view";
 
 /** What part of the plane is drawn, and how. */

@@ -1,8 +1,9 @@
-import { atBeat, BEAT_MS } from "../ui/beat";
-import type { SceneBuffer } from "./buffer";
+import type { Pose } from "../api/types";
+import { atBeat, BEAT_MS } from "../clock/beat";
+import { distance, normalizeAngle, type Point } from "../store/geometry";
+import type { SceneBuffer } from "../store/sceneBuffer";
 import { type Camera, STILL_PX } from "./camera";
 import type { SceneColors } from "./colors";
-import { distance, normalizeAngle, type Point, type Pose } from "./geometry";
 import { Ground } from "./ground";
 import { Picture } from "./picture";
 import { draw } from "./renderer";

@@ -1,5 +1,5 @@
+import type { Point } from "../store/geometry";
 import type { Camera } from "./camera";
-import type { Point } from "./geometry";
 import type { Size, View } from "./view";
 
 /** A picture of the ground on a canvas, as its camera sees it. */

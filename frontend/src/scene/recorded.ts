@@ -1,8 +1,8 @@
 import type { PoseEvent, Scene } from "../api/types";
+import { between, distance } from "../store/geometry";
+import { JUMP_M, Trail, trailOf } from "../store/trail";
 import { lastUpTo } from "../ui/crosshair";
-import { between, distance } from "./geometry";
 import type { SceneSource } from "./painter";
-import { JUMP_M, Trail, trailOf } from "./trail";
 
 /** Between poses farther apart the robot stood still: only those that differ are stored (s). */
 const MAX_GLIDE_S = 1;

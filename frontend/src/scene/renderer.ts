@@ -1,6 +1,6 @@
-import type { Footprint, Infrared } from "../api/types";
-import { type Detection, FADE_MS } from "./buffer";
-import { compose, type Point, type Pose } from "./geometry";
+import type { Footprint, Infrared, Pose } from "../api/types";
+import { compose, type Point } from "../store/geometry";
+import { type Detection, FADE_MS } from "../store/sceneBuffer";
 import type { Drawing, Ground } from "./ground";
 import {
   arrowRadius,

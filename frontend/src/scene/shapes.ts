@@ -1,5 +1,5 @@
-import type { Footprint } from "../api/types";
-import { compose, type Point, type Pose } from "./geometry";
+import type { Footprint, Pose } from "../api/types";
+import { compose, type Point } from "../store/geometry";
 
 /** Of a robot whose footprint is not published. */
 const DEFAULT_FOOTPRINT: Footprint = { radius: 0.15, points: null };

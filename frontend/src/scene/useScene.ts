@@ -1,5 +1,5 @@
 import type { Scene } from "../api/types";
-import { useAtTime } from "../store/clock";
+import { useAtTime } from "../clock/clock";
 import { useServices } from "../store/context";
 
 const INTERVAL_MS = 400;

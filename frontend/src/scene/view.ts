@@ -1,4 +1,4 @@
-import type { Point } from "./geometry";
+import type { Point } from "../store/geometry";
 
 /** What part of the plane is seen: the point in the middle, and CSS pixels a metre. */
 export interface View {

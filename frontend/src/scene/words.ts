@@ -1,6 +1,6 @@
-import type { Scene } from "../api/types";
+import type { Pose, Scene } from "../api/types";
+import { distance, normalizeAngle, toDegrees } from "../store/geometry";
 import { fixed } from "../ui/numbers";
-import { distance, normalizeAngle, type Pose, toDegrees } from "./geometry";
 import { CONTACT_RADIUS_M, shapesOf } from "./shapes";
 
 const CONTACT_ANGLE_RAD = (5 * Math.PI) / 180;

@@ -1,10 +1,8 @@
 import { actionPath } from "../api/actions";
-import type { ActionInfo, AnyGoal } from "../api/types";
-import { isFound, namespaceWords, robotName } from "../fleet/names";
-import type { Robot } from "../fleet/types";
+import type { ActionInfo, AnyGoal, Robot } from "../api/types";
+import { byName, isFound, namespaceWords, robotName } from "../fleet/names";
+import { robotPath } from "../fleet/path";
 import { OPERATION_NAMES, OPERATIONS, type Operation, whyNot } from "../operations/operation";
-import { robotPath } from "../robot/path";
-import { byName } from "../stop/held";
 
 /** Something that the search leads to or does. */
 export interface Item {

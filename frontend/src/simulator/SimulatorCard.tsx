@@ -1,10 +1,10 @@
 import { Group, NumberInput, SimpleGrid, Stack, Switch, Text } from "@mantine/core";
 import { useState } from "react";
-import { useForbidden } from "../access/permissions";
+import { useForbidden } from "../api/permissions";
 import type { Fault, Simulator } from "../api/types";
 import { type NumberInputValue, toNumber } from "../battery/form";
-import { toRadians } from "../scene/geometry";
 import { useLive, useServices, useTopic } from "../store/context";
+import { toRadians } from "../store/geometry";
 import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Section } from "../ui/Section";

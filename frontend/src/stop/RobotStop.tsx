@@ -1,11 +1,11 @@
 import { Button } from "@mantine/core";
+import { whoStops } from "../access/who";
 import { useFleetPart } from "../fleet/context";
+import { defaultRobot } from "../fleet/names";
 import { useNaming } from "../fleet/useNaming";
 import { useServices } from "../store/context";
 import { useCommand } from "../ui/useCommand";
-import { defaultRobot } from "./held";
 import { announceStop } from "./notices";
-import { whoStops } from "./who";
 
 /**
  * The name of this robot where it can be stopped alone; null where the Stop in the header does just that: for the only

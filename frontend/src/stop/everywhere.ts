@@ -1,7 +1,6 @@
 import { toCommandError } from "../api/errors";
-import type { StopReport } from "../api/types";
-import type { Robot } from "../fleet/types";
-import { defaultRobot, isUnder } from "./held";
+import type { Robot, StopReport } from "../api/types";
+import { defaultRobot, isUnder } from "../fleet/names";
 
 /** Stops robots and those in namespaces below them; null for the one that the gateway is configured for. */
 type StopRobots = (robots: readonly string[] | null) => Promise<StopReport>;

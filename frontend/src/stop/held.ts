@@ -1,5 +1,5 @@
-import type { StopState } from "../api/types";
-import type { Robot } from "../fleet/types";
+import type { Robot, StopState } from "../api/types";
+import { byName, defaultRobot, isUnder } from "../fleet/names";
 import { isThere } from "../fleet/words";
 
 /** A stop that holds, with what it holds besides; released for all of them together. */
@@ -46,22 +46,4 @@ export function holdsAll(held: readonly HeldStop[], robots: ReadonlyMap<string, 
   const names = new Set(held.flatMap(({ holds }) => holds));
   const there = [...robots.values()].filter(isThere);
   return there.length > 1 && there.every(({ name }) => names.has(name));
-}
-
-/** The name of the robot that the gateway is configured for. */
-export function defaultRobot(robots: ReadonlyMap<string, Robot>): string {
-  for (const robot of robots.values()) if (robot.default) return robot.name;
-  return "/";
-}
-
-/** Whether a namespace is another one, or in it. */
-export function isUnder(name: string, namespace: string): boolean {
-  return name === namespace || name.startsWith(namespace === "/" ? "/" : `${namespace}/`);
-}
-
-const collator = new Intl.Collator(undefined, { numeric: true });
-
-/** `/robot2` before `/robot10`. */
-export function byName(a: string, b: string): number {
-  return collator.compare(a, b);
 }

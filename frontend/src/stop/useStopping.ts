@@ -1,8 +1,8 @@
 import { useCallback } from "react";
+import { whoStops } from "../access/who";
 import { useFleet } from "../fleet/context";
 import { stopEverywhere, stopThese } from "./everywhere";
 import { announceStop } from "./notices";
-import { whoStops } from "./who";
 
 /** Stops robots at once, all of them for null, and says what came of it. */
 export function useStopping(): (robots: readonly string[] | null) => Promise<void> {

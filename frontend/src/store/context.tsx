@@ -1,9 +1,9 @@
 import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
-import { useSession } from "../access/session";
 import type { Gateway } from "../api/client";
-import type { BatterySeries } from "../battery/series";
-import type { SceneBuffer } from "../scene/buffer";
-import { ClockProvider } from "./clock";
+import { useSession } from "../api/session";
+import { ClockProvider } from "../clock/clock";
+import type { BatterySeries } from "./batterySeries";
+import type { SceneBuffer } from "./sceneBuffer";
 import type { Store, Topic, Topics } from "./store";
 
 /** What there is for one robot. */

@@ -1,4 +1,4 @@
-import { useAtTime } from "./clock";
+import { useAtTime } from "../clock/clock";
 import { useLive, useServices } from "./context";
 import { RENDER_INTERVAL_MS } from "./shown";
 

@@ -1,4 +1,4 @@
-import { atBeat, BEAT_MS } from "../ui/beat";
+import { atBeat, BEAT_MS } from "../clock/beat";
 
 /** Subscribers are told at most this often, whatever the message rate. */
 export const RENDER_INTERVAL_MS = 200;

@@ -1,6 +1,6 @@
 import type { EventOf, GatewayEvent, Simulator, StopState } from "../api/types";
+import { steadyNow } from "../clock/beat";
 import type { Connection } from "../stream/connection";
-import { steadyNow } from "../ui/steadyClock";
 import { courseLister, type GoalCourse } from "./goals";
 import { reduce } from "./reducer";
 import { type PastOfWay, withPast } from "./stages";

@@ -1,7 +1,7 @@
 import ReconnectingWebSocket, { type Options } from "partysocket/ws";
-import { session } from "../access/session";
+import { session } from "../api/session";
 import type { GatewayEvent } from "../api/types";
-import { steadyNow } from "../ui/steadyClock";
+import { steadyNow } from "../clock/beat";
 import { type ConnectionInput, SILENCE_MS } from "./connection";
 
 const WATCH_INTERVAL_MS = 500;

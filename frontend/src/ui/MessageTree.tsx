@@ -1,5 +1,4 @@
 import { useState } from "react";
-import { Breakable } from "./Breakable";
 import {
   descriptionOf,
   fieldNode,
@@ -8,7 +7,8 @@ import {
   rootNode,
   type SchemaNode,
   typeOf,
-} from "./jsonSchema";
+} from "../api/jsonSchema";
+import { Breakable } from "./Breakable";
 import classes from "./MessageTree.module.css";
 import {
   hasParts,

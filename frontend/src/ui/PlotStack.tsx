@@ -2,7 +2,7 @@ import { Button, useComputedColorScheme } from "@mantine/core";
 import { useReducedMotion } from "@mantine/hooks";
 import { type ReactNode, useEffect, useRef, useState } from "react";
 import "uplot/dist/uPlot.min.css";
-import { onBeat } from "./beat";
+import { onBeat } from "../clock/beat";
 import type { Crosshair } from "./crosshair";
 import classes from "./PlotStack.module.css";
 import type { PlotBand, PlotLine, PlotSource } from "./plotData";

@@ -1,4 +1,4 @@
-import { constantName, itemNode, type SchemaNode, typeOf, unitOf } from "./jsonSchema";
+import { constantName, itemNode, type SchemaNode, typeOf, unitOf } from "../api/jsonSchema";
 import { alike, type Digits, NO_DIGITS, withNumber } from "./numbers";
 
 /** What a page says where a number is NaN. */

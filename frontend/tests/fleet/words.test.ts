@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { goalName, lastWords, runningWords } from "../../src/fleet/words";
+import { goalName, lastWords, runningWords } from "../../src/goal/words";
 import { goal, undockGoal } from "../events";
 
 const fibonacci = { action_name: "/robot1/fibonacci", verb: null };

@@ -14,15 +14,15 @@ import {
   withField,
   withText,
 } from "../../src/actions/form/draft";
-import type { Schema } from "../../src/actions/form/schema";
 import { shapeOf } from "../../src/actions/form/shapes";
+import type { JsonSchema } from "../../src/api/jsonSchema";
 import schemas from "./schemas.json";
 
 const { "action_tutorials_interfaces/action/ConnectToChargingDock": dock } = schemas as unknown as Record<
   string,
-  Schema
+  JsonSchema
 >;
-const shape = shapeOf(dock as Schema);
+const shape = shapeOf(dock as JsonSchema);
 const VOLTAGE = ["desired_battery_state", "voltage"];
 const refused = { path: "desired_battery_state.voltage", detail: "expected less, got 7" };
 

@@ -1,13 +1,13 @@
 import { describe, expect, it } from "vitest";
 import { initialValues, readMessage } from "../../src/actions/form/read";
-import type { Json, JsonObject, Schema } from "../../src/actions/form/schema";
 import { type Field, type MessageShape, type Shape, shapeOf } from "../../src/actions/form/shapes";
 import { type Path, type Value, type Values, withValue } from "../../src/actions/form/values";
 import { lengthWords, writeMessage } from "../../src/actions/form/write";
+import type { Json, JsonObject, JsonSchema } from "../../src/api/jsonSchema";
 import { Random, randomMessage, takes } from "./random";
 import schemas from "./schemas.json";
 
-const REAL = Object.entries(schemas as unknown as Record<string, Schema>).map(
+const REAL = Object.entries(schemas as unknown as Record<string, JsonSchema>).map(
   ([name, schema]) => [name, schema, shapeOf(schema)] as const,
 );
 const RUNS = 25;

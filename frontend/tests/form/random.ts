@@ -1,5 +1,5 @@
-import type { Json, Schema } from "../../src/actions/form/schema";
 import type { IntegerShape, MessageShape, Shape } from "../../src/actions/form/shapes";
+import type { Json, JsonSchema } from "../../src/api/jsonSchema";
 
 /** Numbers that look random and are the same each time (mulberry32). */
 export class Random {
@@ -69,7 +69,7 @@ function randomInteger({ low, high, wide, choices }: IntegerShape, random: Rando
 }
 
 /** Whether a JSON Schema takes a document; of the words that the gateway's schemas use. */
-export function takes(schema: Schema, json: Json, root: Schema): boolean {
+export function takes(schema: JsonSchema, json: Json, root: JsonSchema): boolean {
   if (schema.$ref !== undefined) {
     const definition = root.$defs?.[schema.$ref.replace("#/$defs/", "")];
     return definition !== undefined && takes(definition, json, root);
@@ -88,7 +88,7 @@ function typeOf(json: Json): string {
   return typeof json;
 }
 
-function withinLimits(schema: Schema & { pattern?: string }, json: Json, root: Schema): boolean {
+function withinLimits(schema: JsonSchema & { pattern?: string }, json: Json, root: JsonSchema): boolean {
   if (typeof json === "number") {
     return json >= (schema.minimum ?? -Infinity) && json <= (schema.maximum ?? Infinity);
   }

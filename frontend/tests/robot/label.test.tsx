@@ -3,7 +3,7 @@ import { Link } from "react-router";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { App } from "../../src/layout/App";
 // Loaded on demand by the page: on a busy machine its first import takes longer than a test waits.
-import "../../src/robot/LabelForm";
+import "../../src/pages/robot/LabelForm";
 import { alert, goal, latched, robot } from "../events";
 import { fakeGateway, renderPage, renderWithin, robotServices } from "../page";
 

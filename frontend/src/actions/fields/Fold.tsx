@@ -1,7 +1,7 @@
 import { Text } from "@mantine/core";
 import { type ReactNode, useEffect, useState } from "react";
+import { isArray, isObject, type Json } from "../../api/jsonSchema";
 import { errorsIn } from "../form/draft";
-import { isArray, isObject, type Json } from "../form/schema";
 import { dotted, type Path } from "../form/values";
 import { useForm } from "./context";
 import classes from "./fields.module.css";

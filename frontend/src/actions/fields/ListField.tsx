@@ -1,6 +1,6 @@
 import { Button, Group, Text } from "@mantine/core";
+import { isArray, type Json } from "../../api/jsonSchema";
 import { emptyOf } from "../form/read";
-import { isArray, type Json } from "../form/schema";
 import type { ListShape } from "../form/shapes";
 import type { Value } from "../form/values";
 import { lengthWords } from "../form/write";

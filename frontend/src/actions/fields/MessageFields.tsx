@@ -1,5 +1,5 @@
 import { Text } from "@mantine/core";
-import { isObject, type Json } from "../form/schema";
+import { isObject, type Json } from "../../api/jsonSchema";
 import type { Field, MessageShape } from "../form/shapes";
 import type { Bytes, Path, Value, Values } from "../form/values";
 import { BytesField } from "./BytesField";

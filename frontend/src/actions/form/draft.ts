@@ -1,5 +1,5 @@
+import { isObject, type Json, type JsonObject } from "../../api/jsonSchema";
 import { initialValues, readMessage } from "./read";
-import { isObject, type Json, type JsonObject } from "./schema";
 import type { MessageShape } from "./shapes";
 import { dotted, type Path, type Value, type Values, withValue } from "./values";
 import { type FieldError, writeMessage } from "./write";

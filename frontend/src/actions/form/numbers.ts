@@ -1,4 +1,4 @@
-import type { Json } from "./schema";
+import type { Json } from "../../api/jsonSchema";
 import type { FloatShape, IntegerShape } from "./shapes";
 
 /** What a text stands for, or what was expected instead. */

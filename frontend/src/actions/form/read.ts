@@ -1,5 +1,5 @@
+import { isArray, isObject, type Json } from "../../api/jsonSchema";
 import { numberText } from "./numbers";
-import { isArray, isObject, type Json } from "./schema";
 import type {
   BytesShape,
   Field,

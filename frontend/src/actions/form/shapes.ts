@@ -1,4 +1,4 @@
-import type { Json, Schema } from "./schema";
+import type { Json, JsonSchema } from "../../api/jsonSchema";
 
 /** What a field of a message takes: its type in ROS, with what a form has to know of it. */
 export type Shape =
@@ -86,19 +86,19 @@ export interface Field {
 }
 
 /** The shape of a goal message; messages inside of it that are alike are the same object. */
-export function shapeOf(schema: Schema): MessageShape {
+export function shapeOf(schema: JsonSchema): MessageShape {
   return new Reader(schema.$defs ?? {}).message(schema);
 }
 
 class Reader {
-  readonly #definitions: Record<string, Schema>;
+  readonly #definitions: Record<string, JsonSchema>;
   readonly #nested = new Map<string, MessageShape>();
 
-  constructor(definitions: Record<string, Schema>) {
+  constructor(definitions: Record<string, JsonSchema>) {
     this.#definitions = definitions;
   }
 
-  message(schema: Schema): MessageShape {
+  message(schema: JsonSchema): MessageShape {
     return {
       kind: "message",
       type: schema["x-ros-type"] ?? schema.title ?? "",
@@ -113,7 +113,7 @@ class Reader {
     };
   }
 
-  #shape(schema: Schema): Shape {
+  #shape(schema: JsonSchema): Shape {
     if (schema.$ref !== undefined) return this.#reference(schema.$ref);
     if (schema.anyOf !== undefined) return this.#union(schema.anyOf);
     const types = [schema.type].flat();
@@ -137,14 +137,14 @@ class Reader {
   }
 
   /** A number with its constants, or an array that base64 may stand for. */
-  #union(parts: readonly Schema[]): Shape {
+  #union(parts: readonly JsonSchema[]): Shape {
     const plain = parts.find((part) => part.type !== undefined && part.enum === undefined);
     if (plain === undefined) throw new Error("no form for a union without a type");
     if (plain.type === "array") return { kind: "bytes", ...lengthOf(plain) };
     return integer(plain, parts);
   }
 
-  #array(schema: Schema): Shape {
+  #array(schema: JsonSchema): Shape {
     if (schema.items === undefined) throw new Error("no form for an array of no type");
     const item = this.#shape(schema.items);
     const numeric = item.kind === "float" || (item.kind === "integer" && item.choices.length === 0);
@@ -160,7 +160,7 @@ const WIDE: Record<string, [bigint, bigint]> = {
   uint64: [0n, 2n ** 64n - 1n],
 };
 
-function integer(schema: Schema, parts: readonly Schema[]): IntegerShape {
+function integer(schema: JsonSchema, parts: readonly JsonSchema[]): IntegerShape {
   const wide = WIDE[schema.format ?? ""];
   const [low, high] = wide ?? [BigInt(schema.minimum ?? 0), BigInt(schema.maximum ?? 0)];
   const choices = parts.flatMap(({ const: value, title, description }) =>
@@ -171,10 +171,10 @@ function integer(schema: Schema, parts: readonly Schema[]): IntegerShape {
   return { kind: "integer", low, high, wide: wide !== undefined, choices };
 }
 
-function float(schema: Schema): FloatShape {
+function float(schema: JsonSchema): FloatShape {
   return { kind: "float", limit: schema.maximum ?? Number.MAX_VALUE, unset: schema.default === null };
 }
 
-function lengthOf(schema: Schema): Length {
+function lengthOf(schema: JsonSchema): Length {
   return { low: schema.minItems ?? 0, high: schema.maxItems ?? Number.POSITIVE_INFINITY };
 }

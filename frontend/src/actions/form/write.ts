@@ -1,6 +1,6 @@
+import { type Json, type JsonObject, same } from "../../api/jsonSchema";
 import { base64Length, type Parsed, parseNumber, splitNumbers } from "./numbers";
 import { initialOf } from "./read";
-import { type Json, type JsonObject, same } from "./schema";
 import type {
   BytesShape,
   Field,

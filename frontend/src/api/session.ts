@@ -1,0 +1,83 @@
+import { useSyncExternalStore } from "react";
+import type { components } from "./schema.gen";
+
+export type SessionState = components["schemas"]["Session"];
+export type Principal = components["schemas"]["Requester"];
+export type Provider = components["schemas"]["Provider"];
+export type Role = components["schemas"]["Role"];
+
+/** A page that got no answer is shown all the same: what needs a login is refused, and then it is asked again (ms). */
+const ANSWER_MS = 3000;
+
+/** As long as the gateway has not said who this is for. */
+export const ANYBODY: SessionState = {
+  required: false,
+  open_to: null,
+  principal: { name: null, kind: "anybody", role: "admin", robots: [], actions: [], topics: [] },
+  provider: null,
+};
+
+/** Who uses this page, as the gateway says. The login itself is a cookie, which scripts cannot read. */
+export class Session {
+  #state = ANYBODY;
+  #asking: Promise<void> | null = null;
+  readonly #listeners = new Set<() => void>();
+
+  get state(): SessionState {
+    return this.#state;
+  }
+
+  /** Whether a login is needed first. */
+  get loggedOut(): boolean {
+    return this.#state.principal === null;
+  }
+
+  set(state: SessionState): void {
+    if (JSON.stringify(state) === JSON.stringify(this.#state)) return;
+    this.#state = state;
+    for (const listener of this.#listeners) listener();
+  }
+
+  /** Asks the gateway; without an answer it stays as it was. */
+  readonly ask = (): Promise<void> => {
+    this.#asking ??= fetch("/session", { signal: AbortSignal.timeout(ANSWER_MS) })
+      .then(async (answer) => {
+        if (answer.ok) this.set((await answer.json()) as SessionState);
+      })
+      .catch(() => {})
+      .finally(() => {
+        this.#asking = null;
+      });
+    return this.#asking;
+  };
+
+  /** Settles as soon as no login is needed any more. */
+  async loggedIn(): Promise<void> {
+    while (this.loggedOut) {
+      await new Promise<void>((resolve) => {
+        const stop = this.subscribe(() => {
+          stop();
+          resolve();
+        });
+      });
+    }
+  }
+
+  readonly subscribe = (listener: () => void): (() => void) => {
+    this.#listeners.add(listener);
+    return () => this.#listeners.delete(listener);
+  };
+}
+
+/** Whether somebody of this kind may be logged in in several browsers. */
+export function hasSession(kind: Principal["kind"] | undefined): boolean {
+  return kind === "user" || kind === "person";
+}
+
+/** That of this page. */
+export const session = new Session();
+
+/** Who uses this page; renders anew when that changes. */
+export function useSession(): SessionState {
+  return useSyncExternalStore(session.subscribe, () => session.state);
+}

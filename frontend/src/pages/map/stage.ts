@@ -1,0 +1,100 @@
+import type { Scene } from "../../api/types";
+import type { Camera } from "../../scene/camera";
+import type { SceneColors } from "../../scene/colors";
+import type { Stage } from "../../scene/gestures";
+import { drawGrid } from "../../scene/ground";
+import { Picture } from "../../scene/picture";
+import { drawDock, drawScaleBar } from "../../scene/renderer";
+import { around, arrowRadius, footprintOf } from "../../scene/shapes";
+import { canvasContext, toScreen } from "../../scene/view";
+import type { Point } from "../../store/geometry";
+import type { FleetScenes } from "./fleetScenes";
+import { outlineOf } from "./outline";
+
+/** The frame that robots share. */
+const FRAME = "world";
+
+/** A robot can be seen and pressed from far away, too (px). */
+const LEAST_PX = 24;
+/** Names have room beside their robots (px). */
+export const INSET_PX = 36;
+
+/** Draws the ground and the docks on a canvas, and puts the robots, which are elements above it, in their places. */
+export class FleetStage extends Picture implements Stage {
+  readonly robot = null;
+  readonly radius = 0;
+  readonly ghost = null;
+  readonly handle = false;
+  readonly #unsubscribe: () => void;
+  #frame: number | undefined;
+  #drawnAt = 0;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    camera: Camera,
+    /** By name; as they are on the page. */
+    private readonly robots: ReadonlyMap<string, HTMLElement>,
+    private readonly scenes: FleetScenes,
+    private readonly colors: SceneColors,
+    private readonly reducedMotion: boolean,
+  ) {
+    super(camera);
+    this.#unsubscribe = scenes.subscribe(this.invalidate);
+    this.invalidate();
+  }
+
+  showGhost(): void {}
+
+  readonly invalidate = (): void => {
+    this.#frame ??= requestAnimationFrame(this.#paint);
+  };
+
+  destroy(): void {
+    this.#unsubscribe();
+    if (this.#frame !== undefined) cancelAnimationFrame(this.#frame);
+  }
+
+  #shared() {
+    return Object.entries(this.scenes.latest).filter(([, { frame }]) => frame === FRAME);
+  }
+
+  protected points(): Point[] {
+    return this.#shared().flatMap(([, scene]) => {
+      const corners = around(scene.robot, footprintOf(scene));
+      return scene.dock === null ? corners : [...corners, scene.dock];
+    });
+  }
+
+  readonly #paint = (now: number): void => {
+    this.#frame = undefined;
+    const context = canvasContext(this.canvas, this.size);
+    if (!this.inSight || context === null) return;
+    this.camera.aim(this.points(), null);
+    this.camera.glide(now - this.#drawnAt, this.reducedMotion);
+    this.#drawnAt = now;
+    const picture = { view: this.view, size: this.size, colors: this.colors, frame: FRAME };
+    context.clearRect(0, 0, this.size.width, this.size.height);
+    drawGrid(context, picture);
+    const shared = this.#shared();
+    const docks = new Map(shared.flatMap(([, { dock }]) => (dock ? [[JSON.stringify(dock), dock]] : [])));
+    for (const dock of docks.values()) drawDock(context, picture, dock);
+    drawScaleBar(context, picture);
+    for (const [name, scene] of shared) this.#place(name, scene);
+    if (this.camera.glides) this.invalidate();
+  };
+
+  #place(name: string, scene: Scene): void {
+    const element = this.robots.get(name);
+    if (element === undefined) return;
+    const { robot } = scene;
+    const footprint = footprintOf(scene);
+    const { x, y } = toScreen(this.view, this.size, robot);
+    const size = Math.max(LEAST_PX, 2 * footprint.radius * this.view.scale);
+    element.style.setProperty("--size", `${size.toFixed(1)}px`);
+    element.style.setProperty("--outline", outlineOf(footprint));
+    element.style.setProperty("--arrow", (arrowRadius(footprint) / footprint.radius).toFixed(3));
+    element.style.setProperty("--turn", `${(-robot.theta).toFixed(3)}rad`);
+    element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+    element.dataset.placed = "";
+  }
+}

@@ -1,0 +1,94 @@
+import { Button, Group, Paper, Skeleton, Stack, Text, VisuallyHidden } from "@mantine/core";
+import { Suspense, useMemo, useState } from "react";
+import { useSearchParams } from "react-router";
+import { AlertList } from "../../alerts/AlertList";
+import type { Robot } from "../../api/types";
+import { useFleetLive, useFleetTopic } from "../../fleet/context";
+import { isThere } from "../../fleet/words";
+import { lazyPart } from "../../ui/lazyPart";
+import { usePageTitle } from "../../ui/usePageTitle";
+import { RobotView } from "../robot/RobotView";
+import { readView } from "./list";
+import { NoRobot } from "./NoRobot";
+
+const RobotTable = lazyPart(() => import("./RobotTable"));
+
+/** All robots; where there is a single one, the page of that. */
+export default function OverviewPage() {
+  usePageTitle("Overview");
+  const robots = useFleetTopic("robots");
+  const live = useFleetLive();
+  const [told, setTold] = useState(false);
+  if (!told && (live || robots.size > 0)) setTold(true);
+  return told ? <Known robots={robots} /> : <OverviewSkeleton />;
+}
+
+function Known({ robots }: { robots: ReadonlyMap<string, Robot> }) {
+  const there = useMemo(() => [...robots.values()].filter(isThere), [robots]);
+  const [query] = useSearchParams();
+  const [view, setView] = useState<"one" | "all">(there.length > 1 ? "all" : "one");
+  const [one, setOne] = useState<string | null>(null);
+  const [touched, setTouched] = useState(false);
+  // With the first few a page may begin with one robot, and become that of all. It is not taken from under somebody's
+  // hands, and it does not go back: after a restart the gateway finds robots one by one.
+  if (view === "one" && there.length > 1 && !touched) setView("all");
+  const only = there.length > 1 ? one : (there[0]?.name ?? null);
+  if (only !== one) setOne(only);
+
+  if (view === "all") {
+    return (
+      <>
+        <Heading />
+        <AlertList group={readView(query).group} />
+        <Suspense fallback={<Skeleton height={360} />}>
+          <RobotTable robots={there} />
+        </Suspense>
+      </>
+    );
+  }
+  const robot = only === null ? undefined : robots.get(only);
+  return (
+    <Stack gap="md" onPointerDownCapture={() => setTouched(true)} onKeyDownCapture={() => setTouched(true)}>
+      {there.length > 1 && <MoreRobots count={there.length} onShow={() => setView("all")} />}
+      <AlertList quiet />
+      {robot === undefined && <NoRobot />}
+      <RobotView robot={scopeOf(robot)} />
+    </Stack>
+  );
+}
+
+/** The configured robot is asked for without a name. */
+function scopeOf(robot: Robot | undefined): string | null {
+  return robot === undefined || robot.default ? null : robot.name;
+}
+
+function MoreRobots({ count, onShow }: { count: number; onShow: () => void }) {
+  return (
+    <Paper withBorder radius="md" p="sm" role="status">
+      <Group justify="space-between" gap="sm">
+        <Text>There are {count} robots now.</Text>
+        <Button variant="default" size="compact-md" onClick={onShow}>
+          Show all
+        </Button>
+      </Group>
+    </Paper>
+  );
+}
+
+function Heading() {
+  return (
+    <VisuallyHidden>
+      <h1>Overview</h1>
+    </VisuallyHidden>
+  );
+}
+
+function OverviewSkeleton() {
+  return (
+    <Stack gap="md" role="group" aria-busy="true" aria-label="The robots are not known yet">
+      <Heading />
+      <Skeleton height={140} />
+      <Skeleton height={360} />
+    </Stack>
+  );
+}

@@ -1,0 +1,143 @@
+import type { Attention } from "../../alerts/order";
+import type { Robot } from "../../api/types";
+import { byName, isFound, robotName } from "../../fleet/names";
+import { isUnreachable, linkOf } from "../../fleet/words";
+
+/** What the list can be narrowed to. */
+export const SHOWS = ["all", "alerts", "running", "docked", "undocked", "stopped", "unreachable"] as const;
+export type Show = (typeof SHOWS)[number];
+
+export const SHOW_WORDS: Record<Show, string> = {
+  all: "All",
+  alerts: "With alerts",
+  running: "Running a goal",
+  docked: "Docked",
+  undocked: "Not docked",
+  stopped: "Stopped",
+  unreachable: "Unreachable",
+};
+
+/** A column that the list can be sorted by. `attention`, those with alerts first, is how it begins. */
+export const SORTS = ["attention", "name", "place", "battery", "goal", "last", "groups", "link"] as const;
+export type Sort = (typeof SORTS)[number];
+
+/** How the list is looked at; kept in the page's address. */
+export interface View {
+  show: Show;
+  /** A part of the name, the namespace or a group. */
+  text: string;
+  /** Robots in this group alone; null for all. */
+  group: string | null;
+  sort: Sort;
+  descending: boolean;
+  /** Columns that are not shown; null for the choice of this browser. */
+  hidden: readonly Sort[] | null;
+}
+
+export function readView(query: URLSearchParams): View {
+  return {
+    show: oneOf(SHOWS, query.get("show"), "all"),
+    text: query.get("q") ?? "",
+    group: query.get("group") || null,
+    sort: oneOf(SORTS, query.get("sort"), "attention"),
+    descending: query.get("order") === "desc",
+    hidden: query.has("hide") ? readColumns(query.get("hide")?.split(",")) : null,
+  };
+}
+
+/** The address's query for a view: what is as it begins is left out. */
+export function writeView({ show, text, group, sort, descending, hidden }: View): URLSearchParams {
+  const query = new URLSearchParams();
+  if (text !== "") query.set("q", text);
+  if (group !== null) query.set("group", group);
+  if (show !== "all") query.set("show", show);
+  if (sort !== "attention") query.set("sort", sort);
+  if (sort !== "attention" && descending) query.set("order", "desc");
+  if (hidden !== null) query.set("hide", hidden.join());
+  return query;
+}
+
+/** The columns among some names, in one order; none where it is no list. */
+export function readColumns(names: unknown): Sort[] {
+  return Array.isArray(names) ? SORTS.filter((sort) => names.includes(sort)) : [];
+}
+
+function oneOf<Value extends string>(values: readonly Value[], text: string | null, otherwise: Value): Value {
+  return values.find((value) => value === text) ?? otherwise;
+}
+
+/** By robot; those without an alert are not in it. */
+export type Attentions = ReadonlyMap<string, Attention>;
+
+export function matches(robot: Robot, show: Show, attentions: Attentions): boolean {
+  switch (show) {
+    case "all":
+      return true;
+    case "alerts":
+      return attentions.has(robot.name);
+    case "running":
+      return robot.goals.length > 0;
+    case "docked":
+      return robot.docked === true;
+    case "undocked":
+      return robot.docked === false;
+    case "stopped":
+      return robot.stop.latched;
+    case "unreachable":
+      return isUnreachable(robot);
+  }
+}
+
+/** The robots of a view, in its order; where two are alike, by name. */
+export function listed(robots: readonly Robot[], view: View, attentions: Attentions): Robot[] {
+  const sign = view.descending ? -1 : 1;
+  const compare = COMPARE[view.sort];
+  return robots
+    .filter(
+      (robot) =>
+        isFound(robot, view.text) &&
+        (view.group === null || robot.groups.includes(view.group)) &&
+        matches(robot, view.show, attentions),
+    )
+    .sort((a, b) => sign * compare(a, b, attentions) || byName(a.name, b.name));
+}
+
+/** Ascending. */
+const COMPARE: Record<Sort, (a: Robot, b: Robot, attentions: Attentions) => number> = {
+  attention: (a, b, attentions) => (attentions.get(b.name) ?? 0) - (attentions.get(a.name) ?? 0),
+  name: (a, b) => byName(robotName(a), robotName(b)),
+  place: (a, b) => placeRank(a) - placeRank(b),
+  battery: (a, b) => chargeOf(a) - chargeOf(b),
+  goal: (a, b) => goalRank(a) - goalRank(b),
+  last: (a, b) => endOf(a) - endOf(b),
+  groups: (a, b) => groupsRank(a) - groupsRank(b) || byName(a.groups.join(), b.groups.join()),
+  link: (a, b) => LINK_RANK[linkOf(a)] - LINK_RANK[linkOf(b)],
+};
+
+function placeRank({ docked }: Robot): number {
+  return docked === null ? 2 : docked ? 0 : 1;
+}
+
+/** Whole percents, so that robots do not change places all the time; unmeasured ones come last. */
+function chargeOf({ battery: { percentage } }: Robot): number {
+  return percentage === null ? 1000 : Math.round(percentage * 100);
+}
+
+function goalRank({ goals: [goal], stop }: Robot): number {
+  if (stop.latched) return 0;
+  return goal === undefined ? 2 : 1;
+}
+
+/** The last that ended first. */
+function endOf({ last_goal }: Robot): number {
+  return last_goal === null
+    ? Number.MAX_SAFE_INTEGER
+    : -Date.parse(last_goal.finished_at ?? last_goal.updated_at);
+}
+
+/** Those in no group last. */
+function groupsRank({ groups }: Robot): number {
+  return groups.length === 0 ? 1 : 0;
+}
+
+const LINK_RANK = { unreachable: 0, gone: 1, duplicate: 2, silent: 3, battery: 4, connected: 5 } as const;

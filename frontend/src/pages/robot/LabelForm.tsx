@@ -1,0 +1,53 @@
+import { Stack, TagsInput, TextInput } from "@mantine/core";
+import { type FormEvent, useEffect, useRef, useState } from "react";
+import { putLabel } from "../../api/labels";
+import { useFleet } from "../../fleet/context";
+import { namespaceWords } from "../../fleet/names";
+import { useNaming } from "../../fleet/useNaming";
+import { SaveBar } from "../../ui/SaveBar";
+import { useCommand } from "../../ui/useCommand";
+
+/** As the gateway allows. */
+const MAX_NAME = 60;
+const MAX_GROUPS = 20;
+
+/** The display name and the groups of a robot, for everybody. */
+export default function LabelForm({ robot, onDone }: { robot: string; onDone: () => void }) {
+  const { http } = useFleet();
+  const naming = useNaming();
+  const [name, setName] = useState(naming.displayNameOf(robot) ?? "");
+  const [groups, setGroups] = useState([...naming.groupsOf(robot)]);
+  // It is loaded on demand: the dialog has looked for what gets the focus before it came.
+  const first = useRef<HTMLInputElement>(null);
+  useEffect(() => first.current?.focus(), []);
+  const save = useCommand(() => putLabel(http, { robot, display_name: name.trim() || null, groups }));
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    save.mutate(undefined, { onSuccess: onDone });
+  };
+  return (
+    <form onSubmit={submit}>
+      <Stack gap="md">
+        <TextInput
+          ref={first}
+          label="Name"
+          description={`Shown instead of ${robot} on every page, for everybody.`}
+          placeholder={namespaceWords(robot)}
+          maxLength={MAX_NAME}
+          value={name}
+          onChange={(event) => setName(event.currentTarget.value)}
+        />
+        <TagsInput
+          label="Groups"
+          description="Enter adds one."
+          data={naming.groups()}
+          maxTags={MAX_GROUPS}
+          value={groups}
+          onChange={setGroups}
+          acceptValueOnBlur
+        />
+        <SaveBar save={save} onCancel={onDone} />
+      </Stack>
+    </form>
+  );
+}

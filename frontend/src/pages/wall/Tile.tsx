@@ -1,0 +1,89 @@
+import { Badge } from "@mantine/core";
+import { memo } from "react";
+import type { Attention } from "../../alerts/order";
+import { SeverityMark } from "../../alerts/SeverityMark";
+import type { Robot } from "../../api/types";
+import { ChargeBar, chargeOf } from "../../battery/ChargeBar";
+import { formatQuantity } from "../../battery/words";
+import { useAtTime } from "../../clock/clock";
+import { robotName } from "../../fleet/names";
+import { LINK_WORDS, linkOf, placeWords } from "../../fleet/words";
+import { soFarWords } from "../../goal/duration";
+import { runningWords } from "../../goal/words";
+import { believed } from "../../store/believed";
+import { freshnessOf } from "../../store/freshness";
+import classes from "./wall.module.css";
+
+interface TileProps {
+  robot: Robot;
+  attention: Attention;
+  live: boolean;
+}
+
+/** A robot, to be read from a distance. Only what is wrong has a colour. */
+export const Tile = memo(function Tile({ robot, attention, live }: TileProps) {
+  const [goal] = robot.goals;
+  const { latched, by } = robot.stop;
+  const link = linkOf(robot);
+  return (
+    <li
+      className={classes.tile}
+      data-testid={`tile ${robot.name}`}
+      data-attention={attention === 3 ? "critical" : attention === 2 ? "warning" : undefined}
+    >
+      <div className={classes.name}>
+        {attention >= 2 && <SeverityMark mark={attention === 3 ? "critical" : "warning"} />}
+        <h2>{robotName(robot)}</h2>
+      </div>
+      <div className={classes.place}>{placeWords(robot.docked)}</div>
+      <Battery battery={robot.battery} charging={robot.charging} live={live} />
+      <div className={classes.now}>
+        {latched ? (
+          <Badge color="red" className={classes.badge ?? ""}>
+            Stopped{by !== null && ` by ${by}`}
+          </Badge>
+        ) : goal !== undefined ? (
+          <>
+            <span className={classes.goal}>{runningWords(goal)}</span>
+            {live && <Elapsed since={Date.parse(goal.created_at)} />}
+          </>
+        ) : link === "connected" || link === "battery" ? (
+          "Idle"
+        ) : (
+          <span className={classes.wrong}>{LINK_WORDS[link]}</span>
+        )}
+      </div>
+    </li>
+  );
+});
+
+function Battery({ battery, charging, live }: Pick<Robot, "battery" | "charging"> & { live: boolean }) {
+  const { state, received_at, stale_after_s, low_below } = battery;
+  const stale = useAtTime(
+    (now) =>
+      received_at !== null &&
+      freshnessOf(live, now - Date.parse(received_at), stale_after_s * 1000) === "stale",
+  );
+  if (state === null) return <div className={classes.battery}>No battery data</div>;
+  const known = believed({ ...battery, state });
+  const { percentage, voltage } = known;
+  const filled = percentage === null ? null : Math.min(100, Math.max(0, Math.round(percentage * 100)));
+  const charge = chargeOf(known, low_below, charging);
+  return (
+    <div className={classes.battery}>
+      <ChargeBar filled={filled} charge={charge} old={stale} />
+      <span>{filled === null ? formatQuantity(voltage, "V") : `${filled} %`}</span>
+      {stale ? (
+        <span className={classes.wrong}>stale</span>
+      ) : charge === "low" ? (
+        <span className={classes.wrong}>low</span>
+      ) : (
+        charge === "charging" && <span>charging</span>
+      )}
+    </div>
+  );
+}
+
+function Elapsed({ since }: { since: number }) {
+  return <span className={classes.elapsed}>{useAtTime((now) => soFarWords(since, now))}</span>;
+}

@@ -1,0 +1,117 @@
+import { useElementSize } from "@mantine/hooks";
+import { useCallback, useEffect, useMemo, useState } from "react";
+import { Link, useNavigate, useSearchParams } from "react-router";
+import { attentionOf } from "../../alerts/order";
+import { useFleetLive, useFleetTopic } from "../../fleet/context";
+import { isThere } from "../../fleet/words";
+import { useStopKeys } from "../../stop/useStopKeys";
+import { useStopping } from "../../stop/useStopping";
+import { usePageTitle } from "../../ui/usePageTitle";
+import { listed, readView } from "../overview/list";
+import { Clock, State, WallAlerts } from "./head";
+import { gridFor } from "./layout";
+import { useNewBuild } from "./newBuild";
+import { Tile } from "./Tile";
+import { useWakeLock } from "./useWakeLock";
+import classes from "./wall.module.css";
+
+/** How long each page of robots is shown. */
+export const PAGE_MS = 15_000;
+
+/** How long the way out is shown after the mouse has moved. */
+const LINK_MS = 4_000;
+
+/** All robots, or those of a group, for a screen on a wall: nothing has to be pressed. */
+export default function WallPage() {
+  usePageTitle("Wall");
+  const [query] = useSearchParams();
+  const group = query.get("group") || null;
+  const live = useFleetLive();
+  useWakeLock();
+  useNewBuild(live);
+  const stop = useStopping();
+  useStopKeys(useCallback(() => void stop(null), [stop]));
+  const leave = group === null ? "/" : `/?group=${encodeURIComponent(group)}`;
+  const moved = useLeaving(leave);
+
+  const robots = useFleetTopic("robots");
+  const alerts = useFleetTopic("alerts");
+  const attentions = useMemo(() => attentionOf(alerts), [alerts]);
+  const shown = useMemo(() => {
+    const view = { ...readView(new URLSearchParams()), group, sort: "name" as const };
+    return listed([...robots.values()].filter(isThere), view, attentions);
+  }, [robots, group, attentions]);
+  const { ref, width, height } = useElementSize();
+  const grid = gridFor(shown.length, width, height);
+  const page = usePage(grid.pages);
+  const each = grid.columns * grid.rows;
+
+  return (
+    <main className={classes.wall} data-moved={moved || undefined} data-live={live || undefined}>
+      <header className={classes.head}>
+        <h1>
+          {group ?? "All robots"}
+          <span className={classes.count}>
+            {shown.length}
+            {grid.pages > 1 && `, page ${page + 1} of ${grid.pages}`}
+          </span>
+        </h1>
+        <Link to={leave} className={classes.leave ?? ""}>
+          Leave (Esc)
+        </Link>
+        <Clock />
+      </header>
+      <State />
+      <WallAlerts alerts={alerts} group={group} />
+      <ul
+        ref={ref}
+        className={classes.tiles}
+        style={{
+          gridTemplateColumns: `repeat(${grid.columns}, minmax(0, 1fr))`,
+          gridTemplateRows: `repeat(${grid.rows}, minmax(0, 1fr))`,
+        }}
+      >
+        {shown.slice(page * each, (page + 1) * each).map((robot) => (
+          <Tile key={robot.name} robot={robot} attention={attentions.get(robot.name) ?? 0} live={live} />
+        ))}
+        {shown.length === 0 && live && (
+          <li className={classes.none}>{group === null ? "No robot yet" : `No robot is in ${group}`}</li>
+        )}
+      </ul>
+    </main>
+  );
+}
+
+/** The page that is shown; each follows the one before by itself. */
+function usePage(pages: number): number {
+  const [turn, setTurn] = useState(0);
+  useEffect(() => {
+    if (pages < 2) return;
+    const timer = setInterval(() => setTurn((before) => before + 1), PAGE_MS);
+    return () => clearInterval(timer);
+  }, [pages]);
+  return turn % pages;
+}
+
+/** Escape leads back. Whether the mouse has moved just now. */
+function useLeaving(to: string): boolean {
+  const navigate = useNavigate();
+  const [moved, setMoved] = useState(false);
+  useEffect(() => {
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    const move = () => {
+      setMoved(true);
+      clearTimeout(timer);
+      timer = setTimeout(() => setMoved(false), LINK_MS);
+    };
+    const hear = ({ key }: KeyboardEvent) => key === "Escape" && void navigate(to);
+    window.addEventListener("pointermove", move);
+    window.addEventListener("keydown", hear);
+    return () => {
+      clearTimeout(timer);
+      window.removeEventListener("pointermove", move);
+      window.removeEventListener("keydown", hear);
+    };
+  }, [navigate, to]);
+  return moved;
+}

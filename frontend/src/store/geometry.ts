@@ -1,0 +1,44 @@
+import type { Pose } from "../api/types";
+
+export interface Point {
+  x: number;
+  y: number;
+}
+
+/** The same direction between −π and π. */
+export function normalizeAngle(angle: number): number {
+  const turn = 2 * Math.PI;
+  return angle - turn * Math.round(angle / turn);
+}
+
+/** `inner`, given in the frame of `outer`, in the frame that `outer` is given in. */
+export function compose(outer: Pose, inner: Pose): Pose {
+  const cos = Math.cos(outer.theta);
+  const sin = Math.sin(outer.theta);
+  return {
+    x: outer.x + cos * inner.x - sin * inner.y,
+    y: outer.y + sin * inner.x + cos * inner.y,
+    theta: normalizeAngle(outer.theta + inner.theta),
+  };
+}
+
+export function distance(from: Point, to: Point): number {
+  return Math.hypot(to.x - from.x, to.y - from.y);
+}
+
+/** Between two poses, turning the short way; `share` is 0 at `from` and 1 at `to`. */
+export function between(from: Pose, to: Pose, share: number): Pose {
+  return {
+    x: from.x + (to.x - from.x) * share,
+    y: from.y + (to.y - from.y) * share,
+    theta: normalizeAngle(from.theta + normalizeAngle(to.theta - from.theta) * share),
+  };
+}
+
+export function toDegrees(radians: number): number {
+  return (radians * 180) / Math.PI;
+}
+
+export function toRadians(degrees: number): number {
+  return (degrees * Math.PI) / 180;
+}

@@ -1,0 +1,26 @@
+import { createGateway } from "../api/client";
+import type { Http } from "../api/http";
+import { openStream, type StreamLocation, streamUrl } from "../stream/stream";
+import { BatterySeries } from "./batterySeries";
+import { believed } from "./believed";
+import type { Services } from "./context";
+import { SceneBuffer } from "./sceneBuffer";
+import { Store } from "./store";
+
+export interface OpenRobot {
+  services: Services;
+  close(): void;
+}
+
+/** Reads along with one robot, the configured one for null, until it is closed. */
+export function openRobot(location: StreamLocation, http: Http, robot: string | null): OpenRobot {
+  const store = new Store();
+  const series = new BatterySeries();
+  store.onBattery((event) => {
+    series.push(Date.parse(event.time), believed({ ...event, state: event.battery }));
+  });
+  const scene = new SceneBuffer();
+  store.onScene((event) => scene.push(event.scene, performance.now(), Date.parse(event.time)));
+  const close = openStream(streamUrl(location, { include: "battery,cmd_vel,system,scene", robot }), store);
+  return { services: { robot, gateway: createGateway(http, robot), store, series, scene }, close };
+}
