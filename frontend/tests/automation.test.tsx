@@ -8,7 +8,7 @@ import { bodyOf, draftOf, errorsOf, withMode } from "../src/automation/draft";
 import { conditionWords, reasonWords } from "../src/automation/words";
 import { Naming } from "../src/fleet/names";
 import { robotsWords } from "../src/fleet/robotChoice";
-import { newId } from "../src/ui/newId";
+import { newId } from "../src/ui/text";
 import { fakeGateway, renderPage } from "./page";
 
 const LOW: Rule = {

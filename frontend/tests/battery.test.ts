@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import type { GraphTopic } from "../src/api/topics";
+import type { GraphTopic } from "../src/api/graph";
 import type { BatteryHistory, BatteryState } from "../src/api/types";
 import { PRESETS, sameForm, toMessage } from "../src/battery/form";
 import { describe as describeQuantity, fromHistory, gapLimit, join } from "../src/battery/points";

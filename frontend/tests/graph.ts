@@ -1,4 +1,4 @@
-import type { Endpoint, Graph, GraphNode, GraphTopic, Quality } from "../src/graph/types";
+import type { Endpoint, Graph, GraphNode, GraphTopic, Quality } from "../src/api/graph";
 
 export function quality(change: Partial<Quality> = {}): Quality {
   return {

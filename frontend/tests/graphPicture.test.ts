@@ -1,13 +1,13 @@
 import { expect, test } from "vitest";
-import { levelPath } from "../src/graph/curve";
+import type { Graph } from "../src/api/graph";
 import { type Elements, elementsOf } from "../src/graph/elements";
 import { filterGraph } from "../src/graph/filter";
 import { flowEdges, flowNodes } from "../src/graph/flow";
+import { levelPath } from "../src/graph/LinkArrow";
 import { layOut, type Place, type Places } from "../src/graph/layout";
 import { layOutNew } from "../src/graph/layoutNew";
 import { linesOf, sizeOf } from "../src/graph/size";
 import { stepFrom } from "../src/graph/steps";
-import type { Graph } from "../src/graph/types";
 import { DEFAULT_VIEW } from "../src/graph/view";
 import { endpoint, fleetGraph, node, topic } from "./graph";
 

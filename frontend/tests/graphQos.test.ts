@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
+import type { Quality } from "../src/api/graph";
 import { conflictsOf, describeQuality, incompatibilities, warningOf } from "../src/graph/qos";
-import type { Quality } from "../src/graph/types";
 import { endpoint, quality, topic } from "./graph";
 
 function reasons(offered: Partial<Quality>, requested: Partial<Quality>): string[] {

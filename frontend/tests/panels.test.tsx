@@ -6,7 +6,7 @@ import { BatteryCard } from "../src/battery/BatteryCard";
 import { PublisherCard } from "../src/battery/PublisherCard";
 import { DockingCard } from "../src/docking/DockingCard";
 import { GoalsCard } from "../src/goals/GoalsCard";
-import { CurlCard } from "../src/pages/robot/CurlCard";
+import { CurlCard } from "../src/pages/robot/DeveloperPanels";
 import { SceneCard } from "../src/scene/SceneCard";
 import { SimulatorCard } from "../src/simulator/SimulatorCard";
 import { ServicesProvider } from "../src/store/context";

@@ -1,12 +1,13 @@
 import { describe, expect, it, vi } from "vitest";
 import type { Pose, PoseEvent } from "../src/api/types";
-import { keepScale, keptScale } from "../src/scene/following";
 import { arrowRadius, footprintOf, pointsOf, shapesOf } from "../src/scene/shapes";
 import {
   fitTo,
   follow,
   formatLength,
   gridStep,
+  keepScale,
+  keptScale,
   MAX_SCALE,
   pan,
   toScreen,

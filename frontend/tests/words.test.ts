@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { describeVelocity } from "../src/docking/velocity";
-import { rate } from "../src/goal/FeedbackCount";
+import { describeVelocity } from "../src/docking/VelocityLine";
+import { rate } from "../src/goal/facts";
 import { formatDuration, formatTime } from "../src/ui/time";
 import { at, cmdVel } from "./events";
 

@@ -55,3 +55,8 @@ function byWords(created_by: string | null | undefined): string {
   if (created_by === undefined) return "";
   return created_by === null ? "in a terminal" : `by ${created_by}`;
 }
+
+export function sessionWords(sessions: number): string {
+  if (sessions === 0) return "No";
+  return sessions === 1 ? "In one browser" : `In ${sessions} browsers`;
+}

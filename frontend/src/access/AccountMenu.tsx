@@ -2,8 +2,8 @@ import { ActionIcon, Menu } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Link } from "react-router";
 import { hasSession, type SessionState } from "../api/session";
+import { useLogOut } from "./Account";
 import PasswordDialog from "./PasswordDialog";
-import { useLogOut } from "./useLogOut";
 
 const PERSON =
   "M12 3a4.5 4.5 0 1 1 0 9 4.5 4.5 0 0 1 0-9Zm0 2a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5Zm0 8.5c4.6 0 8 2.4 8 5.5v2H4v-2c0-3.1 3.4-5.5 8-5.5Zm0 2c-3.5 0-5.9 1.6-6 3.5h12c-.1-1.9-2.5-3.5-6-3.5Z";

@@ -3,7 +3,6 @@ import type { Token } from "../api/access";
 import { ROLES } from "../api/permissions";
 import type { Role } from "../api/session";
 import { useFleetTopic } from "../fleet/context";
-import { ROLE_WORDS } from "./words";
 
 export type Grant = Pick<Token, "role" | "robots" | "actions" | "topics">;
 
@@ -75,3 +74,11 @@ const WRONG = "Names begin with / or *, and have letters, digits, _, / and *.";
 export function limitWords(grant: Grant): string {
   return LIMITS.flatMap(([name]) => grant[name]).join(", ");
 }
+
+/** What somebody with a role may do besides what those before it may. */
+export const ROLE_WORDS: Record<Role, string> = {
+  viewer: "Sees its robots, and may stop every robot.",
+  operator: "Also docks and undocks, sends and cancels goals, adds notes, and acknowledges alerts.",
+  supervisor: "Also releases stops, and changes rules, webhooks, names and groups.",
+  admin: "Also adds and changes users and tokens, and reads the audit log.",
+};

@@ -4,8 +4,8 @@ import { type FormEvent, useEffect, useRef, useState } from "react";
 import { type LoginBody, logIn } from "../api/access";
 import { session, useSession } from "../api/session";
 import { useFleet } from "../fleet/context";
-import { Command } from "../ui/Command";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { Command } from "../ui/CopyButton";
+import { CommandErrorAlert } from "../ui/errors";
 import { useCommand } from "../ui/useCommand";
 import { ProviderLogin } from "./ProviderLogin";
 

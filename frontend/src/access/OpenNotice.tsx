@@ -1,7 +1,7 @@
 import { Alert, Anchor, Code, Stack, Text } from "@mantine/core";
 import { Link, useLocation } from "react-router";
 import { type SessionState, useSession } from "../api/session";
-import { Command } from "../ui/Command";
+import { Command } from "../ui/CopyButton";
 import { Kept, useKept } from "../ui/kept";
 
 const ADD_ADMIN = "dock-gateway user add NAME --role admin";

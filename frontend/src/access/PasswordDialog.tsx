@@ -3,8 +3,7 @@ import { notifications } from "@mantine/notifications";
 import { type FormEvent, useState } from "react";
 import { changePassword } from "../api/access";
 import { useFleet } from "../fleet/context";
-import { Dialog } from "../ui/Dialog";
-import { SaveBar } from "../ui/SaveBar";
+import { Dialog, SaveBar } from "../ui/Dialog";
 import { useCommand } from "../ui/useCommand";
 import { NewPassword, passwordProblem } from "./NewPassword";
 

@@ -1,19 +1,24 @@
 import { Code, Group, Skeleton, Stack, Text, Title } from "@mantine/core";
+import type { UseMutationResult } from "@tanstack/react-query";
 import { useState } from "react";
 import type { CreatedToken, Token } from "../api/access";
+import type { CommandError } from "../api/errors";
 import { useForbidden } from "../api/permissions";
-import { useWhyNot } from "../fleet/useWhyNot";
+import { useWhyNot } from "../fleet/context";
 import { CopyButton } from "../ui/CopyButton";
-import { Dialog } from "../ui/Dialog";
+import { Dialog, RemovalDialog } from "../ui/Dialog";
+import { ENTRY_BUTTON } from "../ui/EntryCard";
+import { Trouble } from "../ui/errors";
+import { Fact } from "../ui/Fact";
 import { ReasonButton } from "../ui/ReasonButton";
-import { Trouble } from "../ui/Trouble";
+import { Time } from "../ui/Time";
 import { usePageTitle } from "../ui/usePageTitle";
+import { AccountItem } from "./AccountItem";
 import classes from "./access.module.css";
 import { OpenNotice } from "./OpenNotice";
-import { RevokeDialog } from "./RevokeDialog";
 import { TokenForm } from "./TokenForm";
-import { TokenItem } from "./TokenItem";
 import { useTokens } from "./useTokens";
+import { loginName } from "./who";
 
 /** The tokens of those who use the gateway; for admins. */
 export default function TokensPage() {
@@ -110,5 +115,66 @@ function Secret({ secret }: { secret: string }) {
         <CopyButton value={secret} what="the token" />
       </Group>
     </Stack>
+  );
+}
+
+interface RevokeDialogProps {
+  /** Null for none: then it is closed. */
+  token: Token | null;
+  revoke: UseMutationResult<void, CommandError, string>;
+  onClose: () => void;
+}
+
+/** Asks before a token is revoked, and says what ends with it. */
+export function RevokeDialog({ token, revoke, onClose }: RevokeDialogProps) {
+  return (
+    <RemovalDialog
+      title={`Revoke the token of ${token?.name}?`}
+      opened={token !== null}
+      onClose={onClose}
+      remove={revoke}
+      onRemove={() => token !== null && revoke.mutate(token.id, { onSuccess: onClose })}
+      verb="Revoke"
+    >
+      <Text size="sm">
+        Requests with it are refused, and the open pages and streams of {token?.name} end: here at once, at
+        other gateways within 2 s. Goals that {token?.name} has sent go on. A revoked token cannot be
+        restored.
+      </Text>
+      {token !== null && token.name === loginName() && (
+        <Text size="sm" fw={600}>
+          You are logged in with this token: this page will ask you to log in.
+        </Text>
+      )}
+    </RemovalDialog>
+  );
+}
+
+interface TokenItemProps {
+  token: Token;
+  /** Why it cannot be revoked now; null where it can. */
+  reason: string | null;
+  onRevoke: () => void;
+}
+
+/** A token: whose it is, what they may do, and until when. */
+export function TokenItem({ token, reason, onRevoke }: TokenItemProps) {
+  const { name, expires_at, used_at, valid } = token;
+  return (
+    <AccountItem
+      account={token}
+      flaw={valid ? null : "expired"}
+      begun="Created"
+      buttons={
+        <ReasonButton {...ENTRY_BUTTON} reason={reason} aria-label={`Revoke ${name}`} onClick={onRevoke}>
+          Revoke
+        </ReasonButton>
+      }
+    >
+      <Fact name={valid ? "Expires" : "Expired"}>
+        {expires_at === null ? "Never" : <Time value={expires_at} />}
+      </Fact>
+      <Fact name="Last used">{used_at === null ? "Never" : <Time value={used_at} />}</Fact>
+    </AccountItem>
   );
 }

@@ -3,7 +3,7 @@ import type { UseMutationResult } from "@tanstack/react-query";
 import { type FormEvent, useState } from "react";
 import type { User, UserBody } from "../api/access";
 import type { CommandError } from "../api/errors";
-import { SaveBar } from "../ui/SaveBar";
+import { SaveBar } from "../ui/Dialog";
 import { type Grant, GrantFields, NO_LIMITS, wrongLimits } from "./GrantFields";
 import { NewPassword, passwordProblem } from "./NewPassword";
 

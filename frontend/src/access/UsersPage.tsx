@@ -1,19 +1,21 @@
 import { Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { notifications } from "@mantine/notifications";
 import { useState } from "react";
-import type { User } from "../api/access";
+import type { Person, User } from "../api/access";
 import { useForbidden } from "../api/permissions";
 import { useSession } from "../api/session";
-import { useWhyNot } from "../fleet/useWhyNot";
-import { Dialog } from "../ui/Dialog";
+import { useWhyNot } from "../fleet/context";
+import { Dialog, RemovalDialog } from "../ui/Dialog";
+import { ENTRY_BUTTON } from "../ui/EntryCard";
+import { Trouble } from "../ui/errors";
+import { Fact } from "../ui/Fact";
 import { ReasonButton } from "../ui/ReasonButton";
-import { RemovalDialog } from "../ui/RemovalDialog";
-import { Trouble } from "../ui/Trouble";
+import { Time } from "../ui/Time";
 import { usePageTitle } from "../ui/usePageTitle";
+import { AccountItem, sessionWords } from "./AccountItem";
 import { OpenNotice } from "./OpenNotice";
-import { PeopleList } from "./PeopleList";
 import { UserForm } from "./UserForm";
-import { UserItem } from "./UserItem";
+import { usePeople } from "./usePeople";
 import { useUsers } from "./useUsers";
 import { loginName } from "./who";
 
@@ -109,5 +111,101 @@ export default function UsersPage() {
         )}
       </RemovalDialog>
     </Stack>
+  );
+}
+
+/** Who is logged in with the identity provider; for admins. Nothing can be changed but that. */
+export function PeopleList({ provider, reason }: { provider: string; reason: string | null }) {
+  const { people, error, refetch, logOut } = usePeople();
+  const endSessions = ({ name }: Person) =>
+    logOut.mutate(name, {
+      onSuccess: () => notifications.show({ message: `${name} is logged out everywhere.` }),
+      onError: ({ title, detail }) =>
+        notifications.show({ color: "red", title: `${name} is still logged in: ${title}`, message: detail }),
+    });
+  return (
+    <>
+      <Title order={2} size="h4">
+        Logged in with {provider}
+      </Title>
+      <Text size="sm" c="dimmed">
+        What they may do is decided there, and holds from their next login on. To keep somebody out, block
+        them there and log them out here.
+      </Text>
+      <Trouble what="The people could not be loaded" error={error} onRetry={() => void refetch()} />
+      {people?.length === 0 && (
+        <Text size="sm" c="dimmed">
+          Nobody.
+        </Text>
+      )}
+      <Stack component="ul" gap="sm" m={0} p={0} aria-label={`Logged in with ${provider}`}>
+        {people?.map((person) => (
+          <AccountItem
+            key={`${person.name} ${person.subject}`}
+            account={{ ...person, created_at: person.logged_in_at }}
+            flaw={null}
+            begun="Last login"
+            buttons={
+              <ReasonButton
+                {...ENTRY_BUTTON}
+                reason={reason}
+                aria-label={`Log out ${person.name}`}
+                onClick={() => endSessions(person)}
+              >
+                Log out
+              </ReasonButton>
+            }
+          >
+            <Fact name="Logged in">{sessionWords(person.sessions)}</Fact>
+            <Fact name="Until">
+              <Time value={person.expires_at} />
+            </Fact>
+            <Fact name={`Id at ${provider}`}>{person.subject}</Fact>
+          </AccountItem>
+        ))}
+      </Stack>
+    </>
+  );
+}
+
+interface UserItemProps {
+  user: User;
+  /** Why nothing can be changed now; null where it can. */
+  reason: string | null;
+  onEdit: () => void;
+  onLogOut: () => void;
+  onRemove: () => void;
+}
+
+/** A user: what they may do, and where they are logged in. */
+export function UserItem({ user, reason, onEdit, onLogOut, onRemove }: UserItemProps) {
+  const { name, logged_in_at, disabled, sessions } = user;
+  return (
+    <AccountItem
+      account={user}
+      flaw={disabled ? "disabled" : null}
+      begun="Added"
+      buttons={
+        <Group gap="xs">
+          <ReasonButton {...ENTRY_BUTTON} reason={reason} aria-label={`Edit ${name}`} onClick={onEdit}>
+            Edit
+          </ReasonButton>
+          <ReasonButton
+            {...ENTRY_BUTTON}
+            reason={reason ?? (sessions === 0 ? `${name} is not logged in.` : null)}
+            aria-label={`Log out ${name}`}
+            onClick={onLogOut}
+          >
+            Log out
+          </ReasonButton>
+          <ReasonButton {...ENTRY_BUTTON} reason={reason} aria-label={`Remove ${name}`} onClick={onRemove}>
+            Remove
+          </ReasonButton>
+        </Group>
+      }
+    >
+      <Fact name="Last login">{logged_in_at === null ? "Never" : <Time value={logged_in_at} />}</Fact>
+      <Fact name="Logged in">{sessionWords(sessions)}</Fact>
+    </AccountItem>
   );
 }

@@ -6,19 +6,18 @@ import type { Json } from "../api/jsonSchema";
 import type { ActionInfo, AnyGoal, Goal } from "../api/types";
 import { useFleet, useFleetLive } from "../fleet/context";
 import { isTerminal } from "../store/goals";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { CommandErrorAlert } from "../ui/errors";
 import { Section } from "../ui/Section";
-import { sentence } from "../ui/sentence";
+import { sentence } from "../ui/text";
 import { usePageTitle } from "../ui/usePageTitle";
+import { ServerBadge } from "./ActionsTable";
 import classes from "./actions.module.css";
 import { shapeOf } from "./form/shapes";
 import { GoalForm } from "./GoalForm";
 import { GoalWatch } from "./GoalWatch";
 import { RecentGoals, useGoalsOf } from "./RecentGoals";
-import { ServerBadge } from "./ServerBadge";
-import { startingMessage } from "./starting";
 import { useActions, useSchemas } from "./useActions";
-import { useDraft } from "./useDraft";
+import { startingMessage, useDraft } from "./useDraft";
 
 /** One action, by the name in the address: a goal to send, to watch and to cancel. */
 export default function ActionPage() {

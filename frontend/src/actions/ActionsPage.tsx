@@ -1,12 +1,13 @@
 import { Group, Skeleton, Stack, Text, TextInput, Title } from "@mantine/core";
 import { useSearchParams } from "react-router";
 import type { ActionInfo } from "../api/types";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { Command } from "../ui/CopyButton";
+import { CommandErrorAlert } from "../ui/errors";
 import { Section } from "../ui/Section";
 import { usePageTitle } from "../ui/usePageTitle";
 import { ActionsTable } from "./ActionsTable";
-import { TryFibonacci } from "./TryFibonacci";
 import { useActions } from "./useActions";
+import { sendLine } from "./words";
 
 /** With fewer than this nobody has to search. */
 const MANY = 6;
@@ -84,5 +85,28 @@ function Skeletons() {
       <Skeleton height={36} />
       <Skeleton height={36} />
     </Stack>
+  );
+}
+
+/** The next step where there is no action to try. */
+export function TryFibonacci() {
+  const { origin } = window.location;
+  return (
+    <Section title="An action to try">
+      <Text size="sm">
+        Fibonacci counts, a number a second, and moves nothing. Start its action server in a terminal, with
+        the environment of dock-gateway active: it appears on this page within seconds.
+      </Text>
+      <Stack gap="xs">
+        <Command line="fibonacci_action_server" what="the command that starts the Fibonacci action server" />
+        <Text size="sm">Then send it a goal from here, or with</Text>
+        <Command
+          line={sendLine(origin, "/fibonacci", '{"order": 10}')}
+          what="the command that sends a Fibonacci goal"
+        />
+        <Text size="sm">Every other action on the graph appears here, too; the same list in a terminal:</Text>
+        <Command line={`curl -s ${origin}/actions`} what="the command that lists the actions" />
+      </Stack>
+    </Section>
   );
 }

@@ -1,15 +1,14 @@
-import { Anchor, Table, Text } from "@mantine/core";
+import { Anchor, Badge, Table, Text } from "@mantine/core";
 import { useMemo } from "react";
 import { Link } from "react-router";
 import { actionPath } from "../api/actions";
 import type { ActionInfo, Goal } from "../api/types";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
-import { GoalStatusBadge } from "../goal/GoalStatusBadge";
+import { GoalStatusBadge } from "../goal/facts";
 import { isTerminal, newestFirst } from "../store/goals";
-import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
+import { sentence } from "../ui/text";
 import classes from "./actions.module.css";
-import { ServerBadge } from "./ServerBadge";
 
 /** Actions and how they are used; each leads to its page. */
 export function ActionsTable({ actions }: { actions: readonly ActionInfo[] }) {
@@ -89,4 +88,22 @@ function groupByAction(goals: ReadonlyMap<string, Goal>): ReadonlyMap<string, Go
     else group.push(goal);
   }
   return groups;
+}
+
+/** Whether there is an action server, and how it does. */
+export function ServerBadge({ action, live }: { action: ActionInfo | null; live: boolean }) {
+  const { words, color } = describe(live ? action : null);
+  return (
+    <Badge component="span" color={color} data-testid="server">
+      {words}
+    </Badge>
+  );
+}
+
+function describe(action: ActionInfo | null): { words: string; color: string } {
+  if (action === null) return { words: "unknown", color: "gray.7" };
+  if (!action.installed) return { words: "package missing", color: "orange" };
+  if (!action.available) return { words: "not there", color: "red" };
+  if (action.duplicate) return { words: "two servers", color: "red" };
+  return action.answering ? { words: "answering", color: "green" } : { words: "silent", color: "orange" };
 }

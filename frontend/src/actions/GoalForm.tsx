@@ -1,25 +1,23 @@
-import { Button, Group, SegmentedControl, Stack, Text } from "@mantine/core";
+import { Anchor, Button, Group, SegmentedControl, Stack, Text } from "@mantine/core";
 import { type FormEvent, useCallback, useId, useMemo, useState } from "react";
+import { Link } from "react-router";
 import { CommandError } from "../api/errors";
 import type { ActionInfo, AnyGoal } from "../api/types";
 import { useFleetLive, useFleetTopic } from "../fleet/context";
 import { heldStops } from "../stop/held";
-import { Command } from "../ui/Command";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { Command } from "../ui/CopyButton";
+import { CommandErrorAlert } from "../ui/errors";
 import { Section } from "../ui/Section";
 import { useCommand } from "../ui/useCommand";
-import { useAsking } from "./asking";
-import { sendLine } from "./curl";
 import { type FormContextValue, FormProvider } from "./fields/context";
 import { MessageFields } from "./fields/MessageFields";
 import type { Draft } from "./form/draft";
 import type { MessageShape } from "./form/shapes";
 import { JsonEditor } from "./JsonEditor";
-import { SendDialog } from "./SendDialog";
-import { SentLine } from "./SentLine";
+import { SendDialog, useAsking } from "./SendDialog";
 import { useActionsApi } from "./useActions";
 import type { useDraft } from "./useDraft";
-import { isHeld, whyNotSend } from "./words";
+import { isHeld, sendLine, whyNotSend } from "./words";
 
 interface GoalFormProps {
   action: ActionInfo;
@@ -162,4 +160,18 @@ export function GoalForm({ action, shape, draft: state, onSent }: GoalFormProps)
 
 function notSent(wrong: number): string {
   return `Fix ${wrong} invalid ${wrong === 1 ? "value" : "values"}.`;
+}
+
+/** What became of the goal that was sent from here. */
+export function SentLine({ goal }: { goal: AnyGoal | null }) {
+  if (goal === null) return null;
+  return (
+    <span data-testid="sent">
+      Sent: the action server took{" "}
+      <Anchor component={Link} to={`/ui/goals/${goal.goal_id}`} inherit>
+        goal {goal.goal_id.slice(0, 8)}
+      </Anchor>
+      .
+    </span>
+  );
 }

@@ -1,22 +1,22 @@
 import { Anchor, Badge, Group, Text } from "@mantine/core";
+import { useEffect, useState, useSyncExternalStore } from "react";
 import { Link } from "react-router";
 import type { ActionSchemas } from "../api/actions";
 import { createGoalsApi } from "../api/goals";
 import type { AnyGoal, Goal } from "../api/types";
-import { useFleet, useFleetLive } from "../fleet/context";
-import { FeedbackCount } from "../goal/FeedbackCount";
-import { GoalDuration } from "../goal/GoalDuration";
+import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
+import { FleetStore } from "../fleet/store";
+import { FeedbackCount, GoalDuration, GoalStatusBadge } from "../goal/facts";
 import { GoalExplanation } from "../goal/GoalExplanation";
-import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { isTerminal } from "../store/goals";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { openStream, streamUrl } from "../stream/stream";
+import { CommandErrorAlert } from "../ui/errors";
 import { Fact, FactList } from "../ui/Fact";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";
 import { MessageView } from "./MessageView";
-import { useGoal } from "./useGoal";
 import { whyNotCancel } from "./words";
 
 /** A goal of the action as it goes: the one that was sent from here, or the newest. */
@@ -118,4 +118,36 @@ function Messages({ goal, schemas }: { goal: AnyGoal; schemas: ActionSchemas }) 
       {ended ? "There was no feedback, and there is no result." : "No feedback yet."}
     </Text>
   );
+}
+
+export interface Followed {
+  goal: AnyGoal | null;
+  /** When its latest feedback messages came (ms), oldest first. */
+  arrivals: readonly number[];
+}
+
+/** A goal with its feedback as it comes: five times a second at most, where all goals have it more rarely. */
+export function useGoal(goalId: string | null): Followed {
+  const [store, setStore] = useState<FleetStore | null>(null);
+  useEffect(() => {
+    if (goalId === null) return;
+    const own = new FleetStore();
+    const close = openStream(streamUrl(window.location, { goal_id: goalId, max_rate: "10" }), own);
+    setStore(own);
+    return () => {
+      close();
+      setStore(null);
+    };
+  }, [goalId]);
+
+  const goals = useSyncExternalStore(
+    (listener) => store?.subscribe("goals", listener) ?? (() => {}),
+    () => store?.get("goals"),
+  );
+  const fleet = useFleetTopic("goals");
+  if (goalId === null) return { goal: null, arrivals: [] };
+  return {
+    goal: (goals?.get(goalId) ?? fleet.get(goalId) ?? null) as AnyGoal | null,
+    arrivals: store?.get("arrivals").get(goalId) ?? [],
+  };
 }

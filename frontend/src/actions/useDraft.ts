@@ -73,3 +73,16 @@ export function useDraft(action: string, shape: MessageShape, starting: Json) {
     refuse: (refused: readonly FieldError[]) => update((before) => ({ ...before, refused })),
   };
 }
+
+/** What a form begins with where the defaults alone show nothing: an order that can be watched, a battery that charges. */
+const STARTING: Record<string, Json> = {
+  "action_tutorials_interfaces/action/ConnectToChargingDock": {
+    desired_battery_state: { power_supply_status: "CHARGING" },
+  },
+  "action_tutorials_interfaces/action/Fibonacci": { order: 10 },
+  "test_msgs/action/Fibonacci": { order: 10 },
+};
+
+export function startingMessage(type: string): Json {
+  return STARTING[type] ?? {};
+}

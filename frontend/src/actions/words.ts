@@ -1,3 +1,4 @@
+import { goalsPath } from "../api/actions";
 import { whyForbidden } from "../api/permissions";
 import type { ActionInfo, AnyGoal } from "../api/types";
 import { isUnder } from "../fleet/names";
@@ -34,4 +35,14 @@ export function whyNotCancel(live: boolean, goal: AnyGoal, canceling: boolean): 
 /** Whether one of these stops holds an action. */
 export function isHeld(action: string, stops: readonly HeldStop[]): boolean {
   return stops.some(({ robot, holds }) => [robot, ...holds].some((held) => isUnder(action, held)));
+}
+
+/** The command line that sends a goal, for any POSIX shell. */
+export function sendLine(origin: string, action: string, body: string): string {
+  return `curl -sX POST ${origin}${goalsPath(action)} -H 'Content-Type: application/json' -d ${quoted(body)}`;
+}
+
+/** A word of a shell that stands for this text, whatever is in it. */
+export function quoted(text: string): string {
+  return `'${text.replaceAll("'", "'\\''")}'`;
 }

@@ -1,18 +1,17 @@
 import { Anchor, Group, Text } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
-import { createAlerts } from "../api/alerts";
+import { createAlerts } from "../api/client";
 import type { Alert } from "../api/types";
-import { useFleet } from "../fleet/context";
+import { useFleet, useNaming } from "../fleet/context";
 import { robotPath } from "../fleet/path";
-import { useNaming } from "../fleet/useNaming";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";
 import { AcknowledgeButton, useWhyNotAnswer } from "./AcknowledgeButton";
 import classes from "./alerts.module.css";
-import { SeverityMark } from "./SeverityMark";
+import { SeverityMark } from "./marks";
 
 /** One alert: what it is, what to do, and who has seen it. */
 export const AlertItem = memo(function AlertItem({ alert }: { alert: Alert }) {

@@ -1,8 +1,7 @@
 import { Button, Group, Paper, Text, Title } from "@mantine/core";
 import { memo, useId, useMemo, useState } from "react";
 import type { Alert } from "../api/types";
-import { useFleetTopic } from "../fleet/context";
-import { useNaming } from "../fleet/useNaming";
+import { useFleetTopic, useNaming } from "../fleet/context";
 import { AlertItem } from "./AlertItem";
 import classes from "./alerts.module.css";
 import { alertsOf, openAlerts, urgentFirst } from "./order";

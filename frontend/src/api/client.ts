@@ -1,6 +1,8 @@
 import { CommandError } from "./errors";
 import { deadline, type Http, settle } from "./http";
+import type { components } from "./schema.gen";
 import type {
+  Alert,
   BatteryStateInput,
   Calibration,
   CalibrationService,
@@ -115,4 +117,27 @@ export function createGateway(http: Http, robot: string | null = null): Gateway 
     calibrate: () =>
       settle(http.POST("/calibration", { params: { query }, signal: deadline(CALIBRATION_TIMEOUT_MS) })),
   };
+}
+
+/** What can be done about alerts; each call is one request, and every failure a CommandError. */
+export interface Alerts {
+  /** Says that somebody has seen it, until it ends. */
+  acknowledge(id: string, by: string): Promise<Alert>;
+  withdraw(id: string): Promise<Alert>;
+}
+
+export function createAlerts(http: Http): Alerts {
+  const options = (id: string) => ({ params: { path: { alert_id: id } }, signal: deadline() });
+  return {
+    acknowledge: (id, by) =>
+      settle(http.PUT("/alerts/{alert_id}/acknowledgement", { body: { by }, ...options(id) })),
+    withdraw: (id) => settle(http.DELETE("/alerts/{alert_id}/acknowledgement", options(id))),
+  };
+}
+
+export type RobotLabel = components["schemas"]["Label"];
+
+/** Replaces the display name and the groups of a robot; throws a CommandError where it fails. */
+export function putLabel(http: Http, label: RobotLabel): Promise<RobotLabel> {
+  return settle(http.PUT("/robots/label", { body: label, signal: deadline() }));
 }

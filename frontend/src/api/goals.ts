@@ -1,5 +1,5 @@
 import { deadline, type Http, settle } from "./http";
-import type { paths } from "./schema.gen";
+import type { components, paths } from "./schema.gen";
 import type { AnyGoal, AnyGoalPage, GoalHistory, PoseEvent } from "./types";
 
 /** What `GET /goals` can be narrowed by. */
@@ -77,4 +77,72 @@ export function goalsExportUrl(query: GoalQuery, format: ExportFormat): string {
 /** Where one goal with its events is downloaded. */
 export function goalExportUrl(goalId: string, format: ExportFormat): string {
   return `/goals/${encodeURIComponent(goalId)}/export?format=${format}`;
+}
+
+export type GoalNotes = components["schemas"]["GoalNotes"];
+
+export type Note = components["schemas"]["Note"];
+
+/** Notes and tags of a goal. Each call gives what the goal has then; every failure is a CommandError. */
+export interface NotesApi {
+  read(): Promise<GoalNotes>;
+  add(by: string, text: string): Promise<GoalNotes>;
+  remove(noteId: string): Promise<GoalNotes>;
+  setTags(tags: readonly string[]): Promise<GoalNotes>;
+}
+
+export function createNotesApi(http: Http, goalId: string): NotesApi {
+  const path = { goal_id: goalId };
+  const options = () => ({ params: { path }, signal: deadline() });
+  return {
+    read: () => settle(http.GET("/goals/{goal_id}/notes", options())),
+    add: (by, text) => settle(http.POST("/goals/{goal_id}/notes", { body: { by, text }, ...options() })),
+    remove: (noteId) =>
+      settle(
+        http.DELETE("/goals/{goal_id}/notes/{note_id}", {
+          params: { path: { ...path, note_id: noteId } },
+          signal: deadline(),
+        }),
+      ),
+    setTags: (tags) => settle(http.PUT("/goals/{goal_id}/tags", { body: { tags: [...tags] }, ...options() })),
+  };
+}
+
+/** The tags of all goals. */
+export async function listTags(http: Http): Promise<string[]> {
+  return (await settle(http.GET("/goals/tags", { signal: deadline() }))).tags;
+}
+
+type Schemas = components["schemas"];
+
+type StatusEvent = Extract<Schemas["GoalHistory"]["events"][number], { type: "status" }>;
+
+/** A goal has a status event for each stage; more than this many pages of them is a server that runs wild. */
+const MAX_PAGES = 5;
+
+/** The statuses of a goal with its stages, oldest first. */
+export interface Statuses {
+  events: StatusEvent[];
+  /** False where the history does not reach back to the goal's beginning. */
+  complete: boolean;
+}
+
+/** Every status that a goal was in, as far as the history goes back. */
+export async function statusesOf(http: Http, goalId: string): Promise<Statuses> {
+  const events: StatusEvent[] = [];
+  let [complete, after] = [true, null as string | null];
+  for (let page = 0; page < MAX_PAGES; page += 1) {
+    const query = { type: ["status" as const], limit: 1000, ...(after === null ? {} : { after }) };
+    const answer: Schemas["GoalHistory"] = await settle(
+      http.GET("/goals/{goal_id}/history", {
+        params: { path: { goal_id: goalId }, query },
+        signal: deadline(),
+      }),
+    );
+    for (const event of answer.events) if (event.type === "status") events.push(event);
+    complete &&= answer.complete;
+    after = answer.next_after;
+    if (after === null) break;
+  }
+  return { events, complete };
 }

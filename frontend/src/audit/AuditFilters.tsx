@@ -1,7 +1,6 @@
 import { Button, NativeSelect, TextInput } from "@mantine/core";
 import { type KeyboardEvent, useEffect, useState } from "react";
-import { useFleet } from "../fleet/context";
-import { useRobotOptions } from "../fleet/useNaming";
+import { useFleet, useRobotOptions } from "../fleet/context";
 import { TimeRangeField } from "../ui/TimeRangeField";
 import classes from "./audit.module.css";
 import { type AuditFilter, GOAL_ID, NO_FILTER, OUTCOMES, type Outcome, writeFilter } from "./filter";

@@ -1,10 +1,10 @@
 import { Badge, Table, Text } from "@mantine/core";
 import { Link } from "react-router";
 import type { AuditRecord } from "../api/audit";
-import { useNaming } from "../fleet/useNaming";
+import { useNaming } from "../fleet/context";
 import { codeWords } from "../goal/words";
 import { goalPath } from "../goals/GoalsTable";
-import { Breakable } from "../ui/Breakable";
+import { Breakable } from "../ui/Fact";
 import { Time } from "../ui/Time";
 import classes from "./audit.module.css";
 import { GOAL_ID, type Outcome } from "./filter";

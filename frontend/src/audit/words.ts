@@ -1,4 +1,4 @@
-import { sentence } from "../ui/sentence";
+import { sentence } from "../ui/text";
 import type { Outcome } from "./filter";
 
 /** What is recorded, in a few words: requests by their operation, commands of `/ws`, and remarks of the gateway. */

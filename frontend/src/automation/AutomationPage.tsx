@@ -1,10 +1,10 @@
 import { Group, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useState } from "react";
 import type { Rule } from "../api/automation";
-import { useWhyNot } from "../fleet/useWhyNot";
+import { useWhyNot } from "../fleet/context";
 import { Dialog } from "../ui/Dialog";
+import { Trouble } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
-import { Trouble } from "../ui/Trouble";
 import { usePageTitle } from "../ui/usePageTitle";
 import { Decisions } from "./Decisions";
 import { RuleCard } from "./RuleCard";

@@ -1,12 +1,11 @@
 import { Anchor, Badge, Group, Skeleton, Table, Text } from "@mantine/core";
 import { Link } from "react-router";
 import type { Decision } from "../api/automation";
-import { useFleetLive } from "../fleet/context";
+import { useFleetLive, useNaming } from "../fleet/context";
 import { robotPath } from "../fleet/path";
-import { useNaming } from "../fleet/useNaming";
+import { Trouble } from "../ui/errors";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
-import { Trouble } from "../ui/Trouble";
 import { useZone } from "../ui/zone";
 import classes from "./automation.module.css";
 import { useDecisions } from "./useAutomation";

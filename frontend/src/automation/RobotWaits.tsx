@@ -1,8 +1,8 @@
 import { Anchor, Text } from "@mantine/core";
 import { Link } from "react-router";
 import type { Rule } from "../api/automation";
+import { useNaming } from "../fleet/context";
 import { robotPath } from "../fleet/path";
-import { useNaming } from "../fleet/useNaming";
 import classes from "./automation.module.css";
 import { WAITS } from "./words";
 

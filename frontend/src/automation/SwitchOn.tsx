@@ -3,7 +3,7 @@ import { useState } from "react";
 import { NameInput, useOwnName } from "../access/NameInput";
 import { setOwnName } from "../access/who";
 import type { Rule } from "../api/automation";
-import { useNaming } from "../fleet/useNaming";
+import { useNaming } from "../fleet/context";
 import { Dialog } from "../ui/Dialog";
 import classes from "./automation.module.css";
 import { conditionWords } from "./words";

@@ -1,14 +1,17 @@
-import { Box, Button, Code, Paper, Text, Title } from "@mantine/core";
+import { Box, Button, Code, Paper, Skeleton, Text, Title } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
-import { useId, useState } from "react";
+import { Suspense, useId, useState } from "react";
 import type { BatteryState } from "../api/types";
 import { useAtTime } from "../clock/clock";
-import { FreshnessBadge } from "../fleet/FreshnessBadge";
+import { FreshnessBadge } from "../fleet/badges";
 import { useServices, useTopicPart } from "../store/context";
 import { useFreshness } from "../store/freshness";
 import { RENDER_INTERVAL_MS } from "../store/shown";
 import { Fact, FactList } from "../ui/Fact";
+import { lazyPart } from "../ui/lazyPart";
+import { Section } from "../ui/Section";
 import { formatDuration } from "../ui/time";
+import plotClasses from "./BatteryPlots.module.css";
 import classes from "./battery.module.css";
 import { ChargeBar, chargeOf } from "./ChargeBar";
 import {
@@ -218,5 +221,18 @@ function Measurements({ names }: { names: readonly string[] }) {
           <Said read={(state) => words(state) ?? "no longer measured"} />
         </Fact>
       ),
+  );
+}
+
+/** What draws them comes after the page, which is of use without. */
+const BatteryPlots = lazyPart(() => import("./BatteryPlots"));
+
+export function BatteryPlotsCard() {
+  return (
+    <Section title="Battery over time">
+      <Suspense fallback={<Skeleton className={plotClasses.waiting} />}>
+        <BatteryPlots />
+      </Suspense>
+    </Section>
   );
 }

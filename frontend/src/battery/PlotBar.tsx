@@ -1,7 +1,7 @@
 import { Badge, Button, Group, SegmentedControl, Text } from "@mantine/core";
 import type { RefObject } from "react";
 import { useAtTime } from "../clock/clock";
-import { FreshnessBadge } from "../fleet/FreshnessBadge";
+import { FreshnessBadge } from "../fleet/badges";
 import { useFreshness } from "../store/freshness";
 import { Tool } from "../ui/Tool";
 import { useZone } from "../ui/zone";

@@ -3,7 +3,7 @@ import { useDisclosure } from "@mantine/hooks";
 import { Suspense, useId, useState } from "react";
 import { useForbidden } from "../api/permissions";
 import { useLive, useServices, useTopicPart } from "../store/context";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { CommandErrorAlert } from "../ui/errors";
 import { lazyPart } from "../ui/lazyPart";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Section } from "../ui/Section";

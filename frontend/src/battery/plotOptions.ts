@@ -1,7 +1,7 @@
 import uPlot from "uplot";
 import type { Quantity } from "../store/batterySeries";
 import { fixed } from "../ui/numbers";
-import { plotAxis } from "../ui/plotLook";
+import { plotAxis } from "../ui/plotData";
 import type { Zone } from "../ui/zone";
 import { marks, rangeOf, SHAPES } from "./quantities";
 import { formatMark } from "./view";

@@ -1,5 +1,5 @@
 import { useQuery } from "@tanstack/react-query";
-import { findTopic, type GraphTopic, gatewayNode } from "../api/topics";
+import { findTopic, type GraphTopic, gatewayNode } from "../api/graph";
 import { useFleet, useFleetPart } from "../fleet/context";
 import { useLive, useServices, useTopicPart } from "../store/context";
 

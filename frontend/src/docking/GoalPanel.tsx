@@ -1,10 +1,8 @@
 import { Anchor, Badge, Group, Stack, Text } from "@mantine/core";
 import { Link } from "react-router";
 import { batteryIn, summarize } from "../battery/words";
-import { FeedbackCount } from "../goal/FeedbackCount";
-import { GoalDuration } from "../goal/GoalDuration";
+import { FeedbackCount, GoalDuration, GoalStatusBadge } from "../goal/facts";
 import { GoalExplanation } from "../goal/GoalExplanation";
-import { GoalStatusBadge } from "../goal/GoalStatusBadge";
 import { useLive, useTopic, useTopicPart } from "../store/context";
 import { type GoalCourse, isTerminal } from "../store/goals";
 import { Fact, FactList } from "../ui/Fact";

@@ -1,13 +1,14 @@
 import { Text, VisuallyHidden } from "@mantine/core";
+import { useEffect } from "react";
+import { statusesOf } from "../api/goals";
 import { useAtTime, useGatewayNow } from "../clock/clock";
-import { spansOf, timeIn } from "../goal/spans";
-import { type StepState, stageLabel, stepsOf } from "../goal/stages";
-import { useLive } from "../store/context";
+import { useFleet } from "../fleet/context";
+import { type StepState, spansOf, stageLabel, stepsOf, timeIn } from "../goal/stages";
+import { useLive, useServices, useTopicPart } from "../store/context";
 import { type GoalCourse, isTerminal } from "../store/goals";
 import type { StageVisit } from "../store/stages";
 import { formatDuration } from "../ui/time";
 import classes from "./docking.module.css";
-import { useWay } from "./useWay";
 
 /** Durations are renewed so often. */
 const TEXT_MS = 400;
@@ -109,4 +110,29 @@ function Bar({ goal, visits }: Way) {
       ))}
     </div>
   );
+}
+
+const NONE: readonly StageVisit[] = [];
+
+/** The stages that a goal was in. What it was in before this page was opened is read from its history. */
+export function useWay(goalId: string): readonly StageVisit[] {
+  const { http } = useFleet();
+  const { store } = useServices();
+  const live = useLive();
+  const visits = useTopicPart("stages", (stages) => stages.get(goalId) ?? NONE);
+  const incomplete = live && visits.some(({ since }) => since === null);
+
+  useEffect(() => {
+    if (!incomplete) return;
+    let wanted = true;
+    statusesOf(http, goalId)
+      .then((statuses) => wanted && store.setWay(goalId, statuses))
+      // The stages are shown all the same, without their times.
+      .catch(() => {});
+    return () => {
+      wanted = false;
+    };
+  }, [http, store, goalId, incomplete]);
+
+  return visits;
 }

@@ -1,6 +1,6 @@
 import { whyForbidden } from "../api/permissions";
 import type { ActionServer, Goal, Verb } from "../api/types";
-import { NOT_CONNECTED } from "../fleet/useWhyNot";
+import { NOT_CONNECTED } from "../fleet/context";
 import { whatToStart } from "./families";
 
 type Running = Pick<Goal, "status">;

@@ -1,7 +1,14 @@
-import { MultiSelect, SegmentedControl, SimpleGrid, Stack } from "@mantine/core";
-import { useFleetTopic } from "./context";
+import {
+  MultiSelect,
+  NativeSelect,
+  type NativeSelectProps,
+  SegmentedControl,
+  SimpleGrid,
+  Stack,
+} from "@mantine/core";
+import { useMemo } from "react";
+import { useFleetTopic, useNaming } from "./context";
 import type { RobotChoice } from "./robotChoice";
-import { useNaming } from "./useNaming";
 
 interface RobotFieldsProps {
   chosen: RobotChoice;
@@ -47,5 +54,26 @@ export function RobotFields({ chosen, error, onChange }: RobotFieldsProps) {
         </SimpleGrid>
       )}
     </Stack>
+  );
+}
+
+interface GroupSelectProps extends Pick<NativeSelectProps, "label" | "aria-label" | "className"> {
+  group: string | null;
+  onGroup: (group: string | null) => void;
+}
+
+/** Chooses a group of robots; nothing where no robot is in one. */
+export function GroupSelect({ group, onGroup, ...props }: GroupSelectProps) {
+  const naming = useNaming();
+  const groups = useMemo(() => naming.groups(), [naming]);
+  const known = group === null || groups.includes(group) ? groups : [...groups, group];
+  if (known.length === 0) return null;
+  return (
+    <NativeSelect
+      {...props}
+      value={group ?? ""}
+      onChange={(event) => onGroup(event.currentTarget.value || null)}
+      data={[{ value: "", label: "All groups" }, ...known]}
+    />
   );
 }

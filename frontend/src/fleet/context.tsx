@@ -1,9 +1,11 @@
-import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
+import { createContext, type ReactNode, useCallback, useContext, useMemo, useSyncExternalStore } from "react";
 import type { Gateway } from "../api/client";
 import type { Http } from "../api/http";
+import { type Command, useForbidden } from "../api/permissions";
 import { useSession } from "../api/session";
 import { ClockProvider } from "../clock/clock";
 import type { OpenRobot } from "../store/openRobot";
+import type { Naming } from "./names";
 import type { FleetTopic, FleetTopics } from "./state";
 import type { FleetStore } from "./store";
 
@@ -54,4 +56,36 @@ export function useFleetPart<T extends FleetTopic, Part>(
 export function useFleetLive(): boolean {
   const { principal } = useSession();
   return useFleetPart("connection", ({ phase }) => phase === "live") && principal !== null;
+}
+
+/** The names of all robots; renders anew only when a name or a group changes. */
+export function useNaming(): Naming {
+  return useFleetTopic("naming");
+}
+
+/** The robots to choose from, by namespace. @param chosen One that is listed in any case. */
+export function useRobotOptions(chosen: string | null): { value: string; label: string }[] {
+  const robots = useFleetTopic("robots");
+  const naming = useNaming();
+  return useMemo(
+    () =>
+      [...new Set([...robots.keys(), ...(chosen === null ? [] : [chosen])])].sort().map((name) => ({
+        value: name,
+        label: naming.besides(name) === null ? name : naming.fullNameOf(name),
+      })),
+    [robots, naming, chosen],
+  );
+}
+
+export const NOT_CONNECTED = "The gateway is not connected.";
+
+/**
+ * Why a command cannot be given now, in a sentence; null where it can.
+ *
+ * @param ready Whether what the command needs to know has come.
+ */
+export function useWhyNot(command: Command, ready = true): string | null {
+  const forbidden = useForbidden(command);
+  const live = useFleetLive();
+  return forbidden ?? (live && ready ? null : NOT_CONNECTED);
 }

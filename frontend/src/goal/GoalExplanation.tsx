@@ -1,5 +1,5 @@
 import { Alert, Text } from "@mantine/core";
-import { sentence } from "../ui/sentence";
+import { sentence } from "../ui/text";
 import classes from "./goal.module.css";
 import { advice, type Meant, meaning } from "./words";
 

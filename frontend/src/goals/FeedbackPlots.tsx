@@ -7,10 +7,9 @@ import { bandsOf } from "../goal/bands";
 import { lazyPart } from "../ui/lazyPart";
 import { alike, COMPARED } from "../ui/numbers";
 import { formatElapsed } from "../ui/time";
-import { FeedbackPlotSource } from "./feedbackPlot";
+import { FeedbackPlotSource } from "./feedbackLog";
 import { type FoundField, mostTelling, nodeOf, shortNames } from "./fields";
-import { useWatched } from "./useGoalWatch";
-import { useTimeline } from "./useTimeline";
+import { useTimeline, useWatched } from "./useGoalWatch";
 
 const PlotStack = lazyPart(() => import("../ui/PlotStack"));
 

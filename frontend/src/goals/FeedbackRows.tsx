@@ -3,9 +3,8 @@ import { useEffect, useMemo, useState } from "react";
 import { useSearchParams } from "react-router";
 import type { JsonSchema } from "../api/jsonSchema";
 import { NOT_MEASURED } from "../ui/messageWords";
-import { ChangedRows } from "./changes";
 import { FeedbackTable, sinceStart } from "./FeedbackTable";
-import { indexOf, rowAt, rowIndexAt } from "./feedbackLog";
+import { ChangedRows, indexOf, rowAt, rowIndexAt } from "./feedbackLog";
 import { NamedMessage } from "./GoalMessages";
 import { useHeldMoment, useMoment, useWatched } from "./useGoalWatch";
 

@@ -1,12 +1,11 @@
 import { Button, Chip, Group, NativeSelect, TextInput } from "@mantine/core";
 import { useEffect, useState } from "react";
 import { useActions } from "../actions/useActions";
-import { useFleet, useFleetTopic } from "../fleet/context";
-import { GroupSelect } from "../fleet/GroupSelect";
-import { useRobotOptions } from "../fleet/useNaming";
+import { useFleet, useFleetTopic, useRobotOptions } from "../fleet/context";
+import { GroupSelect } from "../fleet/RobotFields";
 import { codeWords } from "../goal/words";
-import { sentence } from "../ui/sentence";
 import { TimeRangeField } from "../ui/TimeRangeField";
+import { sentence } from "../ui/text";
 import {
   type GoalFilter,
   type GoalState,

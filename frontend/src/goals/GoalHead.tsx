@@ -1,19 +1,17 @@
-import { Anchor, Badge, Code, Group, Stack, Title } from "@mantine/core";
+import { Anchor, Badge, Code, Group, Stack, Text, Title } from "@mantine/core";
 import { Link } from "react-router";
 import type { AnyGoal } from "../api/types";
-import { SentByRule } from "../automation/SentByRule";
-import { useNaming } from "../fleet/useNaming";
-import { GoalDuration } from "../goal/GoalDuration";
-import { GoalStatusBadge } from "../goal/GoalStatusBadge";
-import { OriginBadge } from "../goal/OriginBadge";
+import { SentByRule } from "../automation/links";
+import { useFleetLive, useNaming } from "../fleet/context";
+import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
+import { advice, meaning } from "../goal/words";
 import { isTerminal } from "../store/goals";
-import { Breakable } from "../ui/Breakable";
 import { CopyButton } from "../ui/CopyButton";
-import { Fact, FactList } from "../ui/Fact";
+import { Breakable, Fact, FactList } from "../ui/Fact";
 import { Time } from "../ui/Time";
+import { sentence } from "../ui/text";
 import { NO_FILTER, writeFilter } from "./filter";
 import { GoalCommands } from "./GoalCommands";
-import { GoalVerdict } from "./GoalVerdict";
 import classes from "./goalPage.module.css";
 import { useWatchTopic } from "./useGoalWatch";
 
@@ -76,4 +74,44 @@ export function GoalHead({ goal }: { goal: AnyGoal }) {
       </FactList>
     </Stack>
   );
+}
+
+/** First what became of a goal, why, and how long it took; then what to do. */
+export function GoalVerdict({ goal }: { goal: AnyGoal }) {
+  const { error, status } = goal;
+  const hint = advice(goal);
+  const live = useFleetLive();
+  const ended = isTerminal(status);
+  return (
+    <div className={classes.verdict} data-tone={toneOf(goal)} data-testid="verdict">
+      <Text fz="lg" fw={600}>
+        {meaning(goal).replace(/\.$/, "")}
+        <Text span inherit fw={400} className="tabular">
+          {ended ? ", after " : live ? ", for " : ", "}
+          <GoalDuration goal={goal} />
+          {!ended && live && " so far"}
+        </Text>
+      </Text>
+      {error !== null && status === "canceled" && <Text size="sm">{sentence(error.detail)}.</Text>}
+      {hint !== null && (
+        <Text size="sm">
+          <strong>What to do:</strong> {hint}
+        </Text>
+      )}
+      {error !== null && status !== "canceled" && (
+        <details>
+          <summary>Details</summary>
+          <Text size="sm">{sentence(error.detail)}</Text>
+          <Text size="sm">Code: {error.code}</Text>
+        </details>
+      )}
+    </div>
+  );
+}
+
+/** Only what needs somebody has a colour. */
+function toneOf({ status, stalled, error }: AnyGoal): "bad" | "warn" | undefined {
+  if (status === "canceled") return undefined;
+  if (status === "lost" || error !== null) return "bad";
+  return stalled ? "warn" : undefined;
 }

@@ -3,19 +3,18 @@ import type { AnyGoal } from "../api/types";
 import { useGatewayNow } from "../clock/clock";
 import { useFleetLive } from "../fleet/context";
 import { entryAt } from "../goal/bands";
-import { GoalStatusBadge } from "../goal/GoalStatusBadge";
+import { GoalStatusBadge } from "../goal/facts";
 import { stageName, stageWords } from "../goal/stages";
 import type { Entry } from "../goal/timeline";
 import { meaning } from "../goal/words";
 import { isFinal, isTerminal } from "../store/goals";
+import { Trouble } from "../ui/errors";
 import { Section } from "../ui/Section";
-import { sentence } from "../ui/sentence";
 import { Time } from "../ui/Time";
-import { Trouble } from "../ui/Trouble";
+import { sentence } from "../ui/text";
 import { formatDuration } from "../ui/time";
 import classes from "./goalPage.module.css";
-import { useMoment, useWatched } from "./useGoalWatch";
-import { useTimeline } from "./useTimeline";
+import { useMoment, useTimeline, useWatched } from "./useGoalWatch";
 
 /** What a goal went through: its statuses and stages, when they began and how long they lasted. */
 export function GoalTimeline({ goal }: { goal: AnyGoal }) {

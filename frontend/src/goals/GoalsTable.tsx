@@ -2,14 +2,12 @@ import { Group, Table, Text } from "@mantine/core";
 import { type MouseEvent, memo } from "react";
 import { Link, useNavigate } from "react-router";
 import type { ListedGoal } from "../api/types";
-import { useNaming } from "../fleet/useNaming";
-import { GoalDuration } from "../goal/GoalDuration";
-import { GoalStatusBadge } from "../goal/GoalStatusBadge";
-import { OriginBadge } from "../goal/OriginBadge";
+import { useNaming } from "../fleet/context";
+import { GoalDuration, GoalStatusBadge, OriginBadge } from "../goal/facts";
 import { outcome } from "../goal/words";
-import { Breakable } from "../ui/Breakable";
-import { sentence } from "../ui/sentence";
+import { Breakable } from "../ui/Fact";
 import { Time } from "../ui/Time";
+import { sentence } from "../ui/text";
 import { NO_FILTER, writeFilter } from "./filter";
 import classes from "./goals.module.css";
 

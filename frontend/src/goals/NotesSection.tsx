@@ -1,12 +1,17 @@
-import { Skeleton, Stack } from "@mantine/core";
-import { useWhyNot } from "../fleet/useWhyNot";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { Group, Skeleton, Stack, TagsInput, Text, Textarea, TextInput } from "@mantine/core";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { type FormEvent, type KeyboardEvent, useMemo, useState } from "react";
+import { MAX_NAME, ownName, setOwnName } from "../access/who";
+import { type CommandError, toCommandError } from "../api/errors";
+import { createNotesApi, type GoalNotes, type Note, type NotesApi } from "../api/goals";
+import { useFleet, useWhyNot } from "../fleet/context";
+import { CommandErrorAlert, Trouble } from "../ui/errors";
+import { ReasonButton } from "../ui/ReasonButton";
 import { Section } from "../ui/Section";
-import { Trouble } from "../ui/Trouble";
-import { NoteForm } from "./NoteForm";
-import { NoteList } from "./NoteList";
-import { TagsField } from "./TagsField";
-import { useNotes } from "./useNotes";
+import { Time } from "../ui/Time";
+import { useCommand } from "../ui/useCommand";
+import classes from "./goalPage.module.css";
+import { TAGS_KEY, useTags } from "./TagSelect";
 
 /** What people say about a goal: its tags, and notes with their authors. */
 export function NotesSection({ goalId }: { goalId: string }) {
@@ -43,4 +48,185 @@ export function NotesSection({ goalId }: { goalId: string }) {
       <CommandErrorAlert command="Saving" error={change.error} onClose={change.reset} />
     </Section>
   );
+}
+
+/** As the gateway allows. */
+const MAX_TEXT = 2000;
+
+interface NoteFormProps {
+  /** Why none can be added now; null where it can. */
+  reason: string | null;
+  onAdd: (by: string, text: string, done: () => void) => void;
+}
+
+/** Adds a note with the name that was given on this computer; asks for one where there is none. */
+export function NoteForm({ reason, onAdd }: NoteFormProps) {
+  const [text, setText] = useState("");
+  const [known, setKnown] = useState(() => ownName().trim());
+  const [name, setName] = useState("");
+  const by = known || name.trim();
+  const missing =
+    reason ?? (text.trim() === "" ? "Write something first." : by === "" ? "Enter your name first." : null);
+  const add = () => {
+    if (missing !== null) return;
+    if (known === "") setOwnName(by);
+    setKnown(by);
+    onAdd(by, text, () => setText(""));
+  };
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    add();
+  };
+  const press = (event: KeyboardEvent) => {
+    if (event.key === "Enter" && (event.ctrlKey || event.metaKey)) add();
+  };
+  return (
+    <form onSubmit={submit}>
+      <Textarea
+        aria-label="New note"
+        placeholder="What happened?"
+        rows={2}
+        resize="vertical"
+        maxLength={MAX_TEXT}
+        value={text}
+        onChange={(event) => setText(event.currentTarget.value)}
+        onKeyDown={press}
+      />
+      <Group gap="xs" mt="xs" justify="flex-end">
+        {known === "" ? (
+          <TextInput
+            aria-label="Your name"
+            placeholder="Your name"
+            autoComplete="name"
+            size="xs"
+            maxLength={MAX_NAME}
+            value={name}
+            onChange={(event) => setName(event.currentTarget.value)}
+          />
+        ) : (
+          <Text size="sm" c="dimmed">
+            as {known}
+          </Text>
+        )}
+        <ReasonButton type="submit" variant="default" size="xs" reason={missing}>
+          Add note
+        </ReasonButton>
+      </Group>
+    </form>
+  );
+}
+
+interface NoteListProps {
+  notes: readonly Note[];
+  /** Why none can be deleted now; null where they can. */
+  reason: string | null;
+  onRemove: (noteId: string) => void;
+}
+
+/** Oldest first. */
+export function NoteList({ notes, reason, onRemove }: NoteListProps) {
+  if (notes.length === 0) return null;
+  return (
+    <ul className={classes.notes} aria-label="Notes">
+      {notes.map((note) => (
+        <li key={note.note_id} className={classes.note}>
+          <Group justify="space-between" gap="xs" align="start" wrap="nowrap">
+            <Text size="sm" c="dimmed">
+              <Text span fw={600} c="var(--mantine-color-text)">
+                {note.by}
+              </Text>{" "}
+              <Time value={note.at} />
+            </Text>
+            <DeleteButton note={note} reason={reason} onDelete={() => onRemove(note.note_id)} />
+          </Group>
+          <Text size="sm" className={classes.noteText}>
+            {note.text}
+          </Text>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+interface DeleteButtonProps {
+  note: Note;
+  reason: string | null;
+  onDelete: () => void;
+}
+
+/** Deletes when it is pressed twice: a note that was deleted is gone. */
+function DeleteButton({ note, reason, onDelete }: DeleteButtonProps) {
+  const [asked, setAsked] = useState(false);
+  return (
+    <ReasonButton
+      variant={asked ? "filled" : "subtle"}
+      color={asked ? "red" : "gray"}
+      c={asked ? undefined : "dimmed"}
+      size="compact-xs"
+      flex="none"
+      reason={reason}
+      aria-label={asked ? `Really delete the note by ${note.by}` : `Delete the note by ${note.by}`}
+      onBlur={() => setAsked(false)}
+      onClick={() => (asked ? onDelete() : setAsked(true))}
+    >
+      {asked ? "Really delete" : "Delete"}
+    </ReasonButton>
+  );
+}
+
+/** As the gateway allows. */
+const MAX_TAGS = 10;
+
+const MAX_TAG = 30;
+
+interface TagsFieldProps {
+  tags: readonly string[];
+  /** Why they cannot be changed now; null where they can. */
+  reason: string | null;
+  onTags: (tags: string[]) => void;
+}
+
+/** The tags of a goal, saved as they are added and removed. */
+export function TagsField({ tags, reason, onTags }: TagsFieldProps) {
+  const known = useTags();
+  return (
+    <TagsInput
+      aria-label="Tags"
+      placeholder={tags.length < MAX_TAGS ? "Add a tag" : ""}
+      data={[...known]}
+      maxTags={MAX_TAGS}
+      maxLength={MAX_TAG}
+      value={[...tags]}
+      onChange={(next) => reason === null && onTags(next)}
+      readOnly={reason !== null}
+      title={reason ?? undefined}
+      comboboxProps={{ withinPortal: false }}
+      acceptValueOnBlur
+    />
+  );
+}
+
+/** How often other people's notes are asked for (ms). */
+const REFETCH_MS = 5000;
+
+/** The notes and tags of a goal, and what changes them. */
+export function useNotes(goalId: string) {
+  const { http } = useFleet();
+  const client = useQueryClient();
+  const api = useMemo(() => createNotesApi(http, goalId), [http, goalId]);
+  const key = ["notes", goalId];
+  const { data, error, refetch } = useQuery<GoalNotes, CommandError>({
+    queryKey: key,
+    queryFn: () =>
+      api.read().catch((error: unknown) => {
+        throw toCommandError(error);
+      }),
+    refetchInterval: REFETCH_MS,
+  });
+  const change = useCommand(async (send: (api: NotesApi) => Promise<GoalNotes>) => {
+    await client.cancelQueries({ queryKey: key }); // what it reads is outdated
+    client.setQueryData(key, await send(api));
+    void client.invalidateQueries({ queryKey: TAGS_KEY });
+  });
+  return { notes: data ?? null, error, refetch, change };
 }

@@ -9,8 +9,7 @@ import { Section } from "../ui/Section";
 import { formatElapsed } from "../ui/time";
 import classes from "./goalPage.module.css";
 import { momentIn, momentText, playFrom, SPEEDS, type Speed, stepOf } from "./replay";
-import { useHeldMoment, useWatched } from "./useGoalWatch";
-import { useTimeline } from "./useTimeline";
+import { useHeldMoment, useTimeline, useWatched } from "./useGoalWatch";
 
 /** The moment of the replay is this parameter of the address (s since the goal began). */
 const AT = "at";

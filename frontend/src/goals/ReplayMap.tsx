@@ -7,8 +7,8 @@ import { onBeat } from "../clock/beat";
 import { RecordedScene } from "../scene/recorded";
 import { SceneCanvas } from "../scene/SceneCanvas";
 import { describePose } from "../scene/words";
+import { Trouble } from "../ui/errors";
 import { Section } from "../ui/Section";
-import { Trouble } from "../ui/Trouble";
 import { useWatched } from "./useGoalWatch";
 
 /** How often the words follow the picture (ms). */

@@ -1,5 +1,7 @@
 import { NativeSelect, type NativeSelectProps } from "@mantine/core";
-import { useTags } from "./useTags";
+import { useQuery } from "@tanstack/react-query";
+import { listTags } from "../api/goals";
+import { useFleet } from "../fleet/context";
 
 interface TagSelectProps extends Pick<NativeSelectProps, "label" | "aria-label"> {
   /** What no tag chosen is called. */
@@ -24,4 +26,13 @@ export function TagSelect({ any, chosen, onTags, ...props }: TagSelectProps) {
       data={[{ value: "", label: any }, ...(chosen.length > 1 ? [several] : []), ...tags]}
     />
   );
+}
+
+export const TAGS_KEY = ["tags"] as const;
+
+/** The tags that goals have; none while they are not known. */
+export function useTags(): readonly string[] {
+  const { http } = useFleet();
+  const { data } = useQuery({ queryKey: TAGS_KEY, queryFn: () => listTags(http) });
+  return data ?? [];
 }

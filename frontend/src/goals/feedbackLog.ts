@@ -1,6 +1,7 @@
 import { lastUpTo } from "../ui/crosshair";
-import type { Message } from "../ui/messageWords";
-import { FieldsFound } from "./fields";
+import { isMessage, type Message } from "../ui/messageWords";
+import type { PlotSource } from "../ui/plotData";
+import { FieldsFound, type NumericField, numberAt } from "./fields";
 
 export interface FeedbackRow {
   /** The event's id; ids sort as text, in the order of time. */
@@ -80,4 +81,69 @@ export function rowIndexAt(rows: readonly FeedbackRow[], time: number): number {
 
 export function rowAt(rows: readonly FeedbackRow[], time: number): FeedbackRow | undefined {
   return rows[rowIndexAt(rows, time)];
+}
+
+/** The rows of a log whose message says something else than the one before. Compares each message once. */
+export class ChangedRows {
+  #rows: FeedbackRow[] = [];
+  #compared = 0;
+  #generation = -1;
+
+  constructor(private readonly log: FeedbackLog) {}
+
+  /** Oldest first. */
+  read(): readonly FeedbackRow[] {
+    const { rows, generation } = this.log;
+    if (this.#generation !== generation) {
+      this.#generation = generation;
+      this.#rows = [];
+      this.#compared = 0;
+    }
+    for (; this.#compared < rows.length; this.#compared += 1) {
+      const [row, before] = [rows[this.#compared], rows[this.#compared - 1]];
+      if (row !== undefined && !saysTheSame(row.message, before?.message)) this.#rows.push(row);
+    }
+    return this.#rows;
+  }
+}
+
+/** Whether two messages differ in nothing but the times of their measurements. */
+export function saysTheSame(one: unknown, other: unknown): boolean {
+  if (Array.isArray(one) && Array.isArray(other))
+    return one.length === other.length && one.every((item, index) => saysTheSame(item, other[index]));
+  if (!isMessage(one) || !isMessage(other)) return one === other;
+  return Object.entries(one).every(([name, value]) => name === "stamp" || saysTheSame(value, other[name]));
+}
+
+/** Fields of a goal's feedback over the time since the goal began (s). Reads each message once. */
+export class FeedbackPlotSource implements PlotSource {
+  #times: number[] = [];
+  #values: (number | null)[][] = [];
+  #generation = -1;
+
+  constructor(
+    private readonly log: FeedbackLog,
+    readonly fields: readonly NumericField[],
+    private readonly start: number,
+  ) {}
+
+  get version(): number {
+    return this.log.version;
+  }
+
+  read(): [number[], ...(number | null)[][]] {
+    if (this.#generation !== this.log.generation) {
+      this.#generation = this.log.generation;
+      this.#times = [];
+      this.#values = this.fields.map(() => []);
+    }
+    const { rows } = this.log;
+    for (let index = this.#times.length; index < rows.length; index += 1) {
+      const row = rows[index];
+      if (row === undefined) break;
+      this.#times.push((row.time - this.start) / 1000);
+      for (const [at, field] of this.fields.entries()) this.#values[at]?.push(numberAt(row.message, field));
+    }
+    return [this.#times, ...this.#values];
+  }
 }

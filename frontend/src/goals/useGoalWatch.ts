@@ -1,10 +1,20 @@
-import { createContext, useCallback, useContext, useEffect, useState, useSyncExternalStore } from "react";
+import {
+  createContext,
+  useCallback,
+  useContext,
+  useEffect,
+  useMemo,
+  useState,
+  useSyncExternalStore,
+} from "react";
 import { createGoalsApi, type GoalsApi } from "../api/goals";
 import type { Http } from "../api/http";
+import type { AnyGoal } from "../api/types";
 import { useFleet } from "../fleet/context";
+import { type Entry, timelineOf } from "../goal/timeline";
 import { openStream, streamUrl } from "../stream/stream";
 import { Crosshair } from "../ui/crosshair";
-import { GoalWatch, type WatchTopics } from "./watch";
+import { GoalWatch, type Past, type WatchTopics } from "./watch";
 
 /** The goal of a page, and what can be asked of goals. */
 export interface Watched {
@@ -61,4 +71,18 @@ export function useMoment(): number | null {
 export function useHeldMoment(): number | null {
   const { crosshair } = useWatched();
   return useSyncExternalStore(crosshair.subscribe, () => crosshair.held);
+}
+
+/** What a goal went through; the same list until that changes, whatever feedback comes. */
+export function useTimeline(goal: AnyGoal): { entries: readonly Entry[]; past: Past } {
+  const statuses = useWatchTopic("statuses");
+  const past = useWatchTopic("past");
+  const complete = past.complete === true;
+  const { status, stage, retries, stalled, finished_at, error } = goal;
+  // biome-ignore lint/correctness/useExhaustiveDependencies: what of the goal is told
+  const entries = useMemo(
+    () => timelineOf(goal, statuses, complete),
+    [status, stage, retries, stalled, finished_at, error, statuses, complete],
+  );
+  return { entries, past };
 }

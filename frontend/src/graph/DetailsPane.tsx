@@ -1,17 +1,14 @@
 import { CloseButton, Drawer, Group, Kbd, Paper, Stack, Text, Title } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
 import type { ReactNode } from "react";
-import { Command } from "../ui/Command";
-import { CopyButton } from "../ui/CopyButton";
-import { ActionDetails } from "./ActionDetails";
+import type { Graph } from "../api/graph";
+import { Command, CopyButton } from "../ui/CopyButton";
 import classes from "./graph.module.css";
 import { NodeDetails } from "./NodeDetails";
-import { ServiceDetails } from "./ServiceDetails";
+import { ActionDetails, ServiceDetails } from "./ServedDetails";
 import { TopicDetails } from "./TopicDetails";
 import type { Thing } from "./things";
-import type { Graph } from "./types";
-import type { ChangeView } from "./useView";
-import type { GraphView } from "./view";
+import type { ChangeView, GraphView } from "./view";
 
 interface DetailsPaneProps {
   graph: Graph;

@@ -1,11 +1,23 @@
 import { Button, Group, Skeleton, Stack, Switch, Text, Title } from "@mantine/core";
+import { useEffect, useReducer } from "react";
+import { steadyNow } from "../clock/beat";
 import { useFleetLive } from "../fleet/context";
+import { openStream, streamUrl } from "../stream/stream";
 import { CopyButton } from "../ui/CopyButton";
 import { Fact, FactList } from "../ui/Fact";
+import { MessageTree } from "../ui/MessageTree";
 import { Time } from "../ui/Time";
-import { describeCuts, type EchoState, formatBytes, formatRate } from "./echo";
-import { MessageView } from "./MessageView";
-import { useEcho } from "./useEcho";
+import {
+  describeCuts,
+  type EchoEvent,
+  type EchoInput,
+  type EchoState,
+  formatBytes,
+  formatRate,
+  initialEcho,
+  reduceEcho,
+} from "./echo";
+import classes from "./graph.module.css";
 
 interface EchoProps {
   topic: string;
@@ -110,4 +122,32 @@ function EchoStatus({ echo: { connection, hint, latest, rate } }: { echo: EchoSt
       Nothing yet. A message shows up as soon as one is published; latched ones come at once.
     </Text>
   );
+}
+
+/** A message, to read; it scrolls, so that what is below stays where it is. */
+export function MessageView({ message }: { message: unknown }) {
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: what scrolls has to be reachable by keyboard
+    <section className={classes.message} tabIndex={0} aria-label="The message">
+      <MessageTree value={message} label="Fields" open={2} />
+    </section>
+  );
+}
+
+/** Messages a second that are shown; the rate counts all of them. */
+const MAX_RATE = "5";
+
+/** The messages of a topic as they come, for as long as this is mounted. */
+export function useEcho(topic: string): [EchoState, (kind: "pause" | "go on") => void] {
+  const [state, dispatch] = useReducer(reduceEcho, null, () => initialEcho(steadyNow()));
+  useEffect(() => {
+    const tell = (input: EchoInput) => dispatch(input);
+    const url = streamUrl(window.location, { topic, max_rate: MAX_RATE }, "/ws/topics");
+    return openStream(url, {
+      // This path has events of its own.
+      onEvent: (event) => tell({ kind: "event", event: event as unknown as EchoEvent, now: steadyNow() }),
+      onConnection: (input) => tell({ kind: "connection", input, now: steadyNow() }),
+    });
+  }, [topic]);
+  return [state, (kind) => dispatch({ kind, now: steadyNow() })];
 }

@@ -1,10 +1,9 @@
 import { CloseButton, Group, NativeSelect, SegmentedControl, Switch, TextInput } from "@mantine/core";
 import { useMemo, useState } from "react";
+import type { Graph } from "../api/graph";
 import { namespacesOf } from "./filter";
 import classes from "./graph.module.css";
-import type { Graph } from "./types";
-import type { ChangeView } from "./useView";
-import { type Form, type GraphView, SHOWN, type Shown } from "./view";
+import { type ChangeView, type Form, type GraphView, SHOWN, type Shown } from "./view";
 
 const SHOWN_LABELS: Record<Shown, string> = {
   nodes: "Nodes only",

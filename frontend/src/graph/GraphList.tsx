@@ -1,13 +1,13 @@
 import { Badge, Button, Group, Table, Text } from "@mantine/core";
 import { type ReactNode, useMemo, useState } from "react";
+import type { Graph, GraphNode } from "../api/graph";
 import { Section } from "../ui/Section";
 import { clientsOf } from "./filter";
 import classes from "./graph.module.css";
+import { ThingLink } from "./names";
 import { warningOf } from "./qos";
-import { ThingLink } from "./ThingLink";
 import { KINDS, type Kind, type Thing } from "./things";
-import type { Graph, GraphNode } from "./types";
-import type { ChangeView } from "./useView";
+import type { ChangeView } from "./view";
 import { KIND_NAMES } from "./words";
 
 const PAGE = 50;

@@ -1,20 +1,19 @@
-import { Group, SegmentedControl, Skeleton, Stack, Text, Title } from "@mantine/core";
+import { Code, Group, Paper, SegmentedControl, Skeleton, Stack, Text, Title } from "@mantine/core";
 import { useMediaQuery } from "@mantine/hooks";
 import { Suspense, useDeferredValue, useMemo } from "react";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import type { Graph } from "../api/graph";
+import { Command } from "../ui/CopyButton";
+import { CommandErrorAlert } from "../ui/errors";
 import { lazyPart } from "../ui/lazyPart";
 import { usePageTitle } from "../ui/usePageTitle";
 import { DetailsPane } from "./DetailsPane";
-import { EmptyGraph } from "./EmptyGraph";
 import { filterGraph, searchGraph } from "./filter";
 import { GraphFilters } from "./GraphFilters";
 import { GraphList } from "./GraphList";
 import classes from "./graph.module.css";
 import { baseName } from "./things";
-import type { Graph } from "./types";
 import { useGatewayNode, useGraph } from "./useGraph";
-import { type ChangeView, useView } from "./useView";
-import type { Form, GraphView } from "./view";
+import { type ChangeView, type Form, type GraphView, useView } from "./view";
 import { describeShown } from "./words";
 
 const GraphPicture = lazyPart(() => import("./GraphPicture"));
@@ -107,5 +106,25 @@ function Shown({ graph, form, view, change }: ShownProps) {
         <DetailsPane graph={graph} view={view} change={change} />
       </div>
     </>
+  );
+}
+
+/** What to do where there is nothing to show. */
+export function EmptyGraph({ filtered }: { filtered: boolean }) {
+  return (
+    <Paper withBorder radius="md" p="lg">
+      <Stack gap="sm">
+        <Text fw={600}>Nothing to show</Text>
+        <Text size="sm" c="dimmed">
+          {filtered
+            ? "Nothing on the graph is in this namespace. Choose another one above."
+            : "The gateway is alone on the ROS graph, as far as it sees. Nodes show up here within seconds of their start, if they have the same ROS_DOMAIN_ID."}
+        </Text>
+        <Text size="sm">
+          A simulated robot: <Code>dock-gateway up</Code>. The same as this page, in a terminal:
+        </Text>
+        <Command line={`curl ${window.location.origin}/graph`} what="the command that reads the graph" />
+      </Stack>
+    </Paper>
   );
 }

@@ -2,13 +2,12 @@ import "@xyflow/react/dist/base.css";
 import { Button, Stack, Text } from "@mantine/core";
 import { ReactFlowProvider } from "@xyflow/react";
 import { useCallback, useMemo, useState } from "react";
+import type { Graph } from "../api/graph";
 import { elementsOf } from "./elements";
 import { FlowPicture } from "./FlowPicture";
 import classes from "./graph.module.css";
 import { type Thing, thingId } from "./things";
-import type { Graph } from "./types";
-import type { ChangeView } from "./useView";
-import type { Shown } from "./view";
+import type { ChangeView, Shown } from "./view";
 
 /** More than this takes seconds to lay out, and nobody can read it. */
 const TOO_MANY = 400;

@@ -1,7 +1,7 @@
 import { BaseEdge, type EdgeProps, getBezierPath } from "@xyflow/react";
 import { memo } from "react";
-import { levelPath } from "./curve";
 import type { LinkEdge } from "./flow";
+import type { Place } from "./layout";
 
 /** An arrow: along its route around what is between, or a plain curve where nothing is or an end was moved. */
 export const LinkArrow = memo(function LinkArrow(props: EdgeProps<LinkEdge>) {
@@ -28,3 +28,16 @@ export const LinkArrow = memo(function LinkArrow(props: EdgeProps<LinkEdge>) {
     />
   );
 });
+
+/** A line through all points that is level at each of them, as an SVG path. */
+export function levelPath([first, ...others]: readonly Place[]): string {
+  if (first === undefined) return "";
+  let from = first;
+  const parts = [`M ${from.x} ${from.y}`];
+  for (const to of others) {
+    const middle = (from.x + to.x) / 2;
+    parts.push(`C ${middle} ${from.y} ${middle} ${to.y} ${to.x} ${to.y}`);
+    from = to;
+  }
+  return parts.join(" ");
+}

@@ -1,8 +1,8 @@
 import { Alert, Stack } from "@mantine/core";
-import { Command } from "../ui/Command";
-import { ThingList } from "./ThingList";
-import type { GraphNode } from "./types";
-import type { ChangeView } from "./useView";
+import type { GraphNode } from "../api/graph";
+import { Command } from "../ui/CopyButton";
+import { ThingList } from "./names";
+import type { ChangeView } from "./view";
 
 /** What a node publishes, hears, offers and asks for. */
 export function NodeDetails({ node, change }: { node: GraphNode; change: ChangeView }) {

@@ -1,9 +1,11 @@
-import { Stack } from "@mantine/core";
+import { Anchor, Stack } from "@mantine/core";
 import type { ReactNode } from "react";
-import { Command } from "../ui/Command";
-import { ThingList } from "./ThingList";
-import { TypeNames } from "./TypeNames";
-import type { ChangeView } from "./useView";
+import { Link } from "react-router";
+import type { GraphAction, GraphNode, GraphService } from "../api/graph";
+import { Command } from "../ui/CopyButton";
+import { clientsOf } from "./filter";
+import { ThingList, TypeNames } from "./names";
+import type { ChangeView } from "./view";
 
 interface ServedDetailsProps {
   types: readonly string[];
@@ -29,5 +31,49 @@ export function ServedDetails(props: ServedDetailsProps) {
       {children}
       <Command line={line} what="the command for a terminal" />
     </Stack>
+  );
+}
+
+/** Who serves an action, who sends goals to it, and the ways on. */
+export function ActionDetails({ action, change }: { action: GraphAction; change: ChangeView }) {
+  const { name, types, servers, clients } = action;
+  return (
+    <ServedDetails
+      types={types}
+      servers={servers}
+      unserved="Nobody: goals would not be answered."
+      clients={clients}
+      line={`curl ${window.location.origin}/actions${name}`}
+      change={change}
+    >
+      <Stack gap={4}>
+        <Anchor component={Link} to={`/ui/actions${name}`} size="sm">
+          Send a goal
+        </Anchor>
+        <Anchor component={Link} to={`/ui/goals?${new URLSearchParams({ action: name })}`} size="sm">
+          Its goals
+        </Anchor>
+      </Stack>
+    </ServedDetails>
+  );
+}
+
+interface ServiceDetailsProps {
+  service: GraphService;
+  nodes: readonly GraphNode[];
+  change: ChangeView;
+}
+
+/** Who offers a service, and who asks. */
+export function ServiceDetails({ service: { name, types, servers }, nodes, change }: ServiceDetailsProps) {
+  return (
+    <ServedDetails
+      types={types}
+      servers={servers}
+      unserved="Nobody: who calls it waits."
+      clients={clientsOf(nodes).get(name) ?? []}
+      line={`ros2 service call ${name} ${types[0] ?? ""}`}
+      change={change}
+    />
   );
 }

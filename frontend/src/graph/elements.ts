@@ -1,7 +1,7 @@
+import type { Graph } from "../api/graph";
 import { clientsOf } from "./filter";
 import { conflictsOf, warningOf } from "./qos";
 import { baseName, type Kind, thingId } from "./things";
-import type { Graph } from "./types";
 import type { Shown } from "./view";
 
 /** A thing as the picture shows it. */

@@ -1,5 +1,5 @@
+import type { Graph, GraphNode, GraphTopic } from "../api/graph";
 import { isWithin, matches, namespaceOf } from "./things";
-import type { Graph, GraphNode, GraphTopic } from "./types";
 import type { GraphView } from "./view";
 
 export interface Filters extends Pick<GraphView, "namespace" | "hidden" | "services" | "gateway"> {

@@ -1,4 +1,4 @@
-import type { Endpoint, GraphTopic, Quality } from "./types";
+import type { Endpoint, GraphTopic, Quality } from "../api/graph";
 
 /** A subscriber that hears nothing of a publisher, and why, in words that follow "asks for". */
 export interface Conflict {

@@ -1,9 +1,7 @@
 import { type UseQueryResult, useQuery, useQueryClient } from "@tanstack/react-query";
 import { type CommandError, toCommandError } from "../api/errors";
-import { readGraph, type TaggedGraph } from "../api/graph";
-import { gatewayNode } from "../api/topics";
+import { type Graph, gatewayNode, readGraph, type TaggedGraph } from "../api/graph";
 import { useFleet } from "../fleet/context";
-import type { Graph } from "./types";
 
 const INTERVAL_MS = 2000;
 const KEY = ["graph"];

@@ -1,3 +1,5 @@
+import { useCallback, useMemo, useRef } from "react";
+import { useSearchParams } from "react-router";
 import { parseThing, type Thing, thingId } from "./things";
 
 /** What the picture shows besides nodes, as in rqt_graph. */
@@ -69,4 +71,19 @@ export function writeView(view: GraphView): URLSearchParams {
   return new URLSearchParams(
     entries.flatMap(([name, value]): [string, string][] => (value ? [[name, value]] : [])),
   );
+}
+
+export type ChangeView = (change: Partial<GraphView>) => void;
+
+/** What the address says is shown, and the way to change it. Another selection is a step that Back takes back. */
+export function useView(): [GraphView, ChangeView] {
+  const [query, setQuery] = useSearchParams();
+  const view = useMemo(() => readView(query), [query]);
+  const latest = useRef({ view, setQuery });
+  latest.current = { view, setQuery };
+  const change = useCallback<ChangeView>((part) => {
+    latest.current.view = { ...latest.current.view, ...part };
+    latest.current.setQuery(writeView(latest.current.view), { replace: !("selected" in part) });
+  }, []);
+  return [view, change];
 }

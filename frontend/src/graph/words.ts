@@ -1,7 +1,7 @@
+import type { Graph } from "../api/graph";
 import type { Vertex } from "./elements";
 import { placeWords } from "./size";
 import { baseName, type Kind } from "./things";
-import type { Graph } from "./types";
 
 export const KIND_NAMES: Record<Kind, string> = {
   node: "Nodes",

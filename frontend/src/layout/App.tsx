@@ -1,12 +1,13 @@
+import { Anchor, Text, Title } from "@mantine/core";
 import { Suspense } from "react";
-import { Route, Routes } from "react-router";
+import { Link, Route, Routes } from "react-router";
 import { Entrance } from "../access/Entrance";
 import { Announcements } from "../notifications/Announcements";
 import OverviewPage from "../pages/overview/OverviewPage";
 import RobotPage from "../pages/robot/RobotPage";
 import { Guarded } from "../ui/Guarded";
 import { lazyPart } from "../ui/lazyPart";
-import { NotFoundPage } from "./NotFoundPage";
+import { usePageTitle } from "../ui/usePageTitle";
 import { Shell } from "./Shell";
 
 const GoalsPage = lazyPart(() => import("../goals/GoalsPage"));
@@ -62,5 +63,24 @@ export function App() {
         </Route>
       </Routes>
     </Entrance>
+  );
+}
+
+/** For an address that is no page. */
+export function NotFoundPage() {
+  usePageTitle("No such page");
+  return (
+    <>
+      <Title order={1} size="h3">
+        There is no such page
+      </Title>
+      <Text>
+        Everything begins at the{" "}
+        <Anchor component={Link} to="/">
+          overview
+        </Anchor>
+        .
+      </Text>
+    </>
   );
 }

@@ -1,7 +1,8 @@
-import { Badge, Tooltip } from "@mantine/core";
+import { Alert, Badge, Text, Tooltip } from "@mantine/core";
 import { useSession } from "../api/session";
 import { useFleetTopic } from "../fleet/context";
 import type { ConnectionPhase } from "../stream/connection";
+import { Time } from "../ui/Time";
 import classes from "./layout.module.css";
 
 /** Only what is wrong has a colour. */
@@ -41,5 +42,26 @@ export function ConnectionStatus() {
         {label}
       </Badge>
     </Tooltip>
+  );
+}
+
+/** Says, above everything, that what is below is not live. */
+export function ConnectionBanner() {
+  const { phase, since, reason } = useFleetTopic("connection");
+  if (phase === "live" || phase === "connecting") return null;
+  const gone = phase === "gone";
+  return (
+    <Alert
+      color={gone ? "red" : "orange"}
+      title={gone ? "The gateway is gone" : "Reconnecting to the gateway"}
+    >
+      <Text size="sm">
+        What you see below is what was known at <Time value={since} />
+        {reason !== null && `; the gateway said: ${reason.replaceAll("_", " ")}`}. This page reconnects by
+        itself.
+        {gone &&
+          " Check that dock-gateway runs (make run) and that this computer reaches it. Stop is still tried when you press it."}
+      </Text>
+    </Alert>
   );
 }

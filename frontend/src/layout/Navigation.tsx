@@ -2,8 +2,8 @@ import { ActionIcon } from "@mantine/core";
 import { useClickOutside, useMediaQuery } from "@mantine/hooks";
 import { useId, useState } from "react";
 import { NavLink } from "react-router";
-import { AccountLines } from "../access/AccountLines";
-import { AlertCount } from "../alerts/AlertCount";
+import { AccountLines } from "../access/Account";
+import { AlertCount } from "../alerts/marks";
 import { PAGES } from "../pages/pages";
 import classes from "./layout.module.css";
 

@@ -10,7 +10,7 @@ import { OperationsProvider } from "../operations/context";
 import { StopBanner } from "../stop/StopBanner";
 import { Guarded } from "../ui/Guarded";
 import { TitlePrefixProvider } from "../ui/usePageTitle";
-import { ConnectionBanner } from "./ConnectionBanner";
+import { ConnectionBanner } from "./ConnectionStatus";
 import { Header } from "./Header";
 import classes from "./layout.module.css";
 

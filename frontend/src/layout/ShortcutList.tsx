@@ -3,7 +3,7 @@ import { Fragment, useState } from "react";
 import { loginName, MAX_NAME, ownName, setOwnName } from "../access/who";
 import { PAGES } from "../pages/pages";
 import { TWICE_WITHIN_MS } from "../stop/keys";
-import { ZoneSwitch } from "../ui/ZoneSwitch";
+import { ZoneSwitch } from "../ui/Time";
 import classes from "./layout.module.css";
 import { lettersOn, setLettersOn } from "./letters";
 

@@ -1,11 +1,10 @@
 import { useEffect, useRef } from "react";
 import { useNavigate } from "react-router";
 import type { Alert } from "../api/types";
-import { useFleetLive, useFleetTopic } from "../fleet/context";
+import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import type { Naming } from "../fleet/names";
 import { robotPath } from "../fleet/path";
 import { isCovered } from "../fleet/robotChoice";
-import { useNaming } from "../fleet/useNaming";
 import { notify, playSound } from "./announce";
 import { type Preferences, usePreferences } from "./preferences";
 

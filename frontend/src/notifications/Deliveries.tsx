@@ -1,9 +1,9 @@
 import { Badge, Group, Skeleton, Table, Text } from "@mantine/core";
 import { useState } from "react";
 import type { Delivery, Webhook } from "../api/webhooks";
-import { useNaming } from "../fleet/useNaming";
+import { useNaming } from "../fleet/context";
+import { Trouble } from "../ui/errors";
 import { Time } from "../ui/Time";
-import { Trouble } from "../ui/Trouble";
 import { useZone } from "../ui/zone";
 import classes from "./notifications.module.css";
 import { useDeliveries } from "./useWebhooks";

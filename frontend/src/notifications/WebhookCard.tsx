@@ -1,11 +1,10 @@
 import { Alert, Switch } from "@mantine/core";
 import { ownName } from "../access/who";
 import type { Webhook } from "../api/webhooks";
+import { useNaming, useWhyNot } from "../fleet/context";
 import { robotsWords } from "../fleet/robotChoice";
-import { useNaming } from "../fleet/useNaming";
-import { useWhyNot } from "../fleet/useWhyNot";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { ENTRY_BUTTON, EntryCard } from "../ui/EntryCard";
+import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Deliveries } from "./Deliveries";
 import { switched } from "./draft";

@@ -1,7 +1,6 @@
 import { Button, Group, Stack, Text } from "@mantine/core";
 import { useMemo } from "react";
-import { useFleetLive, useFleetTopic } from "../fleet/context";
-import { useNaming } from "../fleet/useNaming";
+import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { Dialog } from "../ui/Dialog";
 import { ReasonButton } from "../ui/ReasonButton";
 import { divide, OPERATION_NAMES, type Operation } from "./operation";

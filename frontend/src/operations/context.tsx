@@ -2,11 +2,10 @@ import { createContext, type ReactNode, useCallback, useContext, useRef, useStat
 import { toCommandError } from "../api/errors";
 import { createGoalsApi } from "../api/goals";
 import type { Robot } from "../api/types";
-import { useAskingWanted } from "../docking/asking";
-import { MoveDialog } from "../docking/MoveDialog";
+import { MoveDialog, useAskingWanted } from "../docking/MoveDialog";
 import { useFleet, useFleetLive, useFleetPart } from "../fleet/context";
 import { isThere } from "../fleet/words";
-import { useStopping } from "../stop/useStopping";
+import { useStopping } from "../stop/everywhere";
 import { ManyDialog } from "./ManyDialog";
 import { cancelable, fewAtOnce, moveOf, type Operation, type Refusal, whyNot } from "./operation";
 import { ResultsNotice } from "./results";

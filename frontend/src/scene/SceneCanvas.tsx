@@ -2,12 +2,12 @@ import { useCallback, useEffect, useRef, useState } from "react";
 import type { Pose } from "../api/types";
 import { Tool } from "../ui/Tool";
 import { Camera } from "./camera";
-import { keepScale, keptScale } from "./following";
 import { Gestures } from "./gestures";
 import { MapTools } from "./MapTools";
 import { Painter, type SceneSource } from "./painter";
 import classes from "./scene.module.css";
 import { type Means, usePicture } from "./usePicture";
+import { keepScale, keptScale } from "./view";
 
 interface SceneCanvasProps {
   scene: SceneSource;

@@ -3,17 +3,16 @@ import { useId, useState } from "react";
 import { useForbidden } from "../api/permissions";
 import type { Pose, Scene } from "../api/types";
 import { VelocityLine } from "../docking/VelocityLine";
-import { FreshnessBadge } from "../fleet/FreshnessBadge";
-import { useServices, useTopicPart } from "../store/context";
+import { FreshnessBadge } from "../fleet/badges";
+import { useScene, useServices, useTopicPart } from "../store/context";
 import { useFreshness } from "../store/freshness";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { CommandErrorAlert } from "../ui/errors";
 import { Section } from "../ui/Section";
-import { lowerFirst } from "../ui/sentence";
+import { lowerFirst } from "../ui/text";
 import { useCommand } from "../ui/useCommand";
 import { SCENE_COLORS } from "./colors";
 import { SceneCanvas } from "./SceneCanvas";
 import classes from "./scene.module.css";
-import { useScene } from "./useScene";
 import { describePose, describeScene } from "./words";
 
 /** The robot and its dock from above, in a picture and in words. */

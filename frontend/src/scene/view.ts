@@ -1,4 +1,5 @@
 import type { Point } from "../store/geometry";
+import { keep, readKept } from "../ui/kept";
 
 /** What part of the plane is seen: the point in the middle, and CSS pixels a metre. */
 export interface View {
@@ -128,4 +129,17 @@ export function canvasContext(
   const context = canvas.getContext("2d");
   context?.setTransform(columns / width, 0, 0, rows / height, 0, 0);
   return context;
+}
+
+const KEY = "dock-gateway-map-follow";
+
+/** The scale (CSS pixels a metre) at which maps keep their robot in the middle; null where they show everything. */
+export function keptScale(): number | null {
+  const scale = Number(readKept(KEY));
+  return scale >= MIN_SCALE && scale <= MAX_SCALE ? scale : null;
+}
+
+/** For every map, in this browser. */
+export function keepScale(scale: number | null): void {
+  keep(KEY, scale === null ? null : String(scale));
 }

@@ -7,12 +7,11 @@ import { useNavigate } from "react-router";
 import { useActions } from "../actions/useActions";
 import { createGoalsApi } from "../api/goals";
 import type { AnyGoal } from "../api/types";
-import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
-import { useNaming } from "../fleet/useNaming";
+import { useFleet, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
 import { isThere } from "../fleet/words";
 import { useOperate } from "../operations/context";
 import { PAGES } from "../pages/pages";
-import { useStopping } from "../stop/useStopping";
+import { useStopping } from "../stop/everywhere";
 import { find, goalIdOf, type Item } from "./items";
 import classes from "./search.module.css";
 

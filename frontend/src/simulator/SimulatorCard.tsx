@@ -5,7 +5,7 @@ import type { Fault, Simulator } from "../api/types";
 import { type NumberInputValue, toNumber } from "../battery/form";
 import { useLive, useServices, useTopic } from "../store/context";
 import { toRadians } from "../store/geometry";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
+import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Section } from "../ui/Section";
 import { useCommand } from "../ui/useCommand";

@@ -1,7 +1,6 @@
 import { NativeSelect, SegmentedControl } from "@mantine/core";
-import { useFleet } from "../fleet/context";
-import { GroupSelect } from "../fleet/GroupSelect";
-import { useRobotOptions } from "../fleet/useNaming";
+import { useFleet, useRobotOptions } from "../fleet/context";
+import { GroupSelect } from "../fleet/RobotFields";
 import { TagSelect } from "../goals/TagSelect";
 import { TimeRangeField } from "../ui/TimeRangeField";
 import classes from "./statistics.module.css";

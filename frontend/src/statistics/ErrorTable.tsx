@@ -1,8 +1,9 @@
-import { Code, Table, Text } from "@mantine/core";
+import { Anchor, Code, Table, Text } from "@mantine/core";
+import { Link } from "react-router";
 import type { GoalCounts } from "../api/types";
+import { codeWords } from "../goal/words";
 import { fixed } from "../ui/numbers";
-import { ErrorLink } from "./ErrorLink";
-import { NumberLink } from "./NumberLink";
+import { NumberLink } from "./cells";
 import classes from "./statistics.module.css";
 import { ENDS, goalsLink, percent } from "./words";
 
@@ -57,5 +58,19 @@ export function ErrorTable({ total }: { total: GoalCounts }) {
         )}
       </Table.Tbody>
     </Table>
+  );
+}
+
+interface ErrorLinkProps {
+  counts: GoalCounts;
+  error: GoalCounts["errors"][number];
+}
+
+/** What an error code means; leads to the goals that have it. */
+export function ErrorLink({ counts, error: { code } }: ErrorLinkProps) {
+  return (
+    <Anchor component={Link} to={goalsLink(counts, ENDS, code)} inherit>
+      {codeWords(code)}
+    </Anchor>
   );
 }

@@ -3,7 +3,7 @@ import type { GoalCounts } from "../api/types";
 import { Fact, FactList } from "../ui/Fact";
 import { fixed } from "../ui/numbers";
 import { Section } from "../ui/Section";
-import { sentence } from "../ui/sentence";
+import { sentence } from "../ui/text";
 import { CountLink, DurationLink, RateLink } from "./cells";
 import classes from "./statistics.module.css";
 import { ENDS, tenths } from "./words";

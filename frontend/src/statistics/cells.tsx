@@ -1,6 +1,7 @@
+import { Anchor, Text } from "@mantine/core";
+import { Link } from "react-router";
 import type { GoalCounts, GoalStatus } from "../api/types";
 import { fixed } from "../ui/numbers";
-import { NumberLink } from "./NumberLink";
 import { ENDS, goalsLink, percent, tenths } from "./words";
 
 interface CountLinkProps {
@@ -48,5 +49,29 @@ export function DurationLink({ counts, of, unit = "" }: DurationLinkProps) {
       to={seconds === null ? null : goalsLink(counts, SUCCEEDED)}
       label="succeeded goals"
     />
+  );
+}
+
+interface NumberLinkProps {
+  text: string;
+  /** The page that lists the goals behind the number; null where there are none. */
+  to: string | null;
+  /** What a screen reader says besides: which goals they are. */
+  label: string;
+}
+
+/** A number that leads to its goals. */
+export function NumberLink({ text, to, label }: NumberLinkProps) {
+  if (to === null) {
+    return (
+      <Text span inherit c="dimmed">
+        {text}
+      </Text>
+    );
+  }
+  return (
+    <Anchor component={Link} to={to} inherit aria-label={`${text}: ${label}`}>
+      {text}
+    </Anchor>
   );
 }

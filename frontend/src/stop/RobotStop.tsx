@@ -1,8 +1,7 @@
 import { Button } from "@mantine/core";
 import { whoStops } from "../access/who";
-import { useFleetPart } from "../fleet/context";
+import { useFleetPart, useNaming } from "../fleet/context";
 import { defaultRobot } from "../fleet/names";
-import { useNaming } from "../fleet/useNaming";
 import { useServices } from "../store/context";
 import { useCommand } from "../ui/useCommand";
 import { announceStop } from "./notices";

@@ -1,12 +1,10 @@
 import { Button, Group, Paper, Stack, Text } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { type ReactNode, useMemo, useState } from "react";
-import { useFleet, useFleetTopic } from "../fleet/context";
+import { useFleet, useFleetTopic, useNaming, useWhyNot } from "../fleet/context";
 import type { Naming } from "../fleet/names";
-import { useNaming } from "../fleet/useNaming";
-import { useWhyNot } from "../fleet/useWhyNot";
-import { CommandErrorAlert } from "../ui/CommandErrorAlert";
 import { Dialog } from "../ui/Dialog";
+import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
 import { Time } from "../ui/Time";
 import { useCommand } from "../ui/useCommand";

@@ -1,11 +1,11 @@
 import { Button, Group, Kbd } from "@mantine/core";
 import { useCallback, useEffect, useState } from "react";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
+import { useStopping } from "./everywhere";
 import { heldStops } from "./held";
+import { useStopKeys } from "./keys";
 import { showRecovered } from "./notices";
 import classes from "./stop.module.css";
-import { useStopKeys } from "./useStopKeys";
-import { useStopping } from "./useStopping";
 
 /**
  * Stops every robot, and keeps them stopped. Enabled always: also while disconnected, while a Stop is under way, and in

@@ -1,6 +1,10 @@
+import { useCallback } from "react";
+import { whoStops } from "../access/who";
 import { toCommandError } from "../api/errors";
 import type { Robot, StopReport } from "../api/types";
+import { useFleet } from "../fleet/context";
 import { defaultRobot, isUnder } from "../fleet/names";
+import { announceStop } from "./notices";
 
 /** Stops robots and those in namespaces below them; null for the one that the gateway is configured for. */
 type StopRobots = (robots: readonly string[] | null) => Promise<StopReport>;
@@ -72,4 +76,25 @@ async function stopEach(
     stop: first.stop,
     warning: reports.find((report) => report.warning !== null)?.warning ?? null,
   };
+}
+
+/** Stops robots at once, all of them for null, and says what came of it. */
+export function useStopping(): (robots: readonly string[] | null) => Promise<void> {
+  const { gateway, store } = useFleet();
+  return useCallback(
+    async (robots) => {
+      const stop = async (some: readonly string[] | null) => {
+        const report = await gateway.stop(whoStops(), some ?? []);
+        const [first = null, ...others] = some ?? [];
+        if (others.length === 0) store.setStop(report.stop, first); // what holds for several comes as an event
+        return report;
+      };
+      await announceStop(
+        () => store.get("naming"),
+        robots,
+        () => (robots === null ? stopEverywhere(stop, store.get("robots")) : stopThese(stop, robots)),
+      );
+    },
+    [gateway, store],
+  );
 }

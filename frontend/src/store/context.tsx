@@ -1,7 +1,8 @@
 import { createContext, type ReactNode, useCallback, useContext, useSyncExternalStore } from "react";
 import type { Gateway } from "../api/client";
 import { useSession } from "../api/session";
-import { ClockProvider } from "../clock/clock";
+import type { Scene } from "../api/types";
+import { ClockProvider, useAtTime } from "../clock/clock";
 import type { BatterySeries } from "./batterySeries";
 import type { SceneBuffer } from "./sceneBuffer";
 import type { Store, Topic, Topics } from "./store";
@@ -51,4 +52,12 @@ export function useTopicPart<T extends Topic, Part>(topic: T, read: (value: Topi
 export function useLive(): boolean {
   const { principal } = useSession();
   return useTopicPart("connection", ({ phase }) => phase === "live") && principal !== null;
+}
+
+const INTERVAL_MS = 400;
+
+/** What words and buttons read off the latest scene, rendered anew where it is another; the picture does without React. */
+export function useScene<Part extends string | number | boolean>(read: (scene: Scene | null) => Part): Part {
+  const { scene: buffer } = useServices();
+  return useAtTime(() => read(buffer.latest), INTERVAL_MS);
 }

@@ -1,6 +1,6 @@
-import { Button, VisuallyHidden } from "@mantine/core";
+import { Button, Code, VisuallyHidden } from "@mantine/core";
 import { useEffect, useState } from "react";
-import { copyText } from "./copyText";
+import classes from "./ui.module.css";
 
 type Outcome = "idle" | "copied" | "failed";
 
@@ -30,4 +30,41 @@ export function CopyButton({ value, what, label = "Copy" }: CopyButtonProps) {
       <VisuallyHidden> {what}</VisuallyHidden>
     </Button>
   );
+}
+
+/** A line to copy into a terminal. */
+export function Command({ line, what }: { line: string; what: string }) {
+  return (
+    <div className={classes.command}>
+      <Code>{line}</Code>
+      <CopyButton value={line} what={what} />
+    </div>
+  );
+}
+
+/** Copies text; also on pages over plain http from another machine, where `navigator.clipboard` does not exist. */
+export async function copyText(text: string): Promise<boolean> {
+  try {
+    if (navigator.clipboard) {
+      await navigator.clipboard.writeText(text);
+      return true;
+    }
+  } catch {
+    // The browser refused; the old way may still work.
+  }
+  const area = document.createElement("textarea");
+  area.value = text;
+  area.style.position = "fixed";
+  area.style.opacity = "0";
+  const focused = document.activeElement;
+  document.body.append(area);
+  area.select();
+  try {
+    return document.execCommand("copy");
+  } catch {
+    return false;
+  } finally {
+    area.remove();
+    if (focused instanceof HTMLElement) focused.focus();
+  }
 }

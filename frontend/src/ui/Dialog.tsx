@@ -1,5 +1,8 @@
-import { CloseButton, Group, Modal, Title } from "@mantine/core";
+import { Button, CloseButton, Group, Modal, Stack, Title } from "@mantine/core";
+import type { UseMutationResult } from "@tanstack/react-query";
 import type { ReactNode } from "react";
+import type { CommandError } from "../api/errors";
+import { CommandErrorAlert } from "./errors";
 
 interface DialogProps {
   title: string;
@@ -26,5 +29,66 @@ export function Dialog({ title, opened, onClose, children }: DialogProps) {
         </Modal.Body>
       </Modal.Content>
     </Modal.Root>
+  );
+}
+
+interface RemovalDialogProps {
+  title: string;
+  opened: boolean;
+  onClose: () => void;
+  remove: UseMutationResult<unknown, CommandError, string>;
+  onRemove: () => void;
+  verb?: "Remove" | "Revoke";
+  /** What is lost. */
+  children: ReactNode;
+}
+
+/** Asks before something is removed for good. */
+export function RemovalDialog(props: RemovalDialogProps) {
+  const { title, opened, onClose, remove, onRemove, verb = "Remove", children } = props;
+  return (
+    <Dialog opened={opened} onClose={onClose} title={title}>
+      <Stack gap="md">
+        {children}
+        <CommandErrorAlert
+          command={verb === "Remove" ? "Removing" : "Revoking"}
+          error={remove.error}
+          onClose={remove.reset}
+        />
+        <Group justify="flex-end" gap="sm">
+          <Button variant="default" onClick={onClose} data-autofocus>
+            Keep it
+          </Button>
+          <Button color="red" loading={remove.isPending} onClick={onRemove}>
+            {verb}
+          </Button>
+        </Group>
+      </Stack>
+    </Dialog>
+  );
+}
+
+interface SaveBarProps {
+  save: { error: CommandError | null; reset: () => void; isPending: boolean };
+  onCancel: () => void;
+  verb?: string;
+  /** What was tried, as in "Saving did not work". */
+  command?: string;
+}
+
+/** The end of a form in a dialog: what went wrong, *Cancel* and *Save*. */
+export function SaveBar({ save, onCancel, verb = "Save", command = "Saving" }: SaveBarProps) {
+  return (
+    <>
+      <CommandErrorAlert command={command} error={save.error} onClose={save.reset} />
+      <Group justify="flex-end" gap="sm">
+        <Button variant="default" onClick={onCancel}>
+          Cancel
+        </Button>
+        <Button type="submit" loading={save.isPending}>
+          {verb}
+        </Button>
+      </Group>
+    </>
   );
 }

@@ -3,9 +3,9 @@ import { useDisclosure } from "@mantine/hooks";
 import type { UseMutationResult } from "@tanstack/react-query";
 import { type ReactNode, useId } from "react";
 import type { CommandError } from "../api/errors";
+import { RemovalDialog } from "./Dialog";
 import classes from "./EntryCard.module.css";
 import { ReasonButton } from "./ReasonButton";
-import { RemovalDialog } from "./RemovalDialog";
 import { Time } from "./Time";
 
 interface EntryCardProps {

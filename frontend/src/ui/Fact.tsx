@@ -1,5 +1,5 @@
 import { Box, Text } from "@mantine/core";
-import type { ReactNode } from "react";
+import { Fragment, type ReactNode } from "react";
 import classes from "./ui.module.css";
 
 /** A name and its value, for use in a FactList. */
@@ -23,4 +23,15 @@ export function FactList({ wide = false, children }: { wide?: boolean; children:
       {children}
     </dl>
   );
+}
+
+/** A name that goes on in the next line after one of its underscores or slashes, where it has to. */
+export function Breakable({ text }: { text: string }) {
+  return text.split(/(?<=[_/])/).map((part, index) => (
+    // biome-ignore lint/suspicious/noArrayIndexKey: parts of a text are known by their place alone
+    <Fragment key={index}>
+      {index > 0 && <wbr />}
+      {part}
+    </Fragment>
+  ));
 }

@@ -8,7 +8,7 @@ import {
   type SchemaNode,
   typeOf,
 } from "../api/jsonSchema";
-import { Breakable } from "./Breakable";
+import { Breakable } from "./Fact";
 import classes from "./MessageTree.module.css";
 import {
   hasParts,

@@ -5,8 +5,7 @@ import "uplot/dist/uPlot.min.css";
 import { onBeat } from "../clock/beat";
 import type { Crosshair } from "./crosshair";
 import classes from "./PlotStack.module.css";
-import type { PlotBand, PlotLine, PlotSource } from "./plotData";
-import { LINE_COLORS } from "./plotLook";
+import { LINE_COLORS, type PlotBand, type PlotLine, type PlotSource } from "./plotData";
 import { watchSight } from "./sight";
 import { type PlotPlace, StackedPlots } from "./stackedPlots";
 

@@ -1,9 +1,9 @@
 import { Group, SegmentedControl, TextInput } from "@mantine/core";
 import { useEffect, useRef } from "react";
+import { ZoneSwitch } from "./Time";
 import classes from "./TimeRangeField.module.css";
 import { clockOf, dayOf, timeAt } from "./time";
 import { ANY_TIME, LASTS, type Last, ownDates, type TimeRange } from "./timeRange";
-import { ZoneSwitch } from "./ZoneSwitch";
 import { useZone } from "./zone";
 
 const [ANY, OWN] = ["any", "own"];

@@ -1,5 +1,5 @@
+import type uPlot from "uplot";
 import { alike, COMPARED, type Digits, decimalsOf, NO_DIGITS, withNumber } from "./numbers";
-import type { BAND_COLORS } from "./plotLook";
 
 /** What a plot draws, kept outside of React: it looks whether the version has changed before it draws anew. */
 export interface PlotSource {
@@ -44,4 +44,59 @@ export function lineWords({ digits, unit, words }: PlotLine, value: number): str
   if (words !== undefined) return words(value);
   const text = alike(value, digits, COMPARED);
   return unit === null ? text : `${text} ${unit}`;
+}
+
+interface PlotColors {
+  text: string;
+  grid: string;
+}
+
+const COLORS: Record<"light" | "dark", PlotColors> = {
+  light: { text: "#343a40", grid: "#dee2e6" },
+  dark: { text: "#dee2e6", grid: "#424242" },
+};
+
+const FONT = "12px system-ui, sans-serif";
+
+const [TICK, GAP] = [6, 4];
+
+/** Room right of the last label's middle, for half of `1:02:05.000`. */
+export const LABEL_OVERHANG = 34;
+
+/** How an axis of any plot looks in a colour scheme. */
+export function plotAxis(scheme: "light" | "dark"): uPlot.Axis {
+  const { text, grid } = COLORS[scheme];
+  return {
+    stroke: text,
+    font: FONT,
+    gap: GAP,
+    ticks: { stroke: grid, size: TICK },
+    grid: { stroke: grid, width: 1 },
+  };
+}
+
+/** Of lines, each as good to tell from the background as the others. */
+export const LINE_COLORS = {
+  light: ["#1864ab", "#a61e4d", "#2b8a3e", "#862e9c", "#0b7285", "#d9480f"],
+  dark: ["#74c0fc", "#ffa8c5", "#8ce99a", "#e599f7", "#66d9e8", "#ffc078"],
+} as const;
+
+/** Of the card that a plot is on. */
+export const BACKGROUND = { light: "#ffffff", dark: "#242424" } as const;
+
+/** Behind the lines, faint enough to read them. */
+export const BAND_COLORS = {
+  light: { gray: "#868e9624", cyan: "#15aabf24", blue: "#228be624", green: "#40c05728", orange: "#fd7e1430" },
+  dark: { gray: "#ced4da22", cyan: "#3bc9db2a", blue: "#4dabf72e", green: "#69db7c2a", orange: "#ffa94d36" },
+} as const;
+
+let canvas: CanvasRenderingContext2D | null | undefined;
+
+/** How wide a vertical axis with these labels is, so that none of them is clipped (CSS pixels). */
+export function axisWidth(labels: readonly string[] | null): number {
+  canvas ??= document.createElement("canvas").getContext("2d");
+  if (canvas === null) return 0;
+  canvas.font = FONT;
+  const widths = (labels ?? []).map((label) => canvas?.measureText(label).width ?? 0);
+  return Math.ceil(Math.max(24, ...widths)) + TICK + GAP + 2;
 }

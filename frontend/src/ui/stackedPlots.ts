@@ -3,13 +3,18 @@ import { type Crosshair, lastUpTo } from "./crosshair";
 import { decimalsOf } from "./numbers";
 import {
   axisNumbers,
+  axisWidth,
+  BACKGROUND,
+  BAND_COLORS,
+  LABEL_OVERHANG,
+  LINE_COLORS,
   lineWords,
   type PlotBand,
   type PlotLine,
   type PlotSource,
+  plotAxis,
   roomyRange,
 } from "./plotData";
-import { axisWidth, BACKGROUND, BAND_COLORS, LABEL_OVERHANG, LINE_COLORS, plotAxis } from "./plotLook";
 
 /** From one x label to the next, at least (CSS pixels). */
 const X_SPACE = 80;

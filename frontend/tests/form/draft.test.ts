@@ -1,6 +1,4 @@
 import { describe, expect, it } from "vitest";
-import { quoted, sendLine } from "../../src/actions/curl";
-import { convertBytes, countBytes } from "../../src/actions/form/bytes";
 import {
   asForm,
   asJson,
@@ -14,7 +12,9 @@ import {
   withField,
   withText,
 } from "../../src/actions/form/draft";
+import { convertBytes, countBytes } from "../../src/actions/form/numbers";
 import { shapeOf } from "../../src/actions/form/shapes";
+import { quoted, sendLine } from "../../src/actions/words";
 import type { JsonSchema } from "../../src/api/jsonSchema";
 import schemas from "./schemas.json";
 

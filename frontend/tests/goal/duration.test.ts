@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { durationWords } from "../../src/goal/duration";
+import { durationWords } from "../../src/goal/words";
 import { at, goal, START } from "../events";
 
 describe("the duration of a goal", () => {

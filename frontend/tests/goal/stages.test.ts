@@ -1,7 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Goal } from "../../src/api/types";
-import { spansOf, timeIn } from "../../src/goal/spans";
-import { stageWords, stepsOf } from "../../src/goal/stages";
+import { spansOf, stageWords, stepsOf, timeIn } from "../../src/goal/stages";
 import { reduce } from "../../src/store/reducer";
 import { type Stages, withPast } from "../../src/store/stages";
 import { initialState } from "../../src/store/state";

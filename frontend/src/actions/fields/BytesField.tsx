@@ -1,12 +1,11 @@
 import { SegmentedControl, Textarea } from "@mantine/core";
-import { convertBytes, countBytes } from "../form/bytes";
+import { convertBytes, countBytes } from "../form/numbers";
 import type { BytesShape } from "../form/shapes";
 import type { Bytes } from "../form/values";
 import { lengthWords } from "../form/write";
-import { type InputProps, ORDER } from "./context";
+import { type InputProps, ORDER, useField } from "./context";
 import classes from "./fields.module.css";
 import { rowsFor } from "./simple";
-import { useField } from "./useField";
 
 interface BytesFieldProps extends InputProps<Bytes> {
   shape: BytesShape;

@@ -1,9 +1,8 @@
 import { NativeSelect, TextInput } from "@mantine/core";
 import type { IntegerShape } from "../form/shapes";
-import { type InputProps, ORDER } from "./context";
+import { type InputProps, ORDER, useField } from "./context";
 import classes from "./fields.module.css";
 import { unitSection } from "./simple";
-import { useField } from "./useField";
 
 interface ChoiceFieldProps extends InputProps<string> {
   shape: IntegerShape;

@@ -4,10 +4,9 @@ import { emptyOf } from "../form/read";
 import type { ListShape } from "../form/shapes";
 import type { Value } from "../form/values";
 import { lengthWords } from "../form/write";
-import type { InputProps } from "./context";
+import { type InputProps, useField } from "./context";
 import classes from "./fields.module.css";
 import { FieldInput } from "./MessageFields";
-import { useField } from "./useField";
 
 interface ListFieldProps extends InputProps<readonly Value[]> {
   shape: ListShape;

@@ -1,5 +1,6 @@
-import { createContext, useContext } from "react";
-import type { Path, Value } from "../form/values";
+import { createContext, useContext, useEffect, useRef } from "react";
+import { errorsAt, errorsIn } from "../form/draft";
+import { dotted, type Path, type Value } from "../form/values";
 import type { FieldError } from "../form/write";
 
 /** What every field of a form needs of it. */
@@ -38,4 +39,29 @@ export interface InputProps<V extends Value> {
   value: V;
   /** Whether nobody knows what it is when it is left empty. */
   optional: boolean;
+}
+
+/**
+ * What is wrong at a path, how to change what is there, and a ref of what to focus when that is sought.
+ *
+ * @param parts Whether what is within it belongs to this field, too; false where that has fields of its own.
+ */
+export function useField<Element extends HTMLElement>(path: Path, parts = true) {
+  const { errors, change, sought, found } = useForm();
+  const where = dotted(path);
+  const wrong = parts ? errorsIn(errors, where) : errorsAt(errors, where);
+  const ref = useRef<Element>(null);
+  const isSought = sought === where || (parts && sought?.startsWith(`${where}.`) === true);
+
+  useEffect(() => {
+    if (!isSought) return;
+    ref.current?.focus();
+    found();
+  }, [isSought, found]);
+
+  return {
+    ref,
+    error: wrong.length > 0 ? wrong.map(({ detail }) => detail).join("; ") : undefined,
+    set: (value: Value) => change(path, value),
+  };
 }

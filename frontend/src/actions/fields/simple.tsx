@@ -1,11 +1,9 @@
-import { Switch, Text, Textarea, TextInput } from "@mantine/core";
+import { Switch, Text, Textarea, TextInput, VisuallyHidden } from "@mantine/core";
 import { splitNumbers } from "../form/numbers";
 import type { FloatShape, IntegerShape, NumbersShape, TextShape } from "../form/shapes";
 import { lengthWords } from "../form/write";
-import { type InputProps, ORDER } from "./context";
+import { type InputProps, ORDER, useField } from "./context";
 import classes from "./fields.module.css";
-import { Label } from "./Label";
-import { useField } from "./useField";
 
 export function SwitchField({ path, label, description, value }: InputProps<boolean>) {
   const { ref, error, set } = useField<HTMLInputElement>(path);
@@ -121,4 +119,14 @@ export function NumbersField({ path, label, description, unit, value, shape, opt
 /** As many lines as a text of numbers needs, more or less. */
 export function rowsFor(text: string): number {
   return Math.max(1, Math.min(8, Math.ceil(text.length / 60)));
+}
+
+/** A field's name, as ROS has it, and its unit for those who do not see it at the end of the input. */
+export function Label({ name, unit }: { name: string; unit: string | null }) {
+  return (
+    <>
+      {name}
+      {unit !== null && <VisuallyHidden> in {unit}</VisuallyHidden>}
+    </>
+  );
 }

@@ -1,7 +1,7 @@
 import { memo, useCallback, useEffect, useRef, useState } from "react";
 import { Link } from "react-router";
+import { useNaming } from "../../fleet/context";
 import { robotPath } from "../../fleet/path";
-import { useNaming } from "../../fleet/useNaming";
 import { Camera } from "../../scene/camera";
 import { Gestures } from "../../scene/gestures";
 import { MapTools } from "../../scene/MapTools";

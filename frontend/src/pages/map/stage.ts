@@ -1,4 +1,4 @@
-import type { Scene } from "../../api/types";
+import type { Footprint, Scene } from "../../api/types";
 import type { Camera } from "../../scene/camera";
 import type { SceneColors } from "../../scene/colors";
 import type { Stage } from "../../scene/gestures";
@@ -9,7 +9,6 @@ import { around, arrowRadius, footprintOf } from "../../scene/shapes";
 import { canvasContext, toScreen } from "../../scene/view";
 import type { Point } from "../../store/geometry";
 import type { FleetScenes } from "./fleetScenes";
-import { outlineOf } from "./outline";
 
 /** The frame that robots share. */
 const FRAME = "world";
@@ -97,4 +96,14 @@ export class FleetStage extends Picture implements Stage {
     element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
     element.dataset.placed = "";
   }
+}
+
+/** The circle around a footprint is a little smaller than the element that shows it (%). */
+const RADIUS = 47;
+
+/** A footprint as a CSS shape: of a square element with base_link in its middle, x to the right. */
+export function outlineOf({ radius, points }: Footprint): string {
+  if (points === null) return `circle(${RADIUS}%)`;
+  const place = (metres: number) => `${(50 + (RADIUS * metres) / radius).toFixed(1)}%`;
+  return `polygon(${points.map(({ x, y }) => `${place(x)} ${place(-y)}`).join(", ")})`;
 }

@@ -1,7 +1,7 @@
 import { TextInput } from "@mantine/core";
 import { useMemo, useState } from "react";
 import type { Robot } from "../../api/types";
-import { GroupSelect } from "../../fleet/GroupSelect";
+import { GroupSelect } from "../../fleet/RobotFields";
 import { type Attentions, matches, SHOW_WORDS, SHOWS, type View } from "./list";
 import classes from "./overview.module.css";
 

@@ -1,6 +1,6 @@
 import { Anchor, Text } from "@mantine/core";
 import { Link } from "react-router";
-import { Command } from "../../ui/Command";
+import { Command } from "../../ui/CopyButton";
 import { Section } from "../../ui/Section";
 import classes from "./overview.module.css";
 

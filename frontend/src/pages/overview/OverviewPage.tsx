@@ -7,7 +7,7 @@ import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { isThere } from "../../fleet/words";
 import { lazyPart } from "../../ui/lazyPart";
 import { usePageTitle } from "../../ui/usePageTitle";
-import { RobotView } from "../robot/RobotView";
+import { RobotView } from "../robot/RobotPage";
 import { readView } from "./list";
 import { NoRobot } from "./NoRobot";
 

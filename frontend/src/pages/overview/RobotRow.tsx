@@ -1,10 +1,10 @@
 import { Checkbox, Table, VisuallyHidden } from "@mantine/core";
 import { memo } from "react";
 import { Link } from "react-router";
+import { type Mark, SeverityMark } from "../../alerts/marks";
 import type { Attention } from "../../alerts/order";
-import { type Mark, SeverityMark } from "../../alerts/SeverityMark";
 import type { Robot } from "../../api/types";
-import { LinkState } from "../../fleet/LinkState";
+import { LinkState } from "../../fleet/badges";
 import { robotName } from "../../fleet/names";
 import { robotPath } from "../../fleet/path";
 import { linkOf, placeWords } from "../../fleet/words";

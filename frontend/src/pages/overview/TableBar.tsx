@@ -1,4 +1,4 @@
-import { Button, CloseButton } from "@mantine/core";
+import { Button, CloseButton, Menu } from "@mantine/core";
 import { Link } from "react-router";
 import type { Robot } from "../../api/types";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
@@ -6,7 +6,6 @@ import { useOperate } from "../../operations/context";
 import { OPERATION_NAMES, OPERATIONS, whyNot } from "../../operations/operation";
 import { ReasonButton } from "../../ui/ReasonButton";
 import { SavedViews } from "../../ui/SavedViews";
-import { ColumnsMenu } from "./ColumnsMenu";
 import type { ColumnChoice } from "./columns";
 import { type View, writeView } from "./list";
 import classes from "./overview.module.css";
@@ -99,4 +98,29 @@ function whyNone(robots: readonly Robot[], why: (robot: Robot) => string | null)
   if (reasons.has(null)) return null;
   const [only] = reasons;
   return reasons.size === 1 && only != null ? only : "None of the selected robots can do this now.";
+}
+
+/** Chooses the columns of the table. */
+export function ColumnsMenu({ choice: { shown, optional, toggle } }: { choice: ColumnChoice }) {
+  return (
+    <Menu closeOnItemClick={false} position="bottom-end" withInitialFocusPlaceholder={false}>
+      <Menu.Target>
+        <Button variant="subtle" size="compact-sm" color="gray">
+          Columns
+        </Button>
+      </Menu.Target>
+      <Menu.Dropdown>
+        {optional.map(({ sort, name }, index) => (
+          <Menu.CheckboxItem
+            key={sort}
+            checked={shown.has(sort)}
+            onChange={() => toggle(sort)}
+            data-autofocus={index === 0 || undefined}
+          >
+            {name}
+          </Menu.CheckboxItem>
+        ))}
+      </Menu.Dropdown>
+    </Menu>
+  );
 }

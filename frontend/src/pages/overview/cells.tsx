@@ -4,8 +4,7 @@ import { Link } from "react-router";
 import type { GoalSummary, Robot } from "../../api/types";
 import { useAtTime } from "../../clock/clock";
 import { linkOf } from "../../fleet/words";
-import { soFarWords } from "../../goal/duration";
-import { goalName, lastWords, runningWords } from "../../goal/words";
+import { goalName, lastWords, runningWords, soFarWords } from "../../goal/words";
 import { Time } from "../../ui/Time";
 import classes from "./overview.module.css";
 

@@ -1,8 +1,7 @@
 import { useEffect, useState } from "react";
 import { createGoalsApi } from "../../api/goals";
 import { useFleet } from "../../fleet/context";
-import { useScene } from "../../scene/useScene";
-import { useServices } from "../../store/context";
+import { useScene, useServices } from "../../store/context";
 import { useFreshness } from "../../store/freshness";
 import { isTerminal } from "../../store/goals";
 

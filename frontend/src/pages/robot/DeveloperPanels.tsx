@@ -1,8 +1,13 @@
-import { Stack } from "@mantine/core";
+import { Code, Stack, Text } from "@mantine/core";
+import { useSession } from "../../api/session";
 import { PublisherCard } from "../../battery/PublisherCard";
 import { CalibrationCard } from "../../docking/CalibrationCard";
+import { currentGoal } from "../../goal/words";
 import { SimulatorCard } from "../../simulator/SimulatorCard";
-import { CurlCard } from "./CurlCard";
+import { useServices, useTopic } from "../../store/context";
+import { Command } from "../../ui/CopyButton";
+import { Section } from "../../ui/Section";
+import classes from "./robot.module.css";
 
 /** What is needed to develop and to try out: a simulated robot's controls, calibration, battery states by hand, command lines. */
 export default function DeveloperPanels() {
@@ -14,4 +19,55 @@ export default function DeveloperPanels() {
       <CurlCard />
     </Stack>
   );
+}
+
+/** The same from a terminal. */
+export function CurlCard() {
+  const { robot } = useServices();
+  const goal = currentGoal(useTopic("courses"));
+  const { required } = useSession();
+  return (
+    <Section title="From a terminal">
+      {required && (
+        <Text size="sm">
+          Each needs a token, too: <Code>-H 'Authorization: Bearer dgw_…'</Code>
+        </Text>
+      )}
+      <div className={classes.commands}>
+        {commands(window.location, robot, `goals/${goal?.goal_id ?? "GOAL_ID"}`).map(({ what, line }) => (
+          <div key={what}>
+            <Text size="sm" mb={2}>
+              {what}
+            </Text>
+            <Command line={line} what={`the command: ${what}`} />
+          </div>
+        ))}
+      </div>
+    </Section>
+  );
+}
+
+/** @param robot Its namespace; null for the one that the gateway is configured for. */
+function commands(location: Location, robot: string | null, goal: string): { what: string; line: string }[] {
+  const { origin, host, protocol } = location;
+  // A shell takes a question mark for a pattern.
+  const url = (base: string) => (robot === null ? base : `'${base}?robot=${robot}'`);
+  const stream = url(`${protocol === "https:" ? "wss" : "ws"}://${host}/ws/feedback`);
+  return [
+    { what: "Dock", line: `curl -sX POST ${url(`${origin}/dock`)}` },
+    {
+      what: "Dock, and wait for the end",
+      line: `curl -sX POST ${url(`${origin}/dock`)} -H 'Prefer: wait=60'`,
+    },
+    { what: "Look at the goal", line: `curl -s ${origin}/${goal}` },
+    { what: "Cancel it", line: `curl -sX POST ${origin}/${goal}/cancel` },
+    { what: "Undock", line: `curl -sX POST ${url(`${origin}/undock`)}` },
+    { what: "Stop the robot, and keep it stopped", line: `curl -sX POST ${url(`${origin}/stop`)}` },
+    { what: "Release the stop", line: `curl -sX DELETE ${url(`${origin}/stop`)}` },
+    {
+      what: "Publish a low battery once a second",
+      line: `curl -sX PUT ${url(`${origin}/battery/publisher`)} -d '{"state": {"voltage": 2.16, "percentage": 0.24, "power_supply_status": 3}, "rate_hz": 1}' -H 'Content-Type: application/json'`,
+    },
+    { what: "Watch the feedback", line: `websocat ${stream}` },
+  ];
 }

@@ -1,8 +1,7 @@
 import { ActionIcon, Skeleton, Tooltip } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { Suspense } from "react";
-import { useNaming } from "../../fleet/useNaming";
-import { useWhyNot } from "../../fleet/useWhyNot";
+import { useNaming, useWhyNot } from "../../fleet/context";
 import { Dialog } from "../../ui/Dialog";
 import { Guarded } from "../../ui/Guarded";
 import { lazyPart } from "../../ui/lazyPart";

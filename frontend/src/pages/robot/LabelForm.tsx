@@ -1,10 +1,9 @@
 import { Stack, TagsInput, TextInput } from "@mantine/core";
 import { type FormEvent, useEffect, useRef, useState } from "react";
-import { putLabel } from "../../api/labels";
-import { useFleet } from "../../fleet/context";
+import { putLabel } from "../../api/client";
+import { useFleet, useNaming } from "../../fleet/context";
 import { namespaceWords } from "../../fleet/names";
-import { useNaming } from "../../fleet/useNaming";
-import { SaveBar } from "../../ui/SaveBar";
+import { SaveBar } from "../../ui/Dialog";
 import { useCommand } from "../../ui/useCommand";
 
 /** As the gateway allows. */

@@ -1,10 +1,9 @@
 import { Anchor, Badge, Text, Title } from "@mantine/core";
 import { Link } from "react-router";
-import { RobotRules } from "../../automation/RobotRules";
-import { useFleetLive, useFleetPart } from "../../fleet/context";
-import { LinkState } from "../../fleet/LinkState";
+import { RobotRules } from "../../automation/links";
+import { LinkState } from "../../fleet/badges";
+import { useFleetLive, useFleetPart, useNaming } from "../../fleet/context";
 import { defaultRobot } from "../../fleet/names";
-import { useNaming } from "../../fleet/useNaming";
 import { linkOf, placeWords } from "../../fleet/words";
 import { LabelButton } from "./LabelButton";
 import { RobotSwitcher } from "./RobotSwitcher";

@@ -1,7 +1,6 @@
 import { Skeleton, Stack, Tabs } from "@mantine/core";
 import { memo, Suspense } from "react";
-import { BatteryCard } from "../../battery/BatteryCard";
-import { BatteryPlotsCard } from "../../battery/BatteryPlotsCard";
+import { BatteryCard, BatteryPlotsCard } from "../../battery/BatteryCard";
 import { DockingCard } from "../../docking/DockingCard";
 import { DEVELOPER, OPERATE } from "../../fleet/path";
 import { GoalsCard } from "../../goals/GoalsCard";

@@ -1,8 +1,8 @@
 import { Select } from "@mantine/core";
 import { useState } from "react";
 import { useNavigate, useSearchParams } from "react-router";
+import { useNaming } from "../../fleet/context";
 import { readTab, robotPath } from "../../fleet/path";
-import { useNaming } from "../../fleet/useNaming";
 
 /** Goes to the robot that is chosen, on the same tab. */
 export default function RobotSelect({ others }: { others: readonly string[] }) {

@@ -1,15 +1,14 @@
 import { Badge } from "@mantine/core";
 import { memo } from "react";
+import { SeverityMark } from "../../alerts/marks";
 import type { Attention } from "../../alerts/order";
-import { SeverityMark } from "../../alerts/SeverityMark";
 import type { Robot } from "../../api/types";
 import { ChargeBar, chargeOf } from "../../battery/ChargeBar";
 import { formatQuantity } from "../../battery/words";
 import { useAtTime } from "../../clock/clock";
 import { robotName } from "../../fleet/names";
 import { LINK_WORDS, linkOf, placeWords } from "../../fleet/words";
-import { soFarWords } from "../../goal/duration";
-import { runningWords } from "../../goal/words";
+import { runningWords, soFarWords } from "../../goal/words";
 import { believed } from "../../store/believed";
 import { freshnessOf } from "../../store/freshness";
 import classes from "./wall.module.css";
@@ -86,4 +85,38 @@ function Battery({ battery, charging, live }: Pick<Robot, "battery" | "charging"
 
 function Elapsed({ since }: { since: number }) {
   return <span className={classes.elapsed}>{useAtTime((now) => soFarWords(since, now))}</span>;
+}
+
+/** A tile that is smaller cannot be read from a distance (px). */
+const LEAST_WIDTH = 220;
+
+const LEAST_HEIGHT = 120;
+
+/** Width by height that a tile looks best with. */
+const SHAPE = 1.9;
+
+export interface Grid {
+  columns: number;
+  rows: number;
+  pages: number;
+}
+
+/** The grid with the largest tiles for so many robots; several pages where they would be too small on one. */
+export function gridFor(count: number, width: number, height: number): Grid {
+  const most = Math.max(1, Math.floor(width / LEAST_WIDTH)) * Math.max(1, Math.floor(height / LEAST_HEIGHT));
+  const pages = Math.max(1, Math.ceil(count / most));
+  const each = Math.max(1, Math.ceil(count / pages));
+  let best = { columns: 1, rows: each };
+  let largest = 0;
+  for (let columns = 1; columns <= each; columns += 1) {
+    const rows = Math.ceil(each / columns);
+    const [tileWidth, tileHeight] = [width / columns, height / rows];
+    const readable = tileWidth >= LEAST_WIDTH && tileHeight >= LEAST_HEIGHT;
+    const size = Math.min(tileWidth / SHAPE, tileHeight) * (readable ? 1 : 0.01);
+    if (size > largest) {
+      largest = size;
+      best = { columns, rows };
+    }
+  }
+  return { ...best, pages };
 }

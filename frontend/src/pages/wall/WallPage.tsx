@@ -4,15 +4,13 @@ import { Link, useNavigate, useSearchParams } from "react-router";
 import { attentionOf } from "../../alerts/order";
 import { useFleetLive, useFleetTopic } from "../../fleet/context";
 import { isThere } from "../../fleet/words";
-import { useStopKeys } from "../../stop/useStopKeys";
-import { useStopping } from "../../stop/useStopping";
+import { useStopping } from "../../stop/everywhere";
+import { useStopKeys } from "../../stop/keys";
 import { usePageTitle } from "../../ui/usePageTitle";
 import { listed, readView } from "../overview/list";
 import { Clock, State, WallAlerts } from "./head";
-import { gridFor } from "./layout";
 import { useNewBuild } from "./newBuild";
-import { Tile } from "./Tile";
-import { useWakeLock } from "./useWakeLock";
+import { gridFor, Tile } from "./Tile";
 import classes from "./wall.module.css";
 
 /** How long each page of robots is shown. */
@@ -114,4 +112,22 @@ function useLeaving(to: string): boolean {
     };
   }, [navigate, to]);
   return moved;
+}
+
+/** Keeps the screen on, where the browser can. The browser ends it when the page is hidden. */
+export function useWakeLock(): void {
+  useEffect(() => {
+    if (!("wakeLock" in navigator)) return;
+    let held: Promise<WakeLockSentinel | null> = Promise.resolve(null);
+    const hold = () => {
+      // Refused where the battery of the computer is low, for example.
+      if (!document.hidden) held = navigator.wakeLock.request("screen").catch(() => null);
+    };
+    hold();
+    document.addEventListener("visibilitychange", hold);
+    return () => {
+      document.removeEventListener("visibilitychange", hold);
+      void held.then((lock) => lock?.release());
+    };
+  }, []);
 }

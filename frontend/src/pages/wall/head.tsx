@@ -1,11 +1,10 @@
 import { useMemo } from "react";
+import { SeverityMark } from "../../alerts/marks";
 import { alertsOf, openAlerts, urgentFirst } from "../../alerts/order";
-import { SeverityMark } from "../../alerts/SeverityMark";
 import { useSession } from "../../api/session";
 import type { Alert } from "../../api/types";
 import { useAtTime } from "../../clock/clock";
-import { useFleetTopic } from "../../fleet/context";
-import { useNaming } from "../../fleet/useNaming";
+import { useFleetTopic, useNaming } from "../../fleet/context";
 import { heldStops, holdsAll } from "../../stop/held";
 import { listNames } from "../../stop/StopBanner";
 import { Time } from "../../ui/Time";

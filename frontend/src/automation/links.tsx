@@ -1,6 +1,7 @@
 import { Anchor } from "@mantine/core";
 import { Link } from "react-router";
-import { useRules } from "./useAutomation";
+import { OriginBadge } from "../goal/facts";
+import { useDecisionOf, useRules } from "./useAutomation";
 
 /** The rules that dock a robot by themselves; nothing where there are none. */
 export function RobotRules({ robot }: { robot: string }) {
@@ -12,6 +13,17 @@ export function RobotRules({ robot }: { robot: string }) {
   return (
     <Anchor component={Link} to="/ui/automation" size="sm">
       Automatic docking on ({on.map(({ name }) => name).join(", ")})
+    </Anchor>
+  );
+}
+
+/** The rule that sent a goal, once it is known. */
+export function SentByRule({ goalId }: { goalId: string }) {
+  const decision = useDecisionOf(goalId);
+  if (decision === null) return <OriginBadge origin="automation" />;
+  return (
+    <Anchor component={Link} to="/ui/automation">
+      Automatic docking: {decision.rule_name}
     </Anchor>
   );
 }

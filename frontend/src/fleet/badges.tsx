@@ -1,5 +1,8 @@
 import { Badge, VisuallyHidden } from "@mantine/core";
+import { memo } from "react";
 import type { Freshness } from "../store/freshness";
+import classes from "./fleet.module.css";
+import { LINK_HINTS, LINK_WORDS, type Link } from "./words";
 
 const LOOKS: Record<Exclude<Freshness, "live">, { words: string; color: string }> = {
   stale: { words: "Stale", color: "orange" },
@@ -13,3 +16,16 @@ export function FreshnessBadge({ freshness }: { freshness: Freshness }) {
   const { words, color } = LOOKS[freshness];
   return <Badge color={color}>{words}</Badge>;
 }
+
+/** Whether a robot can be reached, in words. */
+export const LinkState = memo(function LinkState({ link, live }: { link: Link; live: boolean }) {
+  return (
+    <span
+      className={classes.link}
+      data-link={live ? link : "unknown"}
+      title={live ? LINK_HINTS[link] : undefined}
+    >
+      {live ? LINK_WORDS[link] : "Not live"}
+    </span>
+  );
+});

@@ -1,0 +1,59 @@
+import { Badge } from "@mantine/core";
+import type { AnyGoal, GoalStatus } from "../api/types";
+import { useAtTime } from "../clock/clock";
+import { useFleetLive } from "../fleet/context";
+import { durationWords, type Lifetime, STATUS_COLORS } from "./words";
+
+export function GoalStatusBadge({ status, testId }: { status: GoalStatus; testId?: string }) {
+  return (
+    <Badge component="span" color={STATUS_COLORS[status]} data-testid={testId}>
+      {status}
+    </Badge>
+  );
+}
+
+interface FeedbackCountProps {
+  count: number;
+  /** When the latest came (ms), oldest first; null for a goal that has ended. */
+  arrivals: readonly number[] | null;
+}
+
+/** How many feedback messages have come, and how fast they come: a text of its own, which changes with each. */
+export function FeedbackCount({ count, arrivals }: FeedbackCountProps) {
+  const perSecond = useAtTime((now) => (arrivals === null ? "" : (rate(arrivals, now)?.toFixed(1) ?? "")));
+  return `${count} ${count === 1 ? "message" : "messages"}${perSecond === "" ? "" : `, ${perSecond} Hz`}`;
+}
+
+const WINDOW_MS = 3000;
+
+/** Messages a second over the last three seconds, or null where that is too few to say. */
+export function rate(arrivals: readonly number[], now: number): number | null {
+  const recent = arrivals.filter((time) => now - time <= WINDOW_MS);
+  const [first] = recent;
+  const last = recent.at(-1);
+  if (first === undefined || last === undefined || last <= first) return null;
+  return ((recent.length - 1) * 1000) / (last - first);
+}
+
+/** How long a goal took, or has been running for. */
+export function GoalDuration({ goal }: { goal: Lifetime }) {
+  const words = useAtTime((now) => durationWords(goal, now));
+  const live = useFleetLive();
+  return live || goal.finished_at !== null ? words : "not live";
+}
+
+const ORIGINS: Record<AnyGoal["origin"], { words: string; color: string }> = {
+  gateway: { words: "gateway", color: "blue" },
+  automation: { words: "automatic", color: "teal" },
+  external: { words: "external", color: "grape" },
+};
+
+/** Whether a goal was sent through the gateway, by a rule of automatic docking, or by someone else. */
+export function OriginBadge({ origin }: Pick<AnyGoal, "origin">) {
+  const { words, color } = ORIGINS[origin];
+  return (
+    <Badge variant="outline" color={color}>
+      {words}
+    </Badge>
+  );
+}

@@ -1,0 +1,72 @@
+import { Alert, Button, List, Text } from "@mantine/core";
+import type { CommandError } from "../api/errors";
+import { lowerFirst, sentence } from "./text";
+
+interface CommandErrorAlertProps {
+  /** What was tried, as in "Dock did not work". */
+  command: string;
+  error: CommandError | null;
+  onClose: () => void;
+}
+
+/** What happened to a command that did not work, with its code and what to do. */
+export function CommandErrorAlert({ command, error, onClose }: CommandErrorAlertProps) {
+  if (error === null) return null;
+  return (
+    <Alert
+      color="red"
+      title={`${command} did not work: ${lowerFirst(error.title)}`}
+      withCloseButton
+      closeButtonLabel="Dismiss the error"
+      onClose={onClose}
+    >
+      <ErrorWords error={error} />
+    </Alert>
+  );
+}
+
+/** What an error says of itself: what happened, in which fields, what to do about it, and its code. */
+export function ErrorWords({ error }: { error: CommandError }) {
+  return (
+    <>
+      <Text size="sm">{sentence(error.detail)}</Text>
+      {error.fields.length > 1 && (
+        <List size="sm">
+          {error.fields.map((field) => (
+            <List.Item key={field.path}>
+              {field.path}: {field.detail}
+            </List.Item>
+          ))}
+        </List>
+      )}
+      {error.advice !== null && (
+        <Text size="sm" mt={4}>
+          {error.advice}
+        </Text>
+      )}
+      <Text size="sm" mt={4}>
+        Code: {error.code}
+      </Text>
+    </>
+  );
+}
+
+interface TroubleProps {
+  /** What did not work, in a few words. */
+  what: string;
+  error: CommandError | null;
+  onRetry: () => void;
+}
+
+/** Why something is not shown, what to do about it, and a button to try once more. */
+export function Trouble({ what, error, onRetry }: TroubleProps) {
+  if (error === null) return null;
+  return (
+    <Alert color="red" title={`${what}: ${error.title.toLowerCase()}`}>
+      <ErrorWords error={error} />
+      <Button variant="default" size="compact-sm" mt="xs" onClick={onRetry}>
+        Try again
+      </Button>
+    </Alert>
+  );
+}
