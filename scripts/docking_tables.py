@@ -12,7 +12,7 @@ from docking.tutorial.fibonacci import FibonacciSettings
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGES: dict[str, dict[str, type[NodeSettings]]] = {
-    "docking.md": {
+    "docking-reference.md": {
         "connect_to_charging_dock_action_server": DockSettings,
         "disconnect_from_charging_dock_action_server": UndockSettings,
         "fibonacci_action_server": FibonacciSettings,

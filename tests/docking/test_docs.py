@@ -1,4 +1,4 @@
-"""docs/docking.md and docs/simulator.md list all that there is, and nothing else."""
+"""The pages about docking and the simulator list all that there is, and nothing else."""
 
 import re
 
@@ -10,11 +10,12 @@ from docking.core.errors import ErrorCode, Stage
 from docking.goal.report import LEVELS
 from docking.simulation.faults import Fault
 
-PAGE = (DOCS / "docking.md").read_text()
+GUIDE = (DOCS / "docking.md").read_text()
+REFERENCE = (DOCS / "docking-reference.md").read_text()
 SIMULATOR = (DOCS / "simulator.md").read_text()
 
 
-def rows(heading: str, page: str = PAGE) -> list[list[str]]:
+def rows(heading: str, page: str = REFERENCE) -> list[list[str]]:
     """The cells of the table that follows a line."""
     lines = page.split(heading, 1)[1].split("|---", 1)[1].splitlines()[1:]
     table = lines[: next((n for n, line in enumerate(lines) if not line.startswith("|")), len(lines))]
@@ -43,4 +44,4 @@ def test_every_exit_code_is_documented() -> None:
 
 
 def test_every_option_of_the_clients_is_documented() -> None:
-    assert set(re.findall(r"\[(--[a-z]+) ", PAGE)) == {"--voltage", "--percentage", "--status", "--timeout", "--order"}
+    assert set(re.findall(r"\[(--[a-z]+) ", GUIDE)) == {"--voltage", "--percentage", "--status", "--timeout", "--order"}
