@@ -43,11 +43,29 @@ export default defineConfig({
     rolldownOptions: { output: { codeSplitting: { groups: [{ name: "common", tags: ["$initial"] }] } } },
   },
   test: {
-    environment: "jsdom",
-    include: ["tests/**/*.test.{ts,tsx}"],
-    setupFiles: ["tests/setup.ts"],
     testTimeout: 90_000,
     maxWorkers: "100%",
     restoreMocks: true,
+    projects: [
+      // What needs no page. A file that needs a bit of one says so in a comment at its top.
+      {
+        extends: true,
+        test: {
+          name: "logic",
+          environment: "node",
+          include: ["tests/**/*.test.ts"],
+          setupFiles: ["tests/clock.ts"],
+        },
+      },
+      {
+        extends: true,
+        test: {
+          name: "pages",
+          environment: "jsdom",
+          include: ["tests/**/*.test.tsx"],
+          setupFiles: ["tests/clock.ts", "tests/setup.ts"],
+        },
+      },
+    ],
   },
 });

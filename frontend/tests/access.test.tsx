@@ -435,7 +435,7 @@ describe("the page", () => {
     await user.click(within(list).getByRole("button", { name: "Log out oidc:grace/1" }));
     await screen.findByText("oidc:grace/1 is logged out everywhere.");
     expect(asked).toContain("DELETE /people/oidc%3Agrace%2F1/sessions");
-    expect(await screen.findByText("Nobody.")).toBeTruthy();
+    expect(await screen.findByText("No one is logged in.")).toBeTruthy();
   });
 
   it("lets a person of the identity provider log out everywhere, and has no password for them", async () => {

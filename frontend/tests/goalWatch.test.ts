@@ -1,3 +1,4 @@
+// @vitest-environment jsdom
 import { describe, expect, it, type Mock, vi } from "vitest";
 import { CommandError } from "../src/api/errors";
 import type { GoalsApi } from "../src/api/goals";

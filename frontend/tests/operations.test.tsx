@@ -166,7 +166,7 @@ describe("the robots that are selected", () => {
     await user.click(within(screen.getByRole("group", { name: /selected robots/ })).getByText("Stop"));
     expect(screen.queryByRole("dialog")).toBeNull();
     expect(gateway.stop).toHaveBeenCalledExactlyOnceWith(expect.any(String), ["/robot1", "/robot2"]);
-    expect(await screen.findByText("Not every robot was told to stand still")).toBeDefined();
+    expect(await screen.findByText("Stop did not reach every robot")).toBeDefined();
     expect(screen.getByText(/^\/robot2: no publisher/)).toBeDefined();
   });
 

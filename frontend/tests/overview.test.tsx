@@ -148,7 +148,7 @@ describe("the overview of several robots", () => {
     };
     await toggle("Dock status");
     await user.click(screen.getByRole("button", { name: "Views" }));
-    expect(screen.getByText(/stored in this browser only/)).toBeDefined();
+    expect(screen.getByText(/in this browser only/)).toBeDefined();
     await user.type(screen.getByLabelText("Name of the view"), "Hall{Enter}");
     await user.keyboard("{Escape}");
     await toggle("Dock status");

@@ -1,3 +1,4 @@
+// @vitest-environment jsdom
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Pose } from "../src/api/types";
 import { Camera } from "../src/scene/camera";

@@ -51,7 +51,7 @@ describe("the panels of a robot", () => {
         ))}
       </ServicesProvider>,
     );
-    /** Tells of events, and which panels were rendered anew, in whole or in part. */
+    /** Tells of events, and which panels were re-rendered, in whole or in part. */
     tell = async (...events) => {
       rendered.clear();
       await act(async () => {

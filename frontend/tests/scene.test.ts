@@ -1,3 +1,4 @@
+// @vitest-environment jsdom
 import { describe, expect, it, vi } from "vitest";
 import type { Pose, PoseEvent } from "../src/api/types";
 import { arrowRadius, footprintOf, pointsOf, shapesOf } from "../src/scene/shapes";
@@ -345,6 +346,6 @@ describe("the picture in words", () => {
 
   it("says what is not known", () => {
     const lost = { ...emptyScene, frame: "odom" as const, dock: null };
-    expect(describeScene(lost, null)).toMatch(/which drifts\. Where the dock is, is not known\.$/);
+    expect(describeScene(lost, null)).toMatch(/which drifts\. Position of the dock unknown\.$/);
   });
 });

@@ -106,7 +106,7 @@ describe("a warning of the gateway", () => {
     const stop = vi.fn(async () => stopReport({ warning, failed: [failure] }));
     const { user } = renderPage(fakeGateway({ stop }));
     await user.click(button("Stop"));
-    expect(await screen.findByText("Not every robot was told to stand still")).toBeDefined();
+    expect(await screen.findByText("Stop did not reach every robot")).toBeDefined();
     expect(screen.getByText(/\/robot1: no zero .*emergency stop.*No space left on device/)).toBeDefined();
   });
 

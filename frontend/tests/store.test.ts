@@ -1,3 +1,4 @@
+// @vitest-environment jsdom
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { GatewayEvent } from "../src/api/types";
 import { BEAT_MS } from "../src/clock/beat";

@@ -1,3 +1,4 @@
+// @vitest-environment jsdom
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { ANYBODY, session } from "../src/api/session";
 import type { GatewayEvent } from "../src/api/types";

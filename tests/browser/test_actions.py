@@ -208,11 +208,11 @@ def test_by_keyboard_alone(page: Page, gateway: RunningGateway) -> None:
 def test_a_server_that_goes_takes_no_form_with_it(page: Page, gateway: RunningGateway, domain: int) -> None:
     name = "/robot2/fibonacci"
     show(page, gateway, name)
-    expect(page.get_by_text(f"Nobody offers {name}")).to_be_visible()
+    expect(page.get_by_text(f"No action server for {name}")).to_be_visible()
     with running_program(domain, "fibonacci_action_server", "-r", "__ns:=/robot2"):
         page.get_by_label("order").fill("17")
         expect(page.get_by_role("button", name="Send goal")).to_be_enabled()
-    expect(page.get_by_text("Nobody offers this action now")).to_be_visible()
+    expect(page.get_by_text("No action server for this action")).to_be_visible()
     expect(page.get_by_label("order")).to_have_value("17")
     expect(page.get_by_role("button", name="Send goal")).to_be_disabled()
 

@@ -198,7 +198,7 @@ def test_things_are_dragged_and_laid_out_anew(page: Page, open_graph: Callable[.
     page.mouse.up()
     expect(details(page)).to_contain_text("Choose a node")
     assert place(page, "topic:/odom")[1] > before[1] + 50
-    page.get_by_role("button", name="Lay out anew").click()
+    page.get_by_role("button", name="Re-arrange").click()
     wait_until(lambda: place(page, "topic:/odom") == before, "the old place")
 
 

@@ -6,7 +6,7 @@ import { session, useSession } from "../api/session";
 import { useFleet } from "../fleet/context";
 import { Command } from "../ui/CopyButton";
 import { CommandErrorAlert } from "../ui/errors";
-import { useCommand } from "../ui/useCommand";
+import { useCommand } from "../ui/requests";
 import { ProviderLogin } from "./ProviderLogin";
 
 const ADD_USER = "dock-gateway user add NAME --role operator";

@@ -4,7 +4,7 @@ import { type FormEvent, useState } from "react";
 import { changePassword } from "../api/access";
 import { useFleet } from "../fleet/context";
 import { Dialog, SaveBar } from "../ui/Dialog";
-import { useCommand } from "../ui/useCommand";
+import { useCommand } from "../ui/requests";
 import { NewPassword, passwordProblem } from "./NewPassword";
 
 /** Changes the own password. */

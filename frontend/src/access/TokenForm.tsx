@@ -36,7 +36,7 @@ export function TokenForm({ create, onDone, onCancel }: TokenFormProps) {
       <Stack gap="md">
         <TextInput
           label="Name"
-          description="Who uses it, a person or a script. Others read it beside what is done with it."
+          description="The person or the script that uses it; shown with what is done with it."
           placeholder="Ada"
           autoComplete="off"
           maxLength={MAX_NAME}

@@ -17,7 +17,7 @@ import { AccountItem } from "./AccountItem";
 import classes from "./access.module.css";
 import { OpenNotice } from "./OpenNotice";
 import { TokenForm } from "./TokenForm";
-import { useTokens } from "./useTokens";
+import { useTokens } from "./useAccounts";
 import { loginName } from "./who";
 
 /** The tokens of those who use the gateway; for admins. */

@@ -42,7 +42,7 @@ export function UserForm({ user, taken, save, onDone }: UserFormProps) {
         {user === null && (
           <TextInput
             label="Name"
-            description="To log in with. Others read it beside what the user does."
+            description="Used to log in, and shown with what the user does."
             placeholder="ada"
             autoComplete="off"
             autoCapitalize="none"

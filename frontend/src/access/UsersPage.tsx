@@ -15,8 +15,7 @@ import { usePageTitle } from "../ui/usePageTitle";
 import { AccountItem, sessionWords } from "./AccountItem";
 import { OpenNotice } from "./OpenNotice";
 import { UserForm } from "./UserForm";
-import { usePeople } from "./usePeople";
-import { useUsers } from "./useUsers";
+import { usePeople, useUsers } from "./useAccounts";
 import { loginName } from "./who";
 
 /** Those who log in with a name and a password, or with the identity provider; for admins. */
@@ -135,7 +134,7 @@ export function PeopleList({ provider, reason }: { provider: string; reason: str
       <Trouble what="The people could not be loaded" error={error} onRetry={() => void refetch()} />
       {people?.length === 0 && (
         <Text size="sm" c="dimmed">
-          Nobody.
+          No one is logged in.
         </Text>
       )}
       <Stack component="ul" gap="sm" m={0} p={0} aria-label={`Logged in with ${provider}`}>

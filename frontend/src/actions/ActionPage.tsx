@@ -117,7 +117,7 @@ function Others({ name }: { name: string }) {
 
 function NotThere({ name }: { name: string }) {
   return (
-    <Alert color="orange" title={`Nobody offers ${name}`}>
+    <Alert color="orange" title={`No action server for ${name}`}>
       <Text size="sm">
         Start its action server: this page notices within seconds. Where it runs already, look whether it is
         in the same ROS domain as the gateway, and whether its name and namespace are these.

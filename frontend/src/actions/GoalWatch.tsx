@@ -8,16 +8,16 @@ import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
 import { FleetStore } from "../fleet/store";
 import { FeedbackCount, GoalDuration, GoalStatusBadge } from "../goal/facts";
 import { GoalExplanation } from "../goal/GoalExplanation";
+import { whyNotCancel } from "../goal/reasons";
 import { isTerminal } from "../store/goals";
 import { openStream, streamUrl } from "../stream/stream";
 import { CommandErrorAlert } from "../ui/errors";
 import { Fact, FactList } from "../ui/Fact";
 import { ReasonButton } from "../ui/ReasonButton";
+import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
-import { useCommand } from "../ui/useCommand";
 import { MessageView } from "./MessageView";
-import { whyNotCancel } from "./words";
 
 /** A goal of the action as it goes: the one that was sent from here, or the newest. */
 export function GoalWatch({ goalId, schemas }: { goalId: string | null; schemas: ActionSchemas }) {

@@ -57,7 +57,7 @@ export function RecentGoals({ action, goals, form }: RecentGoalsProps) {
     >
       {goals.length === 0 ? (
         <Text size="sm" c="dimmed">
-          Nobody has sent a goal to this action yet.
+          No goals on this action yet.
         </Text>
       ) : (
         <Table verticalSpacing="xs" horizontalSpacing={8}>

@@ -1,9 +1,8 @@
-import { useQuery } from "@tanstack/react-query";
 import { useMemo } from "react";
-import { type ActionSchemas, type ActionsApi, createActionsApi } from "../api/actions";
-import { type CommandError, toCommandError } from "../api/errors";
+import { type ActionsApi, createActionsApi } from "../api/actions";
 import type { ActionInfo } from "../api/types";
 import { useFleet } from "../fleet/context";
+import { useAnswer } from "../ui/requests";
 
 /** How often the graph is looked at. */
 const LOOK_EVERY_MS = 2000;
@@ -16,9 +15,9 @@ export function useActionsApi(): ActionsApi {
 /** Every action on the graph, by name; looked up again while the page is seen. */
 export function useActions() {
   const api = useActionsApi();
-  return useQuery<ActionInfo[], CommandError>({
+  return useAnswer({
     queryKey: ["actions"],
-    queryFn: () => api.list().then(byName).catch(fail),
+    queryFn: () => api.list().then(byName),
     refetchInterval: LOOK_EVERY_MS,
   });
 }
@@ -26,17 +25,13 @@ export function useActions() {
 /** The messages of an action type. */
 export function useSchemas(type: string) {
   const api = useActionsApi();
-  return useQuery<ActionSchemas, CommandError>({
+  return useAnswer({
     queryKey: ["interface", type],
-    queryFn: () => api.schemas(type).catch(fail),
+    queryFn: () => api.schemas(type),
     staleTime: Number.POSITIVE_INFINITY,
   });
 }
 
 function byName(actions: ActionInfo[]): ActionInfo[] {
   return actions.sort((a, b) => a.action_name.localeCompare(b.action_name));
-}
-
-function fail(error: unknown): never {
-  throw toCommandError(error);
 }

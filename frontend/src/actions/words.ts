@@ -1,6 +1,7 @@
 import { goalsPath } from "../api/actions";
 import { whyForbidden } from "../api/permissions";
-import type { ActionInfo, AnyGoal } from "../api/types";
+import type { ActionInfo } from "../api/types";
+import { NOT_CONNECTED } from "../fleet/context";
 import { isUnder } from "../fleet/names";
 import type { HeldStop } from "../stop/held";
 
@@ -15,20 +16,10 @@ interface Circumstances {
 export function whyNotSend({ live, action, stopped, sending }: Circumstances): string | null {
   const forbidden = whyForbidden("POST /actions/{name}/goals");
   if (forbidden !== null) return forbidden;
-  if (!live) return "Sending a goal needs the gateway, which is not connected.";
-  if (stopped) return "The robot is stopped: release the stop first.";
-  if (sending) return "Sending the goal; waiting for the action server's answer.";
-  if (action?.available !== true) return "Nobody offers this action now: start its action server.";
-  return null;
-}
-
-/** Why a goal cannot be canceled; null where it can. */
-export function whyNotCancel(live: boolean, goal: AnyGoal, canceling: boolean): string | null {
-  const forbidden = whyForbidden("POST /goals/{goal_id}/cancel");
-  if (forbidden !== null) return forbidden;
-  if (!live) return "Canceling needs the gateway, which is not connected.";
-  if (canceling || goal.status === "canceling") return "The goal is being canceled.";
-  if (goal.status === "pending") return "The action server has not answered yet.";
+  if (!live) return NOT_CONNECTED;
+  if (stopped) return "The robot is stopped. Release the stop first.";
+  if (sending) return "A goal was sent. The action server has not answered yet.";
+  if (action?.available !== true) return "No action server for this action. Start it first.";
   return null;
 }
 

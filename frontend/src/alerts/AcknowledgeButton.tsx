@@ -7,7 +7,7 @@ import { useFleet, useWhyNot } from "../fleet/context";
 import { Dialog } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
-import { useCommand } from "../ui/useCommand";
+import { useCommand } from "../ui/requests";
 import classes from "./alerts.module.css";
 
 /** Acknowledges an alert with the name that was given on this computer; asks for one where there is none. */

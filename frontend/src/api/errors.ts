@@ -109,7 +109,7 @@ const WORDS: Record<string, Words> = {
   },
   invalid_field: { title: "A value is not valid", advice: null },
   last_admin: {
-    title: "Nobody would be an admin any more",
+    title: "This is the last admin",
     advice: "Add another admin first.",
   },
   not_authenticated: { title: "You are not logged in", advice: "Log in, then try again." },
@@ -145,7 +145,7 @@ const WORDS: Record<string, Words> = {
   },
   stop_latched: {
     title: "A stop is latched",
-    advice: "See that nobody is in the robot's way, release the stop above, then send the goal again.",
+    advice: "Check that the area is clear, release the stop above, then send the goal again.",
   },
   stopped: {
     title: "A stop came first",

@@ -49,7 +49,7 @@ export function whyForbidden(command: Command): string | null {
     : null;
 }
 
-/** As `whyForbidden`; renders anew when somebody else has logged in. */
+/** As `whyForbidden`; re-renders when somebody else has logged in. */
 export function useForbidden(command: Command): string | null {
   useSession();
   return whyForbidden(command);

@@ -77,7 +77,7 @@ export function hasSession(kind: Principal["kind"] | undefined): boolean {
 /** That of this page. */
 export const session = new Session();
 
-/** Who uses this page; renders anew when that changes. */
+/** Who uses this page; re-renders when that changes. */
 export function useSession(): SessionState {
   return useSyncExternalStore(session.subscribe, () => session.state);
 }

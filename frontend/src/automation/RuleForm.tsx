@@ -80,7 +80,7 @@ export function RuleForm({ rule, rules, onDone }: RuleFormProps) {
             What you save applies at once.
           </Alert>
         )}
-        <NameInput value={by} description="Shown beside the rule." onChange={setBy} />
+        <NameInput value={by} description="Shown with the rule." onChange={setBy} />
         <SaveBar save={save} onCancel={onDone} />
       </Stack>
     </form>

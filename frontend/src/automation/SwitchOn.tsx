@@ -42,7 +42,7 @@ function Question({ rule, onClose, onSwitch }: Omit<SwitchOnProps, "opened">) {
         {conditionWords(rule)}
       </Text>
       <Text size="sm">Check that the ways to the docks are clear.</Text>
-      <NameInput value={name} description="Shown beside the rule." onChange={setName} />
+      <NameInput value={name} description="Shown with the rule." onChange={setName} />
       <Group justify="flex-end" gap="sm">
         <Button variant="default" onClick={onClose} data-autofocus>
           Cancel

@@ -1,4 +1,4 @@
-import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useEffect } from "react";
 import {
   type Decision,
@@ -9,26 +9,21 @@ import {
   type Rule,
   type RuleBody,
 } from "../api/automation";
-import { type CommandError, toCommandError } from "../api/errors";
 import { useFleet, useFleetLive, useFleetTopic } from "../fleet/context";
-import { useCommand } from "../ui/useCommand";
+import { useAnswer, useCommand } from "../ui/requests";
 
 const KEY = ["automation"] as const;
 const RULES = [...KEY, "rules"] as const;
 /** How often it is asked what rules wait for, and what others have changed (ms). */
 const REFETCH_MS = 5000;
 
-function failing(error: unknown): never {
-  throw toCommandError(error);
-}
-
 /** The rules, as they are now. @param refetchMs How often they are asked for. */
 export function useRules(refetchMs = REFETCH_MS) {
   const { http } = useFleet();
   const live = useFleetLive();
-  return useQuery<Rule[], CommandError>({
+  return useAnswer({
     queryKey: RULES,
-    queryFn: () => listRules(http).catch(failing),
+    queryFn: () => listRules(http),
     enabled: live,
     refetchInterval: refetchMs,
   });
@@ -37,18 +32,18 @@ export function useRules(refetchMs = REFETCH_MS) {
 /** The latest decisions of all rules. */
 export function useDecisions() {
   const { http } = useFleet();
-  return useQuery<Decision[], CommandError>({
+  return useAnswer({
     queryKey: [...KEY, "decisions"],
-    queryFn: () => listDecisions(http).catch(failing),
+    queryFn: () => listDecisions(http),
   });
 }
 
 /** The decision that sent a goal; null while it is not known. */
 export function useDecisionOf(goalId: string): Decision | null {
   const { http } = useFleet();
-  const { data } = useQuery<Decision | null, CommandError>({
+  const { data } = useAnswer({
     queryKey: [...KEY, "goal", goalId],
-    queryFn: async () => (await listDecisions(http, goalId).catch(failing))[0] ?? null,
+    queryFn: async () => (await listDecisions(http, goalId))[0] ?? null,
   });
   return data ?? null;
 }

@@ -108,7 +108,7 @@ function Values({ old }: { old: boolean }) {
   );
 }
 
-/** A text about the battery, rendered anew where it is another. */
+/** A text about the battery, re-rendered where it is another. */
 function Said({ read }: { read: (state: BatteryState) => string }) {
   return useTopicPart("battery", ({ state }) => (state === null ? "" : read(state)));
 }

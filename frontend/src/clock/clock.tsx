@@ -15,7 +15,7 @@ export function useGatewayNow(intervalMs = 1000): number {
   return useAtTime((now) => now, intervalMs);
 }
 
-/** What is read off the gateway's time (ms): looked at every `intervalMs`, rendered anew only where it is another. */
+/** What is read off the gateway's time (ms): looked at every `intervalMs`, re-rendered only where it is another. */
 export function useAtTime<Value extends string | number | boolean>(
   read: (now: number) => Value,
   intervalMs = 1000,

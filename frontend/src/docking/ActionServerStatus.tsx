@@ -44,7 +44,7 @@ function describe(server: ActionServer | null): { label: string; color: string; 
     return {
       label: "action server not there",
       color: "red",
-      hint: `Nobody offers ${server.action_name}. Start ${whatToStart("dock", server)}.`,
+      hint: `No action server for ${server.action_name}. Start ${whatToStart("dock", server)}.`,
     };
   }
   if (server.duplicate) {

@@ -11,8 +11,8 @@ import { CopyButton } from "../ui/CopyButton";
 import { Dialog } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
+import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
-import { useCommand } from "../ui/useCommand";
 
 const REFETCH_MS = 5000;
 const PREFIX = "external_detection_";

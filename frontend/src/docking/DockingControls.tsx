@@ -4,16 +4,17 @@ import { useId, useState } from "react";
 import type { Verb } from "../api/types";
 import { CHARGING, FULL } from "../battery/words";
 import { useNaming } from "../fleet/context";
+import { whyNotCancel } from "../goal/reasons";
 import { RobotStopButton, useStoppableAlone } from "../stop/RobotStop";
 import { useLive, useServices, useTopic, useTopicPart } from "../store/context";
 import type { GoalCourse } from "../store/goals";
 import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
-import { useCommand } from "../ui/useCommand";
+import { useCommand } from "../ui/requests";
 import classes from "./docking.module.css";
 import { takesBatteryGoal } from "./families";
 import { MoveDialog, useAsking } from "./MoveDialog";
-import { whyNotCancel, whyNotSend } from "./reasons";
+import { whyNotSend } from "./reasons";
 import { useDocks } from "./useDocks";
 
 /** Dock, Undock, Cancel, and a Stop of this robot alone where there are others; each says why where it cannot be used. */

@@ -59,7 +59,7 @@ export function GoalPanel({ goal }: { goal: GoalCourse }) {
   );
 }
 
-/** Rendered anew with each message that is shown, and nothing else is. */
+/** Re-rendered with each message that is shown, and nothing else is. */
 function FeedbackWords({ goal }: { goal: GoalCourse }) {
   const count = useTopicPart("goals", (goals) => goals.get(goal.goal_id)?.feedback_count ?? 0);
   const arrivals = useTopicPart("arrivals", (all) => all.get(goal.goal_id) ?? NONE);

@@ -30,14 +30,3 @@ export function whyNotSend(
   const name = server === null ? "" : ` ${server.action_name}`;
   return `No server offers the action${name}. Start ${whatToStart(verb, server)}.`;
 }
-
-/** Why nothing can be canceled now. */
-export function whyNotCancel(live: boolean, running: Running | null, pending: boolean): string | null {
-  const forbidden = whyForbidden("POST /goals/{goal_id}/cancel");
-  if (forbidden !== null) return forbidden;
-  if (!live) return NOT_CONNECTED;
-  if (running === null) return "No goal is running.";
-  if (pending || running.status === "canceling") return "The goal is being canceled.";
-  if (running.status === "pending") return "The action server has not answered yet.";
-  return null;
-}

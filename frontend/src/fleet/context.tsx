@@ -37,12 +37,12 @@ export function useFleet(): FleetServices {
   return services;
 }
 
-/** A topic of the fleet's store; renders anew when that topic changes, at most five times a second. */
+/** A topic of the fleet's store; re-renders when that topic changes, at most five times a second. */
 export function useFleetTopic<T extends FleetTopic>(topic: T): FleetTopics[T] {
   return useFleetPart(topic, (value) => value);
 }
 
-/** What is read off a topic of the fleet's store; renders anew only where that is another. */
+/** What is read off a topic of the fleet's store; re-renders only where that is another. */
 export function useFleetPart<T extends FleetTopic, Part>(
   topic: T,
   read: (value: FleetTopics[T]) => Part,
@@ -52,13 +52,13 @@ export function useFleetPart<T extends FleetTopic, Part>(
   return useSyncExternalStore(subscribe, () => read(store.get(topic)));
 }
 
-/** Whether what is shown of all robots is what the gateway says now. Renders anew when the login changes, too. */
+/** Whether what is shown of all robots is what the gateway says now. Re-renders when the login changes, too. */
 export function useFleetLive(): boolean {
   const { principal } = useSession();
   return useFleetPart("connection", ({ phase }) => phase === "live") && principal !== null;
 }
 
-/** The names of all robots; renders anew only when a name or a group changes. */
+/** The names of all robots; re-renders only when a name or a group changes. */
 export function useNaming(): Naming {
   return useFleetTopic("naming");
 }

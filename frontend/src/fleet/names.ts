@@ -112,7 +112,12 @@ export function defaultRobot(robots: ReadonlyMap<string, Robot>): string {
 
 /** Whether a namespace is another one, or in it. */
 export function isUnder(name: string, namespace: string): boolean {
-  return name === namespace || name.startsWith(namespace === "/" ? "/" : `${namespace}/`);
+  return name === namespace || isBelow(name, namespace);
+}
+
+/** Whether a name is in a namespace. */
+export function isBelow(name: string, namespace: string): boolean {
+  return name.startsWith(namespace === "/" ? "/" : `${namespace}/`);
 }
 
 const collator = new Intl.Collator(undefined, { numeric: true });

@@ -56,7 +56,7 @@ export const LINK_HINTS: Record<Link, string> = {
   connected: "Its action servers answer.",
   silent: "An action server is on the graph but does not answer: it may be frozen. Look at its log.",
   duplicate: "More than one action server serves its docking action: shut down all but one.",
-  gone: "Nobody offers its docking action: start its docking server.",
+  gone: "No action server for its docking action: start its docking server.",
   battery: "It has a battery topic and no docking action.",
   unreachable:
     "Neither its docking server nor its battery is heard. Check that the robot is switched on and on the network.",

@@ -5,16 +5,17 @@ import { useActionsApi, useSchemas } from "../actions/useActions";
 import { goalExportUrl } from "../api/goals";
 import { whyForbidden } from "../api/permissions";
 import type { AnyGoal, StopState } from "../api/types";
-import { useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
+import { NOT_CONNECTED, useFleetLive, useFleetTopic, useNaming } from "../fleet/context";
+import { isBelow } from "../fleet/names";
 import { GoalStatusBadge } from "../goal/facts";
-import { isTerminal } from "../store/goals";
+import { whyNotCancel } from "../goal/reasons";
 import { CopyButton } from "../ui/CopyButton";
 import { Dialog } from "../ui/Dialog";
 import { Downloads } from "../ui/Downloads";
 import { CommandErrorAlert } from "../ui/errors";
 import { NOT_MEASURED } from "../ui/messageWords";
 import { ReasonButton } from "../ui/ReasonButton";
-import { useCommand } from "../ui/useCommand";
+import { useCommand } from "../ui/requests";
 import { NamedMessage } from "./GoalMessages";
 import { goalPath } from "./GoalsTable";
 import classes from "./goalPage.module.css";
@@ -29,7 +30,7 @@ export function GoalCommands({ goal }: { goal: AnyGoal }) {
   const [asking, setAsking] = useState(false);
   const cancel = useCommand(async () => watch.take(await api.cancel(goal.goal_id)));
   const again = useCommand(() => actions.send(goal.action_name, JSON.stringify(goal.goal)));
-  const cancelReason = whyNotCancel(goal, live, cancel.isPending);
+  const cancelReason = whyNotCancel(live, goal, cancel.isPending);
   const againReason = whyNotAgain(goal, live, stop, again.isPending);
   const send = () => {
     setAsking(false);
@@ -117,18 +118,6 @@ function AskAgain({ goal, opened, reason, onClose, onSend }: AskAgainProps) {
   );
 }
 
-const NOT_CONNECTED = "Commands need the gateway, which is not connected.";
-
-function whyNotCancel(goal: AnyGoal, live: boolean, pending: boolean): string | null {
-  const forbidden = whyForbidden("POST /goals/{goal_id}/cancel");
-  if (forbidden !== null) return forbidden;
-  if (goal.status !== "lost" && isTerminal(goal.status)) return "The goal has ended.";
-  if (!live) return NOT_CONNECTED;
-  if (pending || goal.status === "canceling") return "The goal is being canceled.";
-  if (goal.status === "pending") return "The action server has not answered yet.";
-  return null;
-}
-
 function whyNotAgain(goal: AnyGoal, live: boolean, stop: StopState, pending: boolean): string | null {
   const forbidden = whyForbidden("POST /actions/{name}/goals");
   if (forbidden !== null) return forbidden;
@@ -137,12 +126,8 @@ function whyNotAgain(goal: AnyGoal, live: boolean, stop: StopState, pending: boo
     return `The goal's message is missing: ${reason}.`;
   }
   if (!live) return NOT_CONNECTED;
-  if (stop.latched && stop.robots.some((robot) => isOn(goal.action_name, robot))) {
+  if (stop.latched && stop.robots.some((robot) => isBelow(goal.action_name, robot))) {
     return "The robot is stopped. Release the stop first.";
   }
-  return pending ? "Sending the goal; waiting for the action server's answer." : null;
-}
-
-function isOn(actionName: string, robot: string): boolean {
-  return actionName.startsWith(robot === "/" ? "/" : `${robot}/`);
+  return pending ? "A goal was sent. The action server has not answered yet." : null;
 }

@@ -1,15 +1,14 @@
 import { Group, Skeleton, Stack, TagsInput, Text, Textarea, TextInput } from "@mantine/core";
-import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { type FormEvent, type KeyboardEvent, useMemo, useState } from "react";
 import { MAX_NAME, ownName, setOwnName } from "../access/who";
-import { type CommandError, toCommandError } from "../api/errors";
 import { createNotesApi, type GoalNotes, type Note, type NotesApi } from "../api/goals";
 import { useFleet, useWhyNot } from "../fleet/context";
 import { CommandErrorAlert, Trouble } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
+import { useAnswer, useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { Time } from "../ui/Time";
-import { useCommand } from "../ui/useCommand";
 import classes from "./goalPage.module.css";
 import { TAGS_KEY, useTags } from "./TagSelect";
 
@@ -215,12 +214,9 @@ export function useNotes(goalId: string) {
   const client = useQueryClient();
   const api = useMemo(() => createNotesApi(http, goalId), [http, goalId]);
   const key = ["notes", goalId];
-  const { data, error, refetch } = useQuery<GoalNotes, CommandError>({
+  const { data, error, refetch } = useAnswer({
     queryKey: key,
-    queryFn: () =>
-      api.read().catch((error: unknown) => {
-        throw toCommandError(error);
-      }),
+    queryFn: () => api.read(),
     refetchInterval: REFETCH_MS,
   });
   const change = useCommand(async (send: (api: NotesApi) => Promise<GoalNotes>) => {

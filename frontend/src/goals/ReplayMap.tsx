@@ -1,13 +1,12 @@
 import { Text } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
 import { useEffect, useId, useMemo, useState } from "react";
-import { type CommandError, toCommandError } from "../api/errors";
 import type { AnyGoal, PoseEvent } from "../api/types";
 import { onBeat } from "../clock/beat";
 import { RecordedScene } from "../scene/recorded";
 import { SceneCanvas } from "../scene/SceneCanvas";
 import { describePose } from "../scene/words";
 import { Trouble } from "../ui/errors";
+import { useAnswer } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { useWatched } from "./useGoalWatch";
 
@@ -23,12 +22,9 @@ export default function ReplayMap({ goal }: { goal: AnyGoal }) {
     data: poses = [],
     error,
     refetch,
-  } = useQuery<PoseEvent[], CommandError>({
+  } = useAnswer({
     queryKey: ["poses", goal.goal_id, goal.finished_at],
-    queryFn: () =>
-      api.poses(goal.goal_id).catch((error: unknown) => {
-        throw toCommandError(error);
-      }),
+    queryFn: () => api.poses(goal.goal_id),
     staleTime: Number.POSITIVE_INFINITY,
   });
   if (error !== null)

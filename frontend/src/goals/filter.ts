@@ -1,5 +1,6 @@
 import type { GoalQuery } from "../api/goals";
 import type { AnyGoal, GoalStatus, ListedGoal } from "../api/types";
+import { isBelow } from "../fleet/names";
 import {
   ANY_TIME,
   boundsOf,
@@ -130,8 +131,4 @@ function statusesOf(state: GoalState): readonly GoalStatus[] {
 /** Of an id, which may be written without its hyphens and in upper case. */
 function digitsOf(id: string): string {
   return id.replaceAll("-", "").toLowerCase();
-}
-
-function isBelow(name: string, namespace: string): boolean {
-  return name.startsWith(namespace === "/" ? "/" : `${namespace}/`);
 }

@@ -54,7 +54,7 @@ export function useWatched(): Watched {
   return watched;
 }
 
-/** A topic of the goal of this page; renders anew when it changes, at most five times a second. */
+/** A topic of the goal of this page; re-renders when it changes, at most five times a second. */
 export function useWatchTopic<T extends keyof WatchTopics>(topic: T): WatchTopics[T] {
   const { watch } = useWatched();
   const subscribe = useCallback((listener: () => void) => watch.subscribe(topic, listener), [watch, topic]);

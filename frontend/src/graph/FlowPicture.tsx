@@ -19,7 +19,7 @@ const FIT = { padding: 0.06, maxZoom: 1 } as const;
 
 interface FlowPictureProps {
   elements: Elements;
-  /** All is laid out anew when this changes. */
+  /** All is arranged again when this changes. */
   arrangement: string;
   /** The ids that the search has found; null without a search. */
   matching: ReadonlySet<string> | null;
@@ -32,7 +32,7 @@ export function FlowPicture({ elements, arrangement, matching, selected, onSelec
   const scheme = useComputedColorScheme("light");
   const frame = useRef<HTMLDivElement>(null);
   const flow = useReactFlow<VertexNode, LinkEdge>();
-  const { places, routes, times, move, layOutAnew } = usePlaces(elements, arrangement);
+  const { places, routes, times, move, rearrange } = usePlaces(elements, arrangement);
   const [walked, setWalked] = useState<string | null>(null);
   const tabStop =
     [walked, selected].find((id) => id !== null && places.has(id)) ?? elements.vertices[0]?.id ?? null;
@@ -133,7 +133,7 @@ export function FlowPicture({ elements, arrangement, matching, selected, onSelec
             onIn={() => zoom("zoomIn")}
             onOut={() => zoom("zoomOut")}
             onFit={() => show(null)}
-            onAnew={layOutAnew}
+            onRearrange={rearrange}
           />
         </Panel>
       </ReactFlow>

@@ -17,7 +17,7 @@ interface GraphPictureProps {
   /** What of it the search has found. */
   found: Graph;
   shown: Shown;
-  /** All is laid out anew when this changes. */
+  /** All is arranged again when this changes. */
   arrangement: string;
   selected: Thing | null;
   change: ChangeView;

@@ -27,7 +27,7 @@ export function ServedDetails(props: ServedDetailsProps) {
     <Stack gap="md">
       <TypeNames types={types} />
       <ThingList title="Servers" kind="node" names={servers} absent={unserved} change={change} />
-      <ThingList title="Clients" kind="node" names={clients} absent="Nobody." change={change} />
+      <ThingList title="Clients" kind="node" names={clients} absent="None." change={change} />
       {children}
       <Command line={line} what="the command for a terminal" />
     </Stack>
@@ -41,7 +41,7 @@ export function ActionDetails({ action, change }: { action: GraphAction; change:
     <ServedDetails
       types={types}
       servers={servers}
-      unserved="Nobody: goals would not be answered."
+      unserved="None: goals are not answered."
       clients={clients}
       line={`curl ${window.location.origin}/actions${name}`}
       change={change}
@@ -70,7 +70,7 @@ export function ServiceDetails({ service: { name, types, servers }, nodes, chang
     <ServedDetails
       types={types}
       servers={servers}
-      unserved="Nobody: who calls it waits."
+      unserved="None: calls wait."
       clients={clientsOf(nodes).get(name) ?? []}
       line={`ros2 service call ${name} ${types[0] ?? ""}`}
       change={change}

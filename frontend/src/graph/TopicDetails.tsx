@@ -40,14 +40,14 @@ export function TopicDetails({ topic, echo, change }: TopicDetailsProps) {
       <Echo topic={name} on={echo} onSwitch={(on) => change({ echo: on })} />
       <EndpointList
         title="Publishers"
-        absent="Nobody publishes."
+        absent="None."
         endpoints={publishers}
         conflicting={conflicts.map(({ publisher }) => publisher)}
         change={change}
       />
       <EndpointList
         title="Subscribers"
-        absent="Nobody listens."
+        absent="None."
         endpoints={subscribers}
         conflicting={conflicts.map(({ subscriber }) => subscriber)}
         change={change}

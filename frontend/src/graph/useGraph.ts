@@ -1,7 +1,8 @@
 import { type UseQueryResult, useQuery, useQueryClient } from "@tanstack/react-query";
-import { type CommandError, toCommandError } from "../api/errors";
+import type { CommandError } from "../api/errors";
 import { type Graph, gatewayNode, readGraph, type TaggedGraph } from "../api/graph";
 import { useFleet } from "../fleet/context";
+import { useAnswer } from "../ui/requests";
 
 const INTERVAL_MS = 2000;
 const KEY = ["graph"];
@@ -10,12 +11,9 @@ const KEY = ["graph"];
 export function useGraph(): UseQueryResult<Graph, CommandError> {
   const { http } = useFleet();
   const client = useQueryClient();
-  return useQuery<TaggedGraph, CommandError, Graph>({
+  return useAnswer({
     queryKey: KEY,
-    queryFn: () =>
-      readGraph(http, client.getQueryData<TaggedGraph>(KEY)).catch((error: unknown) => {
-        throw toCommandError(error);
-      }),
+    queryFn: () => readGraph(http, client.getQueryData<TaggedGraph>(KEY)),
     select: graphOf,
     refetchInterval: INTERVAL_MS,
   });

@@ -13,7 +13,7 @@ interface Laid extends Layout {
 export interface Arranged extends Layout {
   times: number;
   move: (moved: ReadonlyMap<string, Place>) => void;
-  layOutAnew: () => void;
+  rearrange: () => void;
 }
 
 /**
@@ -35,10 +35,10 @@ export function usePlaces(elements: Elements, arrangement: string): Arranged {
       setLaid((before) => ({ ...before, places: new Map([...before.places, ...moved]) })),
     [],
   );
-  const layOutAnew = useCallback(
+  const rearrange = useCallback(
     () => setLaid((before) => ({ ...before, ...layOut(before.elements), times: before.times + 1 })),
     [],
   );
   const { places, routes, times } = current;
-  return { places, routes, times, move, layOutAnew };
+  return { places, routes, times, move, rearrange };
 }

@@ -66,7 +66,7 @@ export function WebhookForm({ webhook, webhooks, onDone }: WebhookFormProps) {
           onChange={(value) => change({ warnings: value === "all" })}
         />
         <RobotFields chosen={draft} error={shown.robots} onChange={change} />
-        <NameInput value={by} description="Shown beside the webhook." onChange={setBy} />
+        <NameInput value={by} description="Shown with the webhook." onChange={setBy} />
         <SaveBar save={save} onCancel={() => onDone(null)} />
       </Stack>
     </form>

@@ -20,7 +20,7 @@ export function setPreferences(change: Partial<Preferences>): void {
   chosen.value = { ...chosen.value, ...change };
 }
 
-/** Renders anew when they change. */
+/** Re-renders when they change. */
 export function usePreferences(): Preferences {
   return useKept(chosen);
 }

@@ -1,34 +1,27 @@
-import { useQuery, useQueryClient } from "@tanstack/react-query";
-import { type CommandError, toCommandError } from "../api/errors";
+import { useQueryClient } from "@tanstack/react-query";
 import { useForbidden } from "../api/permissions";
 import {
-  type Delivery,
   deleteWebhook,
   listDeliveries,
   listWebhooks,
   putWebhook,
   type StoredWebhook,
   testWebhook,
-  type Webhook,
   type WebhookBody,
 } from "../api/webhooks";
 import { useFleet, useFleetLive } from "../fleet/context";
-import { useCommand } from "../ui/useCommand";
+import { useAnswer, useCommand } from "../ui/requests";
 
 const KEY = ["webhooks"] as const;
 /** How often it is asked what was sent, and what others have changed (ms). */
 const REFETCH_MS = 5000;
 
-function failing(error: unknown): never {
-  throw toCommandError(error);
-}
-
 /** The webhooks, as they are now. */
 export function useWebhooks() {
   const { http } = useFleet();
-  return useQuery<Webhook[], CommandError>({
+  return useAnswer({
     queryKey: KEY,
-    queryFn: () => listWebhooks(http).catch(failing),
+    queryFn: () => listWebhooks(http),
     enabled: useEnabled(),
     refetchInterval: REFETCH_MS,
   });
@@ -43,9 +36,9 @@ function useEnabled(): boolean {
 /** What was and is to be sent to a webhook. */
 export function useDeliveries(id: string) {
   const { http } = useFleet();
-  return useQuery<Delivery[], CommandError>({
+  return useAnswer({
     queryKey: [...KEY, id, "deliveries"],
-    queryFn: () => listDeliveries(http, id).catch(failing),
+    queryFn: () => listDeliveries(http, id),
     enabled: useEnabled(),
     refetchInterval: REFETCH_MS,
   });

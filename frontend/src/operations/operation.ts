@@ -1,5 +1,6 @@
 import type { GoalSummary, Robot, Verb } from "../api/types";
-import { whyNotCancel, whyNotSend } from "../docking/reasons";
+import { whyNotSend } from "../docking/reasons";
+import { whyNotCancel } from "../goal/reasons";
 
 /** What can be done to robots, one or several, from any page. */
 export const OPERATIONS = ["dock", "undock", "cancel", "stop"] as const;

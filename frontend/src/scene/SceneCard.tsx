@@ -7,9 +7,9 @@ import { FreshnessBadge } from "../fleet/badges";
 import { useScene, useServices, useTopicPart } from "../store/context";
 import { useFreshness } from "../store/freshness";
 import { CommandErrorAlert } from "../ui/errors";
+import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
 import { lowerFirst } from "../ui/text";
-import { useCommand } from "../ui/useCommand";
 import { SCENE_COLORS } from "./colors";
 import { SceneCanvas } from "./SceneCanvas";
 import classes from "./scene.module.css";
@@ -83,7 +83,7 @@ function NoScene({ live, simulated }: { live: boolean; simulated: boolean }) {
         {live && simulated && "The simulator is there; its first pose has not come."}
         {live && !simulated && (
           <>
-            Nobody says where the robot is. A real robot does with odometry: <Code>nav_msgs/Odometry</Code> on{" "}
+            No pose of the robot. A real robot tells it with odometry: <Code>nav_msgs/Odometry</Code> on{" "}
             <Code>odom</Code>; its dock shows up with the first detection of the marker,{" "}
             <Code>geometry_msgs/PoseStamped</Code> on <Code>detected_dock_pose</Code>. Without a robot,{" "}
             <Code>dock-gateway up</Code> starts a simulated one.

@@ -76,7 +76,7 @@ export class Camera {
     return toWorld(this.view, this.#size, place);
   }
 
-  /** Chooses anew where it does so by itself. @param points What is to be seen. @param robot Which is followed. */
+  /** Chooses again where it does so by itself. @param points What is to be seen. @param robot Which is followed. */
   aim(points: readonly Point[], robot: Point | null): void {
     if (this.#followedScale !== null && robot !== null) this.#aimAt(robot, this.#followedScale);
     else if (!this.#chosenByHand) this.#target = follow(this.#target, points, this.#inside);

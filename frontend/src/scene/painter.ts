@@ -51,7 +51,7 @@ export class Painter extends Picture {
   #frame: number | undefined;
   #cancelBeat: (() => void) | undefined;
   #drawnAt = 0;
-  /** What is on the canvas; null where that is to be drawn anew in any case. */
+  /** What is on the canvas; null where that is to be redrawn in any case. */
   #drawn: Drawn | null = null;
   readonly #ground = new Ground();
   readonly #unsubscribe: () => void;

@@ -25,7 +25,7 @@ export function describeScene(scene: Scene, docked: boolean | null): string {
 function describeDocking(scene: Scene, robot: Pose, told: boolean | null): string {
   const goal = shapesOf(scene).docked;
   if (goal === null)
-    return told === null ? "Where the dock is, is not known." : told ? "Docked." : "Not docked.";
+    return told === null ? "Position of the dock unknown." : told ? "Docked." : "Not docked.";
   const away = distance(robot, goal);
   const turned = Math.abs(normalizeAngle(robot.theta - goal.theta));
   const docked = told ?? (away <= CONTACT_RADIUS_M && turned <= CONTACT_ANGLE_RAD);

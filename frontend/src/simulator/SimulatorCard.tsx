@@ -7,8 +7,8 @@ import { useLive, useServices, useTopic } from "../store/context";
 import { toRadians } from "../store/geometry";
 import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
+import { useCommand } from "../ui/requests";
 import { Section } from "../ui/Section";
-import { useCommand } from "../ui/useCommand";
 import { FAULTS } from "./faults";
 
 const NOT_CONNECTED = "The simulator is out of reach while the gateway is not connected.";

@@ -1,9 +1,8 @@
-import { keepPreviousData, useQuery } from "@tanstack/react-query";
+import { keepPreviousData } from "@tanstack/react-query";
 import { useEffect } from "react";
-import { type CommandError, toCommandError } from "../api/errors";
 import { fetchStatistics } from "../api/statistics";
-import type { Statistics } from "../api/types";
 import { useFleet, useFleetLive } from "../fleet/context";
+import { useAnswer } from "../ui/requests";
 import { useZone } from "../ui/zone";
 import { isTooLong, toQuery, type View, writeView } from "./view";
 
@@ -16,12 +15,9 @@ export function useStatistics(view: View) {
   const zone = useZone();
   const tooLong = isTooLong(view, store.gatewayNow());
   const possible = !tooLong;
-  const query = useQuery<Statistics, CommandError>({
+  const query = useAnswer({
     queryKey: ["statistics", zone, writeView(view).toString()],
-    queryFn: ({ signal }) =>
-      fetchStatistics(http, toQuery(view, store.gatewayNow()), signal).catch((error: unknown) => {
-        throw toCommandError(error);
-      }),
+    queryFn: ({ signal }) => fetchStatistics(http, toQuery(view, store.gatewayNow()), signal),
     enabled: possible,
     placeholderData: keepPreviousData,
     refetchInterval: live ? EVERY_MS : false,

@@ -3,7 +3,7 @@ import { whoStops } from "../access/who";
 import { useFleetPart, useNaming } from "../fleet/context";
 import { defaultRobot } from "../fleet/names";
 import { useServices } from "../store/context";
-import { useCommand } from "../ui/useCommand";
+import { useCommand } from "../ui/requests";
 import { announceStop } from "./notices";
 
 /**

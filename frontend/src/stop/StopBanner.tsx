@@ -6,8 +6,8 @@ import type { Naming } from "../fleet/names";
 import { Dialog } from "../ui/Dialog";
 import { CommandErrorAlert } from "../ui/errors";
 import { ReasonButton } from "../ui/ReasonButton";
+import { useCommand } from "../ui/requests";
 import { Time } from "../ui/Time";
-import { useCommand } from "../ui/useCommand";
 import { type HeldStop, heldStops, holdsAll } from "./held";
 import classes from "./stop.module.css";
 

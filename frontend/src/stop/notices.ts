@@ -87,7 +87,7 @@ export function showStopped(
     show(robots, {
       color: "red",
       title: unreached
-        ? "Not every robot was told to stand still"
+        ? "Stop did not reach every robot"
         : "Zero velocity was sent, but not every goal is canceled",
       message: `${failures.join("; ")}. Use the robot's own emergency stop if it moves.${warned}`,
       autoClose: false,

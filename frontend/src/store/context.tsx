@@ -33,13 +33,13 @@ export function useServices(): Services {
   return services;
 }
 
-/** A topic of the store; renders anew when that topic changes, at most five times a second. */
+/** A topic of the store; re-renders when that topic changes, at most five times a second. */
 export function useTopic<T extends Topic>(topic: T): Topics[T] {
   return useTopicPart(topic, (value) => value);
 }
 
 /**
- * What is read off a topic of the store; renders anew only where that is another, which for texts and numbers is less often
+ * What is read off a topic of the store; re-renders only where that is another, which for texts and numbers is less often
  * than the topic changes.
  */
 export function useTopicPart<T extends Topic, Part>(topic: T, read: (value: Topics[T]) => Part): Part {
@@ -48,7 +48,7 @@ export function useTopicPart<T extends Topic, Part>(topic: T, read: (value: Topi
   return useSyncExternalStore(subscribe, () => read(store.get(topic)));
 }
 
-/** Whether what is shown is what the gateway says now. Renders anew when the login changes, too. */
+/** Whether what is shown is what the gateway says now. Re-renders when the login changes, too. */
 export function useLive(): boolean {
   const { principal } = useSession();
   return useTopicPart("connection", ({ phase }) => phase === "live") && principal !== null;
@@ -56,7 +56,7 @@ export function useLive(): boolean {
 
 const INTERVAL_MS = 400;
 
-/** What words and buttons read off the latest scene, rendered anew where it is another; the picture does without React. */
+/** What words and buttons read off the latest scene, re-rendered where it is another; the picture does without React. */
 export function useScene<Part extends string | number | boolean>(read: (scene: Scene | null) => Part): Part {
   const { scene: buffer } = useServices();
   return useAtTime(() => read(buffer.latest), INTERVAL_MS);

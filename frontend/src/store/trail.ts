@@ -40,7 +40,7 @@ export class Trail {
   }
 }
 
-/** The way through scenes, oldest first; it begins anew where the frame is another. */
+/** The way through scenes, oldest first; it starts again where the frame is another. */
 export function trailOf(scenes: readonly Scene[]): Trail {
   const trail = new Trail();
   for (const [index, { frame, robot }] of scenes.entries()) {

@@ -26,7 +26,7 @@ export function streamUrl(location: StreamLocation, query: StreamQuery, path = "
   return url.href;
 }
 
-/** Half a second, growing to eight; drawn anew for each attempt, so that a hundred open pages do not return as one. */
+/** Half a second, growing to eight; drawn again for each attempt, so that a hundred open pages do not return as one. */
 const backoff: Options = {
   get minReconnectionDelay() {
     return 400 + Math.random() * 600;

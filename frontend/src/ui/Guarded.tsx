@@ -3,7 +3,7 @@ import type { ReactNode } from "react";
 import { ErrorBoundary } from "react-error-boundary";
 
 interface GuardedProps {
-  /** What is shown anew when this changes. */
+  /** What is shown again when this changes. */
   of: string;
   children: ReactNode;
 }

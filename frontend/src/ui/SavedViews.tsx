@@ -73,8 +73,7 @@ export function SavedViews({ page, query, variant = "default" }: SavedViewsProps
           />
           {kept ? (
             <Text size="sm" c="dimmed">
-              Saves what is set on this page under a name. Views are stored in this browser only: nobody else
-              sees them.
+              Saves what is set on this page under a name, in this browser only.
             </Text>
           ) : (
             <Text size="sm" role="alert">

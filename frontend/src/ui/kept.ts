@@ -62,7 +62,7 @@ export class Kept<T> {
   };
 }
 
-/** The value, which renders anew when it changes. */
+/** The value, which re-renders when it changes. */
 export function useKept<T>(kept: Kept<T>): T {
   return useSyncExternalStore(kept.subscribe, () => kept.value);
 }

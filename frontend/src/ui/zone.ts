@@ -17,7 +17,7 @@ export function setZone(zone: Zone): void {
   chosen.value = zone;
 }
 
-/** Renders anew when it changes. */
+/** Re-renders when it changes. */
 export function useZone(): Zone {
   return useKept(chosen);
 }

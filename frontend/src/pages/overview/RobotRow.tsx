@@ -34,7 +34,7 @@ interface RobotRowProps {
   measure: (row: HTMLTableRowElement | null) => void;
 }
 
-/** A robot in the table. Rendered anew only where that robot is another, as the store keeps those that did not change. */
+/** A robot in the table. Re-rendered only where that robot is another, as the store keeps those that did not change. */
 export const RobotRow = memo(function RobotRow({
   robot,
   index,

@@ -6,7 +6,7 @@ import { useFreshness } from "../../store/freshness";
 import { isTerminal } from "../../store/goals";
 
 /**
- * Asks, whenever the page is connected anew or the scene stops or goes on, for what the snapshot does not hold; events
+ * Asks, whenever the page reconnects or the scene stops or goes on, for what the snapshot does not hold; events
  * tell of what changes later. Shows nothing. The simulator is asked for where there is a true pose, which nobody else tells;
  * the stored poses of a goal that ran already when the page was opened, once.
  */

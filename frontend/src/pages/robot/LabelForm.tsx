@@ -4,7 +4,7 @@ import { putLabel } from "../../api/client";
 import { useFleet, useNaming } from "../../fleet/context";
 import { namespaceWords } from "../../fleet/names";
 import { SaveBar } from "../../ui/Dialog";
-import { useCommand } from "../../ui/useCommand";
+import { useCommand } from "../../ui/requests";
 
 /** As the gateway allows. */
 const MAX_NAME = 60;
