@@ -115,7 +115,7 @@ export function pressEscape(time: number): void {
 /** Renders something within all that a page has. */
 export function renderWithin(fleet: FleetServices, children: ReactNode, path = "/") {
   render(
-    <MantineProvider theme={theme} env="test">
+    <MantineProvider theme={theme} env="test" withCssVariables={false}>
       <Notifications />
       <QueryClientProvider client={createQueryClient()}>
         <FleetProvider value={fleet}>

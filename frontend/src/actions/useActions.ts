@@ -1,5 +1,5 @@
 import { useMemo } from "react";
-import { type ActionsApi, createActionsApi } from "../api/actions";
+import { createActionsApi } from "../api/actions";
 import type { ActionInfo } from "../api/types";
 import { useFleet } from "../fleet/context";
 import { useAnswer } from "../ui/requests";
@@ -7,7 +7,7 @@ import { useAnswer } from "../ui/requests";
 /** How often the graph is looked at. */
 const LOOK_EVERY_MS = 2000;
 
-export function useActionsApi(): ActionsApi {
+export function useActionsApi() {
   const { http } = useFleet();
   return useMemo(() => createActionsApi(http), [http]);
 }

@@ -10,27 +10,20 @@ export interface ActionSchemas {
 }
 
 /** What can be asked of any action on the graph. Each call is one request; every failure is a CommandError. */
-export interface ActionsApi {
-  list(): Promise<ActionInfo[]>;
-  /** @param type As in `package/action/Type`. */
-  schemas(type: string): Promise<ActionSchemas>;
-  /** @param body The goal message as JSON, sent as it is. */
-  send(action: string, body: string): Promise<AnyGoal>;
-  /** The newest goals of an action. */
-  goals(action: string, limit: number): Promise<AnyGoal[]>;
-}
-
-export function createActionsApi(http: Http): ActionsApi {
+export function createActionsApi(http: Http) {
   return {
-    list: async () => (await settle(http.GET("/actions", { signal: deadline() }))).actions,
-    schemas: (type) => {
+    list: async (): Promise<ActionInfo[]> =>
+      (await settle(http.GET("/actions", { signal: deadline() }))).actions,
+    /** @param type As in `package/action/Type`. */
+    schemas: (type: string): Promise<ActionSchemas> => {
       const [packageName = "", , name = ""] = type.split("/");
       const path = { package: packageName, name };
       return settle(
         http.GET("/interfaces/{package}/action/{name}", { params: { path }, signal: deadline() }),
       );
     },
-    send: (action, body) =>
+    /** @param body The goal message as JSON, sent as it is. */
+    send: (action: string, body: string): Promise<AnyGoal> =>
       settle(
         http.POST("/actions/{name}/goals", {
           params: { path: { name: action } },
@@ -40,7 +33,8 @@ export function createActionsApi(http: Http): ActionsApi {
           signal: deadline(),
         }),
       ),
-    goals: async (action, limit) => {
+    /** The newest goals of an action. */
+    goals: async (action: string, limit: number): Promise<AnyGoal[]> => {
       const query = { action: [action], limit };
       return (await settle(http.GET("/goals", { params: { query }, signal: deadline() }))).goals;
     },

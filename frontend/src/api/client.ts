@@ -20,36 +20,6 @@ import type {
 const CALIBRATION_TIMEOUT_MS = 25_000;
 
 /**
- * What can be asked of a robot. Each call is one HTTP request: nothing is sent again by itself, because a command
- * that arrives late is worse than one that fails. Every failure is a CommandError.
- */
-export interface Gateway {
-  /**
-   * @param desiredStatus How its battery is to be; null where the docking server has no such goals.
-   * @param dockId The name of the dock; the default one without it.
-   */
-  dock(desiredStatus: number | null, dockId?: string): Promise<Goal>;
-  /** The docks that the docking server knows by name. */
-  docks(): Promise<DockList>;
-  undock(): Promise<Goal>;
-  cancel(goalId: string): Promise<Goal>;
-  /** Stops, and lets nobody go on until `release`; also several robots with one request. */
-  stop(by: string, robots?: readonly string[]): Promise<StopReport>;
-  release(): Promise<StopState>;
-  publishOnce(state: BatteryStateInput): Promise<void>;
-  publishRepeatedly(state: BatteryStateInput, rateHz: number): Promise<Publisher>;
-  stopPublishing(): Promise<void>;
-  /** Null where there is no simulator. */
-  simulator(): Promise<Simulator | null>;
-  resetSimulator(): Promise<void>;
-  placeRobot(pose: Pose): Promise<void>;
-  switchFault(fault: Fault, active: boolean): Promise<void>;
-  calibrationService(): Promise<CalibrationService>;
-  /** Measures where the docked robot stands, which takes seconds. */
-  calibrate(): Promise<Calibration>;
-}
-
-/**
  * A key for one request: where a proxy or the browser sends it twice, the gateway sends one goal. `crypto.randomUUID` is
  * missing on pages without HTTPS.
  */
@@ -57,8 +27,13 @@ function newKey(): string {
   return Array.from(crypto.getRandomValues(new Uint32Array(4)), (part) => part.toString(36)).join("-");
 }
 
-/** @param robot The robot's namespace; null for the one that the gateway is configured for (to stop: for all of them). */
-export function createGateway(http: Http, robot: string | null = null): Gateway {
+/**
+ * What can be asked of a robot. Each call is one HTTP request: nothing is sent again by itself, because a command
+ * that arrives late is worse than one that fails. Every failure is a CommandError.
+ *
+ * @param robot The robot's namespace; null for the one that the gateway is configured for (to stop: for all of them).
+ */
+export function createGateway(http: Http, robot: string | null = null) {
   const query = robot === null ? {} : { robot };
   const options = () => ({ params: { query }, signal: deadline() });
   const goalOptions = () => ({
@@ -67,33 +42,40 @@ export function createGateway(http: Http, robot: string | null = null): Gateway 
   });
 
   return {
-    dock: (desiredStatus, dockId) => {
+    /**
+     * @param desiredStatus How its battery is to be; null where the docking server has no such goals.
+     * @param dockId The name of the dock; the default one without it.
+     */
+    dock: (desiredStatus: number | null, dockId?: string): Promise<Goal> => {
       const body = {
         ...(desiredStatus !== null && { desired_battery_state: { power_supply_status: desiredStatus } }),
         ...(dockId !== undefined && { dock_id: dockId }),
       };
       return settle(http.POST("/dock", { ...(Object.keys(body).length > 0 && { body }), ...goalOptions() }));
     },
-    docks: () => settle(http.GET("/docks", options())),
-    undock: () => settle(http.POST("/undock", goalOptions())),
-    cancel: async (goalId) =>
+    /** The docks that the docking server knows by name. */
+    docks: (): Promise<DockList> => settle(http.GET("/docks", options())),
+    undock: (): Promise<Goal> => settle(http.POST("/undock", goalOptions())),
+    cancel: async (goalId: string) =>
       (await settle(
         http.POST("/goals/{goal_id}/cancel", { params: { path: { goal_id: goalId } }, signal: deadline() }),
       )) as Goal,
-    stop: (by, robots = robot === null ? [] : [robot]) =>
+    /** Stops, and lets nobody go on until `release`; also several robots with one request. */
+    stop: (by: string, robots: readonly string[] = robot === null ? [] : [robot]): Promise<StopReport> =>
       settle(
         http.POST("/stop", { body: { by }, params: { query: { robot: [...robots] } }, signal: deadline() }),
       ),
-    release: () => settle(http.DELETE("/stop", options())),
-    publishOnce: async (state) => {
+    release: (): Promise<StopState> => settle(http.DELETE("/stop", options())),
+    publishOnce: async (state: BatteryStateInput) => {
       await settle(http.POST("/battery", { body: state, ...options() }));
     },
-    publishRepeatedly: (state, rateHz) =>
+    publishRepeatedly: (state: BatteryStateInput, rateHz: number): Promise<Publisher> =>
       settle(http.PUT("/battery/publisher", { body: { state, rate_hz: rateHz }, ...options() })),
     stopPublishing: async () => {
       await settle(http.DELETE("/battery/publisher", options()));
     },
-    simulator: () =>
+    /** Null where there is no simulator. */
+    simulator: (): Promise<Simulator | null> =>
       settle<Simulator>(http.GET("/simulator", options())).catch((error: unknown) => {
         if (error instanceof CommandError && error.code === "simulator_not_found") return null;
         throw error;
@@ -101,10 +83,10 @@ export function createGateway(http: Http, robot: string | null = null): Gateway 
     resetSimulator: async () => {
       await settle(http.POST("/simulator/reset", options()));
     },
-    placeRobot: async (pose) => {
+    placeRobot: async (pose: Pose) => {
       await settle(http.POST("/simulator/place", { body: pose, ...options() }));
     },
-    switchFault: async (fault, active) => {
+    switchFault: async (fault: Fault, active: boolean) => {
       await settle(
         http.PUT("/simulator/faults/{fault}", {
           params: { path: { fault }, query },
@@ -113,25 +95,24 @@ export function createGateway(http: Http, robot: string | null = null): Gateway 
         }),
       );
     },
-    calibrationService: () => settle(http.GET("/calibration", options())),
-    calibrate: () =>
+    calibrationService: (): Promise<CalibrationService> => settle(http.GET("/calibration", options())),
+    /** Measures where the docked robot stands, which takes seconds. */
+    calibrate: (): Promise<Calibration> =>
       settle(http.POST("/calibration", { params: { query }, signal: deadline(CALIBRATION_TIMEOUT_MS) })),
   };
 }
 
-/** What can be done about alerts; each call is one request, and every failure a CommandError. */
-export interface Alerts {
-  /** Says that somebody has seen it, until it ends. */
-  acknowledge(id: string, by: string): Promise<Alert>;
-  withdraw(id: string): Promise<Alert>;
-}
+export type Gateway = ReturnType<typeof createGateway>;
 
-export function createAlerts(http: Http): Alerts {
+/** What can be done about alerts; each call is one request, and every failure a CommandError. */
+export function createAlerts(http: Http) {
   const options = (id: string) => ({ params: { path: { alert_id: id } }, signal: deadline() });
   return {
-    acknowledge: (id, by) =>
+    /** Says that somebody has seen it, until it ends. */
+    acknowledge: (id: string, by: string): Promise<Alert> =>
       settle(http.PUT("/alerts/{alert_id}/acknowledgement", { body: { by }, ...options(id) })),
-    withdraw: (id) => settle(http.DELETE("/alerts/{alert_id}/acknowledgement", options(id))),
+    withdraw: (id: string): Promise<Alert> =>
+      settle(http.DELETE("/alerts/{alert_id}/acknowledgement", options(id))),
   };
 }
 

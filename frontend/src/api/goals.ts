@@ -5,34 +5,25 @@ import type { AnyGoal, AnyGoalPage, GoalHistory, PoseEvent } from "./types";
 /** What `GET /goals` can be narrowed by. */
 export type GoalQuery = Omit<NonNullable<paths["/goals"]["get"]["parameters"]["query"]>, "limit" | "cursor">;
 
-/** Goals on any action, sent by whomever. Every failure is a CommandError. */
-export interface GoalsApi {
-  list(query: GoalQuery, cursor: string | null): Promise<AnyGoalPage>;
-  goal(goalId: string): Promise<AnyGoal>;
-  cancel(goalId: string): Promise<AnyGoal>;
-  /** A page of what happened to a goal, oldest first, after an event, from the beginning for null. */
-  history(goalId: string, after: string | null): Promise<GoalHistory>;
-  /** Where the robot was while a goal ran, oldest first; all that is stored. */
-  poses(goalId: string): Promise<PoseEvent[]>;
-}
-
 /** Of the goals of a list, and of the events of a history, that come at once. */
 const PAGE = 50;
 const EVENTS = 2000;
 
-export function createGoalsApi(http: Http): GoalsApi {
+/** Goals on any action, sent by whomever. Every failure is a CommandError. */
+export function createGoalsApi(http: Http) {
   const one = (goalId: string) => ({ params: { path: { goal_id: goalId } }, signal: deadline() });
   return {
-    list: (query, cursor) =>
+    list: (query: GoalQuery, cursor: string | null): Promise<AnyGoalPage> =>
       settle(
         http.GET("/goals", {
           params: { query: { ...query, limit: PAGE, ...(cursor === null ? {} : { cursor }) } },
           signal: deadline(),
         }),
       ),
-    goal: (goalId) => settle(http.GET("/goals/{goal_id}", one(goalId))),
-    cancel: (goalId) => settle(http.POST("/goals/{goal_id}/cancel", one(goalId))),
-    history: (goalId, after) =>
+    goal: (goalId: string): Promise<AnyGoal> => settle(http.GET("/goals/{goal_id}", one(goalId))),
+    cancel: (goalId: string): Promise<AnyGoal> => settle(http.POST("/goals/{goal_id}/cancel", one(goalId))),
+    /** A page of what happened to a goal, oldest first, after an event, from the beginning for null. */
+    history: (goalId: string, after: string | null): Promise<GoalHistory> =>
       settle(
         http.GET("/goals/{goal_id}/history", {
           params: {
@@ -42,7 +33,8 @@ export function createGoalsApi(http: Http): GoalsApi {
           signal: deadline(),
         }),
       ),
-    poses: async (goalId) => {
+    /** Where the robot was while a goal ran, oldest first; all that is stored. */
+    poses: async (goalId: string): Promise<PoseEvent[]> => {
       const poses: PoseEvent[] = [];
       let after: string | null = null;
       do {
@@ -62,6 +54,8 @@ export function createGoalsApi(http: Http): GoalsApi {
     },
   };
 }
+
+export type GoalsApi = ReturnType<typeof createGoalsApi>;
 
 export type ExportFormat = "csv" | "json";
 
@@ -84,29 +78,26 @@ export type GoalNotes = components["schemas"]["GoalNotes"];
 export type Note = components["schemas"]["Note"];
 
 /** Notes and tags of a goal. Each call gives what the goal has then; every failure is a CommandError. */
-export interface NotesApi {
-  read(): Promise<GoalNotes>;
-  add(by: string, text: string): Promise<GoalNotes>;
-  remove(noteId: string): Promise<GoalNotes>;
-  setTags(tags: readonly string[]): Promise<GoalNotes>;
-}
-
-export function createNotesApi(http: Http, goalId: string): NotesApi {
+export function createNotesApi(http: Http, goalId: string) {
   const path = { goal_id: goalId };
   const options = () => ({ params: { path }, signal: deadline() });
   return {
-    read: () => settle(http.GET("/goals/{goal_id}/notes", options())),
-    add: (by, text) => settle(http.POST("/goals/{goal_id}/notes", { body: { by, text }, ...options() })),
-    remove: (noteId) =>
+    read: (): Promise<GoalNotes> => settle(http.GET("/goals/{goal_id}/notes", options())),
+    add: (by: string, text: string): Promise<GoalNotes> =>
+      settle(http.POST("/goals/{goal_id}/notes", { body: { by, text }, ...options() })),
+    remove: (noteId: string): Promise<GoalNotes> =>
       settle(
         http.DELETE("/goals/{goal_id}/notes/{note_id}", {
           params: { path: { ...path, note_id: noteId } },
           signal: deadline(),
         }),
       ),
-    setTags: (tags) => settle(http.PUT("/goals/{goal_id}/tags", { body: { tags: [...tags] }, ...options() })),
+    setTags: (tags: readonly string[]): Promise<GoalNotes> =>
+      settle(http.PUT("/goals/{goal_id}/tags", { body: { tags: [...tags] }, ...options() })),
   };
 }
+
+export type NotesApi = ReturnType<typeof createNotesApi>;
 
 /** The tags of all goals. */
 export async function listTags(http: Http): Promise<string[]> {
