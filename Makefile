@@ -65,6 +65,9 @@ bench-dashboard: setup ## what the dashboard costs a browser (BENCH_ARGS='--minu
 screenshots: setup ## renew the pictures in docs/images
 	@$(BIN)/python -m scripts.screenshots
 
+traces: setup $(STAMPS)/test-interfaces ## follow real requests through the code, and renew the lists in docs/architecture.md
+	@$(BIN)/python -m scripts.traces
+
 compare-screenshots: setup ## each page of the dashboard beside that of BASE=main, with the same data: what differs?
 	@$(BIN)/python -m scripts.screenshots --compare $(or $(BASE),main)
 
