@@ -31,7 +31,7 @@ TEST_INTERFACES := tests/interfaces
 TEST_INTERFACE_SOURCES := $(shell find $(TEST_INTERFACES) -type f) $(INTERFACES)/wheel/pypi_prefix.cmake
 DASHBOARD_SOURCES := $(shell find frontend -path frontend/node_modules -prune -o -path frontend/dist -prune -o -type f -print)
 
-.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots format lock nav2-interfaces interfaces-wheel colcon-workspace clean
+.PHONY: help run setup test check mutation chaos bench bench-docking bench-dashboard screenshots compare-screenshots traces format lock nav2-interfaces interfaces-wheel colcon-workspace clean
 
 help: ## list the targets
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-20s %s\n", $$1, $$2}'
