@@ -45,14 +45,16 @@ export default defineConfig({
   test: {
     testTimeout: 90_000,
     maxWorkers: "100%",
+    pool: "threads",
     restoreMocks: true,
     projects: [
-      // What needs no page. A file that needs a bit of one says so in a comment at its top.
+      // What needs no page; a file that needs a bit of one says so at its top. They mock no modules, so they share them.
       {
         extends: true,
         test: {
           name: "logic",
           environment: "node",
+          isolate: false,
           include: ["tests/**/*.test.ts"],
           setupFiles: ["tests/clock.ts"],
         },
